@@ -1,0 +1,205 @@
+"""Slip rate, slip and shear traction of given zones as functions of slowness, b = mu = 1."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.panels import Panels, Zone, lay_panels
+from semianalytic.rayleigh import Array, CutPoints, Mode
+from semianalytic.running import RunningIntegral
+from semianalytic.stuck import stuck_traction
+from semianalytic.zones import Load, ZoneFields
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Integrated fields of `ZoneFields`; slip rates are one-sided, u = t/x >= 0 of shape (n,)."""
+
+    fields: ZoneFields
+
+    @property
+    def panels(self) -> Panels:
+        return self.fields.panels
+
+    @property
+    def _load(self) -> Load:
+        return self.fields.load
+
+    @property
+    def edge_slips(self) -> bool:
+        """Whether slip reaches the contact edge."""
+        return bool(self.panels.sense[-1])
+
+    @cached_property
+    def edge_intensity(self) -> float:
+        """K_II over that of a unit shear step on a stuck interface; 0 if the edge slips."""
+        if self.edge_slips:
+            return 0.0
+        return self.fields.stick_transform_at_edge * float(self.fields.factors.m_plus(0.0))
+
+    @cached_property
+    def _slip_rate(self) -> RunningIntegral:
+        fields = self.fields
+        tail = 0.0
+        if self.edge_slips:
+            sign = np.sign(fields.canonical[-1, -1])
+            tail = float(sign * fields.constant / (np.pi * fields.factors.kappa))
+        return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
+
+    @cached_property
+    def _traction(self) -> RunningIntegral:
+        """Traction on panels that stick, less what is unbounded at a stuck edge."""
+        slope = self.fields.traction_slope
+        if not self.edge_slips:
+            slope = slope.copy()
+            slope[-1] -= self.edge_intensity * self._shear.slope(self.panels.nodes(-1))
+        return RunningIntegral(self.panels, slope, self.fields.factors.c)
+
+    @property
+    def _shear(self):
+        return stuck_traction(self.fields.factors.poisson_ratio, "II")
+
+    def _edge_traction(self, panel: int, v: Array) -> Array | float:
+        """The part of the traction that is unbounded at a stuck edge."""
+        if self.panels.right[panel] is not None:
+            return 0.0
+        return self.edge_intensity * (self._shear(v) - self._shear(self.panels.left[panel].v))
+
+    @cached_property
+    def _starts(self) -> tuple[Array, Array, Array]:
+        """Slip rate, slip / x and shear traction at the left end of each panel."""
+        panels, load = self.panels, self._load
+        count = len(panels.left)
+        rate, slip, traction = np.zeros(count), np.zeros(count), np.zeros(count)
+        rate[0] = load.far_slip_rate
+        slip[0] = load.far_slip_rate * panels.left[0].v
+        traction[0] = load.base_shear - load.far_slip_rate
+        for i in range(count - 1):
+            left, right = panels.left[i], panels.right[i]
+            assert right is not None
+            if not panels.sense[i]:
+                slip[i + 1] = slip[i]
+                traction[i + 1] = traction[i] + self._traction.totals[i]
+                continue
+            end = rate[i] + self._slip_rate.totals[i]
+            _, moment = self._slip_rate(i, right.reshaped(1))
+            slip[i + 1] = slip[i] + end * right.v - rate[i] * left.v - moment[0]
+            rate[i + 1] = end if panels.sense[i + 1] else 0.0
+            traction[i + 1] = panels.sense[i] * self.fields.strength(right)
+        return rate, slip, traction
+
+    def slip_rate_at_nodes(self, panel: int) -> Array:
+        """V at the (n,) nodes of a panel that slips."""
+        return self._starts[0][panel] + self._slip_rate.at_nodes(panel)[0]
+
+    def traction_at_nodes(self, panel: int) -> Array:
+        """tau at the (n,) nodes of a panel that sticks."""
+        bounded = self._starts[2][panel] + self._traction.at_nodes(panel)[0]
+        return bounded + self._edge_traction(panel, self.panels.at.v[panel])
+
+    def residue(self, panel: int) -> float:
+        """Coefficient of ln |v - c| in V where a zone covers c."""
+        return float(self._slip_rate.residues[panel])
+
+    @cached_property
+    def edge_slip_rate(self) -> float:
+        """V at the contact edge."""
+        return float(self._starts[0][-1] + self._slip_rate.totals[-1]) if self.edge_slips else 0.0
+
+    def _piecewise(self, u: Array, ahead: float, inside: Callable[[int, CutPoints], Array]) -> Array:
+        result = np.full(u.shape, ahead)
+        panel = np.searchsorted([float(left.v) for left in self.panels.left], u, "right") - 1
+        for i in np.unique(panel[panel >= 0]):
+            here = panel == i
+            result[here] = inside(int(i), self.fields.factors.cut(u[here]))
+        return result
+
+    def slip_rate(self, u: Array) -> Array:
+        """V at slownesses u."""
+
+        def inside(i: int, at: CutPoints) -> Array:
+            if not self.panels.sense[i]:
+                return np.zeros(at.v.shape)
+            return self._starts[0][i] + self._slip_rate(i, at)[0]
+
+        return self._piecewise(u, self._load.far_slip_rate, inside)
+
+    def slip_over_time(self, u: Array) -> Array:
+        """Slip / t at slownesses u: the mean of V over slownesses up to u."""
+        rate, slip, _ = self._starts
+
+        def inside(i: int, at: CutPoints) -> Array:
+            if not self.panels.sense[i]:
+                return slip[i] / at.v
+            gain, moment = self._slip_rate(i, at)
+            start = slip[i] - rate[i] * self.panels.left[i].v
+            return rate[i] + gain + (start - moment) / at.v
+
+        return self._piecewise(u, self._load.far_slip_rate, inside)
+
+    def pressure_change(self, u: Array) -> Array:
+        """P_0 p* at slownesses u."""
+        mode_one = stuck_traction(self.fields.factors.poisson_ratio, "I")
+        return self._load.step_pressure * mode_one(u)
+
+    def shear_change(self, u: Array) -> Array:
+        """tau - Q_b at slownesses u."""
+        load = self._load
+
+        def inside(i: int, at: CutPoints) -> Array:
+            sense = self.panels.sense[i]
+            if sense:
+                pressure = load.base_pressure + self.pressure_change(at.v)
+                return sense * load.friction * pressure - load.base_shear
+            bounded = self._starts[2][i] + self._traction(i, at)[0] - load.base_shear
+            return bounded + self._edge_traction(i, at.v)
+
+        return self._piecewise(u, -load.far_slip_rate, inside)
+
+    @cached_property
+    def frictional_power(self) -> float:
+        """Integral of tau V over xi, one-sided slip rate."""
+        panels, load, power = self.panels, self._load, 0.0
+        for i in np.flatnonzero(panels.sense):
+            v = panels.at.v[i]
+            strength = load.friction * (load.base_pressure + self.pressure_change(v))
+            density = panels.sense[i] * strength * self.slip_rate_at_nodes(int(i)) / v**2
+            power += panels.rule.spacing * float(np.sum(density * panels.jacobian[i]))
+        return power
+
+    @cached_property
+    def _slot(self) -> tuple[RunningIntegral, RunningIntegral]:
+        """Slopes in v = -t/x of tangential and normal velocity of the upper slot face."""
+        factors, load = self.fields.factors, self._load
+        panels = lay_panels(factors, (Zone(None, None, 1),), self.fields.rule)
+
+        def integral(transform: Array, mode: Mode) -> RunningIntegral:
+            impedance = factors.impedance_on_cut(panels.at, mode)
+            ratio = impedance.imag / np.square(np.abs(impedance))
+            slope = -transform * factors.m_plus(panels.at.v, mode) * ratio / (np.pi * panels.at.v)
+            return RunningIntegral(panels, slope, factors.c)
+
+        normal = -load.step_pressure / float(factors.m_plus(0.0, "I"))
+        return (
+            integral(self.fields.stick_transform_off_cut(panels.at.v), "II"),
+            integral(np.full_like(panels.at.v, normal), "I"),
+        )
+
+    def slot_velocity(self, v: Array) -> tuple[Array, Array]:
+        """Tangential and normal velocity of the upper slot face at v = -t/x >= 0."""
+        load, factors = self._load, self.fields.factors
+        plane_waves = (load.step_shear, -load.step_pressure * factors.a)
+        result = []
+        for integral, far in zip(self._slot, plane_waves, strict=True):
+            panel = np.searchsorted([float(x.v) for x in integral.panels.left], v, "right") - 1
+            value = np.full(v.shape, far)
+            for i in np.unique(panel[panel >= 0]):
+                here = panel == i
+                value[here] += integral.totals[:i].sum()
+                value[here] += integral(int(i), factors.cut(v[here]))[0]
+            result.append(value)
+        return result[0], result[1]

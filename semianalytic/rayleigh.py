@@ -1,0 +1,186 @@
+"""Rayleigh function, its Wiener-Hopf factors and the impedances of a half-plane.
+
+Everything here depends on the Poisson ratio alone and is dimensionless: slowness in units
+of the shear slowness b = 1/c_t, impedance in units of mu b.  On the branch cut k = -v + i0
+nothing is evaluated as a principal value: the factor M_+(-v) is the full impedance divided by
+M_-(-v) = M_+(v), an argument off the cut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Literal
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.scene import Material
+
+Array = NDArray[np.float64]
+Mode = Literal["I", "II"]
+
+_GAUSS_PHASE = 240
+_DEGREE = 64
+
+
+def gauss(n: int) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes and weights on [0, 1]."""
+    nodes, weights = np.polynomial.legendre.leggauss(n)
+    return (nodes + 1) / 2, weights / 2
+
+
+@dataclass(frozen=True)
+class CutPoints:
+    """Slownesses v on the cut with their distances from a, b and c, exact however small.
+
+    Attributes
+    ----------
+    v, from_a, from_b, from_c : arrays of one shape
+        v, v - a, v - b and v - c in units of b.
+    """
+
+    v: Array
+    from_a: Array
+    from_b: Array
+    from_c: Array
+
+    def minus(self, other: CutPoints) -> Array:
+        """Difference v - w for a single point w, formed at the front nearest to w."""
+        near = min("from_a", "from_b", "from_c", key=lambda front: abs(getattr(other, front)))
+        return getattr(self, near) - getattr(other, near)
+
+    def pick(self, index: int) -> CutPoints:
+        """One of (n,) points."""
+        return CutPoints(self.v[index], self.from_a[index], self.from_b[index], self.from_c[index])
+
+    def reshaped(self, *shape: int) -> CutPoints:
+        """The same points in another shape."""
+        parts = (self.v, self.from_a, self.from_b, self.from_c)
+        return CutPoints(*(np.reshape(part, shape) for part in parts))
+
+    def shifted(self, distance: Array) -> CutPoints:
+        """The points at signed distances from a single point."""
+        return CutPoints(
+            self.v + distance, self.from_a + distance, self.from_b + distance, self.from_c + distance
+        )
+
+
+@dataclass(frozen=True)
+class RayleighFactors:
+    """Rayleigh function and Wiener-Hopf factors for one Poisson ratio, b = mu = 1.
+
+    Use `rayleigh_factors(poisson_ratio)`, which keeps the tables of recent Poisson ratios.
+    """
+
+    poisson_ratio: float
+
+    @cached_property
+    def _unit_material(self) -> Material:
+        return Material(1.0, 1.0, self.poisson_ratio)
+
+    @cached_property
+    def a(self) -> float:
+        """Longitudinal slowness 1/c_l in units of b."""
+        return 1.0 / self._unit_material.longitudinal_speed
+
+    @cached_property
+    def c(self) -> float:
+        """Rayleigh slowness 1/c_R in units of b."""
+        return 1.0 / self._unit_material.rayleigh_speed
+
+    @cached_property
+    def kappa(self) -> float:
+        """Constant kappa = 2 mu (b^2 - a^2) / b^2 of M = kappa M_+ M_-, in units of mu b / b."""
+        return 2.0 * (1.0 - self.a**2)
+
+    def phase(self, at: CutPoints) -> Array:
+        """Phase phi(v) of the Rayleigh function on a < v < b (the arctan of (3.12)); 0 outside."""
+        v = at.v
+        product = -at.from_a * at.from_b * (v + self.a) * (v + 1)
+        root = np.sqrt(np.maximum(product, 0.0))
+        return np.arctan2(4 * v * v * root, np.square(1 - 2 * v * v))
+
+    @cached_property
+    def _log_s_plus(self) -> Array:
+        """Chebyshev series of ln S_+ in (k - q)/(k + q), q^2 = a b, which maps k >= 0 to [-1, 1]."""
+        t, weight = gauss(_GAUSS_PHASE)
+        theta = t * np.pi / 2
+        w = self.a + (1 - self.a) * np.sin(theta) ** 2
+        dw = (1 - self.a) * np.sin(2 * theta) * np.pi / 2 * weight
+        density = self.phase(self.cut(w)) * dw / np.pi
+        q = np.sqrt(self.a)
+
+        def log_s_plus(z: Array) -> Array:
+            k_over = q * (1 + z)  # k = k_over / (1 - z)
+            return -(((1 - z)[:, None] / (w * (1 - z)[:, None] + k_over[:, None])) @ density)
+
+        return chebyshev.chebinterpolate(log_s_plus, _DEGREE)
+
+    def s_plus(self, k: ArrayLike) -> Array:
+        """Factor S_+(k) of the Rayleigh function for k >= 0 (3.12), (4.20)."""
+        k = np.asarray(k, dtype=float)
+        q = np.sqrt(self.a)
+        return np.exp(chebyshev.chebval((k - q) / (k + q), self._log_s_plus))
+
+    def m_plus(self, k: ArrayLike, mode: Mode = "II") -> Array:
+        """Impedance factor M_+(k) = (c + k) S_+(k) / sqrt(b + k) (mode I: sqrt(a + k)), k >= 0.
+
+        The reciprocal of the paper's F_+ (3.11) and G_+ (3.15).
+        """
+        k = np.asarray(k, dtype=float)
+        return (self.c + k) * self.s_plus(k) / np.sqrt((1.0 if mode == "II" else self.a) + k)
+
+    def reduced_rayleigh(self, v: ArrayLike) -> Array:
+        """R(-v) / (c^2 - v^2) for v > b, positive and free of cancellation.
+
+        R = (b^2 - 2v^2)^2 - 4v^2 sqrt(v^2 - a^2) sqrt(v^2 - b^2) on v > b; its rationalised
+        numerator is a cubic in v^2 with the root c^2.
+        """
+        z = np.square(np.asarray(v, dtype=float))
+        a2, c2 = self.a**2, self.c**2
+        lead = 16 * (1 - a2)
+        e1 = c2 - (24 - 16 * a2) / lead
+        e0 = 1 / (lead * c2)
+        conjugate = np.square(1 - 2 * z) + 4 * z * np.sqrt(z - a2) * np.sqrt(np.maximum(z - 1, 0))
+        return lead * (z * (z + e1) + e0) / conjugate
+
+    def impedance_on_cut(self, at: CutPoints, mode: Mode = "II") -> NDArray[np.complex128]:
+        """Impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.17)."""
+        v, z = at.v, np.square(at.v)
+        alpha = np.sqrt(np.abs(at.from_a) * (v + self.a))
+        beta = np.sqrt(np.abs(at.from_b) * (v + 1))
+        ahead = at.from_b < 0
+        behind = self.reduced_rayleigh(np.maximum(v, 1.0)) * at.from_c * (v + self.c)
+        polynomial = np.square(1 - 2 * z)
+        if mode == "II":
+            real = np.where(ahead, polynomial / beta, 0.0)
+            imag = np.where(ahead, 4 * z * alpha, behind / beta)
+        else:
+            real = np.where(ahead, 4 * z * beta, 0.0)
+            imag = np.where(ahead, -polynomial / alpha, behind / alpha)
+        return real + 1j * imag
+
+    def near_c(self, distance: float) -> CutPoints:
+        """The point at a signed distance from c, however small."""
+        c, d = self.c, np.float64(distance)
+        return CutPoints(c + d, c - self.a + d, c - 1 + d, d)
+
+    def cut(self, v: ArrayLike) -> CutPoints:
+        """Points on the cut from their slowness v > 0 alone."""
+        v = np.asarray(v, dtype=float)
+        return CutPoints(v, v - self.a, v - 1.0, v - self.c)
+
+
+@lru_cache(maxsize=64)
+def rayleigh_factors(poisson_ratio: float) -> RayleighFactors:
+    """Factors for one Poisson ratio; the tables of the 64 most recent ones are kept.
+
+    Raises
+    ------
+    SceneError
+        If the Poisson ratio is not in (-1, 0.5).
+    """
+    Material(1.0, 1.0, poisson_ratio)
+    return RayleighFactors(poisson_ratio)

@@ -1,0 +1,467 @@
+"""Solve a scene: which zones slip (complementarity), then where exactly they end (Newton)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from semianalytic.collocation import GridSlip, slip_on_grid
+from semianalytic.errors import ComputationError, SceneError, TensionError
+from semianalytic.panels import Rule, Zone, rule_for
+from semianalytic.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.scene import Scene
+from semianalytic.profile import Profile
+from semianalytic.solution import SlipZone, Solution, Statistics
+from semianalytic.stuck import stuck_traction
+from semianalytic.zones import Load, ZoneFields
+
+_GRIDS = (48, 96, 192, 384)
+_MOST_ZONE_SETS = 12
+_MOST_STEPS = 40
+_NARROWEST_GAP = 1e-14  # a stick gap around c_R narrower than x/t can resolve is left out
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Zone edges as unbounded unknowns: where each lies between two wave fronts.
+
+    Attributes
+    ----------
+    factors : RayleighFactors
+    senses : tuple of int, one per zone, from the longitudinal front inward
+    open_ends : (bool, bool), whether the first zone starts ahead of all waves and whether the
+        last one reaches the contact edge
+    segments : tuple of int, per edge: 0 for (a, b), 1 for (b, c), 2 for (c, inf)
+    """
+
+    factors: RayleighFactors
+    senses: tuple[int, ...]
+    open_ends: tuple[bool, bool]
+    segments: tuple[int, ...]
+
+    def points(self, unknowns: Array) -> list[CutPoints]:
+        """Edges in slowness; the unknown is a logit in a bounded segment, a logarithm beyond c."""
+        a, c = self.factors.a, self.factors.c
+        result = []
+        for z, segment in zip(unknowns, self.segments, strict=True):
+            if segment == 2:
+                result.append(self.factors.near_c(np.exp(z)))
+                continue
+            low, high = ((a, 1.0), (1.0, c))[segment]
+            up, down = (high - low) / (1 + np.exp(-z)), (high - low) / (1 + np.exp(z))
+            if segment == 0:
+                result.append(CutPoints(a + up, up, -down, a - c + up))
+            else:
+                result.append(CutPoints(1 + up, 1 - a + up, up, -down))
+        return result
+
+    def zones(self, unknowns: Array) -> tuple[Zone, ...]:
+        """The zones of given unknowns."""
+        points: list[CutPoints | None] = list(self.points(unknowns))
+        if self.open_ends[0]:
+            points.insert(0, None)
+        if self.open_ends[1]:
+            points.append(None)
+        return tuple(
+            Zone(points[2 * i], points[2 * i + 1], sense) for i, sense in enumerate(self.senses)
+        )
+
+    def in_order(self, unknowns: Array) -> bool:
+        """Whether edges keep their order."""
+        points = self.points(unknowns)
+        return all(float(q.minus(p)) > 0 for p, q in zip(points[:-1], points[1:], strict=True))
+
+
+def _place(
+    factors: RayleighFactors,
+    senses: tuple[int, ...],
+    open_ends: tuple[bool, bool],
+    points: list[CutPoints],
+) -> tuple[Edges, Array]:
+    """Edges and unknowns from points on the cut."""
+    segments, unknowns = [], []
+    for p in points:
+        if p.from_c > 0:
+            segments.append(2)
+            unknowns.append(np.log(p.from_c))
+        elif p.from_b > 0:
+            segments.append(1)
+            unknowns.append(np.log(p.from_b) - np.log(-p.from_c))
+        else:
+            segments.append(0)
+            unknowns.append(np.log(p.from_a) - np.log(-p.from_b))
+    return Edges(factors, senses, open_ends, tuple(segments)), np.array(unknowns, dtype=float)
+
+
+def zones_on_grid(factors: RayleighFactors, grid: GridSlip) -> tuple[Edges, Array]:
+    """Zones seen by the first stage, edges placed by the square-root shape of V there."""
+    xi, rate = grid.xi[::-1], grid.slip_rate[::-1]  # from the longitudinal front inward
+    sense = np.sign(rate).astype(int)
+    bounds = [*np.flatnonzero(np.diff(sense, prepend=0)), len(sense)]
+    senses, points = [], []
+    for start, stop in zip(bounds[:-1], bounds[1:], strict=True):
+        if sense[start] == 0:
+            continue
+        senses.append(int(sense[start]))
+        for node, outside, inward in ((start, start - 1, 1), (stop - 1, stop, -1)):
+            if not 0 <= outside < len(xi):
+                continue
+            share = 0.5
+            inner = node + inward
+            if start <= inner < stop and abs(rate[inner]) > abs(rate[node]):
+                square = np.square(rate[[node, inner]])
+                reach = abs(xi[inner] - xi[node]) * square[0] / (square[1] - square[0])
+                share = float(np.clip(reach / abs(xi[outside] - xi[node]), 0.1, 0.9))
+            points.append(factors.cut(1 / (xi[node] + share * (xi[outside] - xi[node]))))
+    open_ends = (bool(sense[0]), bool(sense[-1]))
+    return _place(factors, tuple(senses), open_ends, points)
+
+
+@dataclass(frozen=True)
+class Refined:
+    """Unknowns after Newton, whether they converged, inverse Jacobian and steps taken."""
+
+    unknowns: Array
+    converged: bool
+    inverse: Array
+    steps: int
+
+
+def _broyden(inverse: Array, move: Array, change: Array) -> Array:
+    """Inverse Jacobian after a step, by Broyden's good update."""
+    image = inverse @ change
+    denominator = move @ image
+    if denominator == 0:
+        return inverse
+    return inverse + np.outer(move - image, move @ inverse) / denominator
+
+
+def _newton(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: float) -> Refined:
+    """Solve for the edges by Newton's method with Broyden updates and natural monotonicity."""
+
+    def mismatch(unknowns: Array) -> Array:
+        return ZoneFields(edges.factors, load, edges.zones(unknowns), rule, False).mismatch()
+
+    unknowns, size = start, len(start)
+    value = mismatch(unknowns)
+    inverse, fresh = np.zeros((size, size)), False
+    for step in range(1, _MOST_STEPS + 1):
+        if not fresh and step in (1, 8, 16, 24):
+            jacobian = np.empty((size, size))
+            for i in range(size):
+                moved = unknowns.copy()
+                moved[i] += 1e-6
+                jacobian[:, i] = (mismatch(moved) - value) / 1e-6
+            try:
+                inverse = np.linalg.inv(jacobian)
+            except np.linalg.LinAlgError:
+                return Refined(unknowns, False, inverse, step)
+        move = -inverse @ value
+        largest = np.abs(move).max()
+        if largest > 1.5:
+            move *= 1.5 / largest
+        for _ in range(8):
+            trial = unknowns + move
+            if edges.in_order(trial):
+                new = mismatch(trial)
+                if np.abs(inverse @ new).max() <= max(largest, 1e-12) or not np.isfinite(largest):
+                    break
+            move /= 2
+        else:
+            return Refined(unknowns, False, inverse, step)
+        change = new - value
+        unknowns, value = trial, new
+        if not np.all(np.isfinite(value)) or np.abs(unknowns).max() > 600:
+            return Refined(unknowns, False, inverse, step)
+        if largest < tolerance:
+            return Refined(unknowns, True, inverse, step)
+        inverse = _broyden(inverse, move, change)
+    return Refined(unknowns, False, inverse, _MOST_STEPS)
+
+
+@dataclass(frozen=True)
+class Violation:
+    """An interval of slowness where Coulomb's law fails, in a slip zone or (zone -1) in stick."""
+
+    zone: int
+    sense: int
+    left: CutPoints
+    right: CutPoints
+    touches_left: bool
+    touches_right: bool
+
+
+def _violations(profile: Profile, tolerance: float) -> list[Violation]:
+    """Where the slip rate has the wrong sign or the traction exceeds friction."""
+    panels, load = profile.panels, profile.fields.load
+    slipping = [int(i) for i in np.flatnonzero(panels.sense)]
+    rates = {i: profile.slip_rate_at_nodes(i) for i in slipping}
+    largest = max((float(np.abs(rate).max()) for rate in rates.values()), default=0.0)
+    found = []
+    for i, sense in enumerate(panels.sense):
+        at = panels.nodes(i)
+        if sense:
+            wrong = sense * rates[i] < -tolerance * largest
+            signs = np.full(at.v.shape, sense)
+        else:
+            pressure = load.base_pressure + profile.pressure_change(at.v)
+            strength = load.friction * pressure
+            traction = profile.traction_at_nodes(i)
+            wrong = np.abs(traction) > strength + tolerance * (strength + 1)
+            signs = np.sign(traction).astype(int)
+        inside = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
+        last = len(at.v) - 1
+        for start, stop in zip(inside[::2], inside[1::2], strict=True):
+            ends = [at.pick(max(start - 1, 0)), at.pick(min(stop, last))]
+            zone, sign = int(panels.zone[i]) if sense else -1, int(signs[start])
+            found.append(Violation(zone, sign, *ends, start == 0, stop > last))
+        if sense and not wrong.any() and sense * profile.residue(i) > 0:
+            width = _gap_at_rayleigh_front(profile, i, rates[i])
+            if width > _NARROWEST_GAP:
+                ends = [profile.fields.factors.near_c(d) for d in (-width, width)]
+                found.append(Violation(int(panels.zone[i]), int(sense), *ends, False, False))
+    return found
+
+
+def _gap_at_rayleigh_front(profile: Profile, panel: int, rate: Array) -> float:
+    """Half-width in slowness of the strip around c where the logarithm in V reverses it."""
+    from_c = profile.panels.at.from_c[panel]
+    nearest = np.argsort(np.abs(from_c))[:2]
+    residue = profile.residue(panel)
+    level = float(np.mean(rate[nearest] - residue * np.log(np.abs(from_c[nearest]))))
+    return float(np.exp(np.maximum(-level / residue, -690.0)))
+
+
+def _corrected(
+    factors: RayleighFactors, edges: Edges, unknowns: Array, violations: list[Violation]
+) -> tuple[Edges, Array]:
+    """Zones without the intervals that slip the wrong way, and with those that must slip.
+
+    New zones are made only when the present ones are sound.
+    """
+    spans = [[zone.left, zone.right, zone.sense] for zone in edges.zones(unknowns)]
+    wrong_slip = [bad for bad in violations if bad.zone >= 0]
+    for bad in sorted(wrong_slip, key=lambda bad: float(bad.left.v)):
+        span = next(s for s in reversed(spans) if s[0] is None or bad.left.minus(s[0]) >= 0)
+        if bad.touches_left:
+            span[0] = bad.right
+        elif bad.touches_right and span[1] is not None:
+            span[1] = bad.left
+        else:
+            spans.insert(spans.index(span) + 1, [bad.right, span[1], bad.sense])
+            span[1] = bad.left
+    for bad in (bad for bad in violations if bad.zone < 0):
+        after = sum(s[0] is None or s[0].v < bad.left.v for s in spans)
+        if bad.touches_right and after < len(spans) and spans[after][2] == bad.sense:
+            spans[after][0] = bad.left
+        elif bad.touches_left and after > 0 and spans[after - 1][2] == bad.sense:
+            spans[after - 1][1] = bad.right
+        elif not wrong_slip:
+            spans.insert(after, [bad.left, bad.right, bad.sense])
+    points = [p for left, right, _ in spans for p in (left, right) if p is not None]
+    open_ends = (bool(spans) and spans[0][0] is None, bool(spans) and spans[-1][1] is None)
+    return _place(factors, tuple(span[2] for span in spans), open_ends, points)
+
+
+def _check_pressure(scene: Scene) -> None:
+    """Raise TensionError where the contact pressure would turn tensile."""
+    base, step = scene.base.pressure, scene.step.pressure
+    factors = rayleigh_factors(scene.material.poisson_ratio)
+    mode_one = stuck_traction(scene.material.poisson_ratio, "I")
+    if step < 0:
+        raise TensionError(
+            "scene: a negative pressure step opens the contact at its edge x = 0; "
+            "make step pressure positive, or simulate the scene with finite elements."
+        )
+    least = base + step * float(mode_one(factors.c))
+    if least < 0:
+        raise TensionError(
+            f"scene: the contact pressure would fall to {least:.4g} at the Rayleigh front "
+            f"x/t = {scene.material.rayleigh_speed:.6g}; raise base pressure to at least "
+            f"{base - least:.4g}."
+        )
+
+
+def _scaled_load(scene: Scene) -> tuple[Load, float]:
+    """Load in units of its largest traction, and that unit."""
+    f, base, step = scene.friction, scene.base, scene.step
+    parts = (step.shear, f * step.pressure, base.shear, f * base.pressure)
+    stress = max(abs(part) for part in parts) or 1.0
+    load = Load(
+        f,
+        base.pressure / stress,
+        base.shear / stress,
+        step.pressure / stress,
+        step.shear / stress,
+        scene.far_slip_rate * scene.material.shear_impedance / (2 * stress),
+    )
+    return load, stress
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Zones that fulfil Coulomb's law on a coarse rule."""
+
+    edges: Edges
+    unknowns: Array
+    inverse: Array
+    sound: bool
+    pivots: int
+    steps: int
+    sets: int
+
+
+def _find_zones(factors: RayleighFactors, load: Load, rule: Rule, tolerance: float) -> _Found:
+    """Zones from complementarity on finer and finer grids, corrected until the law holds."""
+    pivots = steps = sets = 0
+    for size in _GRIDS:
+        grid = slip_on_grid(
+            factors.poisson_ratio,
+            load.friction,
+            (load.base_pressure, load.base_shear),
+            (load.step_pressure, load.step_shear),
+            load.far_slip_rate,
+            size,
+        )
+        pivots += grid.pivots
+        edges, unknowns = zones_on_grid(factors, grid)
+        for _ in range(_MOST_ZONE_SETS):
+            sets += 1
+            inverse = np.zeros((0, 0))
+            if len(unknowns):
+                refined = _newton(edges, load, rule, unknowns, 1e-2 * tolerance)
+                steps += refined.steps
+                unknowns, inverse = refined.unknowns, refined.inverse
+                if not refined.converged:
+                    break
+            zones = edges.zones(unknowns)
+            violations = _violations(Profile(ZoneFields(factors, load, zones, rule)), tolerance)
+            if not violations:
+                return _Found(edges, unknowns, inverse, True, pivots, steps, sets)
+            edges, unknowns = _corrected(factors, edges, unknowns, violations)
+    return _Found(edges, unknowns, inverse, False, pivots, steps, sets)
+
+
+def _polished(found: _Found, load: Load, rule: Rule) -> tuple[Array, int]:
+    """Unknowns on a finer rule, by Broyden steps from the Jacobian already known."""
+    edges, unknowns, inverse = found.edges, found.unknowns, found.inverse
+
+    def mismatch(unknowns: Array) -> Array:
+        return ZoneFields(edges.factors, load, edges.zones(unknowns), rule, False).mismatch()
+
+    value = mismatch(unknowns)
+    move = -inverse @ value
+    step = 1
+    while step < 8:
+        unknowns = unknowns + move
+        if np.abs(move).max() < 1e-12:
+            break
+        step += 1
+        change = -value
+        value = mismatch(unknowns)
+        change += value
+        inverse = _broyden(inverse, move, change)
+        following = -inverse @ value
+        if not np.abs(following).max() < np.abs(move).max():
+            break
+        move = following
+    return unknowns, step
+
+
+def _difference(fine: Profile, coarse: Profile) -> float:
+    """Largest difference of edges and of slip rates, relative to c_t and to the largest rate."""
+    edges = [
+        abs(1 / p.v - 1 / q.v)
+        for x, y in zip(fine.fields.zones, coarse.fields.zones, strict=True)
+        for p, q in ((x.left, y.left), (x.right, y.right))
+        if p is not None and q is not None
+    ]
+    u = 1 / np.linspace(0.01, 1 / fine.fields.factors.a, 60)
+    rate, other = fine.slip_rate(u), coarse.slip_rate(u)
+    rate = np.append(rate, fine.edge_slip_rate)
+    other = np.append(other, coarse.edge_slip_rate)
+    largest = float(np.abs(rate).max()) or 1.0
+    return float(max([*edges, np.abs(rate - other).max() / largest]))
+
+
+def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
+    """Solve a scene for slip and stick on its interface.
+
+    Parameters
+    ----------
+    scene : Scene
+    rtol : float
+        Wanted accuracy of zone edges (relative to c_t) and slip rate (relative to its largest
+        value), between 1e-12 and 1e-2.
+
+    Returns
+    -------
+    Solution
+        Its `status` is "converged" if the error estimate is below rtol and Coulomb's law holds
+        at every node.
+
+    Raises
+    ------
+    SceneError
+        If rtol is out of range.
+    TensionError
+        If the contact pressure would turn tensile; the message says where.
+    """
+    if not 1e-12 <= rtol <= 1e-2:
+        raise SceneError(f"rtol must lie between 1e-12 and 1e-2, got {rtol!r}.")
+    _check_pressure(scene)
+    factors = rayleigh_factors(scene.material.poisson_ratio)
+    load, stress = _scaled_load(scene)
+    clock = [perf_counter()]
+    coarse_rule = rule_for(max(rtol, 1e-4))
+    if scene.friction * (abs(scene.base.pressure) + abs(scene.step.pressure)) == 0:
+        edges = Edges(factors, (1,), (True, True), ())
+        found = _Found(edges, np.zeros(0), np.zeros((0, 0)), True, 0, 0, 1)
+    else:
+        found = _find_zones(factors, load, coarse_rule, 10 * max(rtol, 1e-4))
+    clock.append(perf_counter())
+    rule, companion = rule_for(rtol / 30), rule_for(rtol / 4)
+    unknowns, other, steps = found.unknowns, found.unknowns, 0
+    if len(unknowns):
+        unknowns, steps = _polished(found, load, rule)
+        at_fine = ZoneFields(factors, load, found.edges.zones(unknowns), companion, False)
+        other = unknowns - found.inverse @ at_fine.mismatch()
+    clock.append(perf_counter())
+    profile = Profile(ZoneFields(factors, load, found.edges.zones(unknowns), rule))
+    coarse = Profile(ZoneFields(factors, load, found.edges.zones(other), companion))
+    estimate = _difference(profile, coarse) + 1e-14
+    status = "converged"
+    if not found.sound:
+        status = "no set of slip zones was found that fulfils Coulomb's law everywhere"
+    elif estimate > rtol:
+        status = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
+    elif found.edges.segments and _violations(profile, 100 * rtol):
+        status = "Coulomb's law is violated by more than 100 rtol somewhere"
+    clock.append(perf_counter())
+    stages = np.diff(clock)
+    names = ("zones", "edges", "fields")
+    statistics = Statistics(
+        pivots=found.pivots,
+        newton_steps=found.steps + steps,
+        zone_sets=found.sets,
+        unknowns=len(unknowns),
+        nodes=int(profile.panels.jacobian.size),
+        seconds=dict(zip(names, stages.tolist(), strict=True)),
+    )
+    zones = _slip_zones(scene, profile)
+    return Solution(scene, zones, status, estimate, statistics, profile, stress)
+
+
+def _slip_zones(scene: Scene, profile: Profile) -> tuple[SlipZone, ...]:
+    """Zones in velocity, from the contact edge outward."""
+    speed = scene.material.shear_speed
+    return tuple(
+        SlipZone(
+            0.0 if zone.right is None else float(speed / zone.right.v),
+            np.inf if zone.left is None else float(speed / zone.left.v),
+            zone.sense,
+        )
+        for zone in reversed(profile.fields.zones)
+    )
