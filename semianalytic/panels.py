@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.special import sici
@@ -158,36 +159,66 @@ def _skew(factors: RayleighFactors, left: CutPoints, right: CutPoints | None, sp
     return after / before * np.exp(spacing / 2) if before > 0 and after > 0 else 1.0
 
 
-def lay_panels(
-    factors: RayleighFactors, zones: tuple[Zone, ...], rule: Rule, tail: bool = True
-) -> Panels:
-    """Panels for a set of zones, split where an edge or the shear front lies.
+@dataclass(frozen=True)
+class Span:
+    """Where one panel lies: its ends (right None: unbounded), its sense of slip and its zone."""
 
-    With `tail` False the unbounded panel is left out.
-    """
-    front = factors.cut(factors.a)
-    shear_front = CutPoints(*(np.float64(x) for x in (1.0, 1 - factors.a, 0.0, 1 - factors.c)))
-    spans: list[tuple[CutPoints, CutPoints | None, int, int]] = []
-    position: CutPoints | None = front
+    left: CutPoints
+    right: CutPoints | None
+    sense: int
+    zone: int
+
+
+def spans_of(factors: RayleighFactors, zones: tuple[Zone, ...]) -> list[Span]:
+    """Panels for a set of zones: cut at edges, at the shear front and beside the hidden root."""
+    whole: list[Span] = []
+    position: CutPoints | None = factors.cut(factors.a)
     for index, zone in enumerate(zones):
         assert position is not None
         if zone.left is not None:
-            spans.append((position, zone.left, 0, index))
-        spans.append((zone.left or position, zone.right, zone.sense, index))
+            whole.append(Span(position, zone.left, 0, index))
+        whole.append(Span(zone.left or position, zone.right, zone.sense, index))
         position = zone.right
     if position is not None:
-        spans.append((position, None, 0, len(zones)))
-    split = []
-    for left, right, sense, index in spans:
-        if left.from_b < 0 and (right is None or right.from_b > 0):
-            split += [(left, shear_front, sense, index), (shear_front, right, sense, index)]
-        else:
-            split.append((left, right, sense, index))
-    if not tail and len(split) > 1:
-        split.pop()
+        whole.append(Span(position, None, 0, len(zones)))
+    hidden = factors.hidden_root
+    cuts = [factors.cut(hidden.real)] if hidden.imag and hidden.real > factors.a else []
+    cuts.append(factors.cut(1.0))
+    spans = []
+    for span in whole:
+        ends: list[CutPoints | None] = [span.left, span.right]
+        ends[1:1] = [
+            cut
+            for cut in cuts
+            if cut.minus(span.left) > 0 and (span.right is None or span.right.minus(cut) > 0)
+        ]
+        for left, right in pairwise(ends):
+            assert left is not None
+            spans.append(Span(left, right, span.sense, span.zone))
+    return spans
+
+
+def analytic_strip(factors: RayleighFactors, spans: list[Span]) -> float:
+    """Half-width of the strip of y in which fields are analytic, over pi; at most 1.
+
+    Slip ahead of the shear front sees a pole at the hidden root; stick, where fields are only
+    integrated over whole panels, may come twice as near.
+    """
+    hidden, width = factors.hidden_root, 1.0
+    for span in spans:
+        if span.right is not None and span.right.from_b <= 0 and hidden.imag:
+            ratio = (hidden - complex(span.left.v)) / (complex(span.right.v) - hidden)
+            share = abs(float(np.angle(ratio))) / np.pi
+            width = min(width, share if span.sense else 2 * share)
+    return width
+
+
+def lay_panels(factors: RayleighFactors, spans: list[Span], rule: Rule) -> Panels:
+    """Panels on given spans, with the nodes of a rule on each."""
     y = rule.y
     skew, from_left, from_right, jacobian, points = [], [], [], [], []
-    for left, right, _, _ in split:
+    for span in spans:
+        left, right = span.left, span.right
         rho = _skew(factors, left, right, rule.spacing)
         skew.append(rho)
         if right is None:
@@ -212,10 +243,10 @@ def lay_panels(
             )
         )
     return Panels(
-        tuple(s[0] for s in split),
-        tuple(s[1] for s in split),
-        np.array([s[2] for s in split]),
-        np.array([s[3] for s in split]),
+        tuple(span.left for span in spans),
+        tuple(span.right for span in spans),
+        np.array([span.sense for span in spans], dtype=int),
+        np.array([span.zone for span in spans], dtype=int),
         np.array(from_left),
         np.array(from_right),
         np.array(jacobian),

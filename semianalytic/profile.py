@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.panels import Panels, Zone, lay_panels
+from semianalytic.panels import Panels, Rule, Zone, analytic_strip, lay_panels, spans_of
 from semianalytic.rayleigh import Array, CutPoints, Mode
 from semianalytic.running import RunningIntegral
 from semianalytic.stuck import stuck_traction
@@ -34,12 +34,16 @@ class Profile:
         """Whether slip reaches the contact edge."""
         return bool(self.panels.sense[-1])
 
+    @property
+    def _m_plus_at_zero(self) -> float:
+        return float(self.fields.factors.m_plus(0.0))
+
     @cached_property
     def edge_intensity(self) -> float:
         """K_II over that of a unit shear step on a stuck interface; 0 if the edge slips."""
         if self.edge_slips:
             return 0.0
-        return self.fields.stick_transform_at_edge * float(self.fields.factors.m_plus(0.0))
+        return self.fields.stick_transform_at_edge * self._m_plus_at_zero
 
     @cached_property
     def _slip_rate(self) -> RunningIntegral:
@@ -56,7 +60,8 @@ class Profile:
         slope = self.fields.traction_slope
         if not self.edge_slips:
             slope = slope.copy()
-            slope[-1] -= self.edge_intensity * self._shear.slope(self.panels.nodes(-1))
+            unit = self._shear.slope(self.panels.nodes(-1)) * self._m_plus_at_zero
+            slope[-1] = self.fields.stick_transform_excess * unit
         return RunningIntegral(self.panels, slope, self.fields.factors.c)
 
     @property
@@ -175,7 +180,9 @@ class Profile:
     def _slot(self) -> tuple[RunningIntegral, RunningIntegral]:
         """Slopes in v = -t/x of tangential and normal velocity of the upper slot face."""
         factors, load = self.fields.factors, self._load
-        panels = lay_panels(factors, (Zone(None, None, 1),), self.fields.rule)
+        spans = spans_of(factors, (Zone(None, None, 1),))
+        rule = Rule(self.fields.rule.spacing * analytic_strip(factors, spans), self.fields.rule.reach)
+        panels = lay_panels(factors, spans, rule)
 
         def integral(transform: Array, mode: Mode) -> RunningIntegral:
             impedance = factors.impedance_on_cut(panels.at, mode)

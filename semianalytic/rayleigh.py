@@ -132,6 +132,22 @@ class RayleighFactors:
         k = np.asarray(k, dtype=float)
         return (self.c + k) * self.s_plus(k) / np.sqrt((1.0 if mode == "II" else self.a) + k)
 
+    @cached_property
+    def _spurious_roots(self) -> tuple[float, float]:
+        """Coefficients (e1, e0) of z^2 + e1 z + e0, z = v^2: roots of R R* other than c^2."""
+        lead, c2 = 16 * (1 - self.a**2), self.c**2
+        return c2 - (24 - 16 * self.a**2) / lead, 1 / (lead * c2)
+
+    @cached_property
+    def hidden_root(self) -> complex:
+        """The slowness, Im >= 0, at which the phase phi, continued off a < v < b, is singular.
+
+        A root of the Rayleigh function on its other sheet; complex for nu > 0.263.
+        """
+        e1, e0 = self._spurious_roots
+        root = complex(np.sqrt((-e1 + np.sqrt(complex(e1 * e1 - 4 * e0))) / 2))
+        return complex(root.real, abs(root.imag))
+
     def reduced_rayleigh(self, v: ArrayLike) -> Array:
         """R(-v) / (c^2 - v^2) for v > b, positive and free of cancellation.
 
@@ -139,12 +155,10 @@ class RayleighFactors:
         numerator is a cubic in v^2 with the root c^2.
         """
         z = np.square(np.asarray(v, dtype=float))
-        a2, c2 = self.a**2, self.c**2
-        lead = 16 * (1 - a2)
-        e1 = c2 - (24 - 16 * a2) / lead
-        e0 = 1 / (lead * c2)
+        a2 = self.a**2
+        e1, e0 = self._spurious_roots
         conjugate = np.square(1 - 2 * z) + 4 * z * np.sqrt(z - a2) * np.sqrt(np.maximum(z - 1, 0))
-        return lead * (z * (z + e1) + e0) / conjugate
+        return 16 * (1 - a2) * (z * (z + e1) + e0) / conjugate
 
     def impedance_on_cut(self, at: CutPoints, mode: Mode = "II") -> NDArray[np.complex128]:
         """Impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.17)."""

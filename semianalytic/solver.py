@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
+from scipy.optimize import brentq
 
 from semianalytic.collocation import GridSlip, slip_on_grid
-from semianalytic.errors import ComputationError, SceneError, TensionError
+from semianalytic.errors import SceneError, TensionError
 from semianalytic.panels import Rule, Zone, rule_for
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.scene import Scene
@@ -20,6 +22,8 @@ from semianalytic.zones import Load, ZoneFields
 _GRIDS = (48, 96, 192, 384)
 _MOST_ZONE_SETS = 12
 _MOST_STEPS = 40
+_MOST_REFINEMENTS = 5
+_FARTHEST = 300.0  # unknowns beyond put an edge on a wave front or at the contact edge
 _NARROWEST_GAP = 1e-14  # a stick gap around c_R narrower than x/t can resolve is left out
 
 
@@ -71,7 +75,7 @@ class Edges:
     def in_order(self, unknowns: Array) -> bool:
         """Whether edges keep their order."""
         points = self.points(unknowns)
-        return all(float(q.minus(p)) > 0 for p, q in zip(points[:-1], points[1:], strict=True))
+        return all(float(q.minus(p)) > 0 for p, q in pairwise(points))
 
 
 def _place(
@@ -101,26 +105,28 @@ def zones_on_grid(factors: RayleighFactors, grid: GridSlip) -> tuple[Edges, Arra
     sense = np.sign(rate).astype(int)
     bounds = [*np.flatnonzero(np.diff(sense, prepend=0)), len(sense)]
     senses, points = [], []
-    for start, stop in zip(bounds[:-1], bounds[1:], strict=True):
+    for start, stop in pairwise(bounds):
         if sense[start] == 0:
             continue
         senses.append(int(sense[start]))
         for node, outside, inward in ((start, start - 1, 1), (stop - 1, stop, -1)):
             if not 0 <= outside < len(xi):
                 continue
-            share = 0.5
+            share, most = 0.5, 0.9
+            if sense[outside]:
+                share, most = 0.25, 0.4
             inner = node + inward
             if start <= inner < stop and abs(rate[inner]) > abs(rate[node]):
                 square = np.square(rate[[node, inner]])
                 reach = abs(xi[inner] - xi[node]) * square[0] / (square[1] - square[0])
-                share = float(np.clip(reach / abs(xi[outside] - xi[node]), 0.1, 0.9))
+                share = float(np.clip(reach / abs(xi[outside] - xi[node]), 0.1, most))
             points.append(factors.cut(1 / (xi[node] + share * (xi[outside] - xi[node]))))
     open_ends = (bool(sense[0]), bool(sense[-1]))
     return _place(factors, tuple(senses), open_ends, points)
 
 
 @dataclass(frozen=True)
-class Refined:
+class _Newton:
     """Unknowns after Newton, whether they converged, inverse Jacobian and steps taken."""
 
     unknowns: Array
@@ -138,7 +144,7 @@ def _broyden(inverse: Array, move: Array, change: Array) -> Array:
     return inverse + np.outer(move - image, move @ inverse) / denominator
 
 
-def _newton(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: float) -> Refined:
+def _newton(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: float) -> _Newton:
     """Solve for the edges by Newton's method with Broyden updates and natural monotonicity."""
 
     def mismatch(unknowns: Array) -> Array:
@@ -157,38 +163,41 @@ def _newton(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: float
             try:
                 inverse = np.linalg.inv(jacobian)
             except np.linalg.LinAlgError:
-                return Refined(unknowns, False, inverse, step)
+                return _Newton(unknowns, False, inverse, step)
         move = -inverse @ value
         largest = np.abs(move).max()
         if largest > 1.5:
             move *= 1.5 / largest
         for _ in range(8):
             trial = unknowns + move
-            if edges.in_order(trial):
+            if np.abs(trial).max() < _FARTHEST and edges.in_order(trial):
                 new = mismatch(trial)
-                if np.abs(inverse @ new).max() <= max(largest, 1e-12) or not np.isfinite(largest):
+                if np.abs(inverse @ new).max() <= max(largest, 1e-12):
                     break
             move /= 2
         else:
-            return Refined(unknowns, False, inverse, step)
+            return _Newton(unknowns, False, inverse, step)
         change = new - value
         unknowns, value = trial, new
-        if not np.all(np.isfinite(value)) or np.abs(unknowns).max() > 600:
-            return Refined(unknowns, False, inverse, step)
+        if not np.all(np.isfinite(value)):
+            return _Newton(unknowns, False, inverse, step)
         if largest < tolerance:
-            return Refined(unknowns, True, inverse, step)
+            return _Newton(unknowns, True, inverse, step)
         inverse = _broyden(inverse, move, change)
-    return Refined(unknowns, False, inverse, _MOST_STEPS)
+    return _Newton(unknowns, False, inverse, _MOST_STEPS)
 
 
 @dataclass(frozen=True)
 class Violation:
-    """An interval of slowness where Coulomb's law fails, in a slip zone or (zone -1) in stick."""
+    """An interval of slowness where Coulomb's law fails, in a slip zone or (zone -1) in stick.
+
+    right None: up to the contact edge.
+    """
 
     zone: int
     sense: int
     left: CutPoints
-    right: CutPoints
+    right: CutPoints | None
     touches_left: bool
     touches_right: bool
 
@@ -211,17 +220,21 @@ def _violations(profile: Profile, tolerance: float) -> list[Violation]:
             traction = profile.traction_at_nodes(i)
             wrong = np.abs(traction) > strength + tolerance * (strength + 1)
             signs = np.sign(traction).astype(int)
+        wrong[1:-1] |= wrong[:-2] & wrong[2:]
         inside = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
         last = len(at.v) - 1
         for start, stop in zip(inside[::2], inside[1::2], strict=True):
-            ends = [at.pick(max(start - 1, 0)), at.pick(min(stop, last))]
+            left = at.pick(max(start - 1, 0))
+            right = None if stop > last and panels.right[i] is None else at.pick(min(stop, last))
             zone, sign = int(panels.zone[i]) if sense else -1, int(signs[start])
-            found.append(Violation(zone, sign, *ends, start == 0, stop > last))
+            found.append(
+                Violation(zone, sign, left, right, bool(start == 0), right is not None and stop > last)
+            )
         if sense and not wrong.any() and sense * profile.residue(i) > 0:
             width = _gap_at_rayleigh_front(profile, i, rates[i])
             if width > _NARROWEST_GAP:
-                ends = [profile.fields.factors.near_c(d) for d in (-width, width)]
-                found.append(Violation(int(panels.zone[i]), int(sense), *ends, False, False))
+                left, right = (profile.fields.factors.near_c(d) for d in (-width, width))
+                found.append(Violation(int(panels.zone[i]), int(sense), left, right, False, False))
     return found
 
 
@@ -235,34 +248,34 @@ def _gap_at_rayleigh_front(profile: Profile, panel: int, rate: Array) -> float:
 
 
 def _corrected(
-    factors: RayleighFactors, edges: Edges, unknowns: Array, violations: list[Violation]
+    edges: Edges, unknowns: Array, violations: list[Violation]
 ) -> tuple[Edges, Array]:
     """Zones without the intervals that slip the wrong way, and with those that must slip.
 
     New zones are made only when the present ones are sound.
     """
-    spans = [[zone.left, zone.right, zone.sense] for zone in edges.zones(unknowns)]
-    wrong_slip = [bad for bad in violations if bad.zone >= 0]
-    for bad in sorted(wrong_slip, key=lambda bad: float(bad.left.v)):
-        span = next(s for s in reversed(spans) if s[0] is None or bad.left.minus(s[0]) >= 0)
+    zones = list(edges.zones(unknowns))
+    wrong_slip = sorted((bad for bad in violations if bad.zone >= 0), key=lambda bad: bad.left.v)
+    for bad in reversed(wrong_slip):
+        zone = zones[bad.zone]
         if bad.touches_left:
-            span[0] = bad.right
-        elif bad.touches_right and span[1] is not None:
-            span[1] = bad.left
+            zones[bad.zone] = replace(zone, left=bad.right)
+        elif bad.touches_right and zone.right is not None:
+            zones[bad.zone] = replace(zone, right=bad.left)
         else:
-            spans.insert(spans.index(span) + 1, [bad.right, span[1], bad.sense])
-            span[1] = bad.left
+            inner = [] if bad.right is None else [replace(zone, left=bad.right)]
+            zones[bad.zone : bad.zone + 1] = [replace(zone, right=bad.left), *inner]
     for bad in (bad for bad in violations if bad.zone < 0):
-        after = sum(s[0] is None or s[0].v < bad.left.v for s in spans)
-        if bad.touches_right and after < len(spans) and spans[after][2] == bad.sense:
-            spans[after][0] = bad.left
-        elif bad.touches_left and after > 0 and spans[after - 1][2] == bad.sense:
-            spans[after - 1][1] = bad.right
+        after = sum(zone.left is None or bool(zone.left.v < bad.left.v) for zone in zones)
+        if bad.touches_right and after < len(zones) and zones[after].sense == bad.sense:
+            zones[after] = replace(zones[after], left=bad.left)
+        elif bad.touches_left and after > 0 and zones[after - 1].sense == bad.sense:
+            zones[after - 1] = replace(zones[after - 1], right=bad.right)
         elif not wrong_slip:
-            spans.insert(after, [bad.left, bad.right, bad.sense])
-    points = [p for left, right, _ in spans for p in (left, right) if p is not None]
-    open_ends = (bool(spans) and spans[0][0] is None, bool(spans) and spans[-1][1] is None)
-    return _place(factors, tuple(span[2] for span in spans), open_ends, points)
+            zones.insert(after, Zone(bad.left, bad.right, bad.sense))
+    points = [p for zone in zones for p in (zone.left, zone.right) if p is not None]
+    open_ends = (bool(zones) and zones[0].left is None, bool(zones) and zones[-1].right is None)
+    return _place(edges.factors, tuple(zone.sense for zone in zones), open_ends, points)
 
 
 def _check_pressure(scene: Scene) -> None:
@@ -284,6 +297,10 @@ def _check_pressure(scene: Scene) -> None:
         )
 
 
+def _frictionless(scene: Scene) -> bool:
+    return scene.friction == 0 or scene.base.pressure == scene.step.pressure == 0
+
+
 def _scaled_load(scene: Scene) -> tuple[Load, float]:
     """Load in units of its largest traction, and that unit."""
     f, base, step = scene.friction, scene.base, scene.step
@@ -302,19 +319,38 @@ def _scaled_load(scene: Scene) -> tuple[Load, float]:
 
 @dataclass(frozen=True)
 class _Found:
-    """Zones that fulfil Coulomb's law on a coarse rule."""
+    """Zones, whether they fulfil Coulomb's law on a rule, and what finding them took."""
 
     edges: Edges
     unknowns: Array
     inverse: Array
     sound: bool
-    pivots: int
-    steps: int
-    sets: int
+    steps: int = 0
+    sets: int = 1
 
 
-def _find_zones(factors: RayleighFactors, load: Load, rule: Rule, tolerance: float) -> _Found:
-    """Zones from complementarity on finer and finer grids, corrected until the law holds."""
+def _settled(edges: Edges, unknowns: Array, load: Load, rule: Rule, tolerance: float) -> _Found:
+    """Zones corrected from a start until Coulomb's law holds at all nodes."""
+    steps, inverse = 0, np.zeros((0, 0))
+    for sets in range(1, _MOST_ZONE_SETS + 1):
+        if len(unknowns):
+            refined = _newton(edges, load, rule, unknowns, 1e-2 * tolerance)
+            steps += refined.steps
+            unknowns, inverse = refined.unknowns, refined.inverse
+            if not refined.converged:
+                break
+        fields = ZoneFields(edges.factors, load, edges.zones(unknowns), rule)
+        violations = _violations(Profile(fields), tolerance)
+        if not violations:
+            return _Found(edges, unknowns, inverse, True, steps, sets)
+        edges, unknowns = _corrected(edges, unknowns, violations)
+    return _Found(edges, unknowns, inverse, False, steps, sets)
+
+
+def _find_zones(
+    factors: RayleighFactors, load: Load, rule: Rule, tolerance: float
+) -> tuple[_Found, int]:
+    """Zones from complementarity on finer and finer grids, and the pivots it took."""
     pivots = steps = sets = 0
     for size in _GRIDS:
         grid = slip_on_grid(
@@ -325,28 +361,18 @@ def _find_zones(factors: RayleighFactors, load: Load, rule: Rule, tolerance: flo
             load.far_slip_rate,
             size,
         )
-        pivots += grid.pivots
-        edges, unknowns = zones_on_grid(factors, grid)
-        for _ in range(_MOST_ZONE_SETS):
-            sets += 1
-            inverse = np.zeros((0, 0))
-            if len(unknowns):
-                refined = _newton(edges, load, rule, unknowns, 1e-2 * tolerance)
-                steps += refined.steps
-                unknowns, inverse = refined.unknowns, refined.inverse
-                if not refined.converged:
-                    break
-            zones = edges.zones(unknowns)
-            violations = _violations(Profile(ZoneFields(factors, load, zones, rule)), tolerance)
-            if not violations:
-                return _Found(edges, unknowns, inverse, True, pivots, steps, sets)
-            edges, unknowns = _corrected(factors, edges, unknowns, violations)
-    return _Found(edges, unknowns, inverse, False, pivots, steps, sets)
+        found = _settled(*zones_on_grid(factors, grid), load, rule, tolerance)
+        pivots, steps, sets = pivots + grid.pivots, steps + found.steps, sets + found.sets
+        if found.sound:
+            break
+    return replace(found, steps=steps, sets=sets), pivots
 
 
-def _polished(found: _Found, load: Load, rule: Rule) -> tuple[Array, int]:
+def _polished(found: _Found, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, int]:
     """Unknowns on a finer rule, by Broyden steps from the Jacobian already known."""
-    edges, unknowns, inverse = found.edges, found.unknowns, found.inverse
+    edges, inverse = found.edges, found.inverse
+    if not len(unknowns):
+        return unknowns, 0
 
     def mismatch(unknowns: Array) -> Array:
         return ZoneFields(edges.factors, load, edges.zones(unknowns), rule, False).mismatch()
@@ -386,6 +412,34 @@ def _difference(fine: Profile, coarse: Profile) -> float:
     return float(max([*edges, np.abs(rate - other).max() / largest]))
 
 
+@dataclass(frozen=True)
+class _Refined:
+    """Profile on the finest rule used, error estimate from the rule before, steps taken."""
+
+    unknowns: Array
+    profile: Profile
+    estimate: float
+    steps: int
+
+
+def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
+    """Polish the edges on finer and finer rules until two agree to rtol."""
+    unknowns, steps, wanted = found.unknowns, 0, rtol / 4
+    coarse: Profile | None = None
+    for _ in range(_MOST_REFINEMENTS):
+        rule = rule_for(wanted)
+        unknowns, taken = _polished(found, unknowns, load, rule)
+        steps += taken
+        zones = found.edges.zones(unknowns)
+        profile = Profile(ZoneFields(found.edges.factors, load, zones, rule))
+        estimate = np.inf if coarse is None else _difference(profile, coarse) + 1e-14
+        if estimate <= rtol:
+            break
+        wanted *= 0.12 if coarse is None else max(0.1 * rtol / estimate, 1e-3)
+        coarse = profile
+    return _Refined(unknowns, profile, estimate, steps)
+
+
 def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     """Solve a scene for slip and stick on its interface.
 
@@ -415,53 +469,71 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     factors = rayleigh_factors(scene.material.poisson_ratio)
     load, stress = _scaled_load(scene)
     clock = [perf_counter()]
-    coarse_rule = rule_for(max(rtol, 1e-4))
-    if scene.friction * (abs(scene.base.pressure) + abs(scene.step.pressure)) == 0:
+    loose = max(rtol, 1e-4)
+    pivots = 0
+    if _frictionless(scene):
         edges = Edges(factors, (1,), (True, True), ())
-        found = _Found(edges, np.zeros(0), np.zeros((0, 0)), True, 0, 0, 1)
+        found = _Found(edges, np.zeros(0), np.zeros((0, 0)), True)
     else:
-        found = _find_zones(factors, load, coarse_rule, 10 * max(rtol, 1e-4))
+        found, pivots = _find_zones(factors, load, rule_for(loose), 10 * loose)
     clock.append(perf_counter())
-    rule, companion = rule_for(rtol / 30), rule_for(rtol / 4)
-    unknowns, other, steps = found.unknowns, found.unknowns, 0
-    if len(unknowns):
-        unknowns, steps = _polished(found, load, rule)
-        at_fine = ZoneFields(factors, load, found.edges.zones(unknowns), companion, False)
-        other = unknowns - found.inverse @ at_fine.mismatch()
+    refined = _refined(found, load, rtol)
     clock.append(perf_counter())
-    profile = Profile(ZoneFields(factors, load, found.edges.zones(unknowns), rule))
-    coarse = Profile(ZoneFields(factors, load, found.edges.zones(other), companion))
-    estimate = _difference(profile, coarse) + 1e-14
+    violations = [] if _frictionless(scene) else _violations(refined.profile, 100 * rtol)
+    if found.sound and violations:
+        start = _corrected(found.edges, refined.unknowns, violations)
+        again = _settled(*start, load, rule_for(rtol), 100 * rtol)
+        found = replace(again, steps=found.steps + again.steps, sets=found.sets + again.sets)
+        refined = _refined(found, load, rtol)
     status = "converged"
     if not found.sound:
         status = "no set of slip zones was found that fulfils Coulomb's law everywhere"
-    elif estimate > rtol:
-        status = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
-    elif found.edges.segments and _violations(profile, 100 * rtol):
-        status = "Coulomb's law is violated by more than 100 rtol somewhere"
+    elif refined.estimate > rtol:
+        status = f"the error estimate {refined.estimate:.1e} exceeds rtol {rtol:.1e}"
     clock.append(perf_counter())
-    stages = np.diff(clock)
-    names = ("zones", "edges", "fields")
+    stages = dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True))
     statistics = Statistics(
-        pivots=found.pivots,
-        newton_steps=found.steps + steps,
+        pivots=pivots,
+        newton_steps=found.steps + refined.steps,
         zone_sets=found.sets,
-        unknowns=len(unknowns),
-        nodes=int(profile.panels.jacobian.size),
-        seconds=dict(zip(names, stages.tolist(), strict=True)),
+        unknowns=len(refined.unknowns),
+        nodes=int(refined.profile.panels.jacobian.size),
+        seconds=stages,
     )
+    profile, estimate = refined.profile, refined.estimate
     zones = _slip_zones(scene, profile)
     return Solution(scene, zones, status, estimate, statistics, profile, stress)
 
 
 def _slip_zones(scene: Scene, profile: Profile) -> tuple[SlipZone, ...]:
-    """Zones in velocity, from the contact edge outward."""
+    """Zones in velocity, from the contact edge outward; without friction cut by sense of slip."""
     speed = scene.material.shear_speed
-    return tuple(
-        SlipZone(
-            0.0 if zone.right is None else float(speed / zone.right.v),
-            np.inf if zone.left is None else float(speed / zone.left.v),
-            zone.sense,
-        )
-        for zone in reversed(profile.fields.zones)
-    )
+    zones = []
+    for zone in reversed(profile.fields.zones):
+        inner = 0.0 if zone.right is None else float(speed / zone.right.v)
+        outer = np.inf if zone.left is None else float(speed / zone.left.v)
+        zones.append(SlipZone(inner, outer, zone.sense))
+    if _frictionless(scene):
+        return _zones_by_sense(profile, speed)
+    return tuple(zones)
+
+
+def _zones_by_sense(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
+    """Zones of a frictionless interface: it slips behind the longitudinal front, either way."""
+    factors, far = profile.fields.factors, profile.fields.load.far_slip_rate
+    close = factors.c * np.logspace(-14, -1, 53)
+    v = np.concatenate([profile.panels.at.v.ravel(), factors.c - close, factors.c + close])
+    v = np.unique(v[(v > factors.a * (1 + 1e-6)) & (v < 1e6)])
+    sense = np.sign(profile.slip_rate(v))
+    cuts = [
+        brentq(lambda u: float(profile.slip_rate(np.array([u]))[0]), v[i], v[i + 1], xtol=1e-15)
+        for i in np.flatnonzero(np.diff(sense))
+    ]
+    outermost = np.inf if far else speed / factors.a
+    edges = [outermost, *(speed / cut for cut in cuts), 0.0]
+    bounds = np.concatenate([[0], np.flatnonzero(np.diff(sense)) + 1])
+    zones = [
+        SlipZone(float(inner), float(outer), int(sense[i]))
+        for outer, inner, i in zip(edges[:-1], edges[1:], bounds, strict=True)
+    ]
+    return tuple(reversed(zones))

@@ -24,7 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.panels import Panels, Rule, Zone, lay_panels
+from semianalytic.panels import Panels, Rule, Zone, analytic_strip, lay_panels, spans_of
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.stuck import stuck_traction
 
@@ -39,6 +39,31 @@ class Load:
     step_pressure: float
     step_shear: float
     far_slip_rate: float
+
+
+def _chord_integral(
+    start: float, stop: float, to_left: Array, to_right: Array, width: Array
+) -> Array:
+    """Integral of chord(w) / (w - v) over a panel, the chord running from start to stop.
+
+    to_left and to_right are v - left and v - right; accurate near the panel and far from it.
+    """
+    share = width / to_left
+    far = np.abs(share) < 0.5
+    with np.errstate(divide="ignore", invalid="ignore"):
+        log = np.where(far, np.log1p(-np.where(far, share, 0)), np.log(np.abs(to_right / to_left)))
+    small = np.abs(share) < 0.02
+    within = np.where(small, share, 0.0)
+    series = -within * np.polynomial.polynomial.polyval(within, 1 / np.arange(2.0, 11.0))
+    linear = np.where(small, series, (log + share) / np.where(small, 1.0, share))
+    return start * log + (stop - start) * linear
+
+
+def _log_share(part: Array, whole: Array, rest: float) -> Array:
+    """ln(part / whole) with part + rest = whole, accurate for part << whole and rest << whole."""
+    share = rest / whole
+    near = np.abs(share) > 0.5
+    return np.where(near, np.log(part / whole), np.log1p(-np.where(near, 0.0, share)))
 
 
 @dataclass(frozen=True)
@@ -56,16 +81,20 @@ class ZoneFields:
 
     @cached_property
     def panels(self) -> Panels:
-        """Panels, reaching as far into a narrow stick gap around c as the slip beside it does.
+        """Panels on a rule as fine and as long as these zones need.
 
-        There dV/dv ~ 1/(v - c) over all scales between the zones and the gap.
+        Beside a narrow stick gap around c, dV/dv ~ 1/(v - c) over all scales down to the gap.
         """
         reach = self.rule.reach
         for inward, outward in zip(self.zones[1:], self.zones[:-1], strict=True):
             left, right = outward.right, inward.left
             if left is not None and right is not None and left.from_c < 0 < right.from_c:
                 reach += max(0.0, -float(np.log(right.minus(left))))
-        return lay_panels(self.factors, self.zones, Rule(self.rule.spacing, reach), self.tail)
+        spans = spans_of(self.factors, self.zones)
+        if not self.tail and len(spans) > 1:
+            spans.pop()
+        spacing = self.rule.spacing * analytic_strip(self.factors, spans)
+        return lay_panels(self.factors, spans, Rule(spacing, reach))
 
     def slips_at(self, front: CutPoints) -> bool:
         """Whether a zone covers a wave front."""
@@ -110,13 +139,9 @@ class ZoneFields:
         total = np.zeros((len(targets), len(panels.rule.y)))
         for source in sources:
             left, right, start, stop, excess = self._phase_on(source)
-            slope = (stop - start) / right.minus(left)
-            to_left = panels.minus(left)[targets]
-            to_right = panels.minus(right)[targets]
-            nearer = np.abs(to_right) < np.abs(to_left)
-            line = np.where(nearer, stop + slope * to_right, start + slope * to_left)
             total += panels.cauchy(source, excess, targets)
-            total += line * np.log(np.abs(to_right / to_left)) + (stop - start)
+            to_left, to_right = panels.minus(left)[targets], panels.minus(right)[targets]
+            total += _chord_integral(start, stop, to_left, to_right, right.minus(left))
         return total / np.pi
 
     def _phase_on(self, source: int) -> tuple[CutPoints, CutPoints, float, float, Array]:
@@ -200,9 +225,9 @@ class ZoneFields:
             log += exponent * np.log(edge.v)
         for source in self._phase_panels(False):
             left, right, start, stop, excess = self._phase_on(source)
-            slope = (stop - start) / right.minus(left)
-            log -= self.rule.spacing * np.sum(excess / self.panels.at.v[source]) / np.pi
-            log -= ((start - slope * left.v) * np.log(right.v / left.v) + stop - start) / np.pi
+            log -= self.panels.rule.spacing * np.sum(excess / self.panels.at.v[source]) / np.pi
+            chord = _chord_integral(start, stop, -left.v, -right.v, right.minus(left))
+            log -= float(chord) / np.pi
         return float(np.exp(log))
 
     @cached_property
@@ -243,7 +268,7 @@ class ZoneFields:
         at_zero -= self._reference_sense * load.friction * load.step_pressure
         panels = self.panels
         cauchy = sum(
-            -self.rule.spacing
+            -panels.rule.spacing
             / np.pi
             * float(np.sum(panels.jacobian[i] * imag / panels.at.v[i]))
             for i, imag in self._sources
@@ -252,9 +277,9 @@ class ZoneFields:
 
     @cached_property
     def _cauchy(self) -> np.ndarray:
-        """C(-v + i0) + R at the nodes, complex."""
+        """C(-v + i0) at the nodes, complex."""
         panels = self.panels
-        total = np.full(panels.jacobian.shape, self.constant, dtype=complex)
+        total = np.zeros(panels.jacobian.shape, dtype=complex)
         every = np.arange(len(panels.sense))
         for source, imag in self._sources:
             weights = panels.jacobian[source] * imag
@@ -266,7 +291,7 @@ class ZoneFields:
     @cached_property
     def reduced_transform(self) -> Array:
         """(p, n): T / M_+, real, on panels that stick; T - s f P, real part, on those that slip."""
-        return self.canonical * self._cauchy.real
+        return self.canonical * (self._cauchy.real + self.constant)
 
     @cached_property
     def stick_transform(self) -> Array:
@@ -289,14 +314,14 @@ class ZoneFields:
             log += exponent * np.log(edge.v + flat)
         for source in self._phase_panels(True):
             left, right, start, stop, excess = self._phase_on(source)
-            slope = (stop - start) / right.minus(left)
-            line = (start - slope * (left.v + flat)) * np.log((right.v + flat) / (left.v + flat))
+            width = right.minus(left)
+            chord = _chord_integral(start, stop, -left.v - flat, -right.v - flat, width)
             kernel = 1 / (panels.at.v[source] + flat[:, None])
-            log += (self.rule.spacing * kernel @ excess + line + stop - start) / np.pi
+            log += (self.panels.rule.spacing * kernel @ excess + chord) / np.pi
         cauchy = np.full_like(flat, self.constant)
         for source, imag in self._sources:
             kernel = 1 / (panels.at.v[source] + flat[:, None])
-            cauchy -= self.rule.spacing / np.pi * kernel @ (panels.jacobian[source] * imag)
+            cauchy -= self.panels.rule.spacing / np.pi * kernel @ (panels.jacobian[source] * imag)
         amount = self._reference_sense * load.friction * load.step_pressure
         ratio = np.sqrt((1 + flat) / (self.factors.a + flat)) * amount / self._mode_one_at_zero
         return (np.exp(log) * cauchy + ratio).reshape(np.shape(k))
@@ -309,11 +334,31 @@ class ZoneFields:
         return self.constant + amount / self._mode_one_at_zero
 
     @cached_property
+    def stick_transform_excess(self) -> Array:
+        """(n,): T / M_+ less its limit at a stuck contact edge, on the last panel, without loss."""
+        panels, load = self.panels, self.load
+        last = len(panels.sense) - 1
+        v = panels.at.v[last]
+        log = self._phase_integral(self._phase_panels(True), np.array([last]))[0]
+        if self._slips_at_c:
+            log -= _log_share(panels.at.from_c[last], v, self.factors.c)
+        if self._slips_at_b:
+            log += 0.5 * _log_share(panels.at.from_b[last], v, 1.0)
+        for edge, exponent in self._square_roots:
+            log += exponent * _log_share(panels.minus(edge)[last], v, float(edge.v))
+        cauchy = self._cauchy[last].real
+        from_a, from_b = panels.at.from_a[last], panels.at.from_b[last]
+        ratio = np.expm1(0.5 * _log_share(from_b, from_a, 1.0 - self.factors.a))
+        amount = self._reference_sense * load.friction * load.step_pressure
+        growth = np.expm1(log)
+        return growth * (cauchy + self.constant) + cauchy + amount / self._mode_one_at_zero * ratio
+
+    @cached_property
     def slip_rate_slope(self) -> Array:
         """(p, n): dV/dv on panels that slip, 0 on panels that stick."""
         panels, factors = self.panels, self.factors
         slip = panels.sense != 0
-        transform = self.canonical[slip] * self._cauchy[slip]
+        transform = self.canonical[slip] * (self._cauchy[slip] + self.constant)
         if self.load.step_pressure:
             strength = self._reference_sense * self.load.friction
             transform = transform + strength * self._pressure_transform[slip]
@@ -356,7 +401,7 @@ class ZoneFields:
         stick gap before it when that is narrow), and the slip rate left where it heals.
         """
         panels, load = self.panels, self.load
-        weight = self.rule.spacing * panels.jacobian
+        weight = self.panels.rule.spacing * panels.jacobian
         excess = np.sum(weight * self.excess_slope, axis=1)
         slip_rate = np.sum(weight * self.slip_rate_slope, axis=1)
         result = []

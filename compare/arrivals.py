@@ -1,0 +1,136 @@
+"""How fast a signal travels: its recorded waveform aligned with the predicted one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+from scipy.optimize import minimize_scalar
+
+Array = NDArray[np.float64]
+Waveform = Callable[[Array], Array]
+
+TREND_DEGREE = 2
+TRIALS = 61
+TABLE = 801
+LARGEST_MISFIT = 0.5
+LEAST_SAMPLES = TREND_DEGREE + 4
+
+
+@dataclass(frozen=True)
+class Window:
+    """Range of similarity velocities [length / time] around a front."""
+
+    lower: float
+    front: float
+    upper: float
+
+    def samples(self, count: int = 201) -> Array:
+        """Evenly spaced velocities across the window, (count,) array [length / time]."""
+        return np.linspace(self.lower, self.upper, count)
+
+
+def front_window(front: float, others: Iterable[float], reach: float = 0.2) -> Window:
+    """Window around a front that ends half-way to whatever else happens nearby.
+
+    Parameters
+    ----------
+    front : float
+        Speed of the front [length / time].
+    others : iterable of float
+        Speeds of the other fronts and of the zone edges [length / time].
+    reach : float
+        Largest half-width as a fraction of the front's speed.
+    """
+    others = list(others)
+    lower = max([(1 - reach) * front, *(0.5 * (front + c) for c in others if c < front)])
+    upper = min([(1 + reach) * front, *(0.5 * (front + c) for c in others if c > front)])
+    return Window(lower, front, upper)
+
+
+def smeared(prediction: Waveform, window: Window, width: float) -> Waveform:
+    """Waveform in and around a window after smearing by a Gaussian, as damping does to a front.
+
+    Parameters
+    ----------
+    prediction : callable
+        The sharp waveform expected at an array of velocities.
+    window : Window
+        Where it is wanted.
+    width : float
+        Standard deviation of the Gaussian [length / time], 0 for none.
+
+    Returns
+    -------
+    callable
+        The smeared waveform, from 0.8 times the lower to 1.25 times the upper end of the window.
+    """
+    table = np.linspace(0.8 * window.lower, 1.25 * window.upper, TABLE)
+    spacing = table[1] - table[0]
+    expected = prediction(table)
+    if width > 0:
+        expected = gaussian_filter1d(expected, width / spacing, mode="nearest")
+    return lambda velocity: np.interp(velocity, table, expected)
+
+
+def roughness(values: Array, velocity: Array) -> float:
+    """Root mean square of what a parabola cannot follow: how much of a front a waveform holds.
+
+    Parameters
+    ----------
+    values, velocity : (n,) arrays
+        A waveform and the velocities it is sampled at; the result has the units of `values`.
+    """
+    return float(np.sqrt(np.mean(_without_trend(values, velocity) ** 2)))
+
+
+def aligned_speed(
+    velocity: Array, values: Array, prediction: Waveform, window: Window
+) -> float | None:
+    """Speed at which a record shows the front the prediction has in a window.
+
+    The prediction, stretched to ``prediction(velocity / s)``, is laid over the record; the
+    stretch s that leaves the smallest difference, smooth trends aside, gives the speed.
+
+    Parameters
+    ----------
+    velocity, values : (n,) arrays
+        The record: similarity velocities |x|/t [length / time], increasing, and what was seen.
+    prediction : callable
+        The waveform expected at an array of velocities, in the units of `values`.
+    window : Window
+        Part of the record that is looked at, and the predicted speed.
+
+    Returns
+    -------
+    float or None
+        s times the predicted speed [length / time]; None if fewer samples than can be aligned lie
+        in the window, no stretch within it fits better than its neighbours, or the best one
+        leaves more than half of the record's roughness unexplained.
+    """
+    inside = (velocity >= window.lower) & (velocity <= window.upper)
+    if np.count_nonzero(inside) < LEAST_SAMPLES:
+        return None
+    seen_at, seen = velocity[inside], values[inside]
+
+    def misfit(stretch: float) -> float:
+        return roughness(seen - prediction(seen_at / stretch), seen_at)
+
+    reach = 0.5 * min(window.front - window.lower, window.upper - window.front) / window.front
+    trials = np.linspace(1 - reach, 1 + reach, TRIALS)
+    best = int(np.argmin([misfit(s) for s in trials]))
+    if best in (0, TRIALS - 1):
+        return None
+    found = minimize_scalar(misfit, bounds=(trials[best - 1], trials[best + 1]), method="bounded")
+    if found.fun > LARGEST_MISFIT * roughness(seen, seen_at):
+        return None
+    return float(found.x) * window.front
+
+
+def _without_trend(values: Array, velocity: Array) -> Array:
+    centred = (velocity - velocity.mean()) / np.ptp(velocity)
+    trend = np.polynomial.Polynomial.fit(centred, values, TREND_DEGREE)
+    return values - trend(centred)

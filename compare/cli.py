@@ -1,0 +1,237 @@
+"""The command ``slipfront``: solve a scene, simulate it, compare the two."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from compare import terminal
+from compare.options import MESH_OPTIONS, SCENE_OPTIONS, with_options
+from compare.report import Report, build_report, json_text, solution_document, write_report
+from compare.scenes import DEFAULT_SCENE, find_scene, override_scene, scene_label
+from compare.snapshots import last_snapshot
+from semianalytic import Scene, solve
+from semianalytic.errors import DataFileError, SceneError, SlipfrontError
+
+if TYPE_CHECKING:
+    from fem import Simulation
+
+INTERRUPTED = 130
+SNAPSHOTS = "snapshots"
+
+app = typer.Typer(
+    help="Where, when, how fast and which way a frictional interface slips after a sudden load.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+SceneArgument = Annotated[
+    str, typer.Argument(metavar="SCENE", help="Name of a scene, or a TOML file.")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results only, no progress.")]
+NoSnapshots = Annotated[bool, typer.Option("--no-snapshots", help="Write no field snapshots.")]
+Output = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Folder to write to, results/SCENE unless given."),
+]
+
+
+@app.command()
+@with_options(overrides=SCENE_OPTIONS, settings=MESH_OPTIONS)
+def compare(
+    overrides: Mapping[str, float],
+    settings: Mapping[str, Any],
+    scene: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SCENE]",
+            help=f"Name of a scene, or a TOML file; {DEFAULT_SCENE} unless given.",
+        ),
+    ] = None,
+    from_: Annotated[
+        Path | None,
+        typer.Option(
+            "--from", metavar="DIR", help="Folder of an earlier simulation to use instead."
+        ),
+    ] = None,
+    output: Output = None,
+    no_snapshots: NoSnapshots = False,
+    quiet: Quiet = False,
+) -> None:
+    """Solve and simulate a scene; write figures and a report on how well the two agree.
+
+    The exit code is 0 if every quantity is within its tolerance, 1 if one is not.
+    """
+    console = Console()
+    if from_ is None:
+        source = scene or DEFAULT_SCENE
+        label = scene_label(source)
+        directory = output or Path("results", label)
+        simulation = _simulate(
+            override_scene(find_scene(source), **overrides),
+            label,
+            directory,
+            settings,
+            no_snapshots=no_snapshots,
+            quiet=quiet,
+        )
+    else:
+        simulation = _earlier_simulation(from_, scene, overrides, settings)
+        directory = output or from_
+        label = scene_label(scene) if scene else from_.resolve().name
+    snapshots = (from_ or directory) / SNAPSHOTS
+    written = snapshots.is_dir() and not no_snapshots
+    snapshot = last_snapshot(snapshots) if written else None
+    report = build_report(label, solve(simulation.scene), simulation, snapshot)
+    _write_comparison(report, directory)
+    console.print(terminal.report_table(report))
+    console.print("Tolerances:\n" + terminal.reasons_text(report), highlight=False)
+    console.print(f"Written to {directory}/", highlight=False)
+    raise typer.Exit(0 if report.passed else 1)
+
+
+@app.command("solve")
+@with_options(overrides=SCENE_OPTIONS)
+def solve_command(
+    overrides: Mapping[str, float],
+    scene: SceneArgument,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw slip rate and tractions (.png, .pdf).")
+    ] = None,
+) -> None:
+    """Solve a scene: slip zones, edge velocities and what happens at the edge of the slot."""
+    solution = solve(override_scene(find_scene(scene), **overrides))
+    if plot is not None:
+        from compare.figures import prediction_figure, save_figure
+
+        save_figure(prediction_figure(solution), plot)
+    if as_json:
+        sys.stdout.write(json_text(solution_document(solution)))
+        return
+    console = Console()
+    console.print(terminal.zones_table(solution, title=scene_label(scene)))
+    console.print(terminal.facts_table(solution))
+    if plot is not None:
+        console.print(f"Drawn in {plot}", highlight=False)
+
+
+@app.command()
+@with_options(overrides=SCENE_OPTIONS, settings=MESH_OPTIONS)
+def simulate(
+    overrides: Mapping[str, float],
+    settings: Mapping[str, Any],
+    scene: SceneArgument,
+    output: Output = None,
+    no_snapshots: NoSnapshots = False,
+    quiet: Quiet = False,
+) -> None:
+    """Simulate a scene with finite elements; write the interface history and field snapshots."""
+    label = scene_label(scene)
+    directory = output or Path("results", label)
+    _simulate(
+        override_scene(find_scene(scene), **overrides),
+        label,
+        directory,
+        settings,
+        no_snapshots=no_snapshots,
+        quiet=quiet,
+    )
+    Console().print(f"Written to {directory}/", highlight=False)
+
+
+@app.command()
+def scenes() -> None:
+    """List the scenes that come with the package."""
+    Console().print(terminal.scenes_table())
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        What follows ``slipfront``; taken from the process if not given.
+
+    Returns
+    -------
+    int
+        0 if all went well, 1 if a comparison is outside its tolerance, 2 for a usage or scene
+        error, 3 for a damaged file, 4 for a failed computation, 5 for a missing library, 130
+        when interrupted.
+    """
+    try:
+        app(args=arguments, prog_name="slipfront")
+    except SlipfrontError as error:
+        print(error, file=sys.stderr)
+        return error.exit_code
+    except OSError as error:
+        print(f"Cannot use {error.filename or 'a file'}: {error.strerror}.", file=sys.stderr)
+        return DataFileError.exit_code
+    except SystemExit as end:
+        if end.code == INTERRUPTED:
+            print("Interrupted; files not yet complete were not written.", file=sys.stderr)
+        return int(end.code or 0)
+    return 0
+
+
+def _simulate(
+    scene: Scene,
+    label: str,
+    directory: Path,
+    settings: Mapping[str, Any],
+    *,
+    no_snapshots: bool,
+    quiet: bool,
+) -> Simulation:
+    """Run the finite-element model and keep its history, and snapshots if wanted, on disk."""
+    from fem import simulate as run_simulation
+
+    console = Console(stderr=True)
+    with terminal.simulation_progress(console, quiet) as progress:
+        simulation = run_simulation(
+            scene,
+            **settings,
+            snapshots=None if no_snapshots else directory / SNAPSHOTS,
+            progress=progress,
+        )
+    directory.mkdir(parents=True, exist_ok=True)
+    simulation.save(directory)
+    if not quiet:
+        console.print(f"{label}: {terminal.simulation_line(simulation)}", highlight=False)
+    return simulation
+
+
+def _earlier_simulation(
+    directory: Path, source: str | None, overrides: Mapping[str, float], settings: Mapping[str, Any]
+) -> Simulation:
+    """Load a simulation; check that it is of the scene asked for, if one was."""
+    from fem import load_simulation
+
+    if settings:
+        option = "--" + next(iter(settings)).replace("_", "-")
+        raise SceneError(f"{option} has no effect with --from; leave one of the two out.")
+    simulation = load_simulation(directory)
+    wanted = override_scene(find_scene(source) if source else simulation.scene, **overrides)
+    if wanted != simulation.scene:
+        raise SceneError(
+            f"{directory} holds a simulation of another scene ({asdict(simulation.scene)}); "
+            "leave the scene out or simulate again."
+        )
+    return simulation
+
+
+def _write_comparison(report: Report, directory: Path) -> None:
+    from compare.figures import COMPARISON_FIGURES, save_figure
+
+    for name, draw in COMPARISON_FIGURES.items():
+        save_figure(draw(report.solution, report.simulation.interface), directory / name)
+    write_report(report, directory / "report.json")

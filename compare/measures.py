@@ -1,0 +1,115 @@
+"""What is read off a sampled slip rate: relative errors, zone edges, onset times."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic import SlipZone
+
+Array = NDArray[np.float64]
+
+EDGE_NODES = 2
+
+
+def norm(values: Array, position: Array, order: int) -> float:
+    """Norm (∫ |values|^order d position)^(1/order) by the trapezoidal rule.
+
+    Parameters
+    ----------
+    values, position : (n,) arrays
+        Samples and where they were taken, increasing.
+    order : int
+        1 for L1, 2 for L2.
+    """
+    return float(np.trapezoid(np.abs(values) ** order, position) ** (1 / order))
+
+
+def relative_error(values: Array, prediction: Array, position: Array, order: int) -> float:
+    """Norm of the difference over the norm of the prediction; infinite where that is zero.
+
+    Parameters
+    ----------
+    values, prediction, position : (n,) arrays
+        Two answers at the same positions, increasing.
+    order : int
+        1 for L1, 2 for L2.
+    """
+    size = norm(prediction, position, order)
+    return norm(values - prediction, position, order) / size if size > 0 else math.inf
+
+
+def slip_zones(velocity: Array, slip_rate: Array, threshold: float) -> tuple[SlipZone, ...]:
+    """Slip zones seen in a sampled slip rate.
+
+    A zone is a run of at least two samples of one sign beyond the threshold.  Its edges are
+    placed between samples by the square-root law of slip rate at an edge: a straight line through
+    the squares of the samples next to the edge is followed down to zero, though no further than
+    the nearest sample that does not belong to the zone's edge layer.
+
+    Parameters
+    ----------
+    velocity : (n,) array
+        Similarity velocity x/t of the samples [length / time], increasing, all positive.
+    slip_rate : (n,) array
+        Relative slip rate [length / time].
+    threshold : float
+        Least absolute slip rate that counts as slip [length / time], positive.
+
+    Returns
+    -------
+    tuple of SlipZone
+        From the edge outward.  A zone that holds the first sample starts at 0, one that holds the
+        last sample ends at infinity.
+    """
+    state = np.where(np.abs(slip_rate) > threshold, np.sign(slip_rate), 0.0)
+    cuts = np.flatnonzero(np.diff(state)) + 1
+    zones = []
+    for run in np.split(np.arange(len(state)), cuts):
+        if state[run[0]] == 0 or len(run) < 2:
+            continue
+        inner = 0.0 if run[0] == 0 else _edge(velocity[run], slip_rate[run])
+        outer = (
+            math.inf
+            if run[-1] == len(state) - 1
+            else _edge(velocity[run[::-1]], slip_rate[run[::-1]])
+        )
+        zones.append(SlipZone(inner, outer, int(state[run[0]])))
+    return tuple(zones)
+
+
+def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:
+    """First time at which slip at one point is faster than the threshold, between samples.
+
+    Parameters
+    ----------
+    time, slip_rate : (m,) arrays
+        Record at one point of the interface.
+    threshold : float
+        Least absolute slip rate that counts as slip [length / time].
+
+    Returns
+    -------
+    float or None
+        The time [time], linear between the two samples around it; None if it never comes.
+    """
+    speed = np.abs(slip_rate)
+    late = np.flatnonzero(speed > threshold)
+    if not len(late):
+        return None
+    first = late[0]
+    if first == 0:
+        return float(time[0])
+    pair = slice(first - 1, first + 1)
+    return float(np.interp(threshold, speed[pair], time[pair]))
+
+
+def _edge(velocity: Array, slip_rate: Array) -> float:
+    """Where the square of the slip rate falls to zero, samples given from the edge inward."""
+    near = velocity[:EDGE_NODES]
+    slope, offset = np.polyfit(near - near[0], slip_rate[:EDGE_NODES] ** 2, 1)
+    step = near[1] - near[0]
+    beyond = -offset / slope if slope * step > 0 else 0.0
+    return float(near[0] + np.clip(beyond / step, -EDGE_NODES, 0.0) * step)

@@ -1,0 +1,75 @@
+"""Options that several commands share: scene parameters and finite-element settings."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from functools import wraps
+from typing import Annotated, Any
+
+import typer
+
+
+def _option(type_: type, panel: str, text: str) -> Any:
+    return Annotated[type_ | None, typer.Option(help=text, rich_help_panel=panel)]
+
+
+SCENE_OPTIONS: Mapping[str, Any] = {
+    name: _option(float, "Scene (in place of the scene's own values)", text)
+    for name, text in {
+        "shear_modulus": "Shear modulus [stress].",
+        "density": "Mass density [mass / length³].",
+        "poisson_ratio": "Poisson ratio.",
+        "friction": "Coulomb friction coefficient.",
+        "base_pressure": "Pressure in place before the step [stress].",
+        "base_shear": "Shear traction in place before the step [stress].",
+        "step_pressure": "Pressure taken off the slot faces at t = 0 [stress].",
+        "step_shear": "Shear traction taken off the slot faces at t = 0 [stress].",
+    }.items()
+}
+
+MESH_OPTIONS: Mapping[str, Any] = {
+    name: _option(type_, "Finite elements", text)
+    for name, (type_, text) in {
+        "end_time": (float, "Time T at which the simulation ends."),
+        "resolution": (int, "Elements per c_t T, 100 unless given."),
+        "damping": (float, "Kelvin–Voigt time over h / c_t, 0.02 unless given."),
+        "step_ratio": (float, "Time step over the critical one, 0.95 unless given."),
+        "model": (str, "Blocks to mesh, auto unless given."),
+        "frames": (int, "Number of field snapshots, 20 unless given."),
+    }.items()
+}
+
+
+def with_options(**groups: Mapping[str, Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Give a command one option per entry of each group.
+
+    The command itself takes each group as one keyword argument: a dictionary of the options that
+    were given on the command line.
+
+    Parameters
+    ----------
+    **groups : mapping from option name to annotation
+        The options, by the name of the argument that collects them.
+    """
+    options = {name: hint for group in groups.values() for name, hint in group.items()}
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(command)
+        def run(**given: Any) -> Any:
+            collected: dict[str, dict[str, Any]] = {}
+            for argument, group in groups.items():
+                values = {name: given.pop(name) for name in group}
+                collected[argument] = {k: v for k, v in values.items() if v is not None}
+            return command(**given, **collected)
+
+        own = inspect.signature(command, eval_str=True).parameters.values()
+        parameters = [p for p in own if p.name not in groups] + [
+            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=hint)
+            for name, hint in options.items()
+        ]
+        run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        run.__annotations__ = {p.name: p.annotation for p in parameters}
+        return run
+
+    return decorate

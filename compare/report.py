@@ -1,0 +1,155 @@
+"""All rows of a comparison with what they came from, as an object and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from compare.files import write_text
+from compare.rows import (
+    Row,
+    arrival_rows,
+    onset_rows,
+    slip_rate_rows,
+    snapshot_rows,
+    traction_rows,
+    zone_rows,
+)
+from compare.scales import speed_regime
+from compare.snapshots import SlipRateProfile
+from semianalytic import Solution
+
+if TYPE_CHECKING:
+    from fem import Simulation
+
+
+@dataclass(frozen=True)
+class Report:
+    """All rows of one comparison."""
+
+    label: str
+    solution: Solution
+    simulation: Simulation
+    rows: tuple[Row, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every row is within its tolerance."""
+        return all(row.passed for row in self.rows)
+
+
+def build_report(
+    label: str,
+    solution: Solution,
+    simulation: Simulation,
+    snapshot: SlipRateProfile | None = None,
+) -> Report:
+    """Compare a solution and a simulation of the same scene, quantity by quantity.
+
+    Parameters
+    ----------
+    label : str
+        Name of the scene, for titles.
+    solution : Solution
+        The prediction.
+    simulation : Simulation
+        The finite-element answer; its last recorded time is the final time.
+    snapshot : SlipRateProfile, optional
+        What the last field snapshot holds, to be compared as well.
+    """
+    rows = [
+        *arrival_rows(solution, simulation),
+        *zone_rows(solution, simulation),
+        *slip_rate_rows(solution, simulation),
+        *onset_rows(solution, simulation),
+        *traction_rows(solution, simulation),
+    ]
+    if snapshot is not None:
+        rows += snapshot_rows(solution, simulation, snapshot)
+    return Report(label, solution, simulation, tuple(rows))
+
+
+def report_document(report: Report) -> dict[str, Any]:
+    """The report as plain dictionaries, lists, strings and finite numbers, for JSON."""
+    simulation = report.simulation
+    return {
+        "scene": report.label,
+        "passed": report.passed,
+        "parameters": asdict(report.solution.scene),
+        "semianalytic": solution_document(report.solution),
+        "finite_elements": {
+            "end_time": simulation.end_time,
+            "resolution": simulation.resolution,
+            "element_size": simulation.element_size,
+            "model": simulation.model,
+            "damping": simulation.damping,
+            "time_step": simulation.time_step,
+            "critical_step": simulation.critical_step,
+            "steps": simulation.steps,
+            "unknowns": simulation.unknowns,
+            "seconds": dict(simulation.seconds),
+        },
+        "rows": [
+            {**asdict(row), "present": row.present, "passed": row.passed} for row in report.rows
+        ],
+    }
+
+
+def solution_document(solution: Solution) -> dict[str, Any]:
+    """A solution as plain dictionaries, lists, strings and finite numbers, for JSON.
+
+    An outer edge at infinity (the whole interface slips) is null.
+    """
+    material = solution.scene.material
+    mode_one, mode_two = solution.stress_intensity(1.0)
+    return {
+        "scene": asdict(solution.scene),
+        "wave_speeds": {
+            "rayleigh": material.rayleigh_speed,
+            "shear": material.shear_speed,
+            "longitudinal": material.longitudinal_speed,
+        },
+        "zones": [
+            {
+                "inner": zone.inner,
+                "outer": zone.outer if math.isfinite(zone.outer) else None,
+                "sense": zone.sense,
+                "inner_regime": speed_regime(zone.inner, material),
+                "outer_regime": speed_regime(zone.outer, material),
+            }
+            for zone in solution.zones
+        ],
+        "edge": {
+            "state": edge_state(solution),
+            "slip_rate": float(solution.edge_slip_rate),
+            "stress_intensity_at_unit_time": {"K_I": float(mode_one), "K_II": float(mode_two)},
+        },
+        "far_slip_rate": solution.scene.far_slip_rate,
+        "status": solution.status,
+        "error_estimate": float(solution.error_estimate),
+        "statistics": asdict(solution.statistics),
+    }
+
+
+def edge_state(solution: Solution) -> str:
+    """ "slipping" or "stuck": what the interface does at the edge of the slot, x = 0+."""
+    return "slipping" if solution.zones and solution.zones[0].inner == 0 else "stuck"
+
+
+def json_text(document: dict[str, Any]) -> str:
+    """JSON of a document, numbers of numpy included, refusing infinities."""
+    return json.dumps(document, indent=2, allow_nan=False, default=float) + "\n"
+
+
+def write_report(report: Report, path: Path) -> None:
+    """Write the report as JSON, whole or not at all.
+
+    Raises
+    ------
+    DataFileError
+        If the file cannot be written.
+    """
+    write_text(path, json_text(report_document(report)))

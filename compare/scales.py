@@ -1,0 +1,61 @@
+"""What numbers are measured against: reference stress and slip rate, fronts, speed regimes."""
+
+from __future__ import annotations
+
+import math
+
+from semianalytic import Material, Scene
+
+
+def stress_scale(scene: Scene) -> float:
+    """Reference stress τ₀ [stress], positive: the larger step, or the larger base without one."""
+    for tractions in (scene.step, scene.base):
+        largest = max(abs(tractions.pressure), abs(tractions.shear))
+        if largest > 0:
+            return largest
+    return 1.0
+
+
+def slip_rate_scale(scene: Scene) -> float:
+    """Reference relative slip rate V₀ = 2 τ₀ / (ρ c_t) [length / time].
+
+    This is how fast two frictionless faces part company under a plane shear wave of amplitude τ₀.
+    """
+    return 2 * stress_scale(scene) / scene.material.shear_impedance
+
+
+def front_speeds(material: Material) -> dict[str, float]:
+    """Speeds [length / time] of the three signals, slowest first, by the name of the signal."""
+    return {
+        "Rayleigh": material.rayleigh_speed,
+        "S": material.shear_speed,
+        "P": material.longitudinal_speed,
+    }
+
+
+def speed_regime(speed: float, material: Material) -> str:
+    """Name of the range between wave speeds in which a zone edge moves.
+
+    Parameters
+    ----------
+    speed : float
+        Velocity of the edge [length / time], from 0 to infinity.
+    material : Material
+        The solid whose wave speeds divide the ranges; within 1e-6 of one, the edge moves with it.
+    """
+    names = {"c_R": material.rayleigh_speed, "c_t": material.shear_speed}
+    names["c_l"] = material.longitudinal_speed
+    for name, wave in names.items():
+        if math.isclose(speed, wave, rel_tol=1e-6):
+            return f"at {name}"
+    if speed == 0:
+        return "fixed at the edge"
+    if math.isinf(speed):
+        return "everywhere"
+    if speed < names["c_R"]:
+        return "sub-Rayleigh"
+    if speed < names["c_t"]:
+        return "c_R–c_t"
+    if speed < names["c_l"]:
+        return "c_t–c_l"
+    return "beyond c_l"

@@ -1,0 +1,213 @@
+"""The node pairs of the interface: unilateral contact and Coulomb friction, without a penalty.
+
+A traction T per length on the faces of a pair with tributary length L and node mass m (upper
++T, lower -T) changes the relative increment by c T, c = 2 dt^2 L / m.  Turned round, the
+traction that brings a pair exactly to where it should be at the end of the step is known in
+advance: no iteration, no penalty.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.stepping import Body
+from semianalytic.scene import Scene
+
+
+@dataclass(frozen=True)
+class Faces:
+    """One component of motion of the two faces that meet on the contact.
+
+    Parameters
+    ----------
+    body : Body
+        The body that carries them.
+    upper : (n,) array
+        Unknowns of the upper face.
+    lower : (n,) array or None
+        Unknowns of the lower face; None where the body is the upper half of a pair that moves
+        oppositely.
+    root : (n,) array
+        Square root of the node masses.
+    length : (n,) array
+        Tributary lengths [length].
+    step : float
+        dt [time].
+    """
+
+    body: Body
+    upper: NDArray[np.int64]
+    lower: NDArray[np.int64] | None
+    root: NDArray[np.float64]
+    length: NDArray[np.float64]
+    step: float
+
+    @cached_property
+    def compliance(self) -> NDArray[np.float64]:
+        """Change of the relative increment per traction, c = 2 dt^2 L / m, (n,)."""
+        return 2 * self.step**2 * self.length / self.root**2
+
+    def _jump(self, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+        upper = unknowns[self.upper]
+        across = 2 * upper if self.lower is None else upper - unknowns[self.lower]
+        return across / self.root
+
+    def offset(self) -> NDArray[np.float64]:
+        """Relative displacement, upper minus lower, (n,) [length]."""
+        return self._jump(self.body.displacement)
+
+    def increment(self) -> NDArray[np.float64]:
+        """Relative increment over the step after this time level, (n,) [length]."""
+        return self._jump(self.body.increment)
+
+    def mean_increment(self) -> NDArray[np.float64]:
+        """Mean of the relative increments before and after this time level, (n,) [length]."""
+        return (self._jump(self.body.before) + self._jump(self.body.increment)) / 2
+
+    def push(self, traction: NDArray[np.float64], part: float) -> None:
+        """Let a traction act on the upper face, and its opposite on the lower one.
+
+        Parameters
+        ----------
+        traction : (n,) array
+            Force per length [stress].
+        part : float
+            Fraction of a step for which it acts.
+        """
+        kick = part * self.step**2 * self.length / self.root * traction
+        self.body.increment[self.upper] += kick
+        if self.lower is not None:
+            self.body.increment[self.lower] -= kick
+
+
+def contact_pressure(
+    gap: NDArray[np.float64],
+    increment: NDArray[np.float64],
+    base: float,
+    compliance: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Pressure that ends the step with the gap closed, or zero where that would take a pull.
+
+    An open pair that would interpenetrate is caught exactly at the end of the step, so the gap
+    is never negative and the pressure only ever takes energy out.
+
+    Parameters
+    ----------
+    gap : (n,) array
+        Opening at the start of the step, >= 0 [length].
+    increment : (n,) array
+        Its change over the step if only the base pressure acted [length].
+    base : float
+        Pressure at which `increment` holds [stress].
+    compliance : (n,) array
+        Opening over the step per pressure [length / stress].
+    """
+    return np.maximum(base - (gap + increment) / compliance, 0.0)
+
+
+def coulomb_traction(
+    increment: NDArray[np.float64],
+    base: float,
+    strength: NDArray[np.float64],
+    compliance: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Shear traction that stops the pair at this step, or the strength where that is not enough.
+
+    What slip is left then has the direction of the traction.
+
+    Parameters
+    ----------
+    increment : (n,) array
+        Slip over the step if only the base traction acted [length].
+    base : float
+        Shear traction at which `increment` holds [stress].
+    strength : (n,) array
+        Friction times pressure [stress], >= 0.
+    compliance : (n,) array
+        Slip over the step taken away per traction [length / stress].
+    """
+    return np.clip(base + increment / compliance, -strength, strength)
+
+
+class InterfaceWork(NamedTuple):
+    """Work per unit thickness [stress length^2] taken by friction and by closing gaps, and done
+    by the base tractions on slip and opening."""
+
+    friction: float
+    impact: float
+    external: float
+
+
+class Interface:
+    """The contact x >= 0 during a simulation: what acts on it now, and the work done so far.
+
+    Parameters
+    ----------
+    scene : Scene
+        Friction and base tractions.
+    length : (n,) array
+        Tributary lengths of the pairs [length].
+    sliding : Faces or None
+        Motion along x; None where symmetry forbids slip.
+    pressing : Faces or None
+        Motion along y; None where antisymmetry keeps the gap closed and the pressure as it was.
+
+    Attributes
+    ----------
+    pressure, shear : (n,) arrays
+        Total tractions of the last kick, base included [stress].
+    work : InterfaceWork
+        Up to the middle of the step before the last kick, as in `Body.energy`.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        length: NDArray[np.float64],
+        sliding: Faces | None,
+        pressing: Faces | None,
+    ) -> None:
+        self.scene, self.length = scene, length
+        self.sliding, self.pressing = sliding, pressing
+        self.pressure = np.full(len(length), float(scene.base.pressure))
+        self.shear = np.full(len(length), float(scene.base.shear))
+        self.work = InterfaceWork(0.0, 0.0, 0.0)
+        self._friction = self._impact = self._external = 0.0
+
+    def act(self, part: float) -> None:
+        """Find the tractions of this kick and let them act.
+
+        Parameters
+        ----------
+        part : float
+            Fraction of a step for which they act.
+        """
+        self.work = InterfaceWork(self._friction, self._impact, self._external)
+        if self.pressing is not None:
+            self._press(self.pressing, part)
+        if self.sliding is not None:
+            self._slide(self.sliding, part)
+
+    def _press(self, faces: Faces, part: float) -> None:
+        base = self.scene.base.pressure
+        self.pressure = contact_pressure(
+            faces.offset(), faces.increment(), base, part * faces.compliance
+        )
+        faces.push(self.pressure - base, part)
+        work = part * self.length * faces.mean_increment()
+        self._impact -= float(work @ self.pressure)
+        self._external -= float(work.sum()) * base
+
+    def _slide(self, faces: Faces, part: float) -> None:
+        base = self.scene.base.shear
+        strength = self.scene.friction * self.pressure
+        self.shear = coulomb_traction(faces.increment(), base, strength, part * faces.compliance)
+        faces.push(base - self.shear, part)
+        work = part * self.length * faces.mean_increment()
+        self._friction += float(work @ self.shear)
+        self._external += float(work.sum()) * base

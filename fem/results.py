@@ -1,0 +1,217 @@
+"""What a simulation returns, and its file."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.errors import DataFileError
+from semianalytic.history import InterfaceHistory
+from semianalytic.scene import Material, Scene, Tractions
+
+FORMAT = "slipfront simulation 1"
+FILE_NAME = "simulation.h5"
+
+
+@dataclass(frozen=True)
+class SlotHistory:
+    """How the upper slot face moves.
+
+    Attributes
+    ----------
+    x : (n,) array
+        Positions on the slot [length], negative, increasing to the last node before the edge.
+    t : (m,) array
+        Times [time].
+    velocity_x, velocity_y : (m, n) arrays
+        Velocity of the upper face [length / time].
+    """
+
+    x: NDArray[np.float64]
+    t: NDArray[np.float64]
+    velocity_x: NDArray[np.float64]
+    velocity_y: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EnergyHistory:
+    """Energies of both blocks per unit thickness [stress length^2], from the scheme itself.
+
+    In the middle of each step central differences balance exactly: kinetic + strain +
+    friction + damping + impact = external.
+
+    Attributes
+    ----------
+    t : (m,) array
+        Middles of steps [time].
+    kinetic : (m,) array
+        Of the velocity in the middle of the step.
+    strain : (m,) array
+        Of the change of stress: u_n . K u_{n+1} / 2 from the time levels on either side.
+    friction : (m,) array
+        Work taken by friction since t = 0, shear traction times slip.
+    damping : (m,) array
+        Work taken by the viscous damping.
+    external : (m,) array
+        Work done by the load on the slot faces, and by the base tractions on slip and opening.
+    impact : (m,) array
+        Work taken where open parts of the interface close again.
+    """
+
+    t: NDArray[np.float64]
+    kinetic: NDArray[np.float64]
+    strain: NDArray[np.float64]
+    friction: NDArray[np.float64]
+    damping: NDArray[np.float64]
+    external: NDArray[np.float64]
+    impact: NDArray[np.float64]
+
+    @property
+    def residual(self) -> float:
+        """Largest imbalance over the run, relative to the largest external work."""
+        taken = self.kinetic + self.strain + self.friction + self.damping + self.impact
+        scale = float(np.abs(self.external).max(initial=0.0))
+        imbalance = float(np.abs(taken - self.external).max(initial=0.0))
+        return imbalance / scale if scale > 0 else imbalance
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """Result of one finite-element simulation.
+
+    Attributes
+    ----------
+    scene : Scene
+    end_time : float
+        [time].
+    resolution : int
+        Elements per c_t * end_time.
+    element_size : float
+        h [length].
+    damping : float
+        eta of the damping C = eta K, in units of h / c_t.
+    model : str
+        What was simulated, e.g. "antisymmetric half".
+    time_step, critical_step : float
+        The step taken and the largest stable one [time].
+    steps : int
+        Number of steps.
+    unknowns : int
+        Displacement unknowns.
+    interface : InterfaceHistory
+        On the contact nodes x >= 0, the edge node included.  All fields belong to the same
+        times: the slip rate is the mean of the rates half a step before and after, the
+        tractions are those that act between the two.
+    slot : SlotHistory
+        On the slot nodes next to the edge, as far as no reflection gets.
+    energy : EnergyHistory
+    seconds : dict
+        Wall-clock time of each stage [s]: "mesh", "assembly", "steps" and, a part of the steps,
+        "snapshots".
+    peak_memory : int
+        Largest memory the process has held so far [bytes].
+    """
+
+    scene: Scene
+    end_time: float
+    resolution: int
+    element_size: float
+    damping: float
+    model: str
+    time_step: float
+    critical_step: float
+    steps: int
+    unknowns: int
+    interface: InterfaceHistory
+    slot: SlotHistory
+    energy: EnergyHistory
+    seconds: dict[str, float]
+    peak_memory: int
+
+    def save(self, directory: str | Path) -> None:
+        """Write `simulation.h5` into a folder; it appears under its name only when complete.
+
+        Parameters
+        ----------
+        directory : path
+            Made if it is not there.
+        """
+        import h5py
+
+        directory = Path(directory)
+        directory.mkdir(parents=True, exist_ok=True)
+        path = directory / FILE_NAME
+        part = path.with_name(path.name + ".part")
+        facts = {
+            field.name: getattr(self, field.name)
+            for field in fields(self)
+            if field.name not in ("scene", "interface", "slot", "energy")
+        }
+        with h5py.File(part, "w") as file:
+            file.attrs["format"] = FORMAT
+            file.attrs["scene"] = json.dumps(asdict(self.scene))
+            file.attrs["facts"] = json.dumps(facts)
+            for group in ("interface", "slot", "energy"):
+                history = getattr(self, group)
+                for field in fields(history):
+                    file.create_dataset(
+                        f"{group}/{field.name}", data=getattr(history, field.name), compression=4
+                    )
+        os.replace(part, path)
+
+
+def load_simulation(directory: str | Path) -> Simulation:
+    """Read the simulation that `Simulation.save` wrote into a folder.
+
+    Parameters
+    ----------
+    directory : path
+
+    Returns
+    -------
+    Simulation
+
+    Raises
+    ------
+    DataFileError
+        If the file is missing, damaged or not a simulation.
+    """
+    import h5py
+
+    path = Path(directory) / FILE_NAME
+    if not path.is_file():
+        raise DataFileError(f"{path} does not exist; give the folder of a finished simulation.")
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != FORMAT:
+                raise DataFileError(
+                    f"{path} is not a slipfront simulation; "
+                    "give the folder of a finished simulation."
+                )
+            scene = json.loads(file.attrs["scene"])
+            facts = json.loads(file.attrs["facts"])
+            interface, slot, energy = (
+                {name: data[...] for name, data in file[group].items()}
+                for group in ("interface", "slot", "energy")
+            )
+        return Simulation(
+            scene=Scene(
+                material=Material(**scene["material"]),
+                friction=scene["friction"],
+                base=Tractions(**scene["base"]),
+                step=Tractions(**scene["step"]),
+            ),
+            interface=InterfaceHistory(**interface),
+            slot=SlotHistory(**slot),
+            energy=EnergyHistory(**energy),
+            **facts,
+        )
+    except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError) as error:
+        raise DataFileError(
+            f"{path} cannot be read as a simulation ({error}); simulate again."
+        ) from error

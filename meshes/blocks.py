@@ -1,0 +1,170 @@
+"""The rectangle each block occupies, and how large causality makes it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from semianalytic.errors import SceneError
+from semianalytic.scene import Material
+
+MOST_ELEMENTS = 10_000_000
+"""Largest mesh accepted; stepping it takes about ten gigabytes."""
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """One or two rectangles of uniform square elements that meet along y = 0.
+
+    The upper block covers -left*size <= x <= right*size, 0 <= y <= height*size; the lower one
+    is its mirror image.  They share no node: each has its own slot face (x <= 0), contact
+    face (x >= 0) and edge node (x = 0).
+
+    Parameters
+    ----------
+    size : float
+        Element size h [length].
+    left, right, height : int
+        Elements left of the edge, right of it, and from the interface to the far side.
+    lower : bool
+        Whether the lower block is there too.
+
+    Raises
+    ------
+    SceneError
+        If size is not positive and finite, a count is below 1, or the elements are too many.
+    """
+
+    size: float
+    left: int
+    right: int
+    height: int
+    lower: bool = False
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.size) and self.size > 0):
+            raise SceneError(f"mesh: the element size must be positive, got {self.size}.")
+        if min(self.left, self.right, self.height) < 1:
+            raise SceneError(
+                "mesh: every side needs at least one element, "
+                f"got {self.left} left, {self.right} right, {self.height} high."
+            )
+        if self.elements > MOST_ELEMENTS:
+            raise SceneError(
+                f"mesh: {self.elements} elements are more than {MOST_ELEMENTS}; "
+                "lower the resolution, leave snapshots off, or lower the Poisson ratio."
+            )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the blocks that are there."""
+        return ("upper", "lower") if self.lower else ("upper",)
+
+    @property
+    def elements(self) -> int:
+        """Number of quadrilaterals in all blocks."""
+        return len(self.names) * (self.left + self.right) * self.height
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes in all blocks."""
+        return len(self.names) * (self.left + self.right + 1) * (self.height + 1)
+
+    def sides(self, block: str) -> dict[str, int]:
+        """Names of a block's boundaries and the number of element sides on each."""
+        far = "top" if block == "upper" else "bottom"
+        return {
+            f"{block}_slot": self.left,
+            f"{block}_contact": self.right,
+            f"{block}_right": self.height,
+            f"{block}_{far}": self.left + self.right,
+            f"{block}_left": self.height,
+        }
+
+
+def causal_margin(
+    material: Material, end_time: float, size: float, damping_time: float = 0.0
+) -> float:
+    """How far numerical forerunners run ahead of the pressure front [length].
+
+    A wave of a mesh has no sharp front: dispersion smears it over a few elements, and the
+    damping C = eta K spreads it like a diffusion of strength eta c_l^2.  Beyond
+    8 h + 3 c_l sqrt(eta T) what is left is below rounding for every purpose here.
+
+    Parameters
+    ----------
+    material : Material
+    end_time : float
+        T [time].
+    size : float
+        h [length].
+    damping_time : float
+        eta [time].
+    """
+    return 8 * size + 3 * material.longitudinal_speed * math.sqrt(damping_time * end_time)
+
+
+def causal_blocks(
+    material: Material,
+    end_time: float,
+    size: float,
+    *,
+    damping_time: float = 0.0,
+    full: bool = False,
+    lower: bool = False,
+) -> Blocks:
+    """Blocks just large enough that no reflection is seen before the end time T.
+
+    All that is not a plane wave starts at the edge at t = 0 and travels at most at c_l; the
+    plane waves of a loaded slot or a sliding interface run straight up and pass along side
+    walls that hold u_y (shear) or u_x (pressure) without any reflection.  Hence
+
+    - right wall: what leaves the edge meets it after c_l T, so the whole disturbed contact
+      0 < x < c_l T is observed;
+    - far side: up and back is 2 H >= c_l T, so H = c_l T / 2;
+    - left wall: there and back to the slot face at -S is 2 L - S >= c_l T.  The slot is
+      observed as far as S = c_l T / 2 (see `observed_slot`), so L = 3/4 c_l T.
+
+    When whole fields are looked at (`full`), nothing may come back at all: all three are
+    c_l T.  Each path gets the margin of `causal_margin` on top.
+
+    Parameters
+    ----------
+    material : Material
+    end_time : float
+        T [time], positive.
+    size : float
+        Element size h [length].
+    damping_time : float
+        eta of the damping C = eta K [time].
+    full : bool
+        Whether whole fields are observed, not only the interface.
+    lower : bool
+        Whether to include the lower block.
+
+    Returns
+    -------
+    Blocks
+
+    Raises
+    ------
+    SceneError
+        If the mesh would be too large.
+    """
+    reach = material.longitudinal_speed * end_time
+    margin = causal_margin(material, end_time, size, damping_time)
+
+    def elements(length: float) -> int:
+        return math.ceil(length / size)
+
+    right = elements(reach + margin)
+    if full:
+        return Blocks(size, right, right, right, lower)
+    slot = observed_slot(material, end_time)
+    left, height = elements((reach + slot + margin) / 2), elements((reach + margin) / 2)
+    return Blocks(size, left, right, height, lower)
+
+
+def observed_slot(material: Material, end_time: float) -> float:
+    """Length of slot next to the edge that no reflection reaches by the end time [length]."""
+    return material.longitudinal_speed * end_time / 2

@@ -1,0 +1,67 @@
+"""Meshes built once and kept in the user's cache folder."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import asdict
+from pathlib import Path
+
+from platformdirs import user_cache_dir
+from skfem import MeshQuad
+
+from meshes.blocks import Blocks
+from meshes.build import build_mesh
+from meshes.read import read_mesh
+from semianalytic.errors import DataFileError
+
+FORMAT = "slipfront blocks 1"
+
+
+def cache_directory() -> Path:
+    """Folder of the cached meshes: $SLIPFRONT_CACHE, or the system's place for caches."""
+    return Path(os.environ.get("SLIPFRONT_CACHE") or user_cache_dir("slipfront"))
+
+
+def cache_path(blocks: Blocks) -> Path:
+    """File in which the mesh of these blocks is cached."""
+    key = repr((FORMAT, sorted(asdict(blocks).items())))
+    return cache_directory() / f"blocks-{hashlib.sha256(key.encode()).hexdigest()[:20]}.msh"
+
+
+def cached_mesh(blocks: Blocks) -> MeshQuad:
+    """Mesh of the blocks, from the cache if it is there, else built and kept.
+
+    A cached file that turns out damaged is built again: nothing but time is lost.
+
+    Parameters
+    ----------
+    blocks : Blocks
+
+    Returns
+    -------
+    MeshQuad
+        See `read_mesh`.
+
+    Raises
+    ------
+    MissingLibraryError
+        If a mesh has to be built and gmsh cannot be loaded.
+    DataFileError
+        If the cache folder cannot be written, or a mesh just built cannot be read.
+    """
+    path = cache_path(blocks)
+    if path.is_file():
+        try:
+            return read_mesh(path, blocks)
+        except DataFileError:
+            path.unlink(missing_ok=True)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        build_mesh(blocks, path)
+    except OSError as error:
+        raise DataFileError(
+            f"the mesh cache {path.parent} cannot be written ({error}); "
+            "set SLIPFRONT_CACHE to a folder of your own."
+        ) from error
+    return read_mesh(path, blocks)

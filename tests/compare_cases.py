@@ -1,0 +1,43 @@
+"""Stand-ins for finite-element runs whose answer is known: the prediction itself, sampled."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from semianalytic.history import InterfaceHistory
+
+
+def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, gain=1.0):
+    """What a simulation without any error would have recorded, or one with a known error.
+
+    `stretch` multiplies all speeds, `gain` all slip rates and tractions.
+    """
+    scene = solution.scene
+    cell = scene.material.shear_speed * end_time / resolution
+    reach = 1.06 * scene.material.longitudinal_speed * end_time
+    x = cell * (0.01 + np.arange(int(reach / cell) + 1))
+    t = end_time * np.arange(1, times + 1) / times
+    seen_at = x / stretch, t[:, None]
+    velocity_x, velocity_y = solution.slot_velocity(-x / stretch, t[:, None])
+    return SimpleNamespace(
+        scene=scene,
+        end_time=end_time,
+        resolution=resolution,
+        element_size=cell,
+        damping=0.0,
+        model="sampled",
+        time_step=t[0],
+        critical_step=t[0],
+        steps=len(t),
+        unknowns=0,
+        seconds={},
+        interface=InterfaceHistory(
+            x=x,
+            t=t,
+            slip=solution.slip(*seen_at),
+            slip_rate=gain * solution.slip_rate(*seen_at),
+            shear_traction=gain * solution.shear_traction(*seen_at),
+            pressure=gain * solution.pressure(*seen_at),
+        ),
+        slot=SimpleNamespace(x=-x, t=t, velocity_x=velocity_x, velocity_y=velocity_y),
+    )
