@@ -72,8 +72,10 @@ class Edges:
             Zone(points[2 * i], points[2 * i + 1], sense) for i, sense in enumerate(self.senses)
         )
 
-    def in_order(self, unknowns: Array) -> bool:
-        """Whether edges keep their order."""
+    def admits(self, unknowns: Array) -> bool:
+        """Whether edges keep their order and stay off the ends of the cut."""
+        if not np.abs(unknowns).max() < _FARTHEST:
+            return False
         points = self.points(unknowns)
         return all(float(q.minus(p)) > 0 for p, q in pairwise(points))
 
@@ -170,7 +172,7 @@ def _newton(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: float
             move *= 1.5 / largest
         for _ in range(8):
             trial = unknowns + move
-            if np.abs(trial).max() < _FARTHEST and edges.in_order(trial):
+            if edges.admits(trial):
                 new = mismatch(trial)
                 if np.abs(inverse @ new).max() <= max(largest, 1e-12):
                     break
@@ -380,7 +382,7 @@ def _polished(found: _Found, unknowns: Array, load: Load, rule: Rule) -> tuple[A
     value = mismatch(unknowns)
     move = -inverse @ value
     step = 1
-    while step < 8:
+    while step < 8 and edges.admits(unknowns + move):
         unknowns = unknowns + move
         if np.abs(move).max() < 1e-12:
             break
