@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 from scipy.special import sici
@@ -92,10 +92,18 @@ class Panels:
     skew: Array
     rule: Rule
 
-    def nodes(self, panel: int) -> CutPoints:
-        """The (n,) nodes of one panel."""
+    @cached_property
+    def regions(self) -> list[list[int]]:
+        """Panels of each stretch of stick and of each zone, from the front inward."""
+        keys = zip(self.sense != 0, self.zone, strict=True)
+        groups = groupby(enumerate(keys), key=lambda item: item[1])
+        return [[index for index, _ in group] for _, group in groups]
+
+    def nodes(self, panel: int | list[int]) -> CutPoints:
+        """The nodes of one panel, or of several in one row."""
         at = self.at
-        return CutPoints(at.v[panel], at.from_a[panel], at.from_b[panel], at.from_c[panel])
+        parts = (at.v, at.from_a, at.from_b, at.from_c)
+        return CutPoints(*(part[panel].ravel() for part in parts))
 
     def minus(self, point: CutPoints) -> Array:
         """v - point at all nodes, exact in the panels that end at the point."""

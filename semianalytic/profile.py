@@ -177,36 +177,71 @@ class Profile:
         return power
 
     @cached_property
-    def _slot(self) -> tuple[RunningIntegral, RunningIntegral]:
-        """Slopes in v = -t/x of tangential and normal velocity of the upper slot face."""
-        factors, load = self.fields.factors, self._load
+    def _slot_panels(self) -> Panels:
+        factors, rule = self.fields.factors, self.fields.rule
         spans = spans_of(factors, (Zone(None, None, 1),))
-        rule = Rule(self.fields.rule.spacing * analytic_strip(factors, spans), self.fields.rule.reach)
-        panels = lay_panels(factors, spans, rule)
+        spacing = rule.spacing * analytic_strip(factors, spans)
+        return lay_panels(factors, spans, Rule(spacing, rule.reach))
 
-        def integral(transform: Array, mode: Mode) -> RunningIntegral:
+    def _slot_transforms(self, k: Array) -> tuple[Array, Array]:
+        """Transforms of shear traction and of pressure at k > 0."""
+        factors = self.fields.factors
+        shear = self.fields.stick_transform_off_cut(k) * factors.m_plus(k)
+        unit = factors.m_plus(k, "I") / float(factors.m_plus(0.0, "I"))
+        return shear, self._load.step_pressure * unit
+
+    @cached_property
+    def _slot_direct(self) -> tuple[RunningIntegral, RunningIntegral]:
+        """Slopes in v = -t/x of v_x from shear and of v_y from pressure on the upper slot face."""
+        factors, panels = self.fields.factors, self._slot_panels
+        shear, pressure = self._slot_transforms(panels.at.v)
+
+        def slope(transform: Array, mode: Mode) -> RunningIntegral:
             impedance = factors.impedance_on_cut(panels.at, mode)
-            ratio = impedance.imag / np.square(np.abs(impedance))
-            slope = -transform * factors.m_plus(panels.at.v, mode) * ratio / (np.pi * panels.at.v)
-            return RunningIntegral(panels, slope, factors.c)
+            density = transform * impedance.imag / np.square(np.abs(impedance))
+            return RunningIntegral(panels, density / (np.pi * panels.at.v), factors.c)
 
-        normal = -load.step_pressure / float(factors.m_plus(0.0, "I"))
+        return slope(-shear, "II"), slope(pressure, "I")
+
+    @cached_property
+    def _slot_coupled(self) -> tuple[RunningIntegral, RunningIntegral]:
+        """Slopes of v_x from pressure and of v_y from shear: -T k (b^2 - 2k^2 - 2ab) / (mu R)."""
+        factors, at = self.fields.factors, self._slot_panels.at
+        shear, pressure = self._slot_transforms(at.v)
+        z = np.square(at.v)
+        product = -at.from_a * at.from_b * (at.v + factors.a) * (at.v + 1)
+        root = np.sqrt(np.maximum(product, 0.0))
+        rayleigh = np.square(np.square(1 - 2 * z)) + np.square(4 * z * root)
+        response = np.where(product > 0, -2 / np.pi * root * (1 - 2 * z) / rayleigh, 0.0)
         return (
-            integral(self.fields.stick_transform_off_cut(panels.at.v), "II"),
-            integral(np.full_like(panels.at.v, normal), "I"),
+            RunningIntegral(self._slot_panels, pressure * response, factors.c),
+            RunningIntegral(self._slot_panels, shear * response, factors.c),
         )
+
+    @cached_property
+    def _slot_jumps(self) -> tuple[float, float]:
+        """Jumps of v_x and v_y at the Rayleigh front of the slot, from the coupled response."""
+        factors = self.fields.factors
+        c = np.array([factors.c])
+        shear, pressure = self._slot_transforms(c)
+        z = c * c
+        numerator = 1 - 2 * z + 2 * np.sqrt((z - factors.a**2) * (z - 1))
+        response = numerator / (-2 * c * factors.reduced_rayleigh(c))
+        return float((pressure * response)[0]), float((shear * response)[0])
 
     def slot_velocity(self, v: Array) -> tuple[Array, Array]:
         """Tangential and normal velocity of the upper slot face at v = -t/x >= 0."""
         load, factors = self._load, self.fields.factors
         plane_waves = (load.step_shear, -load.step_pressure * factors.a)
+        lefts = [float(left.v) for left in self._slot_panels.left]
+        panel = np.searchsorted(lefts, v, "right") - 1
         result = []
-        for integral, far in zip(self._slot, plane_waves, strict=True):
-            panel = np.searchsorted([float(x.v) for x in integral.panels.left], v, "right") - 1
+        for axis, far in enumerate(plane_waves):
             value = np.full(v.shape, far)
-            for i in np.unique(panel[panel >= 0]):
-                here = panel == i
-                value[here] += integral.totals[:i].sum()
-                value[here] += integral(int(i), factors.cut(v[here]))[0]
-            result.append(value)
+            for integral in (self._slot_direct[axis], self._slot_coupled[axis]):
+                for i in np.unique(panel[panel >= 0]):
+                    here = panel == i
+                    value[here] += integral.totals[:i].sum()
+                    value[here] += integral(int(i), factors.cut(v[here]))[0]
+            result.append(np.where(v > factors.c, value + self._slot_jumps[axis], value))
         return result[0], result[1]

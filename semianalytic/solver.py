@@ -207,36 +207,38 @@ class Violation:
 def _violations(profile: Profile, tolerance: float) -> list[Violation]:
     """Where the slip rate has the wrong sign or the traction exceeds friction."""
     panels, load = profile.panels, profile.fields.load
-    slipping = [int(i) for i in np.flatnonzero(panels.sense)]
-    rates = {i: profile.slip_rate_at_nodes(i) for i in slipping}
+    rates = {int(i): profile.slip_rate_at_nodes(int(i)) for i in np.flatnonzero(panels.sense)}
     largest = max((float(np.abs(rate).max()) for rate in rates.values()), default=0.0)
     found = []
-    for i, sense in enumerate(panels.sense):
-        at = panels.nodes(i)
+    for region in panels.regions:
+        sense = int(panels.sense[region[0]])
+        unbounded = panels.right[region[-1]] is None
+        at = panels.nodes(region)
         if sense:
-            wrong = sense * rates[i] < -tolerance * largest
+            wrong = sense * np.concatenate([rates[i] for i in region]) < -tolerance * largest
             signs = np.full(at.v.shape, sense)
         else:
-            pressure = load.base_pressure + profile.pressure_change(at.v)
-            strength = load.friction * pressure
-            traction = profile.traction_at_nodes(i)
-            wrong = np.abs(traction) > strength + tolerance * (strength + 1)
+            strength = load.friction * (load.base_pressure + profile.pressure_change(at.v))
+            traction = np.concatenate([profile.traction_at_nodes(i) for i in region])
+            scale = 1 + (strength if unbounded else strength.max())
+            wrong = np.abs(traction) > strength + tolerance * scale
             signs = np.sign(traction).astype(int)
         wrong[1:-1] |= wrong[:-2] & wrong[2:]
-        inside = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
+        bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
         last = len(at.v) - 1
-        for start, stop in zip(inside[::2], inside[1::2], strict=True):
+        zone = int(panels.zone[region[0]]) if sense else -1
+        for start, stop in zip(bounds[::2], bounds[1::2], strict=True):
+            to_edge = bool(stop > last) and unbounded
             left = at.pick(max(start - 1, 0))
-            right = None if stop > last and panels.right[i] is None else at.pick(min(stop, last))
-            zone, sign = int(panels.zone[i]) if sense else -1, int(signs[start])
-            found.append(
-                Violation(zone, sign, left, right, bool(start == 0), right is not None and stop > last)
-            )
-        if sense and not wrong.any() and sense * profile.residue(i) > 0:
-            width = _gap_at_rayleigh_front(profile, i, rates[i])
-            if width > _NARROWEST_GAP:
-                left, right = (profile.fields.factors.near_c(d) for d in (-width, width))
-                found.append(Violation(int(panels.zone[i]), int(sense), left, right, False, False))
+            right = None if to_edge else at.pick(min(stop, last))
+            touches = (bool(start == 0), bool(stop > last) and not unbounded)
+            found.append(Violation(zone, int(signs[start]), left, right, *touches))
+        for i in region:
+            if sense and not wrong.any() and sense * profile.residue(i) > 0:
+                width = _gap_at_rayleigh_front(profile, i, rates[i])
+                if width > _NARROWEST_GAP:
+                    left, right = (profile.fields.factors.near_c(d) for d in (-width, width))
+                    found.append(Violation(zone, sense, left, right, False, False))
     return found
 
 
@@ -340,13 +342,34 @@ def _settled(edges: Edges, unknowns: Array, load: Load, rule: Rule, tolerance: f
             steps += refined.steps
             unknowns, inverse = refined.unknowns, refined.inverse
             if not refined.converged:
-                break
+                crossed = _across_shear_front(edges, unknowns)
+                if crossed is None:
+                    break
+                edges, unknowns = crossed
+                continue
         fields = ZoneFields(edges.factors, load, edges.zones(unknowns), rule)
         violations = _violations(Profile(fields), tolerance)
         if not violations:
             return _Found(edges, unknowns, inverse, True, steps, sets)
         edges, unknowns = _corrected(edges, unknowns, violations)
     return _Found(edges, unknowns, inverse, False, steps, sets)
+
+
+def _across_shear_front(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | None:
+    """The same zones with edges that ran into the shear front started on its other side."""
+    factors, points = edges.factors, edges.points(unknowns)
+    stuck_at_front = [
+        segment < 2 and abs(float(p.from_b)) < 1e-4
+        for p, segment in zip(points, edges.segments, strict=True)
+    ]
+    if not any(stuck_at_front):
+        return None
+    behind, ahead = 1 + 0.1 * (factors.c - 1), 1 - 0.02 * (1 - factors.a)
+    moved = [
+        factors.cut(ahead if p.from_b > 0 else behind) if at_front else p
+        for p, at_front in zip(points, stuck_at_front, strict=True)
+    ]
+    return _place(factors, edges.senses, edges.open_ends, moved)
 
 
 def _find_zones(
@@ -477,7 +500,7 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
         edges = Edges(factors, (1,), (True, True), ())
         found = _Found(edges, np.zeros(0), np.zeros((0, 0)), True)
     else:
-        found, pivots = _find_zones(factors, load, rule_for(loose), 10 * loose)
+        found, pivots = _find_zones(factors, load, rule_for(loose), 30 * loose)
     clock.append(perf_counter())
     refined = _refined(found, load, rtol)
     clock.append(perf_counter())
