@@ -151,11 +151,15 @@ class Panels:
         difference = np.where(half[:, None] & half, x - x[:, None], z[:, None] - z)
         order = np.arange(len(x))
         other = (order[:, None] - order) % 2 == 1
-        kernel = np.divide(2 * self.rule.spacing, difference, where=other, out=np.zeros_like(difference))
+        kernel = np.divide(
+            2 * self.rule.spacing, difference, where=other, out=np.zeros_like(difference)
+        )
         return kernel @ weights
 
 
-def _skew(factors: RayleighFactors, left: CutPoints, right: CutPoints | None, spacing: float) -> float:
+def _skew(
+    factors: RayleighFactors, left: CutPoints, right: CutPoints | None, spacing: float
+) -> float:
     """Factor rho in the map of a panel; it puts c midway between nodes where the panel covers it.
 
     A pole at c then has its principal value from the trapezoidal rule itself.

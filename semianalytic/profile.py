@@ -115,7 +115,9 @@ class Profile:
         """V at the contact edge."""
         return float(self._starts[0][-1] + self._slip_rate.totals[-1]) if self.edge_slips else 0.0
 
-    def _piecewise(self, u: Array, ahead: float, inside: Callable[[int, CutPoints], Array]) -> Array:
+    def _piecewise(
+        self, u: Array, ahead: float, inside: Callable[[int, CutPoints], Array]
+    ) -> Array:
         result = np.full(u.shape, ahead)
         panel = np.searchsorted([float(left.v) for left in self.panels.left], u, "right") - 1
         for i in np.unique(panel[panel >= 0]):

@@ -8,6 +8,7 @@ M_-(-v) = M_+(v), an argument off the cut.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Literal
@@ -15,6 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
+from scipy.fft import dct
 
 from semianalytic.scene import Material
 
@@ -29,6 +31,15 @@ def gauss(n: int) -> tuple[Array, Array]:
     """Gauss-Legendre nodes and weights on [0, 1]."""
     nodes, weights = np.polynomial.legendre.leggauss(n)
     return (nodes + 1) / 2, weights / 2
+
+
+def chebyshev_series(function: Callable[[Array], Array], degree: int) -> Array:
+    """Chebyshev coefficients of a smooth function on [-1, 1], without those lost in rounding."""
+    angle = np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1)
+    series = dct(function(np.cos(angle)), type=2) / (degree + 1)
+    series[0] /= 2
+    above = np.flatnonzero(np.abs(series) > 4e-16 * np.abs(series).max())
+    return series[: above[-1] + 1]
 
 
 @dataclass(frozen=True)
@@ -48,8 +59,10 @@ class CutPoints:
 
     def minus(self, other: CutPoints) -> Array:
         """Difference v - w for a single point w, formed at the front nearest to w."""
-        near = min("from_a", "from_b", "from_c", key=lambda front: abs(getattr(other, front)))
-        return getattr(self, near) - getattr(other, near)
+        a, b, c = abs(other.from_a), abs(other.from_b), abs(other.from_c)
+        if c <= b:
+            return self.from_c - other.from_c
+        return self.from_b - other.from_b if b <= a else self.from_a - other.from_a
 
     def pick(self, index: int) -> CutPoints:
         """One of (n,) points."""
@@ -63,7 +76,10 @@ class CutPoints:
     def shifted(self, distance: Array) -> CutPoints:
         """The points at signed distances from a single point."""
         return CutPoints(
-            self.v + distance, self.from_a + distance, self.from_b + distance, self.from_c + distance
+            self.v + distance,
+            self.from_a + distance,
+            self.from_b + distance,
+            self.from_c + distance,
         )
 
 
@@ -104,7 +120,7 @@ class RayleighFactors:
 
     @cached_property
     def _log_s_plus(self) -> Array:
-        """Chebyshev series of ln S_+ in (k - q)/(k + q), q^2 = a b, which maps k >= 0 to [-1, 1]."""
+        """Chebyshev series of ln S_+ over k >= 0 in (k - q)/(k + q), q^2 = a b."""
         t, weight = gauss(_GAUSS_PHASE)
         theta = t * np.pi / 2
         w = self.a + (1 - self.a) * np.sin(theta) ** 2
@@ -116,7 +132,7 @@ class RayleighFactors:
             k_over = q * (1 + z)  # k = k_over / (1 - z)
             return -(((1 - z)[:, None] / (w * (1 - z)[:, None] + k_over[:, None])) @ density)
 
-        return chebyshev.chebinterpolate(log_s_plus, _DEGREE)
+        return chebyshev_series(log_s_plus, _DEGREE)
 
     def s_plus(self, k: ArrayLike) -> Array:
         """Factor S_+(k) of the Rayleigh function for k >= 0 (3.12), (4.20)."""
@@ -178,13 +194,13 @@ class RayleighFactors:
 
     def near_c(self, distance: float) -> CutPoints:
         """The point at a signed distance from c, however small."""
-        c, d = self.c, np.float64(distance)
-        return CutPoints(c + d, c - self.a + d, c - 1 + d, d)
+        c, d = self.c, np.asarray(distance, dtype=float)
+        return CutPoints(*(np.asarray(x) for x in (c + d, c - self.a + d, c - 1 + d, d)))
 
     def cut(self, v: ArrayLike) -> CutPoints:
         """Points on the cut from their slowness v > 0 alone."""
         v = np.asarray(v, dtype=float)
-        return CutPoints(v, v - self.a, v - 1.0, v - self.c)
+        return CutPoints(v, *(np.asarray(v - front) for front in (self.a, 1.0, self.c)))
 
 
 @lru_cache(maxsize=64)

@@ -92,7 +92,7 @@ class Material:
 
     @property
     def shear_impedance(self) -> float:
-        """Traction per particle velocity of a plane shear wave, mu b = rho c_t [stress time / length]."""
+        """Traction per particle velocity of a plane shear wave, mu b [stress time / length]."""
         return self.density * self.shear_speed
 
 

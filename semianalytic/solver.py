@@ -251,9 +251,7 @@ def _gap_at_rayleigh_front(profile: Profile, panel: int, rate: Array) -> float:
     return float(np.exp(np.maximum(-level / residue, -690.0)))
 
 
-def _corrected(
-    edges: Edges, unknowns: Array, violations: list[Violation]
-) -> tuple[Edges, Array]:
+def _corrected(edges: Edges, unknowns: Array, violations: list[Violation]) -> tuple[Edges, Array]:
     """Zones without the intervals that slip the wrong way, and with those that must slip.
 
     New zones are made only when the present ones are sound.

@@ -14,7 +14,15 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.rayleigh import Array, CutPoints, Mode, RayleighFactors, gauss, rayleigh_factors
+from semianalytic.rayleigh import (
+    Array,
+    CutPoints,
+    Mode,
+    RayleighFactors,
+    chebyshev_series,
+    gauss,
+    rayleigh_factors,
+)
 from semianalytic.scene import Material, Tractions
 
 _DEGREE = 128
@@ -60,29 +68,28 @@ class StuckTraction:
                 return (8 * v**2 * np.sqrt(v + a) * m * t**2) @ weight
             return -(2 * np.square(1 - 2 * v**2) / np.sqrt(v + a) * m) @ weight
 
-        return chebyshev.chebinterpolate(series, _DEGREE)
+        return chebyshev_series(series, _DEGREE)
 
     @cached_property
     def _behind_shear_front(self) -> Array:
         """Series in (s - 1)/(s + 1), s = sqrt(u - b), of traction / (s + 1) for u > b."""
-        order = np.arange(_DEGREE + 1)
-        z = np.cos(np.pi * (order[::-1] + 0.5) / (_DEGREE + 1))
-        s = (1 + z) / (1 - z)
-        ends = np.concatenate(([0.0], s))
         t, weight = gauss(24)
-        width = np.diff(ends)
-        nodes = ends[:-1, None] + width[:, None] * t
-        v = 1 + nodes**2
-        z2 = v * v
-        root = np.sqrt(v + 1) if self.mode == "II" else np.sqrt(z2 - self.factors.a**2) / nodes
-        rayleigh = self.factors.reduced_rayleigh(v) * (z2 - self.factors.c**2)
-        slope = 2 * self._scale * rayleigh / (root * v * self.factors.m_plus(v, self.mode))
-        at_front = self._near(np.array(1.0))
-        value = (at_front + np.cumsum(width * (slope @ weight))) / (s + 1)
-        basis = np.cos(np.outer(order, np.pi * (order[::-1] + 0.5) / (_DEGREE + 1)))
-        series = 2 / (_DEGREE + 1) * basis @ value
-        series[0] /= 2
-        return series
+
+        def series(z: Array) -> Array:
+            s = (1 + z) / (1 - z)  # falls from node to node
+            ends = np.concatenate(([0.0], s[::-1]))
+            width = np.diff(ends)
+            nodes = ends[:-1, None] + width[:, None] * t
+            v = 1 + nodes**2
+            root = np.sqrt(v + 1)
+            if self.mode == "I":
+                root = np.sqrt(v * v - self.factors.a**2) / nodes
+            rayleigh = self.factors.reduced_rayleigh(v) * (v * v - self.factors.c**2)
+            slope = 2 * self._scale * rayleigh / (root * v * self.factors.m_plus(v, self.mode))
+            value = self._near(np.array(1.0)) + np.cumsum(width * (slope @ weight))
+            return value[::-1] / (s + 1)
+
+        return chebyshev_series(series, _DEGREE)
 
     def _near(self, u: Array) -> Array:
         a = self.factors.a

@@ -48,14 +48,16 @@ def _chord_integral(
 
     to_left and to_right are v - left and v - right; accurate near the panel and far from it.
     """
-    share = width / to_left
+    share = np.asarray(width / to_left)
     far = np.abs(share) < 0.5
     with np.errstate(divide="ignore", invalid="ignore"):
         log = np.where(far, np.log1p(-np.where(far, share, 0)), np.log(np.abs(to_right / to_left)))
     small = np.abs(share) < 0.02
-    within = np.where(small, share, 0.0)
-    series = -within * np.polynomial.polynomial.polyval(within, 1 / np.arange(2.0, 11.0))
-    linear = np.where(small, series, (log + share) / np.where(small, 1.0, share))
+    linear = np.divide(log + share, share, where=~small, out=np.zeros_like(share))
+    if np.any(small):
+        within = share[small]
+        series = np.polynomial.polynomial.polyval(within, 1 / np.arange(2.0, 11.0))
+        linear[small] = -within * series
     return start * log + (stop - start) * linear
 
 
@@ -268,9 +270,7 @@ class ZoneFields:
         at_zero -= self._reference_sense * load.friction * load.step_pressure
         panels = self.panels
         cauchy = sum(
-            -panels.rule.spacing
-            / np.pi
-            * float(np.sum(panels.jacobian[i] * imag / panels.at.v[i]))
+            -panels.rule.spacing / np.pi * float(np.sum(panels.jacobian[i] * imag / panels.at.v[i]))
             for i, imag in self._sources
         )
         return at_zero / self._canonical_at_zero - cauchy
