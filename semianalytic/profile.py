@@ -51,7 +51,7 @@ class Profile:
         tail = 0.0
         if self.edge_slips:
             sign = np.sign(fields.canonical[-1, -1])
-            tail = float(sign * fields.constant / (np.pi * fields.factors.kappa))
+            tail = float(sign * fields.constant[0] / (np.pi * fields.factors.kappa))
         return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
 
     @cached_property
@@ -60,7 +60,7 @@ class Profile:
         slope = self.fields.traction_slope
         if not self.edge_slips:
             slope = slope.copy()
-            unit = self._shear.slope(self.panels.nodes(-1)) * self._m_plus_at_zero
+            unit = self._shear.slope(self.panels.at[-1]) * self._m_plus_at_zero
             slope[-1] = self.fields.stick_transform_excess * unit
         return RunningIntegral(self.panels, slope, self.fields.factors.c)
 
@@ -81,7 +81,7 @@ class Profile:
         count = len(panels.left)
         rate, slip, traction = np.zeros(count), np.zeros(count), np.zeros(count)
         rate[0] = load.far_slip_rate
-        slip[0] = load.far_slip_rate * panels.left[0].v
+        slip[0] = load.far_slip_rate * panels.left[0].v[0]
         traction[0] = load.base_shear - load.far_slip_rate
         for i in range(count - 1):
             left, right = panels.left[i], panels.right[i]
@@ -91,10 +91,10 @@ class Profile:
                 traction[i + 1] = traction[i] + self._traction.totals[i]
                 continue
             end = rate[i] + self._slip_rate.totals[i]
-            _, moment = self._slip_rate(i, right.reshaped(1))
-            slip[i + 1] = slip[i] + end * right.v - rate[i] * left.v - moment[0]
+            _, moment = self._slip_rate(i, right)
+            slip[i + 1] = slip[i] + end * right.v[0] - rate[i] * left.v[0] - moment[0]
             rate[i + 1] = end if panels.sense[i + 1] else 0.0
-            traction[i + 1] = panels.sense[i] * self.fields.strength(right)
+            traction[i + 1] = panels.sense[i] * self.fields.strength(right)[0]
         return rate, slip, traction
 
     def slip_rate_at_nodes(self, panel: int) -> Array:
@@ -119,7 +119,7 @@ class Profile:
         self, u: Array, ahead: float, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
         result = np.full(u.shape, ahead)
-        panel = np.searchsorted([float(left.v) for left in self.panels.left], u, "right") - 1
+        panel = np.searchsorted([left.v[0] for left in self.panels.left], u, "right") - 1
         for i in np.unique(panel[panel >= 0]):
             here = panel == i
             result[here] = inside(int(i), self.fields.factors.cut(u[here]))
@@ -235,7 +235,7 @@ class Profile:
         """Tangential and normal velocity of the upper slot face at v = -t/x >= 0."""
         load, factors = self._load, self.fields.factors
         plane_waves = (load.step_shear, -load.step_pressure * factors.a)
-        lefts = [float(left.v) for left in self._slot_panels.left]
+        lefts = [left.v[0] for left in self._slot_panels.left]
         panel = np.searchsorted(lefts, v, "right") - 1
         result = []
         for axis, far in enumerate(plane_waves):

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -48,39 +48,47 @@ class CutPoints:
 
     Attributes
     ----------
-    v, from_a, from_b, from_c : arrays of one shape
+    parts : (4, ...) array
         v, v - a, v - b and v - c in units of b.
     """
 
-    v: Array
-    from_a: Array
-    from_b: Array
-    from_c: Array
+    parts: Array
+
+    @property
+    def v(self) -> Array:
+        return self.parts[0]
+
+    @property
+    def from_a(self) -> Array:
+        return self.parts[1]
+
+    @property
+    def from_b(self) -> Array:
+        return self.parts[2]
+
+    @property
+    def from_c(self) -> Array:
+        return self.parts[3]
 
     def minus(self, other: CutPoints) -> Array:
-        """Difference v - w for a single point w, formed at the front nearest to w."""
-        a, b, c = abs(other.from_a), abs(other.from_b), abs(other.from_c)
-        if c <= b:
-            return self.from_c - other.from_c
-        return self.from_b - other.from_b if b <= a else self.from_a - other.from_a
+        """Differences from points that lie together, formed at the front nearest to them."""
+        return self.parts[other._nearest] - other.parts[other._nearest]
 
-    def pick(self, index: int) -> CutPoints:
-        """One of (n,) points."""
-        return CutPoints(self.v[index], self.from_a[index], self.from_b[index], self.from_c[index])
+    @cached_property
+    def _first(self) -> list[float]:
+        return [float(part) for part in self.parts.reshape(4, -1)[:, 0]]
 
-    def reshaped(self, *shape: int) -> CutPoints:
-        """The same points in another shape."""
-        parts = (self.v, self.from_a, self.from_b, self.from_c)
-        return CutPoints(*(np.reshape(part, shape) for part in parts))
+    @cached_property
+    def _nearest(self) -> int:
+        return min((1, 2, 3), key=lambda front: abs(self._first[front]))
 
-    def shifted(self, distance: Array) -> CutPoints:
-        """The points at signed distances from a single point."""
-        return CutPoints(
-            self.v + distance,
-            self.from_a + distance,
-            self.from_b + distance,
-            self.from_c + distance,
-        )
+    def first_below(self, other: CutPoints) -> bool:
+        """Whether the first of these points lies ahead of (has less slowness than) that of others."""
+        return self._first[other._nearest] < other._first[other._nearest]
+
+    def __getitem__(self, index: Any) -> CutPoints:
+        """Some of the points."""
+        return CutPoints(self.parts[:, index])
 
 
 @dataclass(frozen=True)
@@ -192,15 +200,43 @@ class RayleighFactors:
             imag = np.where(ahead, -polynomial / alpha, behind / alpha)
         return real + 1j * imag
 
-    def near_c(self, distance: float) -> CutPoints:
-        """The point at a signed distance from c, however small."""
-        c, d = self.c, np.asarray(distance, dtype=float)
-        return CutPoints(*(np.asarray(x) for x in (c + d, c - self.a + d, c - 1 + d, d)))
+    @cached_property
+    def front_a(self) -> CutPoints:
+        """The longitudinal front, (1,)."""
+        return self.beside("a", [0.0])
+
+    @cached_property
+    def front_b(self) -> CutPoints:
+        """The shear front, (1,)."""
+        return self.beside("b", [0.0])
+
+    @cached_property
+    def front_c(self) -> CutPoints:
+        """The Rayleigh front, (1,)."""
+        return self.beside("c", [0.0])
+
+    @cached_property
+    def cuts(self) -> list[CutPoints]:
+        """Points at which fields change character: beside the hidden root, the shear front."""
+        hidden = self.hidden_root
+        beside = [self.cut([hidden.real])] if hidden.imag and hidden.real > self.a else []
+        return [*beside, self.front_b]
+
+    @cached_property
+    def _fronts(self) -> Array:
+        return np.array([0.0, self.a, 1.0, self.c])
+
+    def beside(self, front: Literal["a", "b", "c"], distance: ArrayLike) -> CutPoints:
+        """Points at signed distances from a front, however small."""
+        d = np.asarray(distance, dtype=float)
+        own = "_abc".index(front)
+        shifts = self._fronts[own] - self._fronts
+        return CutPoints(np.stack([shift + d for shift in shifts]))
 
     def cut(self, v: ArrayLike) -> CutPoints:
         """Points on the cut from their slowness v > 0 alone."""
         v = np.asarray(v, dtype=float)
-        return CutPoints(v, *(np.asarray(v - front) for front in (self.a, 1.0, self.c)))
+        return CutPoints(np.stack([v - front for front in self._fronts]))
 
 
 @lru_cache(maxsize=64)

@@ -34,7 +34,7 @@ class RunningIntegral:
     @cached_property
     def totals(self) -> Array:
         """(p,) integrals of g over whole panels; principal values where g has a pole."""
-        return self.panels.rule.spacing * np.sum(self.density * self.panels.jacobian, axis=1)
+        return self.panels.integrals(self.density)
 
     @cached_property
     def residues(self) -> Array:
@@ -42,12 +42,12 @@ class RunningIntegral:
         panels, rule = self.panels, self.panels.rule
         result = np.zeros(len(panels.left))
         for i, (left, right) in enumerate(zip(panels.left, panels.right, strict=True)):
-            if left.from_c < 0 and (right is None or right.from_c > 0):
-                share = 1.0 if right is None else float(right.from_c / right.minus(left))
+            if left.from_c[0] < 0 and (right is None or right.from_c[0] > 0):
+                share = 1.0 if right is None else float(right.from_c[0] / right.minus(left)[0])
                 decaying = 1.0 if right is not None else np.square(self.c / panels.at.v[i])
                 numerator = self.density[i] * panels.at.from_c[i] * panels.jacobian[i] * decaying
                 kernel = np.sinc((rule.spacing / 2 - rule.y) / rule.spacing)
-                result[i] = kernel @ numerator / (-float(left.from_c) * share)
+                result[i] = kernel @ numerator / (-left.from_c[0] * share)
         return result
 
     @cached_property
@@ -72,7 +72,7 @@ class RunningIntegral:
     def at_nodes(self, panel: int) -> tuple[Array, Array]:
         """The same at the panel's nodes."""
         regular = self._regular[panel] @ self.panels.rule.running.T
-        return self._complete(panel, self.panels.nodes(panel), regular)
+        return self._complete(panel, self.panels.at[panel], regular)
 
     def _complete(self, panel: int, at: CutPoints, regular: Array) -> tuple[Array, Array]:
         """Add the closed forms of pole and tail."""

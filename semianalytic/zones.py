@@ -23,8 +23,17 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
-from semianalytic.panels import Panels, Rule, Zone, analytic_strip, lay_panels, spans_of
+from semianalytic.panels import (
+    Panels,
+    Rule,
+    Zone,
+    analytic_strip,
+    lay_panels,
+    lies_between,
+    spans_of,
+)
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.stuck import stuck_traction
 
@@ -41,27 +50,39 @@ class Load:
     far_slip_rate: float
 
 
-def _chord_integral(
-    start: float, stop: float, to_left: Array, to_right: Array, width: Array
-) -> Array:
-    """Integral of chord(w) / (w - v) over a panel, the chord running from start to stop.
+@dataclass(frozen=True)
+class Piece:
+    """One panel ahead of the shear front as a source of phase: phi is a chord plus a rest.
 
-    to_left and to_right are v - left and v - right; accurate near the panel and far from it.
+    start and stop are phi at its ends; `rest` is (phi - chord) dv/dy at its nodes.
     """
-    share = np.asarray(width / to_left)
-    far = np.abs(share) < 0.5
-    with np.errstate(divide="ignore", invalid="ignore"):
-        log = np.where(far, np.log1p(-np.where(far, share, 0)), np.log(np.abs(to_right / to_left)))
-    small = np.abs(share) < 0.02
-    linear = np.divide(log + share, share, where=~small, out=np.zeros_like(share))
-    if np.any(small):
-        within = share[small]
-        series = np.polynomial.polynomial.polyval(within, 1 / np.arange(2.0, 11.0))
-        linear[small] = -within * series
-    return start * log + (stop - start) * linear
+
+    panel: int
+    left: CutPoints
+    right: CutPoints
+    start: Array
+    stop: Array
+    rest: Array
+
+    def chord_integral(self, to_left: Array, to_right: Array) -> Array:
+        """Integral of chord(w) / (w - v); to_left = v - left, to_right = v - right.
+
+        Accurate near the panel and far from it.
+        """
+        width = self.right.minus(self.left)
+        share, to_left, to_right = np.broadcast_arrays(width / to_left, to_left, to_right)
+        far = np.abs(share) < 0.5
+        log = np.empty_like(share)
+        log[far] = np.log1p(-share[far])
+        log[~far] = np.log(np.abs(to_right[~far] / to_left[~far]))
+        small = np.abs(share) < 0.02
+        linear = np.divide(log + share, share, where=~small, out=np.zeros_like(share))
+        if np.any(small):
+            linear[small] = -share[small] * polyval(share[small], 1 / np.arange(2.0, 11.0))
+        return self.start * log + (self.stop - self.start) * linear
 
 
-def _log_share(part: Array, whole: Array, rest: float) -> Array:
+def _log_share(part: Array, whole: Array, rest: Array) -> Array:
     """ln(part / whole) with part + rest = whole, accurate for part << whole and rest << whole."""
     share = rest / whole
     near = np.abs(share) > 0.5
@@ -72,7 +93,8 @@ def _log_share(part: Array, whole: Array, rest: float) -> Array:
 class ZoneFields:
     """Fields of a load and a set of zones, whether or not the edges satisfy Coulomb's law.
 
-    `zones` run from the longitudinal front inward, in slowness.
+    `zones` run from the longitudinal front inward, in slowness; their edges may hold several
+    neighbouring sets at once (see `panels`).
     """
 
     factors: RayleighFactors
@@ -86,35 +108,38 @@ class ZoneFields:
         """Panels on a rule as fine and as long as these zones need.
 
         Beside a narrow stick gap around c, dV/dv ~ 1/(v - c) over all scales down to the gap.
+        Without `tail` the unbounded panel is left out.
         """
         reach = self.rule.reach
         for inward, outward in zip(self.zones[1:], self.zones[:-1], strict=True):
             left, right = outward.right, inward.left
-            if left is not None and right is not None and left.from_c < 0 < right.from_c:
-                reach += max(0.0, -float(np.log(right.minus(left))))
+            if (
+                left is not None
+                and right is not None
+                and lies_between(left, self.factors.front_c, right)
+            ):
+                reach += max(0.0, -float(np.log(right.minus(left).min())))
         spans = spans_of(self.factors, self.zones)
         if not self.tail and len(spans) > 1:
             spans.pop()
         spacing = self.rule.spacing * analytic_strip(self.factors, spans)
-        return lay_panels(self.factors, spans, Rule(spacing, reach))
+        rule = self.rule
+        if (spacing, reach) != (rule.spacing, rule.reach):
+            rule = Rule(spacing, reach)
+        return lay_panels(self.factors, spans, rule)
 
-    def slips_at(self, front: CutPoints) -> bool:
-        """Whether a zone covers a wave front."""
-        return any(
-            (zone.left is None or front.minus(zone.left) > 0)
-            and (zone.right is None or front.minus(zone.right) < 0)
-            for zone in self.zones
-        )
+    def _slips_at(self, front: CutPoints) -> bool:
+        return any(lies_between(zone.left, front, zone.right) for zone in self.zones)
 
     @cached_property
     def _slips_at_b(self) -> bool:
-        return self.slips_at(self.factors.cut(1.0))
+        return self._slips_at(self.factors.front_b)
 
     @cached_property
     def _slips_at_c(self) -> bool:
-        return self.slips_at(self.factors.cut(self.factors.c))
+        return self._slips_at(self.factors.front_c)
 
-    @cached_property
+    @property
     def _reference_sense(self) -> int:
         return self.zones[-1].sense if self.zones else 0
 
@@ -124,42 +149,10 @@ class ZoneFields:
         edges = []
         for zone in self.zones:
             for edge, opening in ((zone.left, True), (zone.right, False)):
-                if edge is not None and edge.from_b > 0:
-                    smooth = opening == (edge.from_c < 0)
+                if edge is not None and edge.from_b.flat[0] > 0:
+                    smooth = opening == bool(edge.from_c.flat[0] < 0)
                     edges.append((edge, 0.5 if smooth else -0.5))
         return edges
-
-    def _phase_panels(self, slipping: bool) -> list[int]:
-        """Panels ahead of the shear front that slip, or stick."""
-        panels = self.panels
-        ahead = panels.at.from_b[:, 0] < 0
-        return list(np.flatnonzero(ahead & ((panels.sense != 0) == slipping)))
-
-    def _phase_integral(self, sources: list[int], targets: Array) -> Array:
-        """(1/pi) int phi(w) / (w - v) dw over some panels, at the nodes of others."""
-        panels = self.panels
-        total = np.zeros((len(targets), len(panels.rule.y)))
-        for source in sources:
-            left, right, start, stop, excess = self._phase_on(source)
-            total += panels.cauchy(source, excess, targets)
-            to_left, to_right = panels.minus(left)[targets], panels.minus(right)[targets]
-            total += _chord_integral(start, stop, to_left, to_right, right.minus(left))
-        return total / np.pi
-
-    def _phase_on(self, source: int) -> tuple[CutPoints, CutPoints, float, float, Array]:
-        """Ends of a panel, phi there, and (phi - its chord) dv/dy at the nodes."""
-        panels, factors = self.panels, self.factors
-        left, right = panels.left[source], panels.right[source]
-        assert right is not None
-        start = float(factors.phase(left))
-        stop = float(factors.phase(right))
-        share = panels.from_left[source] / right.minus(left)
-        excess = self._phase[source] - start - (stop - start) * share
-        return left, right, start, stop, excess * panels.jacobian[source]
-
-    @cached_property
-    def _phase(self) -> Array:
-        return self.factors.phase(self.panels.at)
 
     @cached_property
     def _impedance(self) -> np.ndarray:
@@ -169,68 +162,94 @@ class ZoneFields:
     def _m_plus(self) -> Array:
         return self.factors.m_plus(self.panels.at.v)
 
+    def _pieces(self, slipping: bool) -> list[Piece]:
+        """Panels ahead of the shear front that slip, or stick."""
+        panels, factors, pieces = self.panels, self.factors, []
+        for i in np.flatnonzero(panels.ahead & ((panels.sense != 0) == slipping)):
+            left, right = panels.left[i], panels.right[i]
+            assert right is not None
+            start, stop = factors.phase(left), factors.phase(right)
+            share = panels.from_left[i] / right.minus(left)
+            rest = factors.phase(panels.at[i]) - start - (stop - start) * share
+            pieces.append(Piece(int(i), left, right, start, stop, rest * panels.jacobian[i]))
+        return pieces
+
     @cached_property
-    def _roots(self) -> tuple[Array, Array]:
-        """Logarithm of the modulus, and the phase / pi, of the product of the square roots."""
-        log = np.zeros_like(self.panels.jacobian)
-        phase = np.zeros_like(log)
-        for edge, exponent in self._square_roots:
-            difference = self.panels.minus(edge)
-            log += exponent * np.log(np.abs(difference))
-            phase += exponent * (difference > 0)
-        return log, phase
+    def _stick_pieces(self) -> list[Piece]:
+        return self._pieces(False)
+
+    @cached_property
+    def _slip_pieces(self) -> list[Piece]:
+        return self._pieces(True)
+
+    def _phase_integral(self, pieces: list[Piece], targets: np.ndarray) -> Array | float:
+        """(1/pi) int phi(w) / (w - v) dw over pieces, at the nodes of other panels."""
+        panels = self.panels
+        total: Array | float = 0.0
+        for piece in pieces:
+            to_left, to_right = (panels.minus(p)[targets] for p in (piece.left, piece.right))
+            chord = piece.chord_integral(to_left, to_right)
+            total = total + panels.cauchy(piece.panel, piece.rest, targets) + chord
+        return total / np.pi
+
+    def _phase_integral_off_cut(self, pieces: list[Piece], k: Array) -> Array | float:
+        """(1/pi) int phi(w) / (w + k) dw over pieces, at k >= 0 of shape (m,)."""
+        total: Array | float = 0.0
+        for piece in pieces:
+            w = self.panels.at.v[piece.panel]
+            rest = np.sum(piece.rest[..., None, :] / (w[..., None, :] + k[:, None]), axis=-1)
+            chord = piece.chord_integral(-piece.left.v - k, -piece.right.v - k)
+            total = total + self.panels.rule.spacing * rest + chord
+        return total / np.pi
 
     @cached_property
     def canonical(self) -> Array:
-        """(p, n): X, real, on panels that slip; X / M_+, real, on panels that stick."""
-        panels, factors = self.panels, self.factors
+        """(p, ..., n): X, real, on panels that slip; X / M_+, real, on panels that stick."""
+        panels = self.panels
+        from_b, from_c = panels.at.from_b, panels.at.from_c
         slipping = panels.sense != 0
-        ahead = panels.at.from_b[:, 0] < 0
-        log, phase = (x.copy() for x in self._roots)
-        behind_b, behind_c = panels.at.from_b > 0, panels.at.from_c > 0
-        log_b = 0.5 * np.log(np.abs(panels.at.from_b))
-        log_c = np.log(np.abs(panels.at.from_c))
-        integral = np.zeros_like(log)
-        stick_pieces, slip_pieces = self._phase_panels(False), self._phase_panels(True)
-        by_stick = slipping & (ahead | self._slips_at_b)
-        if stick_pieces and by_stick.any():
-            integral[by_stick] = -self._phase_integral(stick_pieces, np.flatnonzero(by_stick))
-        by_slip = ~by_stick
-        if slip_pieces and by_slip.any():
-            integral[by_slip] = self._phase_integral(slip_pieces, np.flatnonzero(by_slip))
-        log += integral
-        # Stick: X / M_+ = exp(J_slip) (b + k)^(1/2 if slip at b) / (c + k if slip at c) ...
-        stick = ~slipping
+        phase = np.zeros(len(slipping))  # of the square roots, over pi
+        product = np.ones_like(panels.jacobian)
+        for edge, exponent in self._square_roots:
+            difference = panels.minus(edge)
+            root = np.sqrt(np.abs(difference))
+            product = product * root if exponent > 0 else product / root
+            phase += exponent * (difference.reshape(len(phase), -1)[:, 0] > 0)
+        root_b = np.sqrt(np.abs(from_b))
         if self._slips_at_b:
-            log[stick] += log_b[stick]
-            phase[stick] += 0.5 * behind_b[stick]
+            product[~slipping] *= root_b[~slipping]
+            phase[~slipping] += 0.5 * ~panels.ahead[~slipping]
+        else:
+            product[slipping] /= root_b[slipping]
+            phase[slipping] -= 0.5 * ~panels.ahead[slipping]
         if self._slips_at_c:
-            log[stick] -= log_c[stick]
-            phase[stick] -= behind_c[stick]
-        # Slip: X = E(k) (c + k if stick at c) / (b + k)^(1/2 if stick at b) ...
-        if not self._slips_at_c:
-            log[slipping] += log_c[slipping]
-            phase[slipping] += behind_c[slipping]
-        if not self._slips_at_b:
-            log[slipping] -= log_b[slipping]
-            phase[slipping] -= 0.5 * behind_b[slipping]
-        direct = by_slip & slipping  # E = |S_+(-v)| exp(J_slip)
+            product[~slipping] /= -from_c[~slipping]
+        else:
+            product[slipping] *= -from_c[slipping]
+        by_stick = slipping & (panels.ahead | self._slips_at_b)
+        if by_stick.any():
+            integral = self._phase_integral(self._stick_pieces, np.flatnonzero(by_stick))
+            product[by_stick] *= np.exp(-integral)
+        by_slip = ~by_stick
+        if self._slip_pieces and by_slip.any():
+            integral = self._phase_integral(self._slip_pieces, np.flatnonzero(by_slip))
+            product[by_slip] *= np.exp(integral)
+        direct = by_slip & slipping  # with |S_+(-v)| on the cut
         if direct.any():
-            modulus = np.abs(self._impedance[direct]) / (factors.kappa * self._m_plus[direct])
-            log[direct] += np.log(modulus) + log_b[direct] - log_c[direct]
-        return np.exp(log) * np.cos(np.pi * phase).round()
+            modulus = np.abs(self._impedance[direct]) / (self.factors.kappa * self._m_plus[direct])
+            product[direct] *= modulus * root_b[direct] / np.abs(from_c[direct])
+        sign = np.cos(np.pi * phase).round()
+        return product * sign.reshape(-1, *[1] * (product.ndim - 1))
 
     @cached_property
-    def _canonical_at_zero(self) -> float:
-        log = 0.0 if self._slips_at_c else np.log(self.factors.c)
+    def _canonical_at_zero(self) -> Array:
+        """X(0), (1,) or (k, 1)."""
+        value = np.ones(1) * np.exp(-self._phase_integral_off_cut(self._stick_pieces, np.zeros(1)))
+        if not self._slips_at_c:
+            value = value * self.factors.c
         for edge, exponent in self._square_roots:
-            log += exponent * np.log(edge.v)
-        for source in self._phase_panels(False):
-            left, right, start, stop, excess = self._phase_on(source)
-            log -= self.panels.rule.spacing * np.sum(excess / self.panels.at.v[source]) / np.pi
-            chord = _chord_integral(start, stop, -left.v, -right.v, right.minus(left))
-            log -= float(chord) / np.pi
-        return float(np.exp(log))
+            value = value * edge.v**exponent
+        return value
 
     @cached_property
     def _mode_one_at_zero(self) -> float:
@@ -240,9 +259,8 @@ class ZoneFields:
     def _pressure_transform(self) -> np.ndarray:
         """P(-v + i0) at the nodes."""
         factors, at = self.factors, self.panels.at
-        m = factors.m_plus(at.v, "I")
         scale = self.load.step_pressure / (self._mode_one_at_zero * factors.kappa)
-        return scale * factors.impedance_on_cut(at, "I") / m
+        return scale * factors.impedance_on_cut(at, "I") / factors.m_plus(at.v, "I")
 
     @cached_property
     def _sources(self) -> list[tuple[int, Array]]:
@@ -250,10 +268,9 @@ class ZoneFields:
         load, panels = self.load, self.panels
         if load.step_pressure == 0 or not self.zones:
             return []
-        sources = []
-        s0 = self._reference_sense
+        sources, s0 = [], self._reference_sense
         for i, sense in enumerate(panels.sense):
-            if sense == 0 and panels.at.from_b[i, 0] < 0:
+            if sense == 0 and panels.ahead[i]:
                 root = np.sqrt(-panels.at.from_b[i] / panels.at.from_a[i])
                 amount = s0 * load.friction * load.step_pressure / self._mode_one_at_zero
                 sources.append((i, amount * root / self.canonical[i]))
@@ -263,21 +280,22 @@ class ZoneFields:
         return sources
 
     @cached_property
-    def constant(self) -> float:
-        """R, from T(0) = Q_0 - mu b V(inf)."""
-        load = self.load
+    def constant(self) -> Array:
+        """R, from T(0) = Q_0 - mu b V(inf), (1,) or (k, 1)."""
+        load, panels = self.load, self.panels
         at_zero = load.step_shear - load.far_slip_rate
         at_zero -= self._reference_sense * load.friction * load.step_pressure
-        panels = self.panels
-        cauchy = sum(
-            -panels.rule.spacing / np.pi * float(np.sum(panels.jacobian[i] * imag / panels.at.v[i]))
-            for i, imag in self._sources
-        )
-        return at_zero / self._canonical_at_zero - cauchy
+        value = at_zero / self._canonical_at_zero
+        for i, imag in self._sources:
+            density = panels.jacobian[i] * imag / panels.at.v[i]
+            value = value + panels.rule.spacing / np.pi * density.sum(axis=-1, keepdims=True)
+        return value
 
     @cached_property
-    def _cauchy(self) -> np.ndarray:
-        """C(-v + i0) at the nodes, complex."""
+    def _cauchy(self) -> np.ndarray | float:
+        """C(-v + i0) at the nodes, complex; 0 where there is no source."""
+        if not self._sources:
+            return 0.0
         panels = self.panels
         total = np.zeros(panels.jacobian.shape, dtype=complex)
         every = np.arange(len(panels.sense))
@@ -289,134 +307,133 @@ class ZoneFields:
         return total
 
     @cached_property
-    def reduced_transform(self) -> Array:
-        """(p, n): T / M_+, real, on panels that stick; T - s f P, real part, on those that slip."""
-        return self.canonical * (self._cauchy.real + self.constant)
-
-    @cached_property
     def stick_transform(self) -> Array:
-        """(p, n): T / M_+ where the interface sticks (meaningless elsewhere)."""
+        """(p, ..., n): T / M_+ where the interface sticks (meaningless elsewhere)."""
         load, at = self.load, self.panels.at
+        reduced = self.canonical * (np.real(self._cauchy) + self.constant)
+        if not load.step_pressure:
+            return reduced
         ratio = np.where(at.from_b > 0, np.sqrt(np.abs(at.from_b / at.from_a)), 0.0)
         amount = self._reference_sense * load.friction * load.step_pressure
-        return self.reduced_transform + amount / self._mode_one_at_zero * ratio
+        return reduced + amount / self._mode_one_at_zero * ratio
 
     def stick_transform_off_cut(self, k: Array) -> Array:
-        """T / M_+ at k > 0, any shape: what drives the slot faces."""
+        """T / M_+ at k > 0, any shape: what drives the slot faces (one set of zones)."""
         load, panels = self.load, self.panels
         flat = np.ravel(k)
-        log = np.zeros_like(flat)
+        value = np.exp(self._phase_integral_off_cut(self._slip_pieces, flat)) * np.ones_like(flat)
         if self._slips_at_c:
-            log -= np.log(self.factors.c + flat)
+            value /= self.factors.c + flat
         if self._slips_at_b:
-            log += 0.5 * np.log(1 + flat)
+            value *= np.sqrt(1 + flat)
         for edge, exponent in self._square_roots:
-            log += exponent * np.log(edge.v + flat)
-        for source in self._phase_panels(True):
-            left, right, start, stop, excess = self._phase_on(source)
-            width = right.minus(left)
-            chord = _chord_integral(start, stop, -left.v - flat, -right.v - flat, width)
-            kernel = 1 / (panels.at.v[source] + flat[:, None])
-            log += (self.panels.rule.spacing * kernel @ excess + chord) / np.pi
-        cauchy = np.full_like(flat, self.constant)
+            value *= (edge.v + flat) ** exponent
+        cauchy = np.full_like(flat, self.constant[0])
         for source, imag in self._sources:
             kernel = 1 / (panels.at.v[source] + flat[:, None])
-            cauchy -= self.panels.rule.spacing / np.pi * kernel @ (panels.jacobian[source] * imag)
+            cauchy -= panels.rule.spacing / np.pi * kernel @ (panels.jacobian[source] * imag)
         amount = self._reference_sense * load.friction * load.step_pressure
         ratio = np.sqrt((1 + flat) / (self.factors.a + flat)) * amount / self._mode_one_at_zero
-        return (np.exp(log) * cauchy + ratio).reshape(np.shape(k))
+        return (value * cauchy + ratio).reshape(np.shape(k))
 
     @cached_property
     def stick_transform_at_edge(self) -> float:
         """Limit of T / M_+ at the contact edge when it sticks: K_II / (M_+(0) K_II of Q_0 = 1)."""
         load = self.load
         amount = self._reference_sense * load.friction * load.step_pressure
-        return self.constant + amount / self._mode_one_at_zero
+        return float(self.constant[0]) + amount / self._mode_one_at_zero
 
     @cached_property
     def stick_transform_excess(self) -> Array:
         """(n,): T / M_+ less its limit at a stuck contact edge, on the last panel, without loss."""
-        panels, load = self.panels, self.load
+        panels, load, factors = self.panels, self.load, self.factors
         last = len(panels.sense) - 1
-        v = panels.at.v[last]
-        log = self._phase_integral(self._phase_panels(True), np.array([last]))[0]
+        at = panels.at[last]
+        log = np.zeros_like(at.v)
+        if self._slip_pieces:
+            log += self._phase_integral(self._slip_pieces, np.array([last]))[0]
         if self._slips_at_c:
-            log -= _log_share(panels.at.from_c[last], v, self.factors.c)
+            log -= _log_share(at.from_c, at.v, np.array(factors.c))
         if self._slips_at_b:
-            log += 0.5 * _log_share(panels.at.from_b[last], v, 1.0)
+            log += 0.5 * _log_share(at.from_b, at.v, np.array(1.0))
         for edge, exponent in self._square_roots:
-            log += exponent * _log_share(panels.minus(edge)[last], v, float(edge.v))
-        cauchy = self._cauchy[last].real
-        from_a, from_b = panels.at.from_a[last], panels.at.from_b[last]
-        ratio = np.expm1(0.5 * _log_share(from_b, from_a, 1.0 - self.factors.a))
+            log += exponent * _log_share(panels.minus(edge)[last], at.v, edge.v)
+        cauchy = self._cauchy[last].real if self._sources else np.zeros_like(log)
+        ratio = np.expm1(0.5 * _log_share(at.from_b, at.from_a, np.array(1.0 - factors.a)))
         amount = self._reference_sense * load.friction * load.step_pressure
         growth = np.expm1(log)
         return growth * (cauchy + self.constant) + cauchy + amount / self._mode_one_at_zero * ratio
 
     @cached_property
     def slip_rate_slope(self) -> Array:
-        """(p, n): dV/dv on panels that slip, 0 on panels that stick."""
-        panels, factors = self.panels, self.factors
+        """(p, ..., n): dV/dv on panels that slip, 0 on panels that stick."""
+        panels, load = self.panels, self.load
         slip = panels.sense != 0
-        transform = self.canonical[slip] * (self._cauchy[slip] + self.constant)
-        if self.load.step_pressure:
-            strength = self._reference_sense * self.load.friction
+        cauchy = self._cauchy[slip] if self._sources else 0.0
+        transform = self.canonical[slip] * (cauchy + self.constant)
+        if load.step_pressure:
+            strength = self._reference_sense * load.friction
             transform = transform + strength * self._pressure_transform[slip]
-        m = self._m_plus[slip]
-        ratio = transform / self._impedance[slip] * (factors.kappa * m)
         result = np.zeros_like(panels.jacobian)
-        result[slip] = -ratio.imag / (np.pi * factors.kappa * panels.at.v[slip] * m)
+        ratio = (transform / self._impedance[slip]).imag
+        result[slip] = -ratio / (np.pi * panels.at.v[slip])
         return result
 
     @cached_property
     def traction_slope(self) -> Array:
-        """(p, n): dtau/dv on panels that stick, 0 on panels that slip."""
-        factors, stick = self.factors, (self.panels.sense == 0)[:, None]
-        shear = stuck_traction(factors.poisson_ratio, "II")
-        unit = shear.slope(self.panels.at) * float(factors.m_plus(0.0))
-        return np.where(stick, unit * self.stick_transform, 0.0)
+        """(p, ..., n): dtau/dv on panels that stick, 0 on panels that slip."""
+        panels = self.panels
+        stick = panels.sense == 0
+        unit = self._impedance[stick].imag / (self._m_plus[stick] * panels.at.v[stick])
+        result = np.zeros_like(panels.jacobian)
+        result[stick] = unit * self.stick_transform[stick] / (np.pi * self.factors.kappa)
+        return result
 
-    def strength(self, edge: CutPoints) -> float:
+    def strength(self, edge: CutPoints) -> Array:
         """Friction bound f p at an edge."""
         load = self.load
-        pressure = stuck_traction(self.factors.poisson_ratio, "I")(edge.v)
-        return load.friction * (load.base_pressure + load.step_pressure * float(pressure))
+        pressure = np.full(edge.v.shape, load.base_pressure)
+        if load.step_pressure:
+            mode_one = stuck_traction(self.factors.poisson_ratio, "I")
+            pressure = pressure + load.step_pressure * mode_one(edge.v)
+        return load.friction * pressure
 
     @cached_property
-    def excess_slope(self) -> Array:
-        """(p, n): slope of traction less the following zone's sense times strength, on stick."""
+    def _excess_slope(self) -> Array:
+        """(p, ..., n): slope of traction less the following zone's sense times strength."""
         panels, load = self.panels, self.load
         slope = self.traction_slope
-        if load.step_pressure == 0 or not self.zones:
+        if load.step_pressure == 0:
             return slope
-        following = np.array([self.zones[min(k, len(self.zones) - 1)].sense for k in panels.zone])
         mode_one = stuck_traction(self.factors.poisson_ratio, "I").slope(panels.at)
-        strength = load.friction * load.step_pressure * mode_one
-        return slope - np.where(panels.sense == 0, following, 0)[:, None] * strength
+        following = [self.zones[min(k, len(self.zones) - 1)].sense for k in panels.zone]
+        factor = np.where(panels.sense == 0, following, 0) * load.friction * load.step_pressure
+        return slope - factor.reshape(-1, *[1] * (slope.ndim - 1)) * mode_one
 
     def mismatch(self) -> Array:
-        """What the edges leave unfulfilled: one number per edge.
+        """What the edges leave unfulfilled: one row per edge, (e,) or (e, k).
 
         For each zone: traction less sense times strength where it opens (over the width of the
         stick gap before it when that is narrow), and the slip rate left where it heals.
         """
         panels, load = self.panels, self.load
-        weight = self.panels.rule.spacing * panels.jacobian
-        excess = np.sum(weight * self.excess_slope, axis=1)
-        slip_rate = np.sum(weight * self.slip_rate_slope, axis=1)
-        result = []
-        traction = load.base_shear - load.far_slip_rate
-        strength, healed = load.friction * load.base_pressure, None
+        excess = panels.integrals(self._excess_slope)
+        slip_rate = panels.integrals(self.slip_rate_slope)
+        rows: list[Array] = []
+        traction: Array | float = load.base_shear - load.far_slip_rate
+        strength: Array | float = load.friction * load.base_pressure
+        healed: CutPoints | None = None
         for index, zone in enumerate(self.zones):
             if zone.left is not None:
                 before = (panels.sense == 0) & (panels.zone == index)
-                opening = traction - zone.sense * strength + excess[before].sum()
-                narrow = 1.0 if healed is None else min(1.0, float(zone.left.minus(healed)))
-                result.append(opening / narrow)
+                opening = traction - zone.sense * strength + excess[before].sum(axis=0)
+                if healed is not None:
+                    opening = opening / np.minimum(1.0, zone.left.minus(healed)[..., 0])
+                rows.append(np.asarray(opening))
             if zone.right is not None:
                 start = load.far_slip_rate if zone.left is None else 0.0
                 inside = (panels.sense != 0) & (panels.zone == index)
-                result.append(start + slip_rate[inside].sum())
-                healed, strength = zone.right, self.strength(zone.right)
+                rows.append(start + slip_rate[inside].sum(axis=0))
+                healed, strength = zone.right, self.strength(zone.right)[..., 0]
                 traction = zone.sense * strength
-        return np.array(result)
+        return np.stack(rows)

@@ -1,0 +1,125 @@
+"""Coulomb's inequalities on solved zones: where they fail, and which zones to try next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from semianalytic.edges import Edges, place_edges
+from semianalytic.panels import Zone
+from semianalytic.profile import Profile
+from semianalytic.rayleigh import Array, CutPoints
+
+_NARROWEST_GAP = 1e-14  # a stick gap around c_R narrower than x/t can resolve is left out
+
+
+@dataclass(frozen=True)
+class Violation:
+    """An interval of slowness where Coulomb's law fails, in a slip zone or (zone -1) in stick.
+
+    right None: up to the contact edge.
+    """
+
+    zone: int
+    sense: int
+    left: CutPoints
+    right: CutPoints | None
+    touches_left: bool
+    touches_right: bool
+
+
+def violations(profile: Profile, tolerance: float) -> list[Violation]:
+    """Where the slip rate has the wrong sign or the traction exceeds friction.
+
+    tolerance is relative to the largest slip rate, and to the load for tractions.
+    """
+    panels, load = profile.panels, profile.fields.load
+    rates = {int(i): profile.slip_rate_at_nodes(int(i)) for i in np.flatnonzero(panels.sense)}
+    largest = max((float(np.abs(rate).max()) for rate in rates.values()), default=0.0)
+    found = []
+    for region in panels.regions:
+        sense = int(panels.sense[region[0]])
+        unbounded = panels.right[region[-1]] is None
+        at = CutPoints(panels.at.parts[:, region].reshape(4, -1))
+        if sense:
+            wrong = sense * np.concatenate([rates[i] for i in region]) < -tolerance * largest
+            signs = np.full(at.v.shape, sense)
+        else:
+            strength = load.friction * (load.base_pressure + profile.pressure_change(at.v))
+            traction = np.concatenate([profile.traction_at_nodes(i) for i in region])
+            scale = 1 + (strength if unbounded else strength.max())
+            wrong = np.abs(traction) > strength + tolerance * scale
+            signs = np.sign(traction).astype(int)
+        wrong[1:-1] |= wrong[:-2] & wrong[2:]
+        bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
+        last = len(at.v) - 1
+        zone = int(panels.zone[region[0]]) if sense else -1
+        for start, stop in zip(bounds[::2], bounds[1::2], strict=True):
+            to_edge = bool(stop > last) and unbounded
+            left = at[[max(start - 1, 0)]]
+            right = None if to_edge else at[[min(stop, last)]]
+            touches = (bool(start == 0), bool(stop > last) and not unbounded)
+            found.append(Violation(zone, int(signs[start]), left, right, *touches))
+        for i in region:
+            if sense and not wrong.any() and sense * profile.residue(i) > 0:
+                width = reversal_at_rayleigh_front(profile, i)
+                if width > _NARROWEST_GAP:
+                    ends = profile.fields.factors.beside("c", [-width, width])
+                    found.append(Violation(zone, sense, ends[[0]], ends[[1]], False, False))
+    return found
+
+
+def reversal_at_rayleigh_front(profile: Profile, panel: int) -> float:
+    """Half-width in slowness of the strip around c where the logarithm in V reverses it."""
+    rate, from_c = profile.slip_rate_at_nodes(panel), profile.panels.at.from_c[panel]
+    nearest = np.argsort(np.abs(from_c))[:2]
+    residue = profile.residue(panel)
+    level = float(np.mean(rate[nearest] - residue * np.log(np.abs(from_c[nearest]))))
+    return float(np.exp(np.maximum(-level / residue, -690.0)))
+
+
+def corrected(edges: Edges, unknowns: Array, found: list[Violation]) -> tuple[Edges, Array]:
+    """Zones without the intervals that slip the wrong way, and with those that must slip.
+
+    New zones are made only when the present ones are sound.
+    """
+    zones = list(edges.zones(unknowns))
+    wrong_slip = sorted((bad for bad in found if bad.zone >= 0), key=lambda bad: bad.left.v[0])
+    for bad in reversed(wrong_slip):
+        zone = zones[bad.zone]
+        if bad.touches_left:
+            zones[bad.zone] = replace(zone, left=bad.right)
+        elif bad.touches_right and zone.right is not None:
+            zones[bad.zone] = replace(zone, right=bad.left)
+        else:
+            inner = [] if bad.right is None else [replace(zone, left=bad.right)]
+            zones[bad.zone : bad.zone + 1] = [replace(zone, right=bad.left), *inner]
+    for bad in (bad for bad in found if bad.zone < 0):
+        after = sum(zone.left is None or bool(zone.left.v < bad.left.v) for zone in zones)
+        if bad.touches_right and after < len(zones) and zones[after].sense == bad.sense:
+            zones[after] = replace(zones[after], left=bad.left)
+        elif bad.touches_left and after > 0 and zones[after - 1].sense == bad.sense:
+            zones[after - 1] = replace(zones[after - 1], right=bad.right)
+        elif not wrong_slip:
+            zones.insert(after, Zone(bad.left, bad.right, bad.sense))
+    points = [p for zone in zones for p in (zone.left, zone.right) if p is not None]
+    open_ends = (bool(zones) and zones[0].left is None, bool(zones) and zones[-1].right is None)
+    return place_edges(edges.factors, tuple(zone.sense for zone in zones), open_ends, points)
+
+
+def across_shear_front(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | None:
+    """The same zones with edges that ran into the shear front started on its other side."""
+    factors, points = edges.factors, edges.points(unknowns)
+    at_front = [
+        segment < 2 and abs(p.from_b[0]) < 1e-4
+        for p, segment in zip(points, edges.segments, strict=True)
+    ]
+    if not any(at_front):
+        return None
+    behind, ahead = 1 + 0.1 * (factors.c - 1), 1 - 0.02 * (1 - factors.a)
+    moved = [
+        factors.cut([ahead if p.from_b[0] > 0 else behind]) if stopped else p
+        for p, stopped in zip(points, at_front, strict=True)
+    ]
+    return place_edges(factors, edges.senses, edges.open_ends, moved)

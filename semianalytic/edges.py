@@ -1,0 +1,195 @@
+"""Zone edges as unknowns, and Newton's method for them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from semianalytic.collocation import GridSlip
+from semianalytic.panels import Rule, Zone
+from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.zones import Load, ZoneFields
+
+_MOST_STEPS = 40
+_LONGEST_MOVE = 1.5
+_FARTHEST = 300.0  # unknowns beyond put an edge on a wave front or at the contact edge
+_NUDGE = 1e-6
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Which unknown is which zone edge.
+
+    Attributes
+    ----------
+    factors : RayleighFactors
+    senses : tuple of int, one per zone, from the longitudinal front inward
+    open_ends : (bool, bool), whether the first zone starts ahead of all waves and whether the
+        last one reaches the contact edge
+    segments : tuple of int, per edge: 0 for (a, b), 1 for (b, c), 2 for (c, inf)
+    """
+
+    factors: RayleighFactors
+    senses: tuple[int, ...]
+    open_ends: tuple[bool, bool]
+    segments: tuple[int, ...]
+
+    def points(self, unknowns: Array) -> list[CutPoints]:
+        """Edges in slowness; the unknown is a logit in a bounded segment, a logarithm beyond c.
+
+        `unknowns` (e,) give points of shape (1,), (e, k) give (k, 1).
+        """
+        a, c = self.factors.a, self.factors.c
+        result = []
+        for row, segment in zip(unknowns, self.segments, strict=True):
+            z = np.atleast_1d(row)[..., None] if np.ndim(row) else np.atleast_1d(row)
+            if segment == 2:
+                result.append(self.factors.beside("c", np.exp(z)))
+                continue
+            low, high = ((a, 1.0), (1.0, c))[segment]
+            up, down = (high - low) / (1 + np.exp(-z)), (high - low) / (1 + np.exp(z))
+            parts = [low + up, low - a + up, low - 1 + up, low - c + up]
+            parts[1 + segment], parts[2 + segment] = up, -down
+            result.append(CutPoints(np.stack(parts)))
+        return result
+
+    def zones(self, unknowns: Array) -> tuple[Zone, ...]:
+        """The zones of given unknowns."""
+        points: list[CutPoints | None] = list(self.points(unknowns))
+        if self.open_ends[0]:
+            points.insert(0, None)
+        if self.open_ends[1]:
+            points.append(None)
+        return tuple(
+            Zone(points[2 * i], points[2 * i + 1], sense) for i, sense in enumerate(self.senses)
+        )
+
+    def admits(self, unknowns: Array) -> bool:
+        """Whether edges keep their order and stay off the ends of the cut."""
+        if not np.abs(unknowns).max() < _FARTHEST:
+            return False
+        return all(q.minus(p)[0] > 0 for p, q in pairwise(self.points(unknowns)))
+
+    def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
+        """What the edges leave unfulfilled, (e,) or (e, k) as `unknowns`."""
+        return ZoneFields(self.factors, load, self.zones(unknowns), rule, False).mismatch()
+
+
+def place_edges(
+    factors: RayleighFactors,
+    senses: tuple[int, ...],
+    open_ends: tuple[bool, bool],
+    points: list[CutPoints],
+) -> tuple[Edges, Array]:
+    """Edges and unknowns from points (1,) on the cut."""
+    segments, unknowns = [], []
+    for p in points:
+        _, from_a, from_b, from_c = p.parts[:, 0]
+        if from_c > 0:
+            segments.append(2)
+            unknowns.append(np.log(from_c))
+        elif from_b > 0:
+            segments.append(1)
+            unknowns.append(np.log(from_b) - np.log(-from_c))
+        else:
+            segments.append(0)
+            unknowns.append(np.log(from_a) - np.log(-from_b))
+    return Edges(factors, senses, open_ends, tuple(segments)), np.array(unknowns, dtype=float)
+
+
+def edges_on_grid(factors: RayleighFactors, grid: GridSlip) -> tuple[Edges, Array]:
+    """Zones seen by the first stage, edges placed by the square-root shape of V there."""
+    xi, rate = grid.xi[::-1], grid.slip_rate[::-1]  # from the longitudinal front inward
+    sense = np.sign(rate).astype(int)
+    bounds = [*np.flatnonzero(np.diff(sense, prepend=0)), len(sense)]
+    senses, points = [], []
+    for start, stop in pairwise(bounds):
+        if sense[start] == 0:
+            continue
+        senses.append(int(sense[start]))
+        for node, outside, inward in ((start, start - 1, 1), (stop - 1, stop, -1)):
+            if not 0 <= outside < len(xi):
+                continue
+            share, most = (0.25, 0.4) if sense[outside] else (0.5, 0.9)
+            inner = node + inward
+            if start <= inner < stop and abs(rate[inner]) > abs(rate[node]):
+                square = np.square(rate[[node, inner]])
+                reach = abs(xi[inner] - xi[node]) * square[0] / (square[1] - square[0])
+                share = float(np.clip(reach / abs(xi[outside] - xi[node]), 0.1, most))
+            points.append(factors.cut([1 / (xi[node] + share * (xi[outside] - xi[node]))]))
+    open_ends = (bool(sense[0]), bool(sense[-1]))
+    return place_edges(factors, tuple(senses), open_ends, points)
+
+
+@dataclass(frozen=True)
+class Located:
+    """Unknowns after Newton, whether they converged, inverse Jacobian and steps taken."""
+
+    unknowns: Array
+    converged: bool
+    inverse: Array
+    steps: int
+
+
+def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: float) -> Located:
+    """Newton's method for the edges, damped by natural monotonicity.
+
+    The Jacobian is formed from neighbouring sets of zones in one sweep with the first set.
+    """
+    unknowns, size = start, len(start)
+    inverse = np.zeros((size, size))
+    nudges = np.concatenate([np.zeros((size, 1)), _NUDGE * np.eye(size)], axis=1)
+    for step in range(1, _MOST_STEPS + 1):
+        values = edges.mismatch(unknowns[:, None] + nudges, load, rule)
+        try:
+            inverse = np.linalg.inv((values[:, 1:] - values[:, :1]) / _NUDGE)
+        except np.linalg.LinAlgError:
+            return Located(unknowns, False, inverse, step)
+        move = -inverse @ values[:, 0]
+        largest = float(np.abs(move).max())
+        if not largest < np.inf:
+            return Located(unknowns, False, inverse, step)
+        if largest < tolerance:
+            accepted = edges.admits(unknowns + move)
+            return Located(unknowns + move if accepted else unknowns, accepted, inverse, step)
+        move *= min(1.0, _LONGEST_MOVE / largest)
+        cautious = largest > 0.3
+        for _ in range(8):
+            trial = unknowns + move
+            if edges.admits(trial) and not (
+                cautious and np.abs(inverse @ edges.mismatch(trial, load, rule)).max() > largest
+            ):
+                break
+            move /= 2
+        else:
+            return Located(unknowns, False, inverse, step)
+        unknowns = trial
+    return Located(unknowns, False, inverse, _MOST_STEPS)
+
+
+def polish_edges(
+    edges: Edges, load: Load, rule: Rule, start: Array, inverse: Array
+) -> tuple[Array, int]:
+    """Unknowns on a finer rule, by Broyden steps from an inverse Jacobian; steps taken."""
+    if not len(start):
+        return start, 0
+    value = edges.mismatch(start, load, rule)
+    unknowns, move = start, -inverse @ value
+    step = 1
+    while step < 8 and edges.admits(unknowns + move):
+        unknowns = unknowns + move
+        if np.abs(move).max() < 1e-12:
+            break
+        step += 1
+        new = edges.mismatch(unknowns, load, rule)
+        image = inverse @ (new - value)
+        denominator = move @ image
+        if denominator:
+            inverse = inverse + np.outer(move - image, move @ inverse) / denominator
+        following = -inverse @ new
+        if not np.abs(following).max() < np.abs(move).max():
+            break
+        value, move = new, following
+    return unknowns, step
