@@ -99,10 +99,16 @@ def place_edges(
     return Edges(factors, senses, open_ends, tuple(segments)), np.array(unknowns, dtype=float)
 
 
-def edges_on_grid(factors: RayleighFactors, grid: GridSlip) -> tuple[Edges, Array]:
-    """Zones seen by the first stage, edges placed by the square-root shape of V there."""
+def edges_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> tuple[Edges, Array]:
+    """Zones seen by the first stage, edges placed by the square-root shape of V there.
+
+    With a critical base, shear traction equal to friction ahead of all waves, slip starts at the
+    longitudinal front itself if it starts there at all.
+    """
     xi, rate = grid.xi[::-1], grid.slip_rate[::-1]  # from the longitudinal front inward
     sense = np.sign(rate).astype(int)
+    if critical and sense[0] == 0:
+        sense[0] = sense[1]
     bounds = [*np.flatnonzero(np.diff(sense, prepend=0)), len(sense)]
     senses, points = [], []
     for start, stop in pairwise(bounds):
@@ -139,12 +145,12 @@ def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: 
     The Jacobian is formed from neighbouring sets of zones in one sweep with the first set.
     """
     unknowns, size = start, len(start)
-    inverse = np.zeros((size, size))
+    inverse: Array = np.zeros((size, size))
     nudges = np.concatenate([np.zeros((size, 1)), _NUDGE * np.eye(size)], axis=1)
     for step in range(1, _MOST_STEPS + 1):
         values = edges.mismatch(unknowns[:, None] + nudges, load, rule)
         try:
-            inverse = np.linalg.inv((values[:, 1:] - values[:, :1]) / _NUDGE)
+            inverse = np.asarray(np.linalg.inv((values[:, 1:] - values[:, :1]) / _NUDGE))
         except np.linalg.LinAlgError:
             return Located(unknowns, False, inverse, step)
         move = -inverse @ values[:, 0]

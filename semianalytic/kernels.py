@@ -38,7 +38,7 @@ Field = Callable[[Array, Array], Array]
 Slot = Literal["free", "held"]
 
 _ORDER = 12
-_MOST_PANELS = 64
+_MOST_PANELS = 16
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,10 @@ def _held(
     factors: RayleighFactors, slip: SlipHistory, mode: Mode, x: float, t: float, panels: int
 ) -> float:
     """-Im M part of the traction at x (any sign), slot held; c_t = mu b = 1."""
-    ends = sorted({0.0, 1.0, 1 / factors.a, min(abs(x) / t, 1 / factors.a)})
+    # what arrives from the edge, V(0+, t - |x|/xi), varies in proportion to xi
+    arrival, last = abs(x) / t, 1 / factors.a
+    doubling = arrival * 2.0 ** np.arange(max(1, int(np.ceil(np.log2(last / arrival)))))
+    ends = sorted({0.0, 1.0, last, *doubling[doubling < last].tolist()})
     xi, weight = square_root_panels(ends, _ORDER + 2 * panels)
     imag = factors.impedance_on_cut(factors.cut(1 / xi), mode).imag
     node, node_weight = _panels(panels)

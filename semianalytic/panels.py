@@ -25,7 +25,8 @@ from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
 class Zone:
     """A slip zone in slowness: left < v < right, sense +1 or -1.
 
-    left None: slip ahead of all waves; right None: slip up to the contact edge.
+    left None: slip from the longitudinal front on, or ahead of all waves; right None: slip up to
+    the contact edge.
     """
 
     left: CutPoints | None
@@ -43,7 +44,7 @@ class Rule:
     @cached_property
     def y(self) -> Array:
         count = int(np.ceil(self.reach / self.spacing))
-        return self.spacing * np.arange(-count, count + 1)
+        return np.arange(-count, count + 1.0) * self.spacing
 
     @cached_property
     def decay(self) -> Array:
@@ -83,6 +84,18 @@ class Span:
     right: CutPoints | None
     sense: int
     zone: int
+
+    def has_pole(self, factors: RayleighFactors) -> bool:
+        """Whether it slips across c, where dV/dv has a pole."""
+        return bool(self.sense) and lies_between(self.left, factors.front_c, self.right)
+
+    def imbalance(self, factors: RayleighFactors) -> float:
+        """How far, in y, a pole lies off the middle of the span."""
+        if not self.has_pole(factors):
+            return 0.0
+        before = -self.left.from_c.flat[0]
+        after = self.left.v.flat[0] if self.right is None else self.right.from_c.flat[0]
+        return abs(float(np.log(after / before)))
 
 
 def spans_of(factors: RayleighFactors, zones: tuple[Zone, ...]) -> list[Span]:
@@ -245,16 +258,15 @@ def lay_panels(factors: RayleighFactors, spans: list[Span], rule: Rule) -> Panel
     for i, span in enumerate(spans):
         left, right = span.left, span.right
         lefts[:, i] = rights[:, i] = _aligned(left, batch)
-        # A node grid that straddles c evenly has its principal values from the plain sum.
         if right is not None:
             rights[:, i] = _aligned(right, batch)
             width[i] = right.minus(left)
-            if left.from_c.flat[0] < 0 < right.from_c.flat[0]:
-                skew[i] = right.from_c / -left.from_c * np.exp(rule.spacing / 2)
-        elif left.from_c.flat[0] < 0:
-            skew[i] = -left.from_c * np.exp(-rule.spacing / 2)
-        else:
-            skew[i] = left.v
+        # A node grid that straddles c evenly has its principal values from the plain sum.
+        if span.has_pole(factors):
+            skew[i] = (1.0 if right is None else right.from_c) / -left.from_c
+            skew[i] *= np.exp(rule.spacing / 2)
+        if right is None:
+            skew[i] = 1 / skew[i] if span.has_pole(factors) else left.v
     ratio = skew * rule.decay
     share = 1 / (1 + ratio)
     from_left = width * share

@@ -11,7 +11,7 @@ import numpy as np
 from semianalytic.panels import Panels, Rule, Zone, analytic_strip, lay_panels, spans_of
 from semianalytic.rayleigh import Array, CutPoints, Mode
 from semianalytic.running import RunningIntegral
-from semianalytic.stuck import stuck_traction
+from semianalytic.stuck import StuckTraction, stuck_traction
 from semianalytic.zones import Load, ZoneFields
 
 
@@ -65,7 +65,7 @@ class Profile:
         return RunningIntegral(self.panels, slope, self.fields.factors.c)
 
     @property
-    def _shear(self):
+    def _shear(self) -> StuckTraction:
         return stuck_traction(self.fields.factors.poisson_ratio, "II")
 
     def _edge_traction(self, panel: int, v: Array) -> Array | float:
@@ -183,7 +183,8 @@ class Profile:
         factors, rule = self.fields.factors, self.fields.rule
         spans = spans_of(factors, (Zone(None, None, 1),))
         spacing = rule.spacing * analytic_strip(factors, spans)
-        return lay_panels(factors, spans, Rule(spacing, rule.reach))
+        reach = rule.reach + max(span.imbalance(factors) for span in spans)
+        return lay_panels(factors, spans, Rule(spacing, reach))
 
     def _slot_transforms(self, k: Array) -> tuple[Array, Array]:
         """Transforms of shear traction and of pressure at k > 0."""

@@ -83,7 +83,7 @@ class CutPoints:
         return min((1, 2, 3), key=lambda front: abs(self._first[front]))
 
     def first_below(self, other: CutPoints) -> bool:
-        """Whether the first of these points lies ahead of (has less slowness than) that of others."""
+        """Whether the first of these points has less slowness than the first of others."""
         return self._first[other._nearest] < other._first[other._nearest]
 
     def __getitem__(self, index: Any) -> CutPoints:

@@ -42,7 +42,8 @@ class RunningIntegral:
         panels, rule = self.panels, self.panels.rule
         result = np.zeros(len(panels.left))
         for i, (left, right) in enumerate(zip(panels.left, panels.right, strict=True)):
-            if left.from_c[0] < 0 and (right is None or right.from_c[0] > 0):
+            slips = panels.sense[i] != 0
+            if slips and left.from_c[0] < 0 and (right is None or right.from_c[0] > 0):
                 share = 1.0 if right is None else float(right.from_c[0] / right.minus(left)[0])
                 decaying = 1.0 if right is not None else np.square(self.c / panels.at.v[i])
                 numerator = self.density[i] * panels.at.from_c[i] * panels.jacobian[i] * decaying

@@ -114,7 +114,8 @@ def _find_zones(
             load.far_slip_rate,
             size,
         )
-        found = _settled(*edges_on_grid(factors, grid), load, rule, tolerance)
+        start = edges_on_grid(factors, grid, load.critical)
+        found = _settled(*start, load, rule, tolerance)
         pivots, steps, sets = pivots + grid.pivots, steps + found.steps, sets + found.sets
         if found.sound:
             break
@@ -153,7 +154,8 @@ def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
 def _difference(
     edges: Edges, unknowns: Array, inverse: Array, fine: ZoneFields, coarse: ZoneFields
 ) -> float:
-    """Difference of two rules: of edges over c_t, and of slip rates over the largest.
+    """Difference of two rules: of edges over the lesser of themselves and c_t, and of slip
+    rates over the largest, which move with them.
 
     Slip rates are compared in the middle and at the end of every panel, and by their residues.
     """
@@ -161,16 +163,17 @@ def _difference(
     if len(unknowns):
         moved = unknowns - inverse @ coarse.mismatch()
         pairs = zip(edges.points(unknowns), edges.points(moved), strict=True)
-        worst = max(abs(float(1 / p.v[0] - 1 / q.v[0])) for p, q in pairs)
+        worst = max(abs(float(p.v[0] / q.v[0]) - 1) * max(1.0, 1 / float(p.v[0])) for p, q in pairs)
     compared, scale = [], 1.0
     for fields in (coarse, fine):
         panels = fields.panels
         rate = RunningIntegral(panels, fields.slip_rate_slope, fields.factors.c)
         middle = panels.rule.running[len(panels.rule.y) // 2]
         halves = (rate.density * panels.jacobian) @ middle
-        halves[rate.residues != 0] = 0.0  # the middle of the panel depends on the rule
+        ends = np.cumsum(rate.totals) + fields.load.far_slip_rate
+        scale = max(np.abs(ends).max(), np.abs(ends - rate.totals + halves).max())
+        halves[rate.residues != 0] = 0.0  # the middle of such a panel depends on the rule
         compared.append(np.concatenate([rate.totals, halves, rate.residues]))
-        scale = np.abs(np.cumsum(rate.totals)).max() + abs(fields.load.far_slip_rate)
     return max(worst, 2 * float(np.abs(compared[0] - compared[1]).max()) / (scale or 1.0))
 
 
@@ -244,10 +247,11 @@ def _slip_zones(scene: Scene, profile: Profile) -> tuple[SlipZone, ...]:
     speed = scene.material.shear_speed
     if _frictionless(scene):
         return _zones_by_sense(profile, speed)
+    ahead = np.inf if scene.far_slip_rate else scene.material.longitudinal_speed
     return tuple(
         SlipZone(
             0.0 if zone.right is None else float(speed / zone.right.v[0]),
-            np.inf if zone.left is None else float(speed / zone.left.v[0]),
+            ahead if zone.left is None else float(speed / zone.left.v[0]),
             zone.sense,
         )
         for zone in reversed(profile.fields.zones)

@@ -49,6 +49,11 @@ class Load:
     step_shear: float
     far_slip_rate: float
 
+    @property
+    def critical(self) -> bool:
+        """Whether the base shear traction reaches friction ahead of all waves."""
+        return abs(self.base_shear) >= self.friction * self.base_pressure * (1 - 1e-12)
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -122,6 +127,7 @@ class ZoneFields:
         spans = spans_of(self.factors, self.zones)
         if not self.tail and len(spans) > 1:
             spans.pop()
+        reach += max(span.imbalance(self.factors) for span in spans)
         spacing = self.rule.spacing * analytic_strip(self.factors, spans)
         rule = self.rule
         if (spacing, reach) != (rule.spacing, rule.reach):
@@ -182,19 +188,19 @@ class ZoneFields:
     def _slip_pieces(self) -> list[Piece]:
         return self._pieces(True)
 
-    def _phase_integral(self, pieces: list[Piece], targets: np.ndarray) -> Array | float:
+    def _phase_integral(self, pieces: list[Piece], targets: np.ndarray) -> Array:
         """(1/pi) int phi(w) / (w - v) dw over pieces, at the nodes of other panels."""
         panels = self.panels
-        total: Array | float = 0.0
+        total = np.zeros((len(targets), *panels.jacobian.shape[1:]))
         for piece in pieces:
             to_left, to_right = (panels.minus(p)[targets] for p in (piece.left, piece.right))
             chord = piece.chord_integral(to_left, to_right)
-            total = total + panels.cauchy(piece.panel, piece.rest, targets) + chord
+            total += panels.cauchy(piece.panel, piece.rest, targets) + chord
         return total / np.pi
 
-    def _phase_integral_off_cut(self, pieces: list[Piece], k: Array) -> Array | float:
+    def _phase_integral_off_cut(self, pieces: list[Piece], k: Array) -> Array:
         """(1/pi) int phi(w) / (w + k) dw over pieces, at k >= 0 of shape (m,)."""
-        total: Array | float = 0.0
+        total = np.zeros_like(k)
         for piece in pieces:
             w = self.panels.at.v[piece.panel]
             rest = np.sum(piece.rest[..., None, :] / (w[..., None, :] + k[:, None]), axis=-1)
@@ -244,7 +250,7 @@ class ZoneFields:
     @cached_property
     def _canonical_at_zero(self) -> Array:
         """X(0), (1,) or (k, 1)."""
-        value = np.ones(1) * np.exp(-self._phase_integral_off_cut(self._stick_pieces, np.zeros(1)))
+        value = np.exp(-self._phase_integral_off_cut(self._stick_pieces, np.zeros(1)))
         if not self._slips_at_c:
             value = value * self.factors.c
         for edge, exponent in self._square_roots:
@@ -292,10 +298,10 @@ class ZoneFields:
         return value
 
     @cached_property
-    def _cauchy(self) -> np.ndarray | float:
-        """C(-v + i0) at the nodes, complex; 0 where there is no source."""
+    def _cauchy(self) -> np.ndarray | None:
+        """C(-v + i0) at the nodes, complex; None without sources."""
         if not self._sources:
-            return 0.0
+            return None
         panels = self.panels
         total = np.zeros(panels.jacobian.shape, dtype=complex)
         every = np.arange(len(panels.sense))
@@ -310,7 +316,8 @@ class ZoneFields:
     def stick_transform(self) -> Array:
         """(p, ..., n): T / M_+ where the interface sticks (meaningless elsewhere)."""
         load, at = self.load, self.panels.at
-        reduced = self.canonical * (np.real(self._cauchy) + self.constant)
+        cauchy = 0.0 if self._cauchy is None else self._cauchy.real
+        reduced = self.canonical * (cauchy + self.constant)
         if not load.step_pressure:
             return reduced
         ratio = np.where(at.from_b > 0, np.sqrt(np.abs(at.from_b / at.from_a)), 0.0)
@@ -321,7 +328,7 @@ class ZoneFields:
         """T / M_+ at k > 0, any shape: what drives the slot faces (one set of zones)."""
         load, panels = self.load, self.panels
         flat = np.ravel(k)
-        value = np.exp(self._phase_integral_off_cut(self._slip_pieces, flat)) * np.ones_like(flat)
+        value = np.exp(self._phase_integral_off_cut(self._slip_pieces, flat))
         if self._slips_at_c:
             value /= self.factors.c + flat
         if self._slips_at_b:
@@ -350,15 +357,14 @@ class ZoneFields:
         last = len(panels.sense) - 1
         at = panels.at[last]
         log = np.zeros_like(at.v)
-        if self._slip_pieces:
-            log += self._phase_integral(self._slip_pieces, np.array([last]))[0]
+        log += self._phase_integral(self._slip_pieces, np.array([last]))[0]
         if self._slips_at_c:
             log -= _log_share(at.from_c, at.v, np.array(factors.c))
         if self._slips_at_b:
             log += 0.5 * _log_share(at.from_b, at.v, np.array(1.0))
         for edge, exponent in self._square_roots:
             log += exponent * _log_share(panels.minus(edge)[last], at.v, edge.v)
-        cauchy = self._cauchy[last].real if self._sources else np.zeros_like(log)
+        cauchy = np.zeros_like(log) if self._cauchy is None else self._cauchy[last].real
         ratio = np.expm1(0.5 * _log_share(at.from_b, at.from_a, np.array(1.0 - factors.a)))
         amount = self._reference_sense * load.friction * load.step_pressure
         growth = np.expm1(log)
@@ -369,7 +375,7 @@ class ZoneFields:
         """(p, ..., n): dV/dv on panels that slip, 0 on panels that stick."""
         panels, load = self.panels, self.load
         slip = panels.sense != 0
-        cauchy = self._cauchy[slip] if self._sources else 0.0
+        cauchy = 0.0 if self._cauchy is None else self._cauchy[slip]
         transform = self.canonical[slip] * (cauchy + self.constant)
         if load.step_pressure:
             strength = self._reference_sense * load.friction

@@ -1,0 +1,76 @@
+import math
+
+import pytest
+
+from semianalytic import Material, Scene, SceneError, Tractions
+
+
+def test_wave_speeds_of_steel():
+    steel = Material(shear_modulus=80e9, density=7800.0, poisson_ratio=0.3)
+    assert steel.shear_speed == pytest.approx(math.sqrt(80e9 / 7800))
+    assert steel.longitudinal_speed == pytest.approx(steel.shear_speed * math.sqrt(3.5))
+    # Published root of the Rayleigh cubic for nu = 0.3.
+    assert steel.rayleigh_speed / steel.shear_speed == pytest.approx(0.92741, abs=1e-5)
+    assert steel.shear_impedance == pytest.approx(7800 * steel.shear_speed)
+
+
+@pytest.mark.parametrize("nu", [-0.99, -0.5, 0.0, 0.25, 0.3, 0.499])
+def test_rayleigh_speed_is_a_root_of_the_rayleigh_function(nu):
+    material = Material(2.0, 3.0, nu)
+    r = (material.rayleigh_speed / material.shear_speed) ** 2
+    s = (material.rayleigh_speed / material.longitudinal_speed) ** 2
+    assert (2 - r) ** 2 == pytest.approx(4 * math.sqrt((1 - r) * (1 - s)), rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("shear_modulus", 0.0),
+        ("shear_modulus", float("nan")),
+        ("density", -1.0),
+        ("density", "heavy"),
+        ("poisson_ratio", 0.5),
+        ("poisson_ratio", -1.0),
+        ("poisson_ratio", float("inf")),
+        ("poisson_ratio", True),
+    ],
+)
+def test_material_names_the_bad_parameter(field, value):
+    good = {"shear_modulus": 1.0, "density": 1.0, "poisson_ratio": 0.3}
+    with pytest.raises(SceneError, match=field):
+        Material(**(good | {field: value}))
+
+
+def _scene(friction=0.3, base=(1.0, 0.0), step=(0.0, 1.0)):
+    return Scene(Material(1.0, 1.0, 1 / 3), friction, Tractions(*base), Tractions(*step))
+
+
+@pytest.mark.parametrize("friction", [-0.1, float("nan"), None])
+def test_scene_refuses_bad_friction(friction):
+    with pytest.raises(SceneError, match="friction"):
+        _scene(friction=friction)
+
+
+def test_scene_refuses_tensile_base():
+    with pytest.raises(SceneError, match="base pressure"):
+        _scene(base=(-1.0, 0.0))
+
+
+def test_scene_refuses_an_interface_that_slides_before_the_load():
+    with pytest.raises(SceneError, match="already slide"):
+        _scene(friction=0.3, base=(1.0, 0.5))
+
+
+def test_remote_shock_on_a_preload_is_admissible():
+    scene = _scene(friction=0.5, base=(2.0, 1.5), step=(1.0, 1.5))
+    assert scene.far_slip_rate == pytest.approx(2 * (1.5 - 0.5 * 2.0))
+
+
+def test_far_slip_rate_follows_the_excess_of_a_remote_shock():
+    assert _scene(friction=1.25, base=(1.0, 1.0), step=(1.0, 1.0)).far_slip_rate == 0
+    assert _scene(friction=0.4, base=(1.0, -1.0), step=(1.0, -1.0)).far_slip_rate == -1.2
+
+
+def test_tractions_must_be_finite():
+    with pytest.raises(SceneError, match="shear"):
+        Tractions(1.0, float("inf"))
