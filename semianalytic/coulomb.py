@@ -123,3 +123,20 @@ def across_shear_front(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | N
         for p, stopped in zip(points, at_front, strict=True)
     ]
     return place_edges(factors, edges.senses, edges.open_ends, moved)
+
+
+def without_vanished(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | None:
+    """The zones without those that Newton's method has all but closed; None if there are none."""
+    zones = edges.zones(unknowns)
+    kept = [
+        zone
+        for zone in zones
+        if zone.left is None
+        or zone.right is None
+        or zone.right.minus(zone.left)[0] > 1e-4 * float(zone.left.v[0])
+    ]
+    if len(kept) == len(zones):
+        return None
+    points = [p for zone in kept for p in (zone.left, zone.right) if p is not None]
+    open_ends = (bool(kept) and kept[0].left is None, bool(kept) and kept[-1].right is None)
+    return place_edges(edges.factors, tuple(zone.sense for zone in kept), open_ends, points)

@@ -16,6 +16,7 @@ _MOST_STEPS = 40
 _LONGEST_MOVE = 1.5
 _FARTHEST = 300.0  # unknowns beyond put an edge on a wave front or at the contact edge
 _NUDGE = 1e-6
+_LEAST_WIDTH = 1e-10  # in slowness; a narrower zone slips less than rounding shows
 
 
 @dataclass(frozen=True)
@@ -67,10 +68,20 @@ class Edges:
         )
 
     def admits(self, unknowns: Array) -> bool:
-        """Whether edges keep their order and stay off the ends of the cut."""
+        """Whether edges keep their order, zones a width, and all stay off the ends of the cut."""
         if not np.abs(unknowns).max() < _FARTHEST:
             return False
-        return all(q.minus(p)[0] > 0 for p, q in pairwise(self.points(unknowns)))
+        ordered = all(q.minus(p)[0] > 0 for p, q in pairwise(self.points(unknowns)))
+        return ordered and not any(self.vanishing(unknowns))
+
+    def vanishing(self, unknowns: Array) -> list[bool]:
+        """Which zones have closed."""
+        return [
+            zone.left is not None
+            and zone.right is not None
+            and bool(zone.right.minus(zone.left)[0] < _LEAST_WIDTH)
+            for zone in self.zones(unknowns)
+        ]
 
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
         """What the edges leave unfulfilled, (e,) or (e, k) as `unknowns`."""
@@ -124,7 +135,10 @@ def edges_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> t
                 square = np.square(rate[[node, inner]])
                 reach = abs(xi[inner] - xi[node]) * square[0] / (square[1] - square[0])
                 share = float(np.clip(reach / abs(xi[outside] - xi[node]), 0.1, most))
-            points.append(factors.cut([1 / (xi[node] + share * (xi[outside] - xi[node]))]))
+            place = xi[node] + share * (xi[outside] - xi[node])
+            if xi[outside] == 1:  # a zone that comes this near to the shear front crosses it
+                place = 1 + share * (1 - xi[node])
+            points.append(factors.cut([1 / place]))
     open_ends = (bool(sense[0]), bool(sense[-1]))
     return place_edges(factors, tuple(senses), open_ends, points)
 

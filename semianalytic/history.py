@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.errors import DataFileError
+from semianalytic.errors import DataFileError, MissingLibraryError
 
 FORMAT = "slipfront interface history 1"
 
@@ -54,6 +55,27 @@ class InterfaceHistory:
             for field in fields(self):
                 file.create_dataset(field.name, data=getattr(self, field.name), compression="gzip")
         os.replace(part, path)
+
+    def to_xarray(self) -> Any:
+        """The history as an `xarray.Dataset` with dimensions t and x.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError as error:
+            raise MissingLibraryError(
+                "xarray is not installed; install it with `pip install xarray`."
+            ) from error
+        values = {
+            field.name: (("t", "x"), getattr(self, field.name))
+            for field in fields(self)
+            if field.name not in ("x", "t")
+        }
+        return xarray.Dataset(values, coords={"x": self.x, "t": self.t})
 
     @classmethod
     def load(cls, path: str | Path) -> InterfaceHistory:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from semianalytic.collocation import slip_on_grid
-from semianalytic.coulomb import across_shear_front, corrected, violations
+from semianalytic.coulomb import across_shear_front, corrected, violations, without_vanished
 from semianalytic.edges import Edges, edges_on_grid, locate_edges, polish_edges
 from semianalytic.errors import SceneError, TensionError
 from semianalytic.panels import Rule, rule_for
@@ -87,10 +87,10 @@ def _settled(edges: Edges, unknowns: Array, load: Load, rule: Rule, tolerance: f
             steps += located.steps
             unknowns, inverse = located.unknowns, located.inverse
             if not located.converged:
-                crossed = across_shear_front(edges, unknowns)
-                if crossed is None:
+                other = across_shear_front(edges, unknowns) or without_vanished(edges, unknowns)
+                if other is None:
                     break
-                edges, unknowns = crossed
+                edges, unknowns = other
                 continue
         fields = ZoneFields(edges.factors, load, edges.zones(unknowns), rule)
         wrong = violations(Profile(fields), tolerance)
