@@ -1,6 +1,7 @@
 """Physics that must hold in every scene: Coulomb, dissipation, causality, self-similarity."""
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -30,15 +31,26 @@ def scenes(draw):
 XI = np.concatenate([np.geomspace(1e-3, 0.05, 12), np.linspace(0.06, 1.99, 120)])
 
 
-@settings(max_examples=1000, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
 @given(scenes())
 def test_coulomb_dissipation_causality_and_self_similarity(scene):
+    check_invariants(scene)
+
+
+@pytest.mark.slow
+@settings(max_examples=1000, deadline=None, suppress_health_check=list(HealthCheck))
+@given(scenes())
+def test_invariants_in_a_thousand_scenes(scene):
+    check_invariants(scene)
+
+
+def check_invariants(scene):
     try:
         solution = solve(scene)
     except SceneError:
         return  # tension: refused, as it must be
     if solution.status != "converged":
-        # Allowed only for a zone at the contact edge below 1 % of c_t: next to a threshold.
+        # Allowed only next to a threshold, where a zone is about to close at the contact edge.
         assert solution.zones[0].inner == 0
         assert solution.zones[0].outer < 0.01
         return
