@@ -171,11 +171,11 @@ def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: 
         largest = float(np.abs(move).max())
         if not largest < np.inf:
             return Located(unknowns, False, inverse, step)
-        if largest < tolerance:
+        if largest**2 < tolerance:  # the next move would be of that order
             accepted = edges.admits(unknowns + move)
             return Located(unknowns + move if accepted else unknowns, accepted, inverse, step)
         move *= min(1.0, _LONGEST_MOVE / largest)
-        cautious = largest > 0.3
+        cautious = largest > 1.0
         for _ in range(8):
             trial = unknowns + move
             if edges.admits(trial) and not (
@@ -190,17 +190,17 @@ def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: 
 
 
 def polish_edges(
-    edges: Edges, load: Load, rule: Rule, start: Array, inverse: Array
+    edges: Edges, load: Load, rule: Rule, start: Array, inverse: Array, tolerance: float
 ) -> tuple[Array, int]:
     """Unknowns on a finer rule, by Broyden steps from an inverse Jacobian; steps taken."""
     if not len(start):
         return start, 0
     value = edges.mismatch(start, load, rule)
     unknowns, move = start, -inverse @ value
-    step = 1
+    step, size, contraction = 1, float(np.abs(move).max()), 0.03
     while step < 8 and edges.admits(unknowns + move):
         unknowns = unknowns + move
-        if np.abs(move).max() < 1e-12:
+        if size * contraction < tolerance:
             break
         step += 1
         new = edges.mismatch(unknowns, load, rule)
@@ -208,8 +208,9 @@ def polish_edges(
         denominator = move @ image
         if denominator:
             inverse = inverse + np.outer(move - image, move @ inverse) / denominator
-        following = -inverse @ new
-        if not np.abs(following).max() < np.abs(move).max():
+        value, move = new, -inverse @ new
+        contraction = float(np.abs(move).max()) / size
+        size *= contraction
+        if contraction >= 1:
             break
-        value, move = new, following
     return unknowns, step

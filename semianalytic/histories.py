@@ -13,22 +13,24 @@ of (3.10)).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 from scipy.special import fresnel
 
 from semianalytic.errors import SceneError
-from semianalytic.rayleigh import Array, Mode, RayleighFactors, gauss, rayleigh_factors
+from semianalytic.primitives import stuck_primitive
+from semianalytic.rayleigh import Array, Mode
 from semianalytic.scene import Material, Tractions
 from semianalytic.stuck import StuckTraction, stress_intensity, stuck_traction
 from semianalytic.velocities import square_root_panels
 
-_DEGREE = 128
-_GAUSS = 48
+Response = Callable[[Array], Array]
+
+_BLOCK = 500_000
 _ORDERS = (24, 36)
 _PANELS_PER_PERIOD = 2
 
@@ -162,87 +164,25 @@ def _pieces(history: Step | Ramp | Tabulated) -> _Pieces:
     times, values = np.array(history.t), np.array(history.value_at_t)
     width, rise = np.diff(times), np.diff(values)
     sloped = width > 0
-    slope = np.where(sloped, rise / np.where(sloped, width, 1.0), 0.0)
+    slopes = np.where(sloped, rise / np.where(sloped, width, 1.0), 0.0)
     jumps = [(times[0], values[0]), *zip(times[:-1][~sloped], rise[~sloped], strict=True)]
     kinks = [
-        *zip(times[:-1][sloped], slope[sloped], strict=True),
-        *zip(times[1:][sloped], -slope[sloped], strict=True),
+        *zip(times[:-1][sloped], slopes[sloped], strict=True),
+        *zip(times[1:][sloped], -slopes[sloped], strict=True),
     ]
     return _Pieces(tuple(j for j in jumps if j[1]), tuple(k for k in kinks if k[1]))
 
 
-@dataclass(frozen=True)
-class StuckPrimitive:
-    """int_a^u p* (mode I) or q* (mode II) dv over slowness, b = 1: what a ramp needs."""
-
-    factors: RayleighFactors
-    mode: Mode
-
-    @cached_property
-    def _traction(self) -> StuckTraction:
-        return stuck_traction(self.factors.poisson_ratio, self.mode)
-
-    @property
-    def _power(self) -> float:
-        return 2.5 if self.mode == "II" else 1.5
-
-    @cached_property
-    def _before_shear_front(self) -> Array:
-        """Series on a < u < b of the primitive over (u - a)^(5/2) or (u - a)^(3/2)."""
-        a = self.factors.a
-        t, weight = gauss(_GAUSS)
-
-        def series(z: Array) -> Array:
-            # substituting v = a + (u - a) t^2 leaves the traction over (v - a)^power smooth
-            width = (1 - a) * (z + 1) / 2
-            v = a + width[:, None] * t**2
-            power = self._power - 1
-            smooth = self._traction(v) / (width[:, None] * t**2) ** power
-            return (2 * smooth * t ** (2 * power + 1)) @ weight
-
-        return chebyshev.chebinterpolate(series, _GAUSS)
-
-    @cached_property
-    def _behind_shear_front(self) -> Array:
-        """Series in (s - 1)/(s + 1), s = sqrt(u - b), of the primitive over (s + 1)^3."""
-        order = np.arange(_DEGREE + 1)
-        angle = np.pi * (order[::-1] + 0.5) / (_DEGREE + 1)
-        z = np.cos(angle)
-        s = (1 + z) / (1 - z)
-        ends = np.concatenate(([0.0], s))
-        t, weight = gauss(24)
-        width = np.diff(ends)
-        nodes = ends[:-1, None] + width[:, None] * t
-        gain = width * ((2 * nodes * self._traction(1 + nodes**2)) @ weight)
-        at_front = self._near(np.array(1.0))
-        value = (at_front + np.cumsum(gain)) / (s + 1) ** 3
-        series = 2 / (_DEGREE + 1) * np.cos(np.outer(order, angle)) @ value
-        series[0] /= 2
-        return series
-
-    def _near(self, u: Array) -> Array:
-        a = self.factors.a
-        series = chebyshev.chebval(2 * (u - a) / (1 - a) - 1, self._before_shear_front)
-        return (u - a) ** self._power * series
-
-    def __call__(self, u: ArrayLike) -> Array:
-        """Primitive at slowness u [1/b], any shape; 0 ahead of the longitudinal front."""
-        u = np.asarray(u, dtype=float)
-        s = np.sqrt(np.maximum(u - 1, 0))
-        behind = (s + 1) ** 3 * chebyshev.chebval((s - 1) / (s + 1), self._behind_shear_front)
-        return np.where(u > 1, behind, self._near(np.clip(u, self.factors.a, 1)))
-
-
-@lru_cache(maxsize=64)
-def stuck_primitive(poisson_ratio: float, mode: Mode) -> StuckPrimitive:
-    """Primitive of p* (mode I) or q* (mode II) for a Poisson ratio, tables kept.
-
-    Raises
-    ------
-    SceneError
-        If the Poisson ratio is not in (-1, 0.5).
-    """
-    return StuckPrimitive(rayleigh_factors(poisson_ratio), mode)
+def _superposed(pieces: tuple[tuple[float, float], ...], response: Response, t: Array) -> Array:
+    """Sum of amplitude * response(t - start) over pieces, in blocks that bound the memory."""
+    start, amplitude = np.array(pieces).reshape(-1, 2).T
+    total = np.zeros(t.shape)
+    block = max(1, _BLOCK // max(1, t.size))
+    for first in range(0, len(start), block):
+        part = slice(first, first + block)
+        shape = (-1,) + (1,) * t.ndim
+        total += np.tensordot(amplitude[part], response(t - start[part].reshape(shape)), 1)
+    return total
 
 
 @dataclass(frozen=True)
@@ -270,7 +210,7 @@ def _harmonic(history: Harmonic, stuck: StuckTraction, u: float, per: float, ord
         ends += list(2 * (u / 2) ** (np.arange(1, count + 1) / count))
     split = [
         np.linspace(left, right, int(np.ceil((right - left) / longest)) + 1)[:-1]
-        for left, right in zip(ends[:-1], ends[1:], strict=True)
+        for left, right in pairwise(ends)
     ]
     v, weight = square_root_panels([*np.concatenate(split).tolist(), u], order)
     # weights vanish at the fronts like the square roots that slope has there
@@ -296,13 +236,9 @@ def _stuck(
         error = float(np.abs(fine - rough).max(initial=0.0))
         return StuckHistory(amplitude * fine.reshape(x.shape), abs(amplitude) * error)
     pieces = _pieces(history)
-    total = np.zeros(x.shape)
-    for start, height in pieces.jumps:
-        total += height * stuck((t - start) / per)
-    if pieces.kinks:
-        primitive = stuck_primitive(material.poisson_ratio, mode)
-        for start, slope in pieces.kinks:
-            total += slope * per * primitive((t - start) / per)
+    primitive = stuck_primitive(material.poisson_ratio, mode)
+    total = _superposed(pieces.jumps, lambda lag: stuck(lag / per), t)
+    total += _superposed(pieces.kinks, lambda lag: per * primitive(lag / per), t)
     return StuckHistory(amplitude * total, 0.0)
 
 
@@ -346,11 +282,8 @@ def _root_response(history: History, t: Array) -> Array:
         mixed = np.sin(angle) * cosine - np.cos(angle) * sine
         return np.asarray(mixed / np.sqrt(4 * history.frequency))
     pieces = _pieces(history)
-    total = np.zeros(t.shape)
-    for start, height in pieces.jumps:
-        total += height * np.sqrt(np.maximum(t - start, 0.0))
-    for start, slope in pieces.kinks:
-        total += slope * 2 / 3 * np.maximum(t - start, 0.0) ** 1.5
+    total = _superposed(pieces.jumps, lambda lag: np.sqrt(np.maximum(lag, 0.0)), t)
+    total += _superposed(pieces.kinks, lambda lag: 2 / 3 * np.maximum(lag, 0.0) ** 1.5, t)
     return total
 
 

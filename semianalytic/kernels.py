@@ -4,7 +4,8 @@ Prescribed is the velocity V of the upper face, tangential (mode II) or normal (
 face moving oppositely).  Over the whole line, transformed as in (4.12), the traction is -M V.
 In space and time
 
-    s(x, t) = -M(0) V - int int sign(x - x') Im M(-(t - t')/|x - x'|) / (pi (t - t')) dV/dx' dx' dt',
+    s(x, t) = -M(0) V - int int sign(X) Im M(-T/|X|) / (pi T) dV/dx' dx' dt',
+    X = x - x', T = t - t',
 
 the kernel of (4.39), (4.40).  Taken over x > 0 only, V being 0 on x < 0, this is the
 paper's result (4.31), (4.37): an interface whose slot faces are *held*.  It needs tractions on the
@@ -107,12 +108,12 @@ def point_kernel(
     x, t : positions other than 0 [length], times [time]; they broadcast.
     as_printed : the two terms added, as in the paper; grows like t^2 / x^5 where it should decay.
     """
-    x = np.abs(np.asarray(x, dtype=float))
+    distance = np.abs(np.asarray(x, dtype=float))
     speed = material.shear_speed
-    u = np.asarray(t, dtype=float) * speed / x
+    u = np.asarray(t, dtype=float) * speed / distance
     terms = _curvature_terms(material.poisson_ratio, u, mode)
     shape = terms.square + terms.four if as_printed else terms.right
-    return material.shear_impedance * speed**2 * shape / (np.pi * x**3)
+    return material.shear_impedance * speed**2 * shape / (np.pi * distance**3)
 
 
 def regularised_kernel(
@@ -209,22 +210,25 @@ def _diffracted(
     last = t / x
     if last <= factors.a:
         return 0.0
-    doubling = 2.0 ** np.arange(1, max(1, int(np.ceil(np.log2(last)))) + 1)
-    ends = [factors.a, *(end for end in (1.0, *doubling) if end < last), last]
-    order = _ORDER + 2 * panels
+    # 1 / (v + 1/zeta) varies in proportion to both, down to the edge
+    growing = 4.0 ** np.arange(1, max(1, int(np.ceil(np.log2(last) / 2))) + 1)
+    ends = [factors.a, *(end for end in (1.0, *growing) if end < last), last]
+    order = _ORDER + panels
     v, v_weight = square_root_panels(ends, order)
-    zeta, zeta_weight = square_root_panels([0.0, 1.0, 1 / factors.a], order)
+    inner = [1 / end for end in growing[::-1] if end < last]
+    zeta, zeta_weight = square_root_panels([0.0, *inner, 1.0, 1 / factors.a], order)
 
     def imaginary_factor(at: Array) -> Array:
         imag = factors.impedance_on_cut(factors.cut(at), mode).imag
         return imag / (factors.kappa * factors.m_plus(at, mode))
 
     node, node_weight = _panels(panels)
-    time = np.maximum(t - v * x, 0.0)[:, None, None]
-    y = time * node
-    arrived = time[:, :, 0] * (slip.acceleration(zeta[:, None] * y, time - y) @ node_weight)
     shares = zeta_weight * imaginary_factor(1 / zeta) / (1 + v[:, None] * zeta)
-    per_ray = np.sum(shares * arrived, axis=1)
+    per_ray = np.empty(len(v))
+    for i, time in enumerate(np.maximum(t - v * x, 0.0)):
+        y = time * node
+        arrived = slip.acceleration(zeta[:, None] * y, time - y) @ node_weight
+        per_ray[i] = time * float(shares[i] @ arrived)
     return float((v_weight * imaginary_factor(v)) @ per_ray) * factors.kappa / np.pi**2
 
 

@@ -38,7 +38,9 @@ _MOST_PANELS = 256
 
 def _direct(factors: RayleighFactors, v: Array, mode: Mode) -> Array:
     """-(1/pi) Im 1/M(-v + i0) for v > a, b = mu = 1."""
-    impedance = factors.impedance_on_cut(factors.cut(v), mode)
+    on_front = (v == 1) | (v == factors.c)
+    at = factors.cut(np.where(on_front, np.nextafter(v, np.inf), v))
+    impedance = factors.impedance_on_cut(at, mode)
     return impedance.imag / (np.pi * np.square(np.abs(impedance)))
 
 
@@ -73,7 +75,7 @@ def _over_slowness(
 def lamb_u1(material: Material, u: ArrayLike) -> Array:
     """U_1: |x| G_11 over slowness u = t/|x|, the constant b^2/(pi mu) of (3.1) included.
 
-    [length / (stress time)]; infinite at u = c, 0 for u < a.
+    [length / (stress time)]; without bound at u = c, 0 for u < a.
     """
     return _over_slowness(material, u, lambda factors, v: _direct(factors, v, "II"))
 
@@ -194,7 +196,8 @@ def surface_displacement(
 
     With rays of velocity xi the double integral over x' and t' becomes
 
-        u_i = int d xi gamma_ij(xi) int_0^t [f_j(x - xi tau, t - tau) +- f_j(x + xi tau, t - tau)] d tau,
+        u_i = int d xi gamma_ij(xi) int_0^t d tau
+              [f_j(x - xi tau, t - tau) +- f_j(x + xi tau, t - tau)],
 
     gamma_ij = |x| G_ij / xi, + for i = j and - otherwise, the pulse being a ray at c_R.
 

@@ -216,16 +216,16 @@ class Panels:
 
         `weights` (..., n) contain the jacobian; `targets` are t panel indices; (t, ..., n).
         """
-        right = self.right[source]
-        to_left = self.minus(self.left[source])[targets]
+        right, to_left = self.right[source], self.minus(self.left[source])[targets]
         difference = self.from_left[source][..., None, :] - to_left[..., None]
-        if right is not None:
+        if right is not None:  # beside the right end distances from the left one lose digits
             to_right = self.minus(right)[targets]
-            nearer = (np.abs(to_right) < np.abs(to_left))[..., None]
-            other = -self.from_right[source][..., None, :] - to_right[..., None]
-            np.copyto(difference, other, where=nearer)
+            beside = np.abs(to_right) < 0.1 * np.abs(to_left)
+            from_right = np.broadcast_to(self.from_right[source][..., None, :], difference.shape)
+            difference[beside] = -from_right[beside] - to_right[beside][:, None]
         difference[difference == 0] = np.inf
-        return self.rule.spacing * (np.reciprocal(difference) @ weights[..., None])[..., 0]
+        np.reciprocal(difference, out=difference)
+        return self.rule.spacing * (difference @ weights[..., None])[..., 0]
 
     def principal_value(self, source: int, weights: Array) -> Array:
         """The same at the panel's own nodes, as a principal value (nodes of the other parity)."""

@@ -68,11 +68,12 @@ def _scaled_load(scene: Scene) -> tuple[Load, float]:
 
 @dataclass(frozen=True)
 class _Found:
-    """Zones, whether they fulfil Coulomb's law on a rule, and what finding them took."""
+    """Zones and their profile on a rule, whether they fulfil Coulomb's law there, and the cost."""
 
     edges: Edges
     unknowns: Array
     inverse: Array
+    profile: Profile
     sound: bool
     steps: int = 0
     sets: int = 1
@@ -92,12 +93,13 @@ def _settled(edges: Edges, unknowns: Array, load: Load, rule: Rule, tolerance: f
                     break
                 edges, unknowns = other
                 continue
-        fields = ZoneFields(edges.factors, load, edges.zones(unknowns), rule)
-        wrong = violations(Profile(fields), tolerance)
+        profile = Profile(ZoneFields(edges.factors, load, edges.zones(unknowns), rule))
+        wrong = violations(profile, tolerance)
         if not wrong:
-            return _Found(edges, unknowns, inverse, True, steps, sets)
+            return _Found(edges, unknowns, inverse, profile, True, steps, sets)
         edges, unknowns = corrected(edges, unknowns, wrong)
-    return _Found(edges, unknowns, inverse, False, steps, sets)
+    profile = Profile(ZoneFields(edges.factors, load, edges.zones(unknowns), rule))
+    return _Found(edges, unknowns, inverse, profile, False, steps, sets)
 
 
 def _find_zones(
@@ -134,21 +136,23 @@ class _Refined:
 
 def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
     """Polish the edges on finer and finer rules until a coarser companion agrees to rtol."""
-    edges, unknowns, steps, wanted = found.edges, found.unknowns, 0, rtol / 30
     if not found.sound:
-        fields = ZoneFields(edges.factors, load, edges.zones(unknowns), rule_for(rtol))
-        return _Refined(unknowns, Profile(fields), np.inf, 0)
+        return _Refined(found.unknowns, found.profile, np.inf, 0)
+    edges, unknowns, profile, steps = found.edges, found.unknowns, found.profile, 0
+    wanted = rtol / 5
     for _ in range(_MOST_REFINEMENTS):
-        rule, companion = rule_for(wanted), rule_for(8 * wanted)
-        unknowns, taken = polish_edges(edges, load, rule, unknowns, found.inverse)
-        steps += taken
-        fine = ZoneFields(edges.factors, load, edges.zones(unknowns), rule)
-        coarse = ZoneFields(edges.factors, load, fine.zones, companion)
-        estimate = 1e-14 + _difference(edges, unknowns, found.inverse, fine, coarse)
+        rule, companion = rule_for(wanted), rule_for(5 * wanted)
+        if rule is not profile.fields.rule:
+            target = max(0.02 * rtol, 1e-13)
+            unknowns, taken = polish_edges(edges, load, rule, unknowns, found.inverse, target)
+            steps += taken
+            profile = Profile(ZoneFields(edges.factors, load, edges.zones(unknowns), rule))
+        coarse = ZoneFields(edges.factors, load, profile.fields.zones, companion)
+        estimate = 1e-14 + _difference(edges, unknowns, found.inverse, profile.fields, coarse)
         if estimate <= rtol:
             break
         wanted *= max(0.1 * rtol / estimate, 1e-3)
-    return _Refined(unknowns, Profile(fine), estimate, steps)
+    return _Refined(unknowns, profile, estimate, steps)
 
 
 def _difference(
@@ -206,17 +210,19 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     factors = rayleigh_factors(scene.material.poisson_ratio)
     load, stress = _scaled_load(scene)
     clock = [perf_counter()]
-    loose = max(rtol / 4, 1e-4)
+    loose = max(rtol / 5, 1e-4)
     pivots = 0
     if _frictionless(scene):
         edges = Edges(factors, (1,), (True, True), ())
-        found = _Found(edges, np.zeros(0), np.zeros((0, 0)), True)
+        fields = ZoneFields(factors, load, edges.zones(np.zeros(0)), rule_for(loose))
+        found = _Found(edges, np.zeros(0), np.zeros((0, 0)), Profile(fields), True)
     else:
         found, pivots = _find_zones(factors, load, rule_for(loose), 30 * loose)
     clock.append(perf_counter())
     refined = _refined(found, load, rtol)
     clock.append(perf_counter())
-    wrong = [] if _frictionless(scene) else violations(refined.profile, 100 * rtol)
+    checked = _frictionless(scene) or refined.profile is found.profile
+    wrong = [] if checked else violations(refined.profile, 100 * rtol)
     if found.sound and wrong:
         start = corrected(found.edges, refined.unknowns, wrong)
         again = _settled(*start, load, rule_for(rtol), 100 * rtol)

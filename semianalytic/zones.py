@@ -262,11 +262,18 @@ class ZoneFields:
         return float(self.factors.m_plus(0.0, "I"))
 
     @cached_property
-    def _pressure_transform(self) -> np.ndarray:
-        """P(-v + i0) at the nodes."""
-        factors, at = self.factors, self.panels.at
-        scale = self.load.step_pressure / (self._mode_one_at_zero * factors.kappa)
-        return scale * factors.impedance_on_cut(at, "I") / factors.m_plus(at.v, "I")
+    def _mode_ratio(self) -> np.ndarray:
+        """M_+^I / M_+ = sqrt((b + k) / (a + k)) at the nodes: -i |.| ahead of the shear front."""
+        at = self.panels.at
+        ratio = np.sqrt(np.abs(at.from_b / at.from_a))
+        return np.where(at.from_b < 0, -1j, 1.0) * ratio
+
+    @cached_property
+    def _pressure_slope(self) -> Array:
+        """d(P_0 p*)/dv = Im P(-v + i0) / (pi v) at the nodes."""
+        scale = self.load.step_pressure / (np.pi * self.factors.kappa * self._mode_one_at_zero)
+        impedance = (self._impedance * self._mode_ratio).imag
+        return scale * impedance / (self._m_plus * self.panels.at.v)
 
     @cached_property
     def _sources(self) -> list[tuple[int, Array]]:
@@ -281,7 +288,8 @@ class ZoneFields:
                 amount = s0 * load.friction * load.step_pressure / self._mode_one_at_zero
                 sources.append((i, amount * root / self.canonical[i]))
             elif sense not in (0, s0):
-                miss = (sense - s0) * load.friction * self._pressure_transform[i].imag
+                pressure = np.pi * panels.at.v[i] * self._pressure_slope[i]
+                miss = (sense - s0) * load.friction * pressure
                 sources.append((i, miss / self.canonical[i]))
         return sources
 
@@ -315,14 +323,13 @@ class ZoneFields:
     @cached_property
     def stick_transform(self) -> Array:
         """(p, ..., n): T / M_+ where the interface sticks (meaningless elsewhere)."""
-        load, at = self.load, self.panels.at
+        load = self.load
         cauchy = 0.0 if self._cauchy is None else self._cauchy.real
         reduced = self.canonical * (cauchy + self.constant)
         if not load.step_pressure:
             return reduced
-        ratio = np.where(at.from_b > 0, np.sqrt(np.abs(at.from_b / at.from_a)), 0.0)
         amount = self._reference_sense * load.friction * load.step_pressure
-        return reduced + amount / self._mode_one_at_zero * ratio
+        return reduced + amount / self._mode_one_at_zero * self._mode_ratio.real
 
     def stick_transform_off_cut(self, k: Array) -> Array:
         """T / M_+ at k > 0, any shape: what drives the slot faces (one set of zones)."""
@@ -377,11 +384,12 @@ class ZoneFields:
         slip = panels.sense != 0
         cauchy = 0.0 if self._cauchy is None else self._cauchy[slip]
         transform = self.canonical[slip] * (cauchy + self.constant)
-        if load.step_pressure:
-            strength = self._reference_sense * load.friction
-            transform = transform + strength * self._pressure_transform[slip]
-        result = np.zeros_like(panels.jacobian)
         ratio = (transform / self._impedance[slip]).imag
+        if load.step_pressure:
+            amount = self._reference_sense * load.friction * load.step_pressure
+            scale = amount / (self.factors.kappa * self._mode_one_at_zero)
+            ratio = ratio + scale * self._mode_ratio[slip].imag / self._m_plus[slip]
+        result = np.zeros_like(panels.jacobian)
         result[slip] = -ratio / (np.pi * panels.at.v[slip])
         return result
 
@@ -411,10 +419,9 @@ class ZoneFields:
         slope = self.traction_slope
         if load.step_pressure == 0:
             return slope
-        mode_one = stuck_traction(self.factors.poisson_ratio, "I").slope(panels.at)
         following = [self.zones[min(k, len(self.zones) - 1)].sense for k in panels.zone]
-        factor = np.where(panels.sense == 0, following, 0) * load.friction * load.step_pressure
-        return slope - factor.reshape(-1, *[1] * (slope.ndim - 1)) * mode_one
+        factor = np.where(panels.sense == 0, following, 0) * load.friction
+        return slope - factor.reshape(-1, *[1] * (slope.ndim - 1)) * self._pressure_slope
 
     def mismatch(self) -> Array:
         """What the edges leave unfulfilled: one row per edge, (e,) or (e, k).
