@@ -63,7 +63,7 @@ class Row:
         """Whether the two agree; so they do on something that is in neither."""
         if self.difference is None:
             return not self.present
-        return abs(self.difference) <= self.tolerance
+        return bool(abs(self.difference) <= self.tolerance)
 
 
 def arrival_rows(solution: Solution, simulation: Simulation) -> Iterator[Row]:
