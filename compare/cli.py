@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from compare import terminal
-from compare.options import MESH_OPTIONS, SCENE_OPTIONS, with_options
+from compare import studies, terminal
+from compare.options import CHECKPOINT_OPTIONS, MESH_OPTIONS, SCENE_OPTIONS, with_options
 from compare.report import Report, build_report, json_text, solution_document, write_report
 from compare.scenes import DEFAULT_SCENE, find_scene, override_scene, scene_label
 from compare.snapshots import last_snapshot
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 INTERRUPTED = 130
 SNAPSHOTS = "snapshots"
+CHECKPOINT = "checkpoint.h5"
+DEFAULT_CHECKPOINT_STEPS = 100
 
 app = typer.Typer(
     help="Where, when, how fast and which way a frictional interface slips after a sudden load.",
@@ -124,16 +126,22 @@ def solve_command(
 
 
 @app.command()
-@with_options(overrides=SCENE_OPTIONS, settings=MESH_OPTIONS)
+@with_options(overrides=SCENE_OPTIONS, settings=MESH_OPTIONS, checkpoints=CHECKPOINT_OPTIONS)
 def simulate(
     overrides: Mapping[str, float],
     settings: Mapping[str, Any],
+    checkpoints: Mapping[str, Any],
     scene: SceneArgument,
     output: Output = None,
     no_snapshots: NoSnapshots = False,
     quiet: Quiet = False,
 ) -> None:
-    """Simulate a scene with finite elements; write the interface history and field snapshots."""
+    """Simulate a scene with finite elements; write the interface history and field snapshots.
+
+    With --checkpoint-every a run that is interrupted or killed can be taken up again with the same
+    options and --resume; the result is the same to the last bit.  A finished run removes its
+    checkpoint.
+    """
     label = scene_label(scene)
     directory = output or Path("results", label)
     _simulate(
@@ -143,6 +151,7 @@ def simulate(
         settings,
         no_snapshots=no_snapshots,
         quiet=quiet,
+        **checkpoints,
     )
     Console().print(f"Written to {directory}/", highlight=False)
 
@@ -151,6 +160,10 @@ def simulate(
 def scenes() -> None:
     """List the scenes that come with the package."""
     Console().print(terminal.scenes_table())
+
+
+for study in (studies.regimes, studies.stability, studies.article):
+    app.command()(study)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -191,12 +204,23 @@ def _simulate(
     *,
     no_snapshots: bool,
     quiet: bool,
+    checkpoint_every: int = 0,
+    resume: bool = False,
 ) -> Simulation:
     """Run the finite-element model and keep its history, and snapshots if wanted, on disk."""
     from fem import simulate as run_simulation
 
+    path = directory / CHECKPOINT
+    if checkpoint_every or resume:
+        settings = {
+            **settings,
+            "checkpoint": path,
+            "checkpoint_every": checkpoint_every or DEFAULT_CHECKPOINT_STEPS,
+            "resume": resume,
+        }
+
     console = Console(stderr=True)
-    with terminal.simulation_progress(console, quiet) as progress:
+    with terminal.progress_bar(console, quiet) as progress:
         simulation = run_simulation(
             scene,
             **settings,
@@ -205,6 +229,7 @@ def _simulate(
         )
     directory.mkdir(parents=True, exist_ok=True)
     simulation.save(directory)
+    path.unlink(missing_ok=True)
     if not quiet:
         console.print(f"{label}: {terminal.simulation_line(simulation)}", highlight=False)
     return simulation
@@ -220,6 +245,10 @@ def _earlier_simulation(
         option = "--" + next(iter(settings)).replace("_", "-")
         raise SceneError(f"{option} has no effect with --from; leave one of the two out.")
     simulation = load_simulation(directory)
+    if simulation.lower_material is not None:
+        raise SceneError(
+            f"{directory} holds blocks of two materials, to which the theory does not apply."
+        )
     wanted = override_scene(find_scene(source) if source else simulation.scene, **overrides)
     if wanted != simulation.scene:
         raise SceneError(

@@ -36,8 +36,24 @@ MESH_OPTIONS: Mapping[str, Any] = {
         "damping": (float, "Kelvin–Voigt time over h / c_t, 0.02 unless given."),
         "step_ratio": (float, "Time step over the critical one, 0.95 unless given."),
         "model": (str, "Blocks to mesh, auto unless given."),
+        "element": (str, "P1, Q1 or Q2; Q1 unless given."),
+        "mesh": (str, "squares, graded, or triangles for P1; squares unless given."),
         "frames": (int, "Number of field snapshots, 20 unless given."),
     }.items()
+}
+
+CHECKPOINT_OPTIONS: Mapping[str, Any] = {
+    "checkpoint_every": _option(
+        int, "Checkpoints", "Steps between checkpoints, written to DIR/checkpoint.h5; 0 for none."
+    ),
+    "resume": Annotated[
+        bool | None,
+        typer.Option(
+            "--resume",
+            help="Go on from DIR/checkpoint.h5 if it is there; give the same options again.",
+            rich_help_panel="Checkpoints",
+        ),
+    ],
 }
 
 

@@ -11,6 +11,7 @@ import os
 import statistics
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from time import process_time
 
 import numpy as np
@@ -70,12 +71,12 @@ def measure(repetitions: int = 15) -> list[Timing]:
         forget_tables()
         solve(scene, rtol=rtol)
 
-    tasks: list[Callable[[], object]] = [lambda: np.linalg.solve(matrix, right)]
-    tasks += [lambda s=scene, r=rtol: solve(s, rtol=r) for _, scene, rtol in cases]
+    tasks: list[Callable[[], object]] = [partial(np.linalg.solve, matrix, right)]
+    tasks += [partial(solve, scene, rtol=rtol) for _, scene, rtol in cases]
     for task in tasks:
         task()
     dense, *warm = median_times(tasks, repetitions)
-    cold_tasks = [lambda s=scene, r=rtol: cold(s, r) for _, scene, rtol in cases]
+    cold_tasks = [partial(cold, scene, rtol) for _, scene, rtol in cases]
     cold_times = median_times([tasks[0], *cold_tasks], max(repetitions // 3, 3))
     return [
         Timing(name, rtol, hot / dense, chill / cold_times[0], slip_rate_error(scene, rtol))

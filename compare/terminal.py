@@ -120,7 +120,9 @@ def reasons_text(report: Report) -> str:
 
 
 @contextmanager
-def simulation_progress(console: Console, quiet: bool) -> Iterator[Callable[[int, int], None]]:
+def progress_bar(
+    console: Console, quiet: bool, doing: str = "simulating"
+) -> Iterator[Callable[[int, int], None]]:
     """A progress bar with the time left; nothing is shown when quiet or not on a terminal.
 
     Yields
@@ -129,7 +131,7 @@ def simulation_progress(console: Console, quiet: bool) -> Iterator[Callable[[int
         To be called with the number of steps done and the number of all steps.
     """
     with Progress(
-        TextColumn("simulating"),
+        TextColumn(doing),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
@@ -137,7 +139,7 @@ def simulation_progress(console: Console, quiet: bool) -> Iterator[Callable[[int
         disable=quiet or not console.is_terminal,
         transient=True,
     ) as bar:
-        task = bar.add_task("simulating", total=None)
+        task = bar.add_task(doing, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
 

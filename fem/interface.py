@@ -1,9 +1,9 @@
 """The node pairs of the interface: unilateral contact and Coulomb friction, without a penalty.
 
-A traction T per length on the faces of a pair with tributary length L and node mass m (upper
-+T, lower -T) changes the relative increment by c T, c = 2 dt^2 L / m.  Turned round, the
-traction that brings a pair exactly to where it should be at the end of the step is known in
-advance: no iteration, no penalty.
+A traction T per length on the faces of a pair with tributary length L and node masses m, m'
+(upper +T, lower -T) changes the relative increment by c T, c = dt^2 L (1/m + 1/m').  Turned
+round, the traction that brings a pair exactly to where it should be at the end of the step is
+known in advance: no iteration, no penalty.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ class Faces:
     lower : (n,) array or None
         Unknowns of the lower face; None where the body is the upper half of a pair that moves
         oppositely.
-    root : (n,) array
-        Square root of the node masses.
+    root : list of (n,) arrays
+        Square roots of the node masses, of the upper face and of the lower one if it is there.
     length : (n,) array
         Tributary lengths [length].
     step : float
@@ -43,19 +43,19 @@ class Faces:
     body: Body
     upper: NDArray[np.int64]
     lower: NDArray[np.int64] | None
-    root: NDArray[np.float64]
+    root: list[NDArray[np.float64]]
     length: NDArray[np.float64]
     step: float
 
     @cached_property
     def compliance(self) -> NDArray[np.float64]:
-        """Change of the relative increment per traction, c = 2 dt^2 L / m, (n,)."""
-        return 2 * self.step**2 * self.length / self.root**2
+        """Change of the relative increment per traction, c = dt^2 L (1/m + 1/m'), (n,)."""
+        upper, lower = self.root[0], self.root[-1]
+        return self.step**2 * self.length * (1 / upper**2 + 1 / lower**2)
 
     def _jump(self, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
-        upper = unknowns[self.upper]
-        across = 2 * upper if self.lower is None else upper - unknowns[self.lower]
-        return across / self.root
+        upper = unknowns[self.upper] / self.root[0]
+        return 2 * upper if self.lower is None else upper - unknowns[self.lower] / self.root[1]
 
     def offset(self) -> NDArray[np.float64]:
         """Relative displacement, upper minus lower, (n,) [length]."""
@@ -79,10 +79,10 @@ class Faces:
         part : float
             Fraction of a step for which it acts.
         """
-        kick = part * self.step**2 * self.length / self.root * traction
-        self.body.increment[self.upper] += kick
+        impulse = part * self.step**2 * self.length * traction
+        self.body.increment[self.upper] += impulse / self.root[0]
         if self.lower is not None:
-            self.body.increment[self.lower] -= kick
+            self.body.increment[self.lower] -= impulse / self.root[1]
 
 
 def contact_pressure(
@@ -178,6 +178,24 @@ class Interface:
         self.shear = np.full(len(length), float(scene.base.shear))
         self.work = InterfaceWork(0.0, 0.0, 0.0)
         self._friction = self._impact = self._external = 0.0
+
+    def state(self) -> NDArray[np.int8]:
+        """State of each pair in the step after the last kick: 0 stuck, +1 or -1 slips, 2 open."""
+        state = np.zeros(len(self.length), dtype=np.int8)
+        if self.sliding is not None:
+            slides = np.abs(self.shear) >= self.scene.friction * self.pressure
+            state[slides] = np.sign(self.sliding.increment()[slides])
+        if self.pressing is not None:
+            state[self.pressure == 0] = 2
+        return state
+
+    def sums(self) -> NDArray[np.float64]:
+        """Work done so far, as friction, closing gaps and base tractions, (3,)."""
+        return np.array([self._friction, self._impact, self._external])
+
+    def restore(self, sums: NDArray[np.float64]) -> None:
+        """Go on from work done so far."""
+        self._friction, self._impact, self._external = sums.tolist()
 
     def act(self, part: float) -> None:
         """Find the tractions of this kick and let them act.

@@ -7,20 +7,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from skfem import MeshQuad
 
-from fem.assembly import lumped_mass, stiffness, tributary_length
+from fem.assembly import Space, lumped_mass, stiffness, tributary_length
 from fem.interface import Faces, Interface
 from fem.stepping import Body, critical_step, highest_frequency, normalised
-from semianalytic.scene import Scene
+from semianalytic.scene import Material, Scene
 
 ANTISYMMETRIC = "antisymmetric half"
 SYMMETRIC = "symmetric half"
 LOCKSTEP = "antisymmetric and symmetric halves in lockstep"
 TWO_BLOCKS = "two blocks"
+TWO_MATERIALS = "two blocks of different materials, to which the theory does not apply"
 
 
-def choose_model(scene: Scene, model: str) -> str:
+def choose_model(scene: Scene, model: str, lower_material: Material | None = None) -> str:
     """Name of the model a scene needs.
 
     Under shear alone the motion is antisymmetric in y (u_x odd, u_y even) and does not touch
@@ -32,7 +32,11 @@ def choose_model(scene: Scene, model: str) -> str:
     scene : Scene
     model : str
         "auto", or "two-blocks" to keep both blocks whatever the symmetry.
+    lower_material : Material, optional
+        Of the lower block, if it is another one: there is no symmetry then.
     """
+    if lower_material not in (None, scene.material):
+        return TWO_MATERIALS
     if model == "two-blocks":
         return TWO_BLOCKS
     if scene.step.pressure == 0:
@@ -68,19 +72,19 @@ class Numbering:
         return 2 * int(np.searchsorted(self.distance, distance, side="right"))
 
 
-def number_by_arrival(mesh: MeshQuad, scene: Scene, size: float) -> Numbering:
+def number_by_arrival(space: Space, scene: Scene, size: float) -> Numbering:
     """Number the nodes by their distance from the slot x < 0, loaded at t = 0.
 
     If the interface slides at once everywhere, the distance is that from the whole line y = 0.
 
     Parameters
     ----------
-    mesh : MeshQuad
+    space : Space
     scene : Scene
     size : float
-        Element size [length].
+        Distance of the nodes on the interface [length].
     """
-    x, y = mesh.p
+    x, y = space.points
     ahead = np.zeros_like(x) if scene.far_slip_rate else np.maximum(x, 0.0)
     thickness = 4 * size
     layers = np.floor(np.hypot(ahead, y) / thickness)
@@ -98,7 +102,10 @@ class Model:
     ----------
     name : str
         What is simulated.
-    mesh : MeshQuad
+    space : Space
+        Mesh and nodes.
+    materials : dict
+        Material of the blocks "upper" and "lower".
     numbering : Numbering
     bodies : list of Body
         One or, in lockstep, two bodies on the same mesh; the motion is their sum.
@@ -119,7 +126,8 @@ class Model:
     """
 
     name: str
-    mesh: MeshQuad
+    space: Space
+    materials: dict[str, Material]
     numbering: Numbering
     bodies: list[Body]
     odd: tuple[int, ...]
@@ -145,69 +153,76 @@ class Model:
 
 def build_model(
     scene: Scene,
-    mesh: MeshQuad,
+    space: Space,
     *,
     name: str,
     size: float,
     end_time: float,
     damping_time: float,
     step_ratio: float,
+    lower_material: Material | None = None,
 ) -> Model:
     """Assemble the bodies of a scene on a mesh and choose the time step.
 
     Parameters
     ----------
     scene : Scene
-    mesh : MeshQuad
+    space : Space
         Upper block, or both blocks where the name says so; see `meshes.read_mesh`.
     name : str
         From `choose_model`.
     size : float
-        Element size h [length].
+        Distance h of the nodes on the interface [length].
     end_time : float
         [time]; a whole number of steps reaches it.
     damping_time : float
         eta of the damping C = eta K [time].
     step_ratio : float
         Upper bound of the time step over the critical one.
+    lower_material : Material, optional
+        Of the lower block, if it is another one.
 
     Returns
     -------
     Model
     """
-    numbering = number_by_arrival(mesh, scene, size)
-    mass = lumped_mass(mesh, scene.material.density)
-    matrix, root = normalised(stiffness(mesh, scene.material), mass, numbering.order)
+    numbering = number_by_arrival(space, scene, size)
+    both = name in (TWO_BLOCKS, TWO_MATERIALS)
+    materials = {"upper": scene.material, "lower": lower_material or scene.material}
+    in_mesh = {block: materials[block] for block in space.mesh.subdomains}
+    mass = lumped_mass(space, in_mesh)
+    matrix, root = normalised(stiffness(space, in_mesh), mass, numbering.order)
     critical = critical_step(highest_frequency(matrix), damping_time)
     steps = int(np.ceil(end_time / (step_ratio * critical)))
     step = end_time / steps
     matrix.data *= step**2
 
-    parts = _Parts(scene, mesh, numbering, matrix, root, step, damping_time)
+    parts = _Parts(scene, space, numbering, matrix, root, step, damping_time)
     sliding: Faces | None = None
     pressing: Faces | None = None
     odd: tuple[int, ...] = ()
-    if name == TWO_BLOCKS:
-        bodies = [parts.two_blocks()]
+    if both:
+        bodies = [parts.two_blocks(walls=name == TWO_BLOCKS)]
         sliding, pressing = (parts.faces(bodies[0], i, ("upper", "lower")) for i in (0, 1))
     else:
         odd = {ANTISYMMETRIC: (0,), SYMMETRIC: (1,), LOCKSTEP: (0, 1)}[name]
         bodies = [parts.half(i) for i in odd]
         faces = {i: parts.faces(body, i, ("upper",)) for i, body in zip(odd, bodies, strict=True)}
         sliding, pressing = faces.get(0), faces.get(1)
-    slot_nodes, _ = tributary_length(mesh, "upper_slot")
-    contact_nodes, length = tributary_length(mesh, "upper_contact")
+    slot_nodes, _ = tributary_length(space, "upper_slot")
+    contact_nodes, length = tributary_length(space, "upper_contact")
     slot = slot_nodes[:-1]
     return Model(
         name=name,
-        mesh=mesh,
+        space=space,
+        materials=materials,
         numbering=numbering,
         bodies=bodies,
         odd=odd,
         interface=Interface(scene, length, sliding, pressing),
         root=root,
-        contact_x=mesh.p[0, contact_nodes],
-        slot_x=mesh.p[0, slot],
+        contact_x=space.points[0, contact_nodes],
+        slot_x=space.points[0, slot],
         slot=np.array([numbering.unknowns(slot, i) for i in (0, 1)]),
         critical_step=critical,
         time_step=step,
@@ -220,7 +235,7 @@ class _Parts:
     """Everything `build_model` puts bodies and faces together from."""
 
     scene: Scene
-    mesh: MeshQuad
+    space: Space
     numbering: Numbering
     matrix: sparse.csr_array
     root: NDArray[np.float64]
@@ -234,11 +249,11 @@ class _Parts:
         held = self.numbering.unknowns(walls, 1 - component)
         return self._body(loaded, load, held=held)
 
-    def two_blocks(self) -> Body:
-        """Both blocks; mirror nodes of the walls move oppositely.
+    def two_blocks(self, walls: bool) -> Body:
+        """Both blocks, whose walls are free, or where the materials are equal as in the halves.
 
-        That is u_y = 0 for the antisymmetric part of the motion and u_x = 0 for the
-        symmetric one.
+        There mirror nodes of the walls move oppositely: that is u_y = 0 for the antisymmetric
+        part of the motion and u_x = 0 for the symmetric one.
         """
         loads = [self._slot_load(block, i) for block in ("upper", "lower") for i in (0, 1)]
         mirrored = [
@@ -249,18 +264,18 @@ class _Parts:
         return self._body(
             np.concatenate([unknowns for unknowns, _ in loads]),
             np.concatenate([load for _, load in loads]),
-            mirrored=np.concatenate(mirrored, axis=1),
+            mirrored=np.concatenate(mirrored, axis=1) if walls else None,
         )
 
     def faces(self, body: Body, component: int, blocks: tuple[str, ...]) -> Faces:
         """One component of the contact faces of the named blocks."""
-        sides = [tributary_length(self.mesh, f"{block}_contact") for block in blocks]
+        sides = [tributary_length(self.space, f"{block}_contact") for block in blocks]
         unknowns = [self.numbering.unknowns(nodes, component) for nodes, _ in sides]
         return Faces(
             body=body,
             upper=unknowns[0],
             lower=unknowns[1] if len(blocks) == 2 else None,
-            root=self.root[unknowns[0]],
+            root=[self.root[face] for face in unknowns],
             length=sides[0][1],
             step=self.step,
         )
@@ -269,7 +284,7 @@ class _Parts:
         self, block: str, component: int
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Unknowns on a slot face and the forces on them: (Q_0, -P_0) on the upper block."""
-        nodes, length = tributary_length(self.mesh, f"{block}_slot")
+        nodes, length = tributary_length(self.space, f"{block}_slot")
         step = self.scene.step
         traction = (step.shear, -step.pressure)[component]
         sign = 1 if block == "upper" else -1
@@ -277,8 +292,7 @@ class _Parts:
 
     def _wall(self, block: str, side: str) -> NDArray[np.int64]:
         """Nodes of a side wall, from the interface outwards."""
-        nodes = np.unique(self.mesh.facets[:, self.mesh.boundaries[f"{block}_{side}"]])
-        return nodes[np.argsort(np.abs(self.mesh.p[1, nodes]))]
+        return self.space.side_nodes(f"{block}_{side}")
 
     def _body(
         self,

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,6 +34,7 @@ class Record:
         self._interface = np.zeros((4, len(self._levels), len(model.contact_x)))
         self._velocity = np.zeros((2, len(self._levels), len(self._slot_x)))
         self._energy = np.zeros((6, len(self._levels)))
+        self._state = np.zeros((len(self._levels), len(model.contact_x)), dtype=np.int8)
 
     def level(self, step: int) -> None:
         """Store a time level, if it is one to store, when its kick and tractions are done.
@@ -42,6 +46,7 @@ class Record:
         interface, row, dt = self.model.interface, self._row, self.model.time_step
         slip, rate, shear, pressure = self._interface[:, row]
         shear[:], pressure[:] = interface.shear, interface.pressure
+        self._state[row] = interface.state()
         if step:
             if interface.sliding is not None:
                 slip[:] = interface.sliding.offset()
@@ -58,6 +63,29 @@ class Record:
         kinetic, strain, damping, load = bodies * self.model.copies / self.model.time_step**2
         friction, impact, base = self.model.interface.work
         return np.array([kinetic, strain, friction, damping, load + base, impact])
+
+    def stored(self) -> dict[str, NDArray[Any]]:
+        """The rows stored so far, for a checkpoint."""
+        rows = self._row
+        return {
+            "interface": self._interface[:, :rows],
+            "slot": self._velocity[:, :rows],
+            "energy": self._energy[:, :rows],
+            "state": self._state[:rows],
+        }
+
+    def restore(self, stored: Mapping[str, NDArray[Any]]) -> None:
+        """Go on after the rows that `stored` returned in another run of the same model."""
+        self._row = rows = len(stored["state"])
+        self._interface[:, :rows] = stored["interface"]
+        self._velocity[:, :rows] = stored["slot"]
+        self._energy[:, :rows] = stored["energy"]
+        self._state[:rows] = stored["state"]
+
+    @property
+    def states(self) -> NDArray[np.int8]:
+        """State of each contact node at each stored level, (m, n)."""
+        return self._state
 
     def histories(self) -> tuple[InterfaceHistory, SlotHistory, EnergyHistory]:
         """All that was stored."""

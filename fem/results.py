@@ -14,7 +14,7 @@ from semianalytic.errors import DataFileError
 from semianalytic.history import InterfaceHistory
 from semianalytic.scene import Material, Scene, Tractions
 
-FORMAT = "slipfront simulation 1"
+FORMAT = "slipfront simulation 2"
 FILE_NAME = "simulation.h5"
 
 
@@ -90,13 +90,17 @@ class Simulation:
     end_time : float
         [time].
     resolution : int
-        Elements per c_t * end_time.
+        Node distances per c_t * end_time.
     element_size : float
-        h [length].
+        Distance h of the nodes on the interface [length].
     damping : float
         eta of the damping C = eta K, in units of h / c_t.
+    element, mesh : str
+        Element family and mesh pattern.
     model : str
         What was simulated, e.g. "antisymmetric half".
+    lower_material : Material or None
+        Of the lower block where it is not that of the scene; the theory does not apply then.
     time_step, critical_step : float
         The step taken and the largest stable one [time].
     steps : int
@@ -107,6 +111,9 @@ class Simulation:
         On the contact nodes x >= 0, the edge node included.  All fields belong to the same
         times: the slip rate is the mean of the rates half a step before and after, the
         tractions are those that act between the two.
+    state : (m, n) array of int8
+        What each node of `interface` does in the step after each time: 0 it sticks, +1 or -1 it
+        slips that way, 2 it is open.
     slot : SlotHistory
         On the slot nodes next to the edge, as far as no reflection gets.
     energy : EnergyHistory
@@ -122,12 +129,16 @@ class Simulation:
     resolution: int
     element_size: float
     damping: float
+    element: str
+    mesh: str
     model: str
+    lower_material: Material | None
     time_step: float
     critical_step: float
     steps: int
     unknowns: int
     interface: InterfaceHistory
+    state: NDArray[np.int8]
     slot: SlotHistory
     energy: EnergyHistory
     seconds: dict[str, float]
@@ -150,12 +161,14 @@ class Simulation:
         facts = {
             field.name: getattr(self, field.name)
             for field in fields(self)
-            if field.name not in ("scene", "interface", "slot", "energy")
+            if field.name not in ("scene", "interface", "slot", "energy", "state")
         }
+        facts["lower_material"] = self.lower_material and asdict(self.lower_material)
         with h5py.File(part, "w") as file:
             file.attrs["format"] = FORMAT
             file.attrs["scene"] = json.dumps(asdict(self.scene))
             file.attrs["facts"] = json.dumps(facts)
+            file.create_dataset("state", data=self.state, compression=4)
             for group in ("interface", "slot", "energy"):
                 history = getattr(self, group)
                 for field in fields(history):
@@ -195,6 +208,8 @@ def load_simulation(directory: str | Path) -> Simulation:
                 )
             scene = json.loads(file.attrs["scene"])
             facts = json.loads(file.attrs["facts"])
+            lower = facts.pop("lower_material")
+            state = file["state"][...]
             interface, slot, energy = (
                 {name: data[...] for name, data in file[group].items()}
                 for group in ("interface", "slot", "energy")
@@ -206,6 +221,8 @@ def load_simulation(directory: str | Path) -> Simulation:
                 base=Tractions(**scene["base"]),
                 step=Tractions(**scene["step"]),
             ),
+            lower_material=Material(**lower) if lower else None,
+            state=state,
             interface=InterfaceHistory(**interface),
             slot=SlotHistory(**slot),
             energy=EnergyHistory(**energy),

@@ -11,14 +11,21 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.model import TWO_BLOCKS, Model, build_model, choose_model
+from fem.assembly import find_family, make_space
+from fem.checkpoint import Keeper, deferred_interrupt, run_identity
+from fem.model import TWO_BLOCKS, TWO_MATERIALS, Model, build_model, choose_model
 from fem.record import Record
 from fem.results import Simulation
+from fem.settings import Settings, check_count
 from fem.snapshots import Snapshots
 from meshes import cached_mesh, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
 from semianalytic.errors import ComputationError, SceneError
-from semianalytic.scene import Scene
+from semianalytic.scene import Material, Scene
+
+RUNAWAY = 2.0
+FIRST_JUDGED = 4
+"""Kinetic energy over the work of the loads; in stable runs it is about 1 at most."""
 
 
 def simulate(
@@ -29,9 +36,15 @@ def simulate(
     damping: float = 0.02,
     step_ratio: float = 0.95,
     model: str = "auto",
+    element: str = "Q1",
+    mesh: str = "squares",
+    lower_material: Material | None = None,
     every: int = 1,
     snapshots: str | Path | None = None,
     frames: int = 20,
+    checkpoint: str | Path | None = None,
+    checkpoint_every: int = 100,
+    resume: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Simulation:
     """Simulate a scene with finite elements and central differences.
@@ -42,19 +55,35 @@ def simulate(
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     resolution : int
-        Elements per c_t T, at least 8: the element size is h = c_t T / resolution.
+        Node distances per c_t T, at least 8: h = c_t T / resolution.
     damping : float
         eta of the Kelvin-Voigt damping C = eta K, in units of h / c_t; 0 for none.
     step_ratio : float
-        Largest time step over the critical one, in (0, 1].
+        Largest time step over the critical one, above 0.  Beyond 1 the scheme is unstable; up
+        to 1.5 is accepted to show it.
     model : str
         "auto" uses one block wherever symmetry allows, which is exact; "two-blocks" never does.
+    element : str
+        "P1" linear triangles, "Q1" bilinear or "Q2" biquadratic quadrilaterals, all with
+        diagonal mass.
+    mesh : str
+        "squares"; "graded", rows that grow away from the interface; or "triangles",
+        unstructured, for P1.  P1 cuts squares and graded rows along a diagonal.
+    lower_material : Material, optional
+        Of the lower block, if it is not that of the scene.  The semi-analytic theory does not
+        apply then.
     every : int
         Store every n-th step in the histories; the last one is always stored.
     snapshots : path, optional
         Folder for pictures of the whole fields; the mesh is then large enough for them.
     frames : int
         Number of pictures, at evenly spaced steps up to the end time.
+    checkpoint : path, optional
+        File to write checkpoints to.
+    checkpoint_every : int
+        Steps between checkpoints; another one is written when the run is interrupted.
+    resume : bool
+        Go on from the checkpoint file if it is there; the result is the same to the last bit.
     progress : callable, optional
         Called with (step, steps) after each step.
 
@@ -65,139 +94,171 @@ def simulate(
     Raises
     ------
     SceneError
-        If an option is out of range.
+        If an option is out of range, or different materials slide ahead of all waves.
     MissingLibraryError
         If a mesh has to be built and gmsh cannot be loaded.
     DataFileError
-        If the mesh cache cannot be used.
+        If the mesh cache cannot be used, or the checkpoint cannot be written, is damaged or of
+        another run.
     ComputationError
-        If values are no longer finite.
+        If the run goes unstable or values are no longer finite; what was written stays.
+    KeyboardInterrupt
+        On Ctrl-C, after a last checkpoint if there are any.
     """
-    if end_time is None:
-        end_time = 1 / scene.material.shear_speed
-    _check_options(end_time, resolution, damping, step_ratio, model, every, frames)
-    end_time = float(end_time)
-    size = scene.material.shear_speed * end_time / resolution
+    end_time = 1 / scene.material.shear_speed if end_time is None else end_time
+    settings = Settings(
+        end_time, resolution, damping, step_ratio, model, element, mesh, every, frames
+    )
+    check_count("checkpoint_every", checkpoint_every, 1)
+    if resume and checkpoint is None:
+        raise SceneError("simulate: there is nothing to resume from; give a checkpoint file.")
+    size = scene.material.shear_speed * settings.end_time / resolution
     damping_time = damping * size / scene.material.shear_speed
-    name = choose_model(scene, model)
+    name = choose_model(scene, model, lower_material)
+    if name == TWO_MATERIALS and scene.far_slip_rate:
+        raise SceneError(
+            "simulate: blocks of different materials cannot slide ahead of all waves; "
+            "raise friction or lower the base shear."
+        )
     seconds: dict[str, float] = {}
 
     with _timed(seconds, "mesh"):
-        mesh = cached_mesh(
-            causal_blocks(
-                scene.material,
-                end_time,
-                size,
-                damping_time=damping_time,
-                full=snapshots is not None,
-                lower=name == TWO_BLOCKS,
-            )
+        family = find_family(element, mesh)
+        blocks = causal_blocks(
+            _fastest(scene, lower_material),
+            settings.end_time,
+            size * family.spacing,
+            damping_time=damping_time,
+            full=snapshots is not None,
+            lower=name in (TWO_BLOCKS, TWO_MATERIALS),
+            free_walls=name == TWO_MATERIALS,
+            pattern=mesh,
         )
+        space = make_space(cached_mesh(blocks), family)
     with _timed(seconds, "assembly"):
         built = build_model(
             scene,
-            mesh,
+            space,
             name=name,
             size=size,
-            end_time=end_time,
+            end_time=float(settings.end_time),
             damping_time=damping_time,
             step_ratio=step_ratio,
+            lower_material=lower_material,
         )
     with _timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
-        record = Record(built, every, observed_slot(scene.material, end_time))
-        pictures = Snapshots(snapshots, built, scene) if snapshots is not None else None
+        fastest = _fastest(scene, lower_material)
+        full = snapshots is not None
+        record = Record(built, every, observed_slot(fastest, settings.end_time, full=full))
+        keeper = Keeper(
+            None if checkpoint is None else Path(checkpoint),
+            checkpoint_every,
+            run_identity(scene, lower_material, settings, full, built),
+        )
+        started, written = keeper.resume(built, record) if resume else (0, [])
+        pictures = None if snapshots is None else Snapshots(snapshots, built, scene, written)
+        forerun = causal_margin(fastest, settings.end_time, size, damping_time)
         framed = set(np.rint(np.linspace(0, built.steps, frames + 1)[1:]).astype(int).tolist())
-        forerun = causal_margin(scene.material, end_time, size, damping_time)
-        for step in _march(built, record, scene.material.longitudinal_speed, forerun):
-            if pictures is not None and step in framed:
-                with _timed(seconds, "snapshots"):
-                    pictures.write(step * built.time_step)
-            if progress is not None and step:
-                progress(step, built.steps)
+        with deferred_interrupt() as interruption:
+            for step in _march(built, record, started, fastest.longitudinal_speed, forerun):
+                if pictures is not None and step in framed:
+                    with _timed(seconds, "snapshots"):
+                        pictures.write(step * built.time_step)
+                _drift(built, step)
+                listed = [] if pictures is None else pictures.frames
+                keeper.step_done(step, built, record, listed, interruption.pressed)
+                if interruption.pressed:
+                    raise KeyboardInterrupt
+                if progress is not None and step:
+                    progress(step, built.steps)
     interface, slot, energy = record.histories()
     return Simulation(
         scene=scene,
-        end_time=end_time,
+        end_time=float(settings.end_time),
         resolution=int(resolution),
         element_size=size,
         damping=float(damping),
+        element=element,
+        mesh=mesh,
         model=name,
+        lower_material=lower_material,
         time_step=built.time_step,
         critical_step=built.critical_step,
         steps=built.steps,
         unknowns=built.unknowns,
         interface=interface,
+        state=record.states,
         slot=slot,
         energy=energy,
         seconds=seconds,
-        peak_memory=_peak_memory(),
+        peak_memory=peak_memory(),
     )
 
 
-def _march(model: Model, record: Record, speed: float, forerun: float) -> Iterator[int]:
-    """Take all steps, yielding after the tractions of each time level are known.
+def _fastest(scene: Scene, lower_material: Material | None) -> Material:
+    """The material whose waves are faster."""
+    materials = (scene.material, lower_material or scene.material)
+    return max(materials, key=lambda material: material.longitudinal_speed)
+
+
+def _march(
+    model: Model, record: Record, started: int, speed: float, forerun: float
+) -> Iterator[int]:
+    """Kick, time level by time level; whoever iterates lets the bodies drift.
 
     Parameters
     ----------
     model : Model
     record : Record
         Told about every time level.
+    started : int
+        First time level, 0 unless resumed.
     speed : float
         Fastest wave [length / time].
     forerun : float
         How far beyond its front nodes may already move [length].
     """
-    for step in range(model.steps + 1):
-        part = 0.5 if step == 0 else 1.0
+    work = 0.0
+    for step in range(started, model.steps + 1):
         front = speed * (step + 1) * model.time_step
         for body in model.bodies:
             body.activate(model.numbering.reached(front + forerun))
-            body.kick(part)
-            if not math.isfinite(body.energy.kinetic):
-                raise ComputationError(
-                    f"the simulation lost its finite values at step {step} of {model.steps}; "
-                    "lower the step ratio, or give loads and moduli of ordinary size."
-                )
-        model.interface.act(part)
+            body.kick(_part(step))
+        work = _check_stable(model, step, work)
+        model.interface.act(_part(step))
         record.level(step)
         yield step
-        for body in model.bodies:
-            body.drift(part)
 
 
-def _check_options(
-    end_time: float,
-    resolution: int,
-    damping: float,
-    step_ratio: float,
-    model: str,
-    every: int,
-    frames: int,
-) -> None:
-    _check_number("end_time", end_time)
-    _check_number("damping", damping)
-    _check_number("step_ratio", step_ratio)
-    if end_time <= 0:
-        raise SceneError(f"simulate: end_time must be positive, got {end_time}.")
-    if damping < 0:
-        raise SceneError(f"simulate: damping must not be negative, got {damping}.")
-    if not 0 < step_ratio <= 1:
-        raise SceneError(f"simulate: step_ratio must be above 0 and at most 1, got {step_ratio}.")
-    _check_count("resolution", resolution, 8)
-    _check_count("every", every, 1)
-    _check_count("frames", frames, 1)
-    if model not in ("auto", "two-blocks"):
-        raise SceneError(f"simulate: model must be 'auto' or 'two-blocks', got {model!r}.")
+def _part(step: int) -> float:
+    """Fraction of a step for which the forces at a time level act."""
+    return 0.5 if step == 0 else 1.0
 
 
-def _check_number(name: str, value: float) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise SceneError(f"simulate: {name} must be a finite number, got {value!r}.")
+def _drift(model: Model, step: int) -> None:
+    for body in model.bodies:
+        body.drift(_part(step))
 
 
-def _check_count(name: str, value: int, least: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise SceneError(f"simulate: {name} must be an integer of at least {least}, got {value!r}.")
+def _check_stable(model: Model, step: int, work: float) -> float:
+    """Largest work of the loads so far; raise if the blocks move faster than that can explain."""
+    kinetic = sum(body.energy.kinetic for body in model.bodies)
+    if not math.isfinite(kinetic):
+        raise ComputationError(
+            f"the simulation lost its finite values at step {step} of {model.steps}; "
+            "lower the step ratio, or give loads and moduli of ordinary size."
+        )
+    loads = sum(body.energy.external for body in model.bodies) * model.copies
+    base = model.interface.work.external * model.time_step**2
+    work = max(work, abs(loads) + abs(base))
+    # The work of the base tractions on slip is known one step late, which counts at the start.
+    if step >= FIRST_JUDGED and kinetic * model.copies > RUNAWAY * work:
+        raise ComputationError(
+            f"the simulation went unstable at step {step} of {model.steps}: its kinetic energy "
+            f"is more than {RUNAWAY:g} times the work of the loads; lower the step ratio "
+            f"(now {model.time_step / model.critical_step:.3g} of the critical step)."
+        )
+    return work
 
 
 @contextmanager
@@ -207,7 +268,7 @@ def _timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
     seconds[stage] = seconds.get(stage, 0.0) + time.perf_counter() - started
 
 
-def _peak_memory() -> int:
+def peak_memory() -> int:
     """Largest memory this process has held [bytes]."""
     import resource
 

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 import meshio
 import numpy as np
 from numpy.typing import NDArray
-from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 from fem.model import Model
 from semianalytic.scene import Scene
 
 INDEX = "fields.pvd"
-CENTRE = (np.array([[0.5], [0.5]]), np.array([1.0]))
+CELLS = {"P1": "triangle", "Q1": "quad", "Q2": "quad9"}
+"""Names VTK gives to the elements, whose nodes scikit-fem puts in the same order."""
+
+MIRRORED = {"P1": [0, 2, 1], "Q1": [0, 3, 2, 1], "Q2": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
+"""Order of the nodes of an element that turns its mirror image counter-clockwise again."""
 
 
 class Snapshots:
@@ -33,17 +37,29 @@ class Snapshots:
         Made if it is not there; frames of the same number are replaced.
     model : Model
     scene : Scene
+    frames : iterable of (time, name)
+        Frames of an interrupted run to go on from.
+
+    Attributes
+    ----------
+    frames : list of (time, name)
+        What the index lists.
     """
 
-    def __init__(self, directory: str | Path, model: Model, scene: Scene) -> None:
+    def __init__(
+        self,
+        directory: str | Path,
+        model: Model,
+        scene: Scene,
+        frames: Iterable[tuple[float, str]] = (),
+    ) -> None:
         self.directory = Path(directory)
         self.directory.mkdir(parents=True, exist_ok=True)
         self.model, self.scene = model, scene
-        mesh = both_blocks(model)
-        self._points = np.pad(mesh.p.T, ((0, 0), (0, 1)))
-        self._cells = [("quad", mesh.t.T)]
-        self._basis = Basis(mesh, ElementVector(ElementQuad1()), quadrature=CENTRE)
-        self._frames: list[tuple[float, str]] = []
+        points, cells = both_blocks(model)
+        self._points = np.pad(points.T, ((0, 0), (0, 1)))
+        self._cells = [(CELLS[model.space.family.name], cells.T)]
+        self.frames = [(time, name) for time, name in frames if (self.directory / name).is_file()]
         self._write_index()
 
     def write(self, time: float) -> None:
@@ -61,30 +77,46 @@ class Snapshots:
             },
             cell_data={"sigma_xx": [sxx], "sigma_yy": [syy], "sigma_xy": [sxy]},
         )
-        name = f"fields-{len(self._frames) + 1:04d}.vtu"
+        name = f"fields-{len(self.frames) + 1:04d}.vtu"
         part = self.directory / f"{name}.part"
         meshio.write(part, frame, file_format="vtu")
         os.replace(part, self.directory / name)
-        self._frames.append((time, name))
+        self.frames.append((time, name))
         self._write_index()
 
     def _stress(self, displacement: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        material, base = self.scene.material, self.scene.base
-        mu = material.shear_modulus
-        bulk = material.density * material.longitudinal_speed**2  # lambda + 2 mu
-        unknowns = np.empty(self._basis.N)
-        unknowns[self._basis.nodal_dofs] = displacement.T
-        (uxx, uxy), (uyx, uyy) = self._basis.interpolate(unknowns).grad[..., 0]
+        materials, base = self.model.materials, self.scene.base
+        (uxx, uxy), (uyx, uyy) = self._gradient(displacement)
+        lower = self._points[self._cells[0][1], 1].mean(axis=1) < 0
+        mu, bulk = (
+            np.where(lower, *(value(materials[name]) for name in ("lower", "upper")))
+            for value in (
+                lambda material: material.shear_modulus,
+                lambda material: material.density * material.longitudinal_speed**2,
+            )
+        )
         return (
             bulk * uxx + (bulk - 2 * mu) * uyy,
             bulk * uyy + (bulk - 2 * mu) * uxx - base.pressure,
             mu * (uxy + uyx) + base.shear,
         )
 
+    def _gradient(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Gradient d_j u_i in the middle of each element, (2, 2, elements), index i first."""
+        basis = self.model.space.basis
+        gradients = [
+            [basis.interpolate(component.copy()).grad[..., 0] for component in part.T]
+            for part in np.split(displacement, len(displacement) // basis.N)
+        ]
+        for mirrored in gradients[1:]:
+            for gradient in mirrored:
+                gradient[1] *= -1
+        return np.concatenate(gradients, axis=2)
+
     def _write_index(self) -> None:
         entries = "".join(
             f'    <DataSet timestep="{time!r}" part="0" file="{name}"/>\n'
-            for time, name in self._frames
+            for time, name in self.frames
         )
         part = self.directory / f"{INDEX}.part"
         part.write_text(
@@ -95,14 +127,19 @@ class Snapshots:
         os.replace(part, self.directory / INDEX)
 
 
-def both_blocks(model: Model) -> MeshQuad:
-    """Mesh of both blocks; a half gets its mirror image, whose nodes come after its own."""
-    mesh = model.mesh
+def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Places (2, n) of the nodes of both blocks, and the nodes (k, m) of each element.
+
+    A half gets its mirror image, whose nodes and elements come after its own.
+    """
+    points, cells = model.space.points, model.space.basis.element_dofs
     if not model.odd:
-        return mesh
-    points = np.concatenate([mesh.p, mesh.p * [[1], [-1]]], axis=1)
-    mirrored = mesh.t[[0, 3, 2, 1]] + mesh.nvertices  # still counter-clockwise
-    return MeshQuad(points, np.concatenate([mesh.t, mirrored], axis=1))
+        return points, cells
+    mirrored = cells[MIRRORED[model.space.family.name]] + points.shape[1]
+    return (
+        np.concatenate([points, points * [[1], [-1]]], axis=1),
+        np.concatenate([cells, mirrored], axis=1),
+    )
 
 
 def spread(model: Model, unknowns: list[NDArray[np.float64]]) -> NDArray[np.float64]:

@@ -18,6 +18,7 @@ and that every other force F_n at t_n does the work F_n . (d_{n-1/2} + d_{n+1/2}
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -81,6 +82,10 @@ def critical_step(frequency: float, damping_time: float) -> float:
     return 2 / frequency * (float(np.hypot(1.0, z)) - z)
 
 
+STRIP = 65536
+"""Unknowns per pass: what is computed stays in the cache until all sums over it are taken."""
+
+
 class BodyEnergy(NamedTuple):
     """Energies of a body, each times dt^2, in the middle of a step; the last two are work done."""
 
@@ -88,6 +93,14 @@ class BodyEnergy(NamedTuple):
     strain: float
     damping: float
     external: float
+
+
+class BodyState(NamedTuple):
+    """What a body goes on from: U and D (n,) after a drift, and sums of work (3,)."""
+
+    displacement: NDArray[np.float64]
+    increment: NDArray[np.float64]
+    sums: NDArray[np.float64]
 
 
 @dataclass
@@ -139,22 +152,22 @@ class Body:
         self.energy = BodyEnergy(0.0, 0.0, 0.0, 0.0)
         self.active = 0
         self._damped = np.zeros(unknowns)  # U + (eta/dt) D
-        self._rows = self.matrix[:0]
-        self._force = np.zeros(0)
+        self._force: dict[int, NDArray[np.float64]] = {}  # of each strip, by its first unknown
+        self._strips: list[tuple[slice, sparse.csr_array]] = []
+        self._taken = 0.0  # (D of the past step) . force
         self._square = 0.0  # U . A U
         self._inside = 0.0  # work done against the internal forces
         self._outside = 0.0  # work done by the load
 
     def activate(self, unknowns: int) -> None:
-        """Let the first unknowns move; the leading rows are a view, nothing is copied."""
+        """Let the first unknowns move; strips of rows are views, nothing is copied."""
         if unknowns == self.active:
             return
-        a = self.matrix
-        end = a.indptr[unknowns]
-        self._rows = sparse.csr_array(
-            (a.data[:end], a.indices[:end], a.indptr[: unknowns + 1]),
-            shape=(unknowns, a.shape[1]),
-        )
+        if self._strips and self._strips[-1][0].stop % STRIP:
+            self._strips.pop()
+        for start in range(STRIP * len(self._strips), unknowns, STRIP):
+            rows = slice(start, min(start + STRIP, unknowns))
+            self._strips.append((rows, _row_view(self.matrix, rows)))
         self.active = unknowns
 
     def kick(self, part: float) -> None:
@@ -165,14 +178,10 @@ class Body:
         part : float
             Fraction of a step the forces act for: 1/2 at t = 0, from rest, then 1.
         """
-        n = self.active
-        damped = self._damped[:n]
-        np.multiply(self.increment[:n], self.damping, out=damped)
-        damped += self.displacement[:n]
-        self._force = np.asarray(self._rows @ self._damped)
-        self._settle()
+        kinetic, now, taken = self._sum(self._kick_strip)
         self.before, self.increment = self.increment, self.before
-        np.subtract(self.before[:n], self._force, out=self.increment[:n])
+        self._taken = taken
+        self._settle(kinetic, now, taken)
         self.increment[self.loaded] += part * self.load
         self.increment[self.held] = 0.0
         first, second = self.mirrored
@@ -187,28 +196,76 @@ class Body:
         part : float
             As in the kick before.
         """
-        n, loaded, force = self.active, self.loaded, self._force
-        before, after = self.before, self.increment
-        self._inside += float(before[:n] @ force + after[:n] @ force) / 2
-        self._outside += part * float((before[loaded] + after[loaded]) @ self.load) / 2
-        self.displacement[:n] += after[:n]
+        loaded, taken = self.loaded, self._taken
+        increments = self.before[loaded] + self.increment[loaded]
+        self._outside += part * float(increments @ self.load) / 2
+        self._inside += (taken + self._sum(self._drift_strip)[0]) / 2
 
-    def _settle(self) -> None:
-        """Energy in the middle of the past step.
+    def _kick_strip(self, rows: slice, matrix: sparse.csr_array) -> tuple[float, ...]:
+        """Kick some unknowns; return D . D, U . force and D . force over them."""
+        increment = self.increment[rows]
+        force = self._force[rows.start] = matrix @ self._damped
+        np.subtract(increment, force, out=self.before[rows])
+        displacement = self.displacement[rows]
+        return _dot(increment, increment), _dot(displacement, force), _dot(increment, force)
+
+    def _drift_strip(self, rows: slice, _: sparse.csr_array) -> tuple[float, ...]:
+        """Drift some unknowns; return D . force over them."""
+        increment, displacement = self.increment[rows], self.displacement[rows]
+        damped = self._damped[rows]
+        displacement += increment
+        np.multiply(increment, self.damping, out=damped)
+        damped += displacement
+        return (_dot(increment, self._force[rows.start]),)
+
+    def _sum(self, work: Callable[[slice, sparse.csr_array], tuple[float, ...]]) -> list[float]:
+        """Do the work on every strip and add up what it returns, always in the same order."""
+        results = [work(rows, matrix) for rows, matrix in self._strips]
+        return [sum(values) for values in zip(*results, strict=True)]
+
+    def state(self) -> BodyState:
+        """What the march goes on from, after a drift; the arrays are the body's own."""
+        sums = np.array([self._square, self._inside, self._outside])
+        return BodyState(self.displacement, self.increment, sums)
+
+    def restore(self, state: BodyState) -> None:
+        """Go on from a state another body of the same model was in, to the last bit."""
+        self.displacement[:], self.increment[:] = state.displacement, state.increment
+        self._square, self._inside, self._outside = state.sums.tolist()
+        np.multiply(self.increment, self.damping, out=self._damped)
+        self._damped += self.displacement
+
+    def _settle(self, kinetic: float, now: float, taken: float) -> None:
+        """Energy in the middle of the past step, from D . D, U_n . force and D . force.
 
         The strain energy U_n . A U_{n-1} comes from the damped product alone: with
         A (U_n + theta D) = (1 + theta) A U_n - theta A U_{n-1}, its products with U_n and
         U_{n-1} = U_n - D give U_n . A U_{n-1} and U_n . A U_n in turn.
         """
-        n, theta = self.active, self.damping
-        increment = self.increment[:n]
-        now = float(self.displacement[:n] @ self._force)
-        before = now - float(increment @ self._force)
-        cross = (before + theta * self._square) / (1 + theta)
+        theta = self.damping
+        cross = (now - taken + theta * self._square) / (1 + theta)
         self._square = (now + theta * cross) / (1 + theta)
         self.energy = BodyEnergy(
-            kinetic=float(increment @ increment) / 2,
+            kinetic=kinetic / 2,
             strain=cross / 2,
             damping=self._inside - cross / 2,
             external=self._outside,
         )
+
+
+def _dot(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """Scalar product without BLAS, whose threads wait for one another on a busy machine."""
+    return float(np.einsum("i,i", one, other))
+
+
+def _row_view(matrix: sparse.csr_array, rows: slice) -> sparse.csr_array:
+    """Some rows of a CSR matrix that share its memory, but for their few row pointers."""
+    start, end = matrix.indptr[rows.start], matrix.indptr[rows.stop]
+    return sparse.csr_array(
+        (
+            matrix.data[start:end],
+            matrix.indices[start:end],
+            matrix.indptr[rows.start : rows.stop + 1] - start,
+        ),
+        shape=(rows.stop - rows.start, matrix.shape[1]),
+    )

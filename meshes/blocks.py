@@ -5,8 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from semianalytic.errors import SceneError
 from semianalytic.scene import Material
+
+PATTERNS = ("squares", "graded", "triangles")
+"""Squares; rows of rectangles that grow away from the interface; unstructured triangles."""
+
+GROWTH = 1.05
+"""Height of each row of a graded mesh over that of the row before, so h + 0.05 |y|."""
 
 MOST_ELEMENTS = 10_000_000
 """Largest mesh accepted; stepping it takes about ten gigabytes."""
@@ -14,25 +23,28 @@ MOST_ELEMENTS = 10_000_000
 
 @dataclass(frozen=True)
 class Blocks:
-    """One or two rectangles of uniform square elements that meet along y = 0.
+    """One or two rectangles of elements that meet along y = 0.
 
-    The upper block covers -left*size <= x <= right*size, 0 <= y <= height*size; the lower one
+    The upper block covers -left*size <= x <= right*size, 0 <= y <= `far`; the lower one
     is its mirror image.  They share no node: each has its own slot face (x <= 0), contact
     face (x >= 0) and edge node (x = 0).
 
     Parameters
     ----------
     size : float
-        Element size h [length].
+        Element size h [length], of graded meshes that at the interface.
     left, right, height : int
         Elements left of the edge, right of it, and from the interface to the far side.
     lower : bool
         Whether the lower block is there too.
+    pattern : str
+        One of `PATTERNS`.
 
     Raises
     ------
     SceneError
-        If size is not positive and finite, a count is below 1, or the elements are too many.
+        If size is not positive and finite, a count is below 1, the pattern is unknown, or the
+        elements are too many.
     """
 
     size: float
@@ -40,8 +52,13 @@ class Blocks:
     right: int
     height: int
     lower: bool = False
+    pattern: str = "squares"
 
     def __post_init__(self) -> None:
+        if self.pattern not in PATTERNS:
+            raise SceneError(
+                f"mesh: the mesh must be one of {', '.join(PATTERNS)}, got {self.pattern!r}."
+            )
         if not (math.isfinite(self.size) and self.size > 0):
             raise SceneError(f"mesh: the element size must be positive, got {self.size}.")
         if min(self.left, self.right, self.height) < 1:
@@ -62,13 +79,26 @@ class Blocks:
 
     @property
     def elements(self) -> int:
-        """Number of quadrilaterals in all blocks."""
+        """Number of quadrilaterals in all blocks; triangles are about twice as many."""
         return len(self.names) * (self.left + self.right) * self.height
 
     @property
     def nodes(self) -> int:
-        """Number of nodes in all blocks."""
+        """Number of corners of the quadrilaterals in all blocks."""
         return len(self.names) * (self.left + self.right + 1) * (self.height + 1)
+
+    @property
+    def rows(self) -> NDArray[np.float64]:
+        """Distances of the rows of nodes from the interface [length], (height + 1,)."""
+        number = np.arange(self.height + 1.0)
+        if self.pattern == "graded":
+            number = np.expm1(math.log(GROWTH) * number) / (GROWTH - 1)
+        return np.asarray(self.size * number, dtype=np.float64)
+
+    @property
+    def far(self) -> float:
+        """Distance of the far side from the interface [length]."""
+        return float(self.rows[-1])
 
     def sides(self, block: str) -> dict[str, int]:
         """Names of a block's boundaries and the number of element sides on each."""
@@ -112,6 +142,8 @@ def causal_blocks(
     damping_time: float = 0.0,
     full: bool = False,
     lower: bool = False,
+    free_walls: bool = False,
+    pattern: str = "squares",
 ) -> Blocks:
     """Blocks just large enough that no reflection is seen before the end time T.
 
@@ -141,6 +173,11 @@ def causal_blocks(
         Whether whole fields are observed, not only the interface.
     lower : bool
         Whether to include the lower block.
+    free_walls : bool
+        Whether the side walls hold nothing: the left one then cuts the plane waves of the slot
+        and sends out waves from t = 0 on, so L - S >= c_l T.
+    pattern : str
+        One of `PATTERNS`.
 
     Returns
     -------
@@ -157,14 +194,27 @@ def causal_blocks(
     def elements(length: float) -> int:
         return math.ceil(length / size)
 
-    right = elements(reach + margin)
-    if full:
-        return Blocks(size, right, right, right, lower)
-    slot = observed_slot(material, end_time)
-    left, height = elements((reach + slot + margin) / 2), elements((reach + margin) / 2)
-    return Blocks(size, left, right, height, lower)
+    def rows(length: float) -> int:
+        if pattern != "graded":
+            return elements(length)
+        return math.ceil(math.log1p((GROWTH - 1) * length / size) / math.log(GROWTH))
+
+    far, slot = reach + margin, observed_slot(material, end_time, full)
+    there_and_back = far + (far if full else slot)
+    left = far + slot if free_walls else there_and_back / 2
+    height = far if full else far / 2
+    return Blocks(size, elements(left), elements(far), rows(height), lower, pattern)
 
 
-def observed_slot(material: Material, end_time: float) -> float:
-    """Length of slot next to the edge that no reflection reaches by the end time [length]."""
-    return material.longitudinal_speed * end_time / 2
+def observed_slot(material: Material, end_time: float, full: bool = False) -> float:
+    """Length of slot next to the edge that no reflection reaches by the end time [length].
+
+    Parameters
+    ----------
+    material : Material
+    end_time : float
+        [time].
+    full : bool
+        Whether the blocks are the full ones of `causal_blocks`.
+    """
+    return material.longitudinal_speed * end_time / (1 if full else 2)

@@ -9,7 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from meshes.blocks import Blocks
+from meshes.blocks import GROWTH, Blocks
 from semianalytic.errors import MissingLibraryError
 
 APT_PACKAGES = (
@@ -44,6 +44,7 @@ def build_mesh(blocks: Blocks, path: str | Path) -> None:
         with _gmsh_model() as gmsh:
             for block in blocks.names:
                 _add_block(gmsh, blocks, block)
+            gmsh.option.setNumber("Mesh.Algorithm", 6)  # frontal Delaunay, for triangles
             gmsh.model.mesh.generate(2)
             gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
             gmsh.option.setNumber("Mesh.Binary", 1)
@@ -58,7 +59,7 @@ def _add_block(gmsh: Any, blocks: Blocks, block: str) -> None:
     geo = gmsh.model.geo
     up = 1 if block == "upper" else -1
     left, right = -blocks.left * blocks.size, blocks.right * blocks.size
-    far = up * blocks.height * blocks.size
+    far = up * blocks.far
 
     slot_end, edge, contact_end, far_right, far_left = (
         geo.addPoint(x, y, 0) for x, y in ((left, 0), (0, 0), (right, 0), (right, far), (left, far))
@@ -71,8 +72,14 @@ def _add_block(gmsh: Any, blocks: Blocks, block: str) -> None:
     sides = blocks.sides(block)
     for curve, elements in zip(curves, sides.values(), strict=True):
         geo.mesh.setTransfiniteCurve(curve, elements + 1)
-    geo.mesh.setTransfiniteSurface(surface, "Left", [slot_end, contact_end, far_right, far_left])
-    geo.mesh.setRecombine(2, surface)
+    if blocks.pattern == "graded":
+        _, _, right_side, _, left_side = curves  # away from the interface, and back to it
+        for curve, growth in ((right_side, GROWTH), (left_side, 1 / GROWTH)):
+            geo.mesh.setTransfiniteCurve(curve, blocks.height + 1, "Progression", growth)
+    if blocks.pattern != "triangles":
+        corners = [slot_end, contact_end, far_right, far_left]
+        geo.mesh.setTransfiniteSurface(surface, "Left", corners)
+        geo.mesh.setRecombine(2, surface)
     geo.synchronize()
 
     for curve, name in zip(curves, sides, strict=True):

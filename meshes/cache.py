@@ -8,14 +8,14 @@ from dataclasses import asdict
 from pathlib import Path
 
 from platformdirs import user_cache_dir
-from skfem import MeshQuad
+from skfem import MeshQuad, MeshTri
 
 from meshes.blocks import Blocks
 from meshes.build import build_mesh
 from meshes.read import read_mesh
 from semianalytic.errors import DataFileError
 
-FORMAT = "slipfront blocks 1"
+FORMAT = "slipfront blocks 2"
 
 
 def cache_directory() -> Path:
@@ -29,7 +29,7 @@ def cache_path(blocks: Blocks) -> Path:
     return cache_directory() / f"blocks-{hashlib.sha256(key.encode()).hexdigest()[:20]}.msh"
 
 
-def cached_mesh(blocks: Blocks) -> MeshQuad:
+def cached_mesh(blocks: Blocks) -> MeshQuad | MeshTri:
     """Mesh of the blocks, from the cache if it is there, else built and kept.
 
     A cached file that turns out damaged is built again: nothing but time is lost.
@@ -40,7 +40,7 @@ def cached_mesh(blocks: Blocks) -> MeshQuad:
 
     Returns
     -------
-    MeshQuad
+    MeshQuad, or MeshTri for the pattern "triangles"
         See `read_mesh`.
 
     Raises

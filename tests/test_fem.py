@@ -11,7 +11,7 @@ from fem import simulate
 from fem.assembly import FAMILIES, lumped_mass, make_space, stiffness, tributary_length
 from fem.interface import contact_pressure, coulomb_traction
 from fem.stepping import critical_step, highest_frequency, normalised
-from meshes import Blocks, cached_mesh
+from meshes import Blocks, cached_mesh, causal_blocks
 from semianalytic.errors import ComputationError, SceneError
 from semianalytic.scene import Material, Scene, Tractions
 
@@ -165,6 +165,20 @@ def test_critical_step_separates_stable_from_unstable(damping_time):
     limit = critical_step(omega, damping_time)
     assert growth(0.999 * limit) <= 1 + 1e-12
     assert growth(1.001 * limit) > 1 + 1e-4
+
+
+@pytest.mark.parametrize(("element", "lower_by"), [("P1", 0.022), ("Q1", 0.016), ("Q2", 0.076)])
+def test_fastest_mode_sits_in_the_outer_corners(element, lower_by):
+    """So the critical step is safe, and a step slightly above it may go unnoticed."""
+    family, h = FAMILIES[element], 1 / 20
+    space = make_space(cached_mesh(causal_blocks(UNIT, 1.0, h * family.spacing)), family)
+    mass = lumped_mass(space, only(UNIT))
+    matrix, _ = normalised(stiffness(space, only(UNIT)), mass, np.arange(len(mass)))
+    (x, y), margin = space.points, 4 * h
+    inside = (x > x.min() + margin) & (x < x.max() - margin) & (y < y.max() - margin)
+    kept = np.repeat(inside, 2)
+    ratio = highest_frequency(matrix[kept][:, kept]) / highest_frequency(matrix)
+    assert ratio == pytest.approx(1 - lower_by, abs=2e-3)
 
 
 # --- the laws of the interface ----------------------------------------------------------------

@@ -3,6 +3,7 @@
 import builtins
 import signal
 import sys
+from dataclasses import replace
 
 import meshio
 import numpy as np
@@ -38,6 +39,86 @@ def test_elements_are_squares_on_the_grid(lower):
     assert set(mesh.subdomains) == set(blocks.names)
     for block in blocks.names:
         assert set(blocks.sides(block)) <= set(mesh.boundaries)
+
+
+def test_rows_of_a_graded_mesh_grow_away_from_the_interface():
+    blocks = replace(BLOCKS, pattern="graded", height=12)
+    mesh = cached_mesh(blocks)
+    rows = np.unique(mesh.p[1, mesh.p[1] >= 0])
+    np.testing.assert_allclose(rows, blocks.rows, atol=1e-12)
+    heights = np.diff(rows)
+    np.testing.assert_allclose(heights, 0.1 + 0.05 * rows[:-1], rtol=1e-12)
+    assert rows[-1] == pytest.approx(blocks.far)
+    np.testing.assert_allclose(np.unique(-mesh.p[1, mesh.p[1] <= 0]), rows, atol=1e-12)
+
+
+@pytest.mark.parametrize("lower", [False, True])
+def test_triangles_cover_the_blocks(lower):
+    blocks = replace(BLOCKS, pattern="triangles", lower=lower)
+    mesh = cached_mesh(blocks)
+    assert mesh.t.shape[0] == 3
+    (x, y) = mesh.p[:, mesh.t]
+    area = ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / 2
+    assert np.abs(area).sum() == pytest.approx((2 if lower else 1) * 1.0 * 0.3, rel=1e-9)
+    assert np.abs(area).min() > 0.1 * 0.1**2  # no slivers
+    on_side = side_nodes(mesh, "upper_contact")
+    np.testing.assert_allclose(mesh.p[0, on_side], 0.1 * np.arange(7), atol=1e-15)
+
+
+@pytest.mark.parametrize("pattern", ["graded", "triangles"])
+def test_graded_meshes_and_triangles_are_cached_and_checked(pattern, tmp_path):
+    blocks = replace(BLOCKS, pattern=pattern)
+    first, second = cached_mesh(blocks), cached_mesh(blocks)
+    np.testing.assert_array_equal(first.p, second.p)
+    np.testing.assert_array_equal(first.t, second.t)
+    path = tmp_path / "blocks.msh"
+    for other in (BLOCKS, replace(blocks, left=5), replace(blocks, height=4)):
+        build_mesh(other, path)
+        with pytest.raises(DataFileError, match=r"blocks\.msh"):
+            read_mesh(path, blocks)
+
+
+def drop_a_triangle(raw):
+    for block in raw.cells:
+        if block.type == "triangle":
+            block.data[0] = block.data[1]
+
+
+def move_an_inner_node(raw):
+    raw.points[np.argmin(np.abs(raw.points - [0.0, 0.15, 0.0]).sum(axis=1))] += [0.0, 9.0, 0.0]
+
+
+@pytest.mark.parametrize("damage", [drop_a_triangle, move_an_inner_node])
+def test_triangles_that_do_not_cover_a_block_are_an_error(damage, tmp_path, monkeypatch):
+    blocks = replace(BLOCKS, pattern="triangles")
+    build_mesh(blocks, tmp_path / "blocks.msh")
+    read = meshio.gmsh.read
+
+    def damaged(path):
+        raw = read(path)
+        damage(raw)
+        return raw
+
+    monkeypatch.setattr(meshio.gmsh, "read", damaged)
+    with pytest.raises(DataFileError, match=r"do not cover it once|has a boundary besides"):
+        read_mesh(tmp_path / "blocks.msh", blocks)
+
+
+@pytest.mark.parametrize("pattern", ["squares", "graded"])
+def test_extents_do_not_depend_on_the_pattern(pattern):
+    material, end, size = Material(1.0, 1.0, 1 / 3), 1.0, 0.02
+    squares, other = (
+        causal_blocks(material, end, size, pattern=kind) for kind in ("squares", pattern)
+    )
+    assert (other.left, other.right) == (squares.left, squares.right)
+    assert squares.far - size < other.far < 1.1 * squares.far
+
+
+def test_free_walls_are_farther_away():
+    material = Material(1.0, 1.0, 1 / 3)
+    held, free = (causal_blocks(material, 1.0, 0.02, free_walls=w) for w in (False, True))
+    assert free.left * 0.02 > material.longitudinal_speed * 1.5
+    assert (free.right, free.height) == (held.right, held.height)
 
 
 def test_faces_match_but_share_no_node():
@@ -81,7 +162,15 @@ def test_damping_widens_the_margin():
 
 
 @pytest.mark.parametrize(
-    "changes", [{"size": 0.0}, {"size": np.inf}, {"left": 0}, {"height": -1}, {"right": 10**7}]
+    "changes",
+    [
+        {"size": 0.0},
+        {"size": np.inf},
+        {"left": 0},
+        {"height": -1},
+        {"right": 10**7},
+        {"pattern": "x"},
+    ],
 )
 def test_impossible_blocks_are_refused(changes):
     with pytest.raises(SceneError, match="mesh:"):
@@ -106,6 +195,8 @@ def test_every_parameter_has_its_own_cache_entry():
         Blocks(0.1, 4, 5, 3),
         Blocks(0.1, 4, 6, 4),
         BLOCKS,
+        replace(BLOCKS, pattern="graded"),
+        replace(BLOCKS, pattern="triangles"),
     ]
     assert len({cache_path(blocks) for blocks in variants}) == len(variants)
 

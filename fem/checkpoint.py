@@ -1,0 +1,254 @@
+"""Checkpoints: all a run needs to go on as if it had never stopped, to the last bit."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import signal
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.model import Model
+from fem.record import Record
+from fem.settings import Settings
+from fem.stepping import BodyState
+from semianalytic.errors import DataFileError
+from semianalytic.scene import Material, Scene
+
+FORMAT = "slipfront checkpoint 1"
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """State of a run between two steps.
+
+    Parameters
+    ----------
+    step : int
+        Last time level whose drift is done.
+    arrays : mapping from name to array
+        Bodies, interface and record.
+    frames : list of (time, name)
+        Field snapshots written so far.
+    """
+
+    step: int
+    arrays: Mapping[str, NDArray[Any]]
+    frames: list[tuple[float, str]]
+
+    def restore(self, model: Model, record: Record) -> None:
+        """Put model and record, as just built, into this state."""
+        for number, body in enumerate(model.bodies):
+            body.restore(BodyState(*(self.arrays[f"body {number}/{f}"] for f in BodyState._fields)))
+        model.interface.restore(self.arrays["interface"])
+        prefix = "record/"
+        record.restore(
+            {
+                name.removeprefix(prefix): array
+                for name, array in self.arrays.items()
+                if name.startswith(prefix)
+            }
+        )
+
+
+def take_checkpoint(
+    step: int, model: Model, record: Record, frames: list[tuple[float, str]]
+) -> Checkpoint:
+    """State after the drift of a step; the arrays are those of the model, not copies."""
+    arrays: dict[str, NDArray[Any]] = {"interface": model.interface.sums()}
+    for number, body in enumerate(model.bodies):
+        for name, array in body.state()._asdict().items():
+            arrays[f"body {number}/{name}"] = array
+    for name, array in record.stored().items():
+        arrays[f"record/{name}"] = array
+    return Checkpoint(step, arrays, frames)
+
+
+def run_identity(
+    scene: Scene, lower: Material | None, settings: Settings, full: bool, model: Model
+) -> dict[str, Any]:
+    """What has to be equal for a checkpoint to fit: scene, options, mesh and versions.
+
+    Parameters
+    ----------
+    scene : Scene
+    lower : Material or None
+        Of the lower block, if it is another one.
+    settings : Settings
+    full : bool
+        Whether field snapshots are taken.
+    model : Model
+    """
+    mesh = hashlib.sha256()
+    for array in (model.space.points, model.space.basis.element_dofs):
+        mesh.update(np.ascontiguousarray(array).tobytes())
+    options = {
+        "scene": asdict(scene),
+        "lower_material": lower and asdict(lower),
+        **asdict(settings),
+        "snapshots": full,
+        "time_step": model.time_step,
+        "set of mesh nodes": mesh.hexdigest()[:16],
+        **{f"{library} version": version(library) for library in ("slipfront", "numpy", "scipy")},
+    }
+    plain: dict[str, Any] = json.loads(json.dumps(options))
+    return plain
+
+
+@dataclass(frozen=True)
+class Keeper:
+    """Writes and reads the checkpoints of one run.
+
+    Parameters
+    ----------
+    path : Path or None
+        The file; None for no checkpoints.
+    every : int
+        Steps between checkpoints.
+    identity : mapping
+        From `run_identity`.
+    """
+
+    path: Path | None
+    every: int
+    identity: Mapping[str, Any]
+
+    def resume(self, model: Model, record: Record) -> tuple[int, list[tuple[float, str]]]:
+        """Restore the checkpoint, if there is one: first level to compute, snapshots written."""
+        if self.path is None or not self.path.is_file():
+            return 0, []
+        earlier = read_checkpoint(self.path, self.identity)
+        earlier.restore(model, record)
+        return earlier.step + 1, earlier.frames
+
+    def step_done(
+        self,
+        step: int,
+        model: Model,
+        record: Record,
+        frames: list[tuple[float, str]],
+        now: bool,
+    ) -> None:
+        """Write a checkpoint if one is due after this step, or wanted now."""
+        due = step % self.every == 0 and 0 < step < model.steps
+        if self.path is not None and (due or now):
+            write_checkpoint(self.path, self.identity, take_checkpoint(step, model, record, frames))
+
+
+def write_checkpoint(path: Path, identity: Mapping[str, Any], checkpoint: Checkpoint) -> None:
+    """Write a checkpoint as HDF5; it takes its place under its name only when on the disk.
+
+    Raises
+    ------
+    DataFileError
+        If the file or its folder cannot be written.
+    """
+    import h5py
+
+    part = path.with_name(f"{path.name}.part")
+    facts = json.dumps({"step": checkpoint.step, "frames": checkpoint.frames})
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with h5py.File(part, "w") as file:
+            file.attrs["format"] = FORMAT
+            file.attrs["identity"] = json.dumps(identity)
+            file.attrs["facts"] = facts
+            file.attrs["digest"] = _digest(facts, checkpoint.arrays)
+            for name, array in checkpoint.arrays.items():
+                file[name] = array
+        with part.open("rb") as written:
+            os.fsync(written.fileno())
+        os.replace(part, path)
+    except OSError as error:
+        raise DataFileError(
+            f"the checkpoint {path} cannot be written ({error}); choose another folder."
+        ) from error
+
+
+def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
+    """Read a checkpoint of the run that has this identity.
+
+    Raises
+    ------
+    DataFileError
+        If the file is damaged, not a checkpoint, or from another run; the message says which
+        option differs.
+    """
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            written_as = file.attrs.get("format")
+            if written_as == FORMAT:
+                theirs = json.loads(file.attrs["identity"])
+                facts, digest = file.attrs["facts"], file.attrs["digest"]
+                arrays: dict[str, NDArray[Any]] = {}
+                file.visititems(
+                    lambda name, item: (
+                        arrays.update({name: item[...]}) if isinstance(item, h5py.Dataset) else None
+                    )
+                )
+    # a damaged HDF5 file can make the parser fail in any way at all
+    except Exception as error:
+        raise DataFileError(
+            f"{path} cannot be read as a checkpoint ({error}); delete it and simulate again."
+        ) from error
+    if written_as != FORMAT:
+        raise DataFileError(f"{path} is not a checkpoint of this version; delete it.")
+    if digest != _digest(facts, arrays):
+        raise DataFileError(f"{path} is damaged; delete it and simulate again.")
+    for name in (*identity, *theirs):
+        if theirs.get(name) != identity.get(name):
+            raise DataFileError(
+                f"{path} is of another run: its {name.replace('_', ' ')} is {theirs.get(name)}, "
+                f"not {identity.get(name)}; repeat those options or delete it."
+            )
+    known = json.loads(facts)
+    return Checkpoint(known["step"], arrays, [(time, name) for time, name in known["frames"]])
+
+
+def _digest(facts: str, arrays: Mapping[str, NDArray[Any]]) -> str:
+    digest = hashlib.sha256(facts.encode())
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        digest.update(f"{name} {array.dtype} {array.shape}".encode())
+        digest.update(array.tobytes())
+    return digest.hexdigest()
+
+
+class Interruption:
+    """Whether Ctrl-C was pressed."""
+
+    pressed = False
+
+
+@contextmanager
+def deferred_interrupt() -> Iterator[Interruption]:
+    """Let the first Ctrl-C only be noted, so that a step is never left half done.
+
+    The second one interrupts at once.  Outside the main thread nothing is changed.
+    """
+    noted = Interruption()
+    before = signal.getsignal(signal.SIGINT)
+
+    def note(number: int, frame: Any) -> None:
+        noted.pressed = True
+        signal.signal(signal.SIGINT, before)
+
+    try:
+        signal.signal(signal.SIGINT, note)
+    except ValueError:  # not the main thread
+        yield noted
+        return
+    try:
+        yield noted
+    finally:
+        signal.signal(signal.SIGINT, before)
