@@ -46,8 +46,9 @@ def slip_rate_under_shear_step(
     xi = np.asarray(velocity, dtype=float) / material.shear_speed
     result = np.zeros(xi.shape)
     for index in np.ndindex(xi.shape):
-        if xi[index] < edge:
-            r = np.inf if xi[index] == 0 else np.sqrt(1 / xi[index] - start)
+        place = float(xi[index])
+        if place < edge:
+            r = np.inf if place == 0 else float(np.sqrt(1 / place - start))
             stop = 1.0 if r == np.inf else r / (1 + r)
             result[index] = scale * quad(slope, 0, stop, epsabs=1e-14, epsrel=1e-13, limit=200)[0]
     return result
@@ -74,10 +75,10 @@ def slip_rate_under_remote_shock(
     xi = np.asarray(velocity, dtype=float) / material.shear_speed
     result = np.zeros(xi.shape)
     for index in np.ndindex(xi.shape):
-        u = min(1 / xi[index], 1.0)
+        u = min(1 / float(xi[index]), 1.0)
         share = 0.0
         if u > a:
-            stop = np.arcsin(np.sqrt((u - a) / (1 - a)))
+            stop = float(np.arcsin(np.sqrt((u - a) / (1 - a))))
             share = scale * quad(slope, 0, stop, epsabs=1e-14, epsrel=1e-13)[0]
         excess = shear - friction * pressure + friction * pressure * share
         result[index] = 2 * excess / material.shear_impedance
@@ -107,7 +108,7 @@ def slip_rate_without_friction(material: Material, step_shear: float, velocity: 
     xi = np.asarray(velocity, dtype=float) / material.shear_speed
     result = np.zeros(xi.shape)
     for index in np.ndindex(xi.shape):
-        u = 1 / xi[index]
+        u = 1 / float(xi[index])
         if u <= a:
             continue
         value = quad(
@@ -118,8 +119,8 @@ def slip_rate_without_friction(material: Material, step_shear: float, velocity: 
             epsrel=1e-12,
         )[0]
         if u > 1:
-            stop = np.sqrt(u - 1)
-            points = [np.sqrt(c - 1)] if stop > np.sqrt(c - 1) else None
+            stop, pole = float(np.sqrt(u - 1)), float(np.sqrt(c - 1))
+            points = [pole] if stop > pole else None
             value += quad(behind, 0, stop, epsabs=1e-14, epsrel=1e-12, limit=400, points=points)[0]
             value += regular(c) * np.log(abs((u - c) / (1 - c)))
         result[index] = 2 * step_shear / (np.pi * material.shear_impedance) * value
