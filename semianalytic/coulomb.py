@@ -11,6 +11,7 @@ from semianalytic.panels import Zone
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array, CutPoints
 
+_APART = (False, False)
 _NARROWEST_GAP = 1e-14  # a stick gap around c_R narrower than x/t can resolve is left out
 
 
@@ -61,13 +62,27 @@ def violations(profile: Profile, tolerance: float) -> list[Violation]:
             right = None if to_edge else at[[min(stop, last)]]
             touches = (bool(start == 0), bool(stop > last) and not unbounded)
             found.append(Violation(zone, int(signs[start]), left, right, *touches))
+        excess = _excess_intensity(profile) if unbounded and not sense else 0.0
+        if not wrong[-1] and excess > (tolerance if profile.fields.zones else 1e-12):
+            start = profile.fields.factors.cut([1 / (4 * min(excess, 0.02))])
+            found.append(Violation(-1, int(np.sign(profile.edge_intensity)), start, None, *_APART))
         for i in region:
             if sense and not wrong.any() and sense * profile.residue(i) > 0:
                 width = reversal_at_rayleigh_front(profile, i)
                 if width > _NARROWEST_GAP:
                     ends = profile.fields.factors.beside("c", [-width, width])
-                    found.append(Violation(zone, sense, ends[[0]], ends[[1]], False, False))
+                    found.append(Violation(zone, sense, ends[[0]], ends[[1]], *_APART))
     return found
+
+
+def _excess_intensity(profile: Profile) -> float:
+    """K_II / (f K_I) - 1 at a stuck contact edge; where positive, the edge must slip."""
+    load = profile.fields.load
+    strength = load.friction * load.step_pressure
+    traction = abs(profile.edge_intensity) / np.sqrt(profile.fields.factors.a)
+    if strength <= 0:
+        return 0.0  # nothing bounds the traction: seen at the nodes
+    return float(traction / strength - 1)
 
 
 def reversal_at_rayleigh_front(profile: Profile, panel: int) -> float:

@@ -23,8 +23,8 @@ from semianalytic.scene import Material
 Array = NDArray[np.float64]
 Mode = Literal["I", "II"]
 
-_GAUSS_PHASE = 240
-_DEGREE = 64
+_REACH, _SPACING = 80.0, 0.08  # of y in v = a + (b - a) / (1 + exp(-y))
+_DEGREE = 256
 
 
 def gauss(n: int) -> tuple[Array, Array]:
@@ -129,11 +129,12 @@ class RayleighFactors:
     @cached_property
     def _log_s_plus(self) -> Array:
         """Chebyshev series of ln S_+ over k >= 0 in (k - q)/(k + q), q^2 = a b."""
-        t, weight = gauss(_GAUSS_PHASE)
-        theta = t * np.pi / 2
-        w = self.a + (1 - self.a) * np.sin(theta) ** 2
-        dw = (1 - self.a) * np.sin(2 * theta) * np.pi / 2 * weight
-        density = self.phase(self.cut(w)) * dw / np.pi
+        # Nodes crowd at both ends exponentially: for nu -> 0.5 the pole at -k comes near a.
+        y = np.arange(-_REACH, _REACH + _SPACING, _SPACING)
+        from_a, from_b = ((1 - self.a) / (1 + np.exp(sign * y)) for sign in (-1, 1))
+        w = np.where(y < 0, self.a + from_a, 1 - from_b)
+        at = CutPoints(np.stack([w, from_a, -from_b, w - self.c]))
+        density = self.phase(at) * from_a * from_b / (1 - self.a) * _SPACING / np.pi
         q = np.sqrt(self.a)
 
         def log_s_plus(z: Array) -> Array:

@@ -82,7 +82,8 @@ class RunningIntegral:
         bounded = self.panels.right[panel] is not None
         residue = self.residues[panel]
         if residue:
-            log = np.log(np.abs(at.from_c / left.from_c))
+            # At c itself V is infinite; x/t cannot tell it from its neighbours in rounding.
+            log = np.log(np.maximum(np.abs(at.from_c / left.from_c), 1e-16))
             if bounded:
                 plain = plain + residue * log
                 moment = moment + residue * (at.minus(left) + c * log)

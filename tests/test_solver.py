@@ -174,6 +174,32 @@ def test_tension_names_the_place():
         solve(scene(friction=1.0, base=(1.0, 0.0), step=(-0.5, 0.0)))
 
 
+@pytest.mark.parametrize("excess", [1e-3, 1e-5])
+def test_narrow_zone_at_the_edge_just_below_its_threshold(excess):
+    """The zone is about 8 (1 - chi / sqrt(b/a)) c_t wide: seen by K_II > f K_I, not by nodes."""
+    friction = np.sqrt(2) * (1 - excess)
+    (zone,) = solve(scene(friction=friction, base=(1.0, 1.0), step=(1.0, 1.0))).zones
+    assert zone.inner == 0.0
+    assert zone.outer == pytest.approx(8 * excess, rel=0.01)
+
+
+def test_slip_rate_at_the_rayleigh_front_itself_is_finite():
+    """Inside a zone that covers c_R, where the gap is narrower than rounding."""
+    solution = solve(scene(friction=1.1, base=(1.0, 1.0), step=(1.0, 1.0)))
+    speed = solution.scene.material.rayleigh_speed
+    assert solution.zones[0].outer > speed
+    assert np.isfinite(solution.slip_rate(speed, 1.0))
+
+
+@pytest.mark.parametrize("distance", [1e-5, 1e-7, 1e-9])
+def test_nearly_incompressible(distance):
+    """c_l / c_t up to 22,000."""
+    material = Material(1.0, 1.0, 0.5 - distance)
+    solution = solve(Scene(material, 1.0, Tractions(1.0, 0.0), Tractions(0.0, 1.0)), rtol=1e-9)
+    edge = edge_speed_under_shear_step(material, 1.0)
+    assert abs(solution.zones[0].outer / edge - 1) <= solution.error_estimate
+
+
 def test_a_threshold_scene_has_a_status_not_a_wrong_curve():
     """Within 2e-7 of the edge threshold a zone of width 1e-5 cannot be settled: it says so."""
     limit = scene(nu=0.25, friction=1.31607255659514, base=(1.0, 1.0), step=(1.0, 1.0))
