@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.edges import Edges, place_edges
+from semianalytic.edges import Edges, edges_of, place_edges
 from semianalytic.panels import Zone
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array, CutPoints
@@ -118,9 +118,7 @@ def corrected(edges: Edges, unknowns: Array, found: list[Violation]) -> tuple[Ed
             zones[after - 1] = replace(zones[after - 1], right=bad.right)
         elif not wrong_slip:
             zones.insert(after, Zone(bad.left, bad.right, bad.sense))
-    points = [p for zone in zones for p in (zone.left, zone.right) if p is not None]
-    open_ends = (bool(zones) and zones[0].left is None, bool(zones) and zones[-1].right is None)
-    return place_edges(edges.factors, tuple(zone.sense for zone in zones), open_ends, points)
+    return edges_of(edges.factors, zones)
 
 
 def across_shear_front(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | None:
@@ -152,6 +150,4 @@ def without_vanished(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | Non
     ]
     if len(kept) == len(zones):
         return None
-    points = [p for zone in kept for p in (zone.left, zone.right) if p is not None]
-    open_ends = (bool(kept) and kept[0].left is None, bool(kept) and kept[-1].right is None)
-    return place_edges(edges.factors, tuple(zone.sense for zone in kept), open_ends, points)
+    return edges_of(edges.factors, kept)

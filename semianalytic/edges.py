@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -108,6 +109,13 @@ def place_edges(
             segments.append(0)
             unknowns.append(np.log(from_a) - np.log(-from_b))
     return Edges(factors, senses, open_ends, tuple(segments)), np.array(unknowns, dtype=float)
+
+
+def edges_of(factors: RayleighFactors, zones: Sequence[Zone]) -> tuple[Edges, Array]:
+    """Edges and unknowns of given zones, from the longitudinal front inward."""
+    points = [p for zone in zones for p in (zone.left, zone.right) if p is not None]
+    open_ends = (bool(zones) and zones[0].left is None, bool(zones) and zones[-1].right is None)
+    return place_edges(factors, tuple(zone.sense for zone in zones), open_ends, points)
 
 
 def edges_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> tuple[Edges, Array]:

@@ -126,6 +126,15 @@ def lies_between(left: CutPoints | None, point: CutPoints, right: CutPoints | No
     return right is None or point.first_below(right)
 
 
+def fitted_rule(
+    factors: RayleighFactors, spans: list[Span], rule: Rule, further: float = 0.0
+) -> Rule:
+    """A rule as fine as the singularities near the spans demand, and `further` in reach."""
+    spacing = rule.spacing * analytic_strip(factors, spans)
+    reach = rule.reach + further + max(span.imbalance(factors) for span in spans)
+    return rule if (spacing, reach) == (rule.spacing, rule.reach) else Rule(spacing, reach)
+
+
 def analytic_strip(factors: RayleighFactors, spans: list[Span]) -> float:
     """Half-width of the strip of y in which fields are analytic, over pi; at most 1.
 

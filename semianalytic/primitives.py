@@ -17,7 +17,7 @@ from semianalytic.rayleigh import (
     gauss,
     rayleigh_factors,
 )
-from semianalytic.stuck import StuckTraction, stuck_traction
+from semianalytic.stuck import StuckTraction, series_behind_front, stuck_traction
 
 _DEGREE = 128
 _GAUSS = 48
@@ -57,20 +57,11 @@ class StuckPrimitive:
     @cached_property
     def _behind_shear_front(self) -> Array:
         """Series in (s - 1)/(s + 1), s = sqrt(u - b), of the primitive over (s + 1)^3."""
-        order = np.arange(_DEGREE + 1)
-        angle = np.pi * (order[::-1] + 0.5) / (_DEGREE + 1)
-        z = np.cos(angle)
-        s = (1 + z) / (1 - z)
-        ends = np.concatenate(([0.0], s))
-        t, weight = gauss(24)
-        width = np.diff(ends)
-        nodes = ends[:-1, None] + width[:, None] * t
-        gain = width * ((2 * nodes * self._traction(1 + nodes**2)) @ weight)
-        at_front = self._near(np.array(1.0))
-        value = (at_front + np.cumsum(gain)) / (s + 1) ** 3
-        series = 2 / (_DEGREE + 1) * np.cos(np.outer(order, angle)) @ value
-        series[0] /= 2
-        return series
+
+        def slope(s: Array) -> Array:
+            return 2 * s * self._traction(1 + s**2)
+
+        return series_behind_front(slope, float(self._near(np.array(1.0))), 3)
 
     def _near(self, u: Array) -> Array:
         a = self.factors.a

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.panels import Panels, Rule, Zone, analytic_strip, lay_panels, spans_of
+from semianalytic.panels import Panels, Zone, fitted_rule, lay_panels, spans_of
 from semianalytic.rayleigh import Array, CutPoints, Mode
 from semianalytic.running import RunningIntegral
 from semianalytic.stuck import StuckTraction, stuck_traction
@@ -180,11 +180,9 @@ class Profile:
 
     @cached_property
     def _slot_panels(self) -> Panels:
-        factors, rule = self.fields.factors, self.fields.rule
+        factors = self.fields.factors
         spans = spans_of(factors, (Zone(None, None, 1),))
-        spacing = rule.spacing * analytic_strip(factors, spans)
-        reach = rule.reach + max(span.imbalance(factors) for span in spans)
-        return lay_panels(factors, spans, Rule(spacing, reach))
+        return lay_panels(factors, spans, fitted_rule(factors, spans, self.fields.rule))
 
     def _slot_transforms(self, k: Array) -> tuple[Array, Array]:
         """Transforms of shear traction and of pressure at k > 0."""

@@ -89,14 +89,15 @@ class Solution:
     stress: float
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]) -> Array:
-        """A field over slowness at x, t; 0 before t = 0."""
+        """A field over slowness (m,), or several (k, m), at x, t; 0 before t = 0."""
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))):
             raise SceneError("positions and times must be finite numbers.")
         if np.any(x <= 0):
             raise SceneError("the contact is x > 0; ask for positive positions.")
         u = (t * self.scene.material.shear_speed / x).ravel()
-        return np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0).reshape(x.shape)
+        value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
+        return value.reshape((*value.shape[:-1], *x.shape))
 
     @property
     def _rate_unit(self) -> float:
@@ -185,6 +186,6 @@ class Solution:
         if np.any(x >= 0):
             raise SceneError("the slot is x < 0; ask for negative positions.")
         unit = self._rate_unit / 2
-        tangential = self._evaluate(-x, t, lambda v: self.profile.slot_velocity(v)[0])
-        normal = self._evaluate(-x, t, lambda v: self.profile.slot_velocity(v)[1])
+        both = self._evaluate(-x, t, lambda v: np.stack(self.profile.slot_velocity(v)))
+        tangential, normal = both
         return unit * tangential, unit * normal

@@ -7,6 +7,7 @@ left after its square-root behaviour at the wave fronts is divided out.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -27,6 +28,20 @@ from semianalytic.scene import Material, Tractions
 
 _DEGREE = 128
 _GAUSS = 48
+
+
+def series_behind_front(slope: Callable[[Array], Array], start: float, power: int) -> Array:
+    """Chebyshev series in (s - 1)/(s + 1), s >= 0, of [start + int_0^s slope] / (s + 1)^power."""
+    t, weight = gauss(24)
+
+    def series(z: Array) -> Array:
+        s = (1 + z) / (1 - z)  # falls from node to node
+        ends = np.concatenate(([0.0], s[::-1]))
+        width = np.diff(ends)
+        gain = width * (slope(ends[:-1, None] + width[:, None] * t) @ weight)
+        return (start + np.cumsum(gain))[::-1] / (s + 1) ** power
+
+    return chebyshev_series(series, _DEGREE)
 
 
 @dataclass(frozen=True)
@@ -73,23 +88,16 @@ class StuckTraction:
     @cached_property
     def _behind_shear_front(self) -> Array:
         """Series in (s - 1)/(s + 1), s = sqrt(u - b), of traction / (s + 1) for u > b."""
-        t, weight = gauss(24)
 
-        def series(z: Array) -> Array:
-            s = (1 + z) / (1 - z)  # falls from node to node
-            ends = np.concatenate(([0.0], s[::-1]))
-            width = np.diff(ends)
-            nodes = ends[:-1, None] + width[:, None] * t
-            v = 1 + nodes**2
+        def slope(s: Array) -> Array:
+            v = 1 + s**2
             root = np.sqrt(v + 1)
             if self.mode == "I":
-                root = np.sqrt(v * v - self.factors.a**2) / nodes
+                root = np.sqrt(v * v - self.factors.a**2) / s
             rayleigh = self.factors.reduced_rayleigh(v) * (v * v - self.factors.c**2)
-            slope = 2 * self._scale * rayleigh / (root * v * self.factors.m_plus(v, self.mode))
-            value = self._near(np.array(1.0)) + np.cumsum(width * (slope @ weight))
-            return value[::-1] / (s + 1)
+            return 2 * self._scale * rayleigh / (root * v * self.factors.m_plus(v, self.mode))
 
-        return chebyshev_series(series, _DEGREE)
+        return series_behind_front(slope, float(self._near(np.array(1.0))), 1)
 
     def _near(self, u: Array) -> Array:
         a = self.factors.a

@@ -29,7 +29,7 @@ from semianalytic.panels import (
     Panels,
     Rule,
     Zone,
-    analytic_strip,
+    fitted_rule,
     lay_panels,
     lies_between,
     spans_of,
@@ -115,7 +115,7 @@ class ZoneFields:
         Beside a narrow stick gap around c, dV/dv ~ 1/(v - c) over all scales down to the gap.
         Without `tail` the unbounded panel is left out.
         """
-        reach = self.rule.reach
+        further = 0.0
         for inward, outward in zip(self.zones[1:], self.zones[:-1], strict=True):
             left, right = outward.right, inward.left
             if (
@@ -123,15 +123,11 @@ class ZoneFields:
                 and right is not None
                 and lies_between(left, self.factors.front_c, right)
             ):
-                reach += max(0.0, -float(np.log(right.minus(left).min())))
+                further += max(0.0, -float(np.log(right.minus(left).min())))
         spans = spans_of(self.factors, self.zones)
         if not self.tail and len(spans) > 1:
             spans.pop()
-        reach += max(span.imbalance(self.factors) for span in spans)
-        spacing = self.rule.spacing * analytic_strip(self.factors, spans)
-        rule = self.rule
-        if (spacing, reach) != (rule.spacing, rule.reach):
-            rule = Rule(spacing, reach)
+        rule = fitted_rule(self.factors, spans, self.rule, further)
         return lay_panels(self.factors, spans, rule)
 
     def _slips_at(self, front: CutPoints) -> bool:
