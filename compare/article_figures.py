@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from compare.article_cases import END_TIME, SHEAR_SPEED, Case, Cases, SlotCheck
-from semianalytic.histories import Step, stuck_pressure, stuck_shear
+from semianalytic.histories import stuck_pressure, stuck_shear
+from semianalytic.loads import Step
 from semianalytic.published import DEFAULT_READING, published_slip
 
 Array = NDArray[np.float64]

@@ -8,23 +8,33 @@ from semianalytic.errors import (
     SlipfrontError,
     TensionError,
 )
+from semianalytic.friction import CoulombFriction, RateWeakening, SlipWeakening
 from semianalytic.history import InterfaceHistory
+from semianalytic.loads import Harmonic, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene import Material, Scene, Tractions
 from semianalytic.solution import SlipZone, Solution, Statistics
 from semianalytic.solver import solve
 
 __all__ = [
     "ComputationError",
+    "CoulombFriction",
     "DataFileError",
+    "Harmonic",
     "InterfaceHistory",
     "Material",
     "MissingLibraryError",
+    "Pulse",
+    "Ramp",
+    "RateWeakening",
     "Scene",
     "SceneError",
+    "SlipWeakening",
     "SlipZone",
     "SlipfrontError",
     "Solution",
     "Statistics",
+    "Step",
+    "Tabulated",
     "TensionError",
     "Tractions",
     "solve",

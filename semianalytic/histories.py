@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from scipy.special import fresnel
 
 from semianalytic.errors import SceneError
+from semianalytic.loads import History, Wave
 from semianalytic.primitives import stuck_primitive
 from semianalytic.rayleigh import Array, Mode
 from semianalytic.scene import Material, Tractions
@@ -33,144 +34,6 @@ Response = Callable[[Array], Array]
 _BLOCK = 500_000
 _ORDERS = (24, 36)
 _PANELS_PER_PERIOD = 2
-
-
-def _positive(owner: str, name: str, value: float) -> None:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not (number and np.isfinite(value) and value > 0):
-        raise SceneError(f"{owner}: {name} must be a positive number, got {value!r}.")
-
-
-@dataclass(frozen=True)
-class Step:
-    """Shock load: f = H(t)."""
-
-    def value(self, t: ArrayLike) -> Array:
-        """f(t), any shape."""
-        return np.where(np.asarray(t, dtype=float) > 0, 1.0, 0.0)
-
-
-@dataclass(frozen=True)
-class Ramp:
-    """Load rising linearly from 0 to 1 over `rise_time` [time], then constant.
-
-    Raises
-    ------
-    SceneError
-        If the rise time is not positive.
-    """
-
-    rise_time: float
-
-    def __post_init__(self) -> None:
-        _positive("ramp", "rise_time", self.rise_time)
-
-    def value(self, t: ArrayLike) -> Array:
-        """f(t), any shape."""
-        return np.clip(np.asarray(t, dtype=float) / self.rise_time, 0.0, 1.0)
-
-
-@dataclass(frozen=True)
-class Harmonic:
-    """f = sin(2 pi frequency t) for t > 0, `frequency` in cycles per time.
-
-    Raises
-    ------
-    SceneError
-        If the frequency is not positive.
-    """
-
-    frequency: float
-
-    def __post_init__(self) -> None:
-        _positive("harmonic", "frequency", self.frequency)
-
-    @property
-    def angular(self) -> float:
-        """Angular frequency [1 / time]."""
-        return 2 * np.pi * self.frequency
-
-    def value(self, t: ArrayLike) -> Array:
-        """f(t), any shape."""
-        return np.sin(self.angular * np.maximum(np.asarray(t, dtype=float), 0.0))
-
-
-@dataclass(frozen=True)
-class Tabulated:
-    """Load interpolated linearly between samples, 0 before the first and constant after the last.
-
-    Parameters
-    ----------
-    t : increasing times >= 0 [time]; one time given twice is a jump.
-    value_at_t : values there; a first value other than 0 is a jump at t[0].
-
-    Raises
-    ------
-    SceneError
-        If the samples are not finite, not of one length, or not in order.
-    """
-
-    t: tuple[float, ...]
-    value_at_t: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        try:
-            times, values = (np.asarray(part, dtype=float) for part in (self.t, self.value_at_t))
-        except (TypeError, ValueError) as error:
-            raise SceneError("tabulated: times and values must be lists of numbers.") from error
-        if times.ndim != 1 or times.shape != values.shape or not len(times):
-            raise SceneError("tabulated: give as many values as times, and at least one.")
-        if not (np.all(np.isfinite(times)) and np.all(np.isfinite(values))):
-            raise SceneError("tabulated: times and values must be finite.")
-        if times[0] < 0 or np.any(np.diff(times) < 0):
-            raise SceneError("tabulated: times must start at 0 or later and not decrease.")
-        if np.any((times[2:] == times[1:-1]) & (times[1:-1] == times[:-2])):
-            raise SceneError(
-                "tabulated: a time may be given twice, for a jump, but not more often."
-            )
-        object.__setattr__(self, "t", tuple(times.tolist()))
-        object.__setattr__(self, "value_at_t", tuple(values.tolist()))
-
-    def value(self, t: ArrayLike) -> Array:
-        """f(t), any shape; after the jump where there is one."""
-        t = np.asarray(t, dtype=float)
-        times, values = np.array(self.t), np.array(self.value_at_t)
-        right = np.searchsorted(times, t, "right")
-        left = np.maximum(right - 1, 0)
-        right = np.minimum(right, len(times) - 1)
-        width = times[right] - times[left]
-        share = np.where(width > 0, (t - times[left]) / np.where(width > 0, width, 1.0), 0.0)
-        inside = values[left] + share * (values[right] - values[left])
-        return np.where(t < times[0], 0.0, inside)
-
-
-History = Step | Ramp | Harmonic | Tabulated
-
-
-@dataclass(frozen=True)
-class _Pieces:
-    """Jumps (time, height) and kinks (time, change of slope) of a piecewise linear history."""
-
-    jumps: tuple[tuple[float, float], ...]
-    kinks: tuple[tuple[float, float], ...]
-
-
-def _pieces(history: Step | Ramp | Tabulated) -> _Pieces:
-    if isinstance(history, Step):
-        return _Pieces(((0.0, 1.0),), ())
-    if isinstance(history, Ramp):
-        slope = 1 / history.rise_time
-        return _Pieces((), ((0.0, slope), (history.rise_time, -slope)))
-    times, values = np.array(history.t), np.array(history.value_at_t)
-    width, rise = np.diff(times), np.diff(values)
-    sloped = width > 0
-    slopes = np.where(sloped, rise / np.where(sloped, width, 1.0), 0.0)
-    jumps = [(times[0], values[0]), *zip(times[:-1][~sloped], rise[~sloped], strict=True)]
-    kinks = [
-        *zip(times[:-1][sloped], slopes[sloped], strict=True),
-        *zip(times[1:][sloped], -slopes[sloped], strict=True),
-    ]
-    return _Pieces(tuple(j for j in jumps if j[1]), tuple(k for k in kinks if k[1]))
 
 
 def _superposed(pieces: tuple[tuple[float, float], ...], response: Response, t: Array) -> Array:
@@ -189,19 +52,19 @@ def _superposed(pieces: tuple[tuple[float, float], ...], response: Response, t: 
 class StuckHistory:
     """Stuck traction at positions and times [stress], and an estimate of its largest error.
 
-    The error is 0 where everything is in closed form but for tables exact to rounding.
+    The error is 0 where all is in closed form but for tables exact to rounding (no waves).
     """
 
     value: Array
     error: float
 
 
-def _harmonic(history: Harmonic, stuck: StuckTraction, u: float, per: float, order: int) -> float:
-    """int_a^u f((u - v) per) dp*/dv dv with `per` = x b, time per unit of slowness."""
-    a = stuck.factors.a
+def _wave(wave: Wave, stuck: StuckTraction, t: float, per: float, order: int) -> float:
+    """int_a^u wave(t - v per) dp*/dv dv, u = (t - start)/per; `per` = x b, time per slowness."""
+    a, u = stuck.factors.a, (t - wave.start) / per
     if u <= a:
         return 0.0
-    longest = 1 / (_PANELS_PER_PERIOD * history.frequency * per)
+    longest = 1 / (_PANELS_PER_PERIOD * wave.frequency * per)
     ends = [a, min(u, 1.0)]
     if u > 1:
         ends += [min(u, 2.0)]
@@ -214,7 +77,7 @@ def _harmonic(history: Harmonic, stuck: StuckTraction, u: float, per: float, ord
     ]
     v, weight = square_root_panels([*np.concatenate(split).tolist(), u], order)
     # weights vanish at the fronts like the square roots that slope has there
-    return float((weight * stuck.derivative(v)) @ history.value((u - v) * per))
+    return float((weight * stuck.derivative(v)) @ wave.value(t - v * per))
 
 
 def _stuck(
@@ -227,19 +90,22 @@ def _stuck(
         )
     stuck = stuck_traction(material.poisson_ratio, mode)
     per = x / material.shear_speed
-    if isinstance(history, Harmonic):
-        points = list(zip((t / per).ravel(), per.ravel(), strict=True))
-        rough, fine = (
-            np.array([_harmonic(history, stuck, u, width, order) for u, width in points])
-            for order in _ORDERS
-        )
-        error = float(np.abs(fine - rough).max(initial=0.0))
-        return StuckHistory(amplitude * fine.reshape(x.shape), abs(amplitude) * error)
-    pieces = _pieces(history)
+    pieces = history.pieces
     primitive = stuck_primitive(material.poisson_ratio, mode)
     total = _superposed(pieces.jumps, lambda lag: stuck(lag / per), t)
     total += _superposed(pieces.kinks, lambda lag: per * primitive(lag / per), t)
-    return StuckHistory(amplitude * total, 0.0)
+    error = 0.0
+    if pieces.waves:
+        points = list(zip(t.ravel(), per.ravel(), strict=True))
+        rough, fine = (
+            np.array(
+                [sum(_wave(w, stuck, *point, order) for w in pieces.waves) for point in points]
+            )
+            for order in _ORDERS
+        )
+        error = abs(amplitude) * float(np.abs(fine - rough).max(initial=0.0))
+        total += fine.reshape(x.shape)
+    return StuckHistory(amplitude * total, error)
 
 
 def stuck_pressure(
@@ -249,7 +115,7 @@ def stuck_pressure(
 
     Parameters
     ----------
-    history : Step, Ramp, Harmonic or Tabulated
+    history : History
     amplitude : P_0 [stress], compression positive.
     material : Material
     x, t : positions x > 0 [length] and times [time]; they broadcast.
@@ -274,16 +140,19 @@ def stuck_shear(
 
 def _root_response(history: History, t: Array) -> Array:
     """int f'(s) sqrt(t - s) ds [time^(1/2)]."""
-    if isinstance(history, Harmonic):
-        # by parts: int_0^sqrt(t) sin(omega (t - r^2)) dr
-        time = np.maximum(t, 0.0)
-        sine, cosine = fresnel(np.sqrt(4 * history.frequency * time))
-        angle = history.angular * time
-        mixed = np.sin(angle) * cosine - np.cos(angle) * sine
-        return np.asarray(mixed / np.sqrt(4 * history.frequency))
-    pieces = _pieces(history)
+    pieces = history.pieces
     total = _superposed(pieces.jumps, lambda lag: np.sqrt(np.maximum(lag, 0.0)), t)
     total += _superposed(pieces.kinks, lambda lag: 2 / 3 * np.maximum(lag, 0.0) ** 1.5, t)
+    for wave in pieces.waves:
+        # by parts: int_0^sqrt(lag) wave(lag - r^2) dr
+        lag = np.maximum(t - wave.start, 0.0)
+        sine, cosine = fresnel(np.sqrt(4 * wave.frequency * lag))
+        angle, scale = 2 * np.pi * wave.frequency * lag, np.sqrt(4 * wave.frequency)
+        if wave.cosine:
+            mixed = np.sqrt(lag) - (np.cos(angle) * cosine + np.sin(angle) * sine) / scale
+        else:
+            mixed = (np.sin(angle) * cosine - np.cos(angle) * sine) / scale
+        total += wave.amplitude * mixed
     return total
 
 
@@ -296,7 +165,7 @@ def intensity_history(
 
     Parameters
     ----------
-    history : Step, Ramp, Harmonic or Tabulated
+    history : History
     step : Tractions
         Amplitudes (P_0, Q_0).
     material : Material

@@ -20,6 +20,8 @@ from scipy.special import sici
 
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
 
+_CACHED = 50_000  # kernel values formed at once, so that they stay in the processor's cache
+
 
 @dataclass(frozen=True)
 class Zone:
@@ -56,6 +58,11 @@ class Rule:
         """Matrix of sinc indefinite integration: integrals from -inf to each node."""
         return _running(len(self.y)) * self.spacing
 
+    @property
+    def alternate(self) -> Array:
+        """1 / sinh((y_i - y_j) / 2) where i - j is odd, 0 elsewhere."""
+        return _alternate(len(self.y), self.spacing)
+
     def interpolate_running(self, y: Array, density: Array) -> Array:
         """Integral from -inf to y of the sinc interpolant of `density` ((n,) or (k, n))."""
         weight = 0.5 + sici((y[:, None] - self.y) * (np.pi / self.spacing))[0] / np.pi
@@ -67,6 +74,15 @@ def _running(n: int) -> Array:
     step = 0.5 + sici(np.pi * np.arange(1 - n, n))[0] / np.pi
     order = np.arange(n)
     return step[order[:, None] - order + n - 1]
+
+
+@lru_cache(maxsize=32)
+def _alternate(n: int, spacing: float) -> Array:
+    steps = np.arange(1 - n, n)
+    inverse = np.zeros(len(steps))
+    inverse[steps % 2 != 0] = 1 / np.sinh(steps[steps % 2 != 0] * (spacing / 2))
+    order = np.arange(n)
+    return inverse[order[:, None] - order + n - 1]
 
 
 @lru_cache(maxsize=64)
@@ -93,9 +109,9 @@ class Span:
         """How far, in y, a pole lies off the middle of the span."""
         if not self.has_pole(factors):
             return 0.0
-        before = -self.left.from_c.flat[0]
-        after = self.left.v.flat[0] if self.right is None else self.right.from_c.flat[0]
-        return abs(float(np.log(after / before)))
+        before = -self.left.from_c
+        after = self.left.v if self.right is None else self.right.from_c
+        return float(np.abs(np.log(after / before)).max())
 
 
 def spans_of(factors: RayleighFactors, zones: tuple[Zone, ...]) -> list[Span]:
@@ -146,8 +162,8 @@ def analytic_strip(factors: RayleighFactors, spans: list[Span]) -> float:
         return width
     for span in spans:
         if span.right is not None and span.right.from_b.flat[0] <= 0:
-            ratio = (hidden - span.left.v.flat[0]) / (span.right.v.flat[0] - hidden)
-            share = abs(float(np.angle(ratio))) / np.pi
+            ratio = (hidden - span.left.v) / (span.right.v - hidden)
+            share = float(np.abs(np.angle(ratio)).min()) / np.pi
             width = min(width, share if span.sense else 2 * share)
     return width
 
@@ -225,29 +241,44 @@ class Panels:
 
         `weights` (..., n) contain the jacobian; `targets` are t panel indices; (t, ..., n).
         """
-        right, to_left = self.right[source], self.minus(self.left[source])[targets]
-        difference = self.from_left[source][..., None, :] - to_left[..., None]
-        if right is not None:  # beside the right end distances from the left one lose digits
-            to_right = self.minus(right)[targets]
-            beside = np.abs(to_right) < 0.1 * np.abs(to_left)
-            from_right = np.broadcast_to(self.from_right[source][..., None, :], difference.shape)
-            difference[beside] = -from_right[beside] - to_right[beside][:, None]
-        difference[difference == 0] = np.inf
-        np.reciprocal(difference, out=difference)
-        return self.rule.spacing * (difference @ weights[..., None])[..., 0]
+        left, right = self.left[source], self.right[source]
+        result = np.empty((len(targets), *weights.shape))
+        # Distances from the end between source and target add up: no digits are lost.
+        before = targets < source
+        if before.any():
+            own, other = self.from_left[source], -self.minus(left)[targets[before]]
+            result[before] = _summed(weights, own, other)
+        if not before.all():
+            assert right is not None
+            own, other = self.from_right[source], self.minus(right)[targets[~before]]
+            result[~before] = -_summed(weights, own, other)
+        return self.rule.spacing * result
 
     def principal_value(self, source: int, weights: Array) -> Array:
-        """The same at the panel's own nodes, as a principal value (nodes of the other parity)."""
-        x, z = self.from_left[source], self.from_right[source]
-        half = x < z
-        difference = np.where(
-            half[..., :, None] & half[..., None, :],
-            x[..., None, :] - x[..., :, None],
-            z[..., :, None] - z[..., None, :],
-        )
-        order = np.arange(x.shape[-1])
-        difference[..., (order[:, None] - order) % 2 == 0] = np.inf
-        return 2 * self.rule.spacing * (np.reciprocal(difference) @ weights[..., None])[..., 0]
+        """The same at the panel's own nodes, as a principal value (nodes of the other parity).
+
+        For every map of `lay_panels`, w - v = sqrt(jacobian(w) jacobian(v)) 2 sinh(dy / 2).
+        """
+        root = np.sqrt(self.jacobian[source])
+        return self.rule.spacing / root * ((weights / root) @ self.rule.alternate)
+
+
+def _summed(weights: Array, own: Array, other: Array) -> Array:
+    """Sums of weights / (own + other) over the nodes of `own` (..., n), for `other` (t, ..., n)."""
+    n = own.shape[-1]
+    result = np.empty((len(other), own.size // n, n))
+    sources, rows = own.reshape(-1, 1, n), weights.reshape(-1, n, 1)
+    to = other.reshape(*result.shape, 1)
+    step = max(1, min(len(sources), _CACHED // n**2))
+    kernel = np.empty((step, n, n))
+    for start in range(0, len(sources), step):
+        part = slice(start, start + step)
+        count = len(sources[part])
+        for target in range(len(to)):
+            np.add(sources[part], to[target, part], out=kernel[:count])
+            np.reciprocal(kernel[:count], out=kernel[:count])
+            result[target, part] = (kernel[:count] @ rows[part])[..., 0]
+    return result.reshape(other.shape)
 
 
 def _aligned(point: CutPoints, batch: tuple[int, ...]) -> Array:
@@ -257,10 +288,15 @@ def _aligned(point: CutPoints, batch: tuple[int, ...]) -> Array:
     return point.parts.reshape(4, *[1] * (len(batch) + 1 - point.parts.ndim), *point.v.shape)
 
 
-def lay_panels(factors: RayleighFactors, spans: list[Span], rule: Rule) -> Panels:
-    """Panels on given spans, with the nodes of a rule on each."""
+def lay_panels(
+    factors: RayleighFactors, spans: list[Span], rule: Rule, sets: tuple[int, ...] = ()
+) -> Panels:
+    """Panels on given spans, with the nodes of a rule on each.
+
+    `sets` is (k, 1) if k sets of zones are wanted whatever the shape of the ends.
+    """
     ends = [end for span in spans for end in (span.left, span.right) if end is not None]
-    batch = max((end.v.shape for end in ends), key=len)
+    batch = max((sets, *(end.v.shape for end in ends)), key=len)
     lefts, rights = (np.empty((4, len(spans), *batch)) for _ in range(2))
     width, skew = np.ones((len(spans), *batch)), np.ones((len(spans), *batch))
     unbounded = spans[-1].right is None

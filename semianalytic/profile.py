@@ -12,12 +12,16 @@ from semianalytic.panels import Panels, Zone, fitted_rule, lay_panels, spans_of
 from semianalytic.rayleigh import Array, CutPoints, Mode
 from semianalytic.running import RunningIntegral
 from semianalytic.stuck import StuckTraction, stuck_traction
-from semianalytic.zones import Load, ZoneFields
+from semianalytic.zones import Load, ZoneFields, per_set
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Integrated fields of `ZoneFields`; slip rates are one-sided, u = t/x >= 0 of shape (n,)."""
+    """Integrated fields of `ZoneFields`; slip rates are one-sided, u = t/x >= 0 of shape (n,).
+
+    For k sets of zones at once there are the fields at the nodes, (k, n), and what the contact
+    edge shows, (k,); fields at any u are for one set.
+    """
 
     fields: ZoneFields
 
@@ -39,10 +43,10 @@ class Profile:
         return float(self.fields.factors.m_plus(0.0))
 
     @cached_property
-    def edge_intensity(self) -> float:
-        """K_II over that of a unit shear step on a stuck interface; 0 if the edge slips."""
+    def edge_intensity(self) -> Array:
+        """K_II over that of a unit shear step on a stuck interface, () or (k,); 0 if it slips."""
         if self.edge_slips:
-            return 0.0
+            return np.zeros(())
         return self.fields.stick_transform_at_edge * self._m_plus_at_zero
 
     @cached_property
@@ -72,43 +76,55 @@ class Profile:
         """The part of the traction that is unbounded at a stuck edge."""
         if self.panels.right[panel] is not None:
             return 0.0
-        return self.edge_intensity * (self._shear(v) - self._shear(self.panels.left[panel].v))
+        gained = self._shear(v) - self._shear(self.panels.left[panel].v)
+        return self.edge_intensity[..., None] * gained
 
     @cached_property
-    def _starts(self) -> tuple[Array, Array, Array]:
-        """Slip rate, slip / x and shear traction at the left end of each panel."""
+    def _starts(self) -> tuple[Array, Array]:
+        """Slip rate and shear traction at the left end of each panel, (p, ...)."""
         panels, load = self.panels, self._load
-        count = len(panels.left)
-        rate, slip, traction = np.zeros(count), np.zeros(count), np.zeros(count)
-        rate[0] = load.far_slip_rate
-        slip[0] = load.far_slip_rate * panels.left[0].v[0]
-        traction[0] = load.base_shear - load.far_slip_rate
-        for i in range(count - 1):
-            left, right = panels.left[i], panels.right[i]
-            assert right is not None
+        rate, traction = np.zeros((2, *panels.jacobian.shape[:-1]))
+        rate[0] = per_set(load.far_slip_rate)
+        traction[0] = load.base_shear - per_set(load.far_slip_rate)
+        for i in range(len(panels.left) - 1):
             if not panels.sense[i]:
-                slip[i + 1] = slip[i]
                 traction[i + 1] = traction[i] + self._traction.totals[i]
                 continue
-            end = rate[i] + self._slip_rate.totals[i]
-            _, moment = self._slip_rate(i, right)
-            slip[i + 1] = slip[i] + end * right.v[0] - rate[i] * left.v[0] - moment[0]
-            rate[i + 1] = end if panels.sense[i + 1] else 0.0
-            traction[i + 1] = panels.sense[i] * self.fields.strength(right)[0]
-        return rate, slip, traction
+            if panels.sense[i + 1]:
+                rate[i + 1] = rate[i] + self._slip_rate.totals[i]
+            right = panels.right[i]
+            assert right is not None
+            traction[i + 1] = panels.sense[i] * self.fields.strength(right)[..., 0]
+        return rate, traction
+
+    @cached_property
+    def _slip_starts(self) -> Array:
+        """Slip / x at the left end of each panel, (p,)."""
+        panels, rate = self.panels, self._starts[0]
+        slip = np.zeros(len(panels.left))
+        slip[0] = self._load.far_slip_rate * panels.left[0].v[0]
+        for i in range(len(slip) - 1):
+            slip[i + 1] = slip[i]
+            if panels.sense[i]:
+                left, right = panels.left[i], panels.right[i]
+                assert right is not None
+                end = rate[i] + self._slip_rate.totals[i]
+                _, moment = self._slip_rate.with_moment(i, right)
+                slip[i + 1] += end * right.v[0] - rate[i] * left.v[0] - moment[0]
+        return slip
 
     def slip_rate_at_nodes(self, panel: int) -> Array:
-        """V at the (n,) nodes of a panel that slips."""
-        return self._starts[0][panel] + self._slip_rate.at_nodes(panel)[0]
+        """V at the (..., n) nodes of a panel that slips."""
+        return self._starts[0][panel][..., None] + self._slip_rate.at_nodes(panel)
 
     def traction_at_nodes(self, panel: int) -> Array:
-        """tau at the (n,) nodes of a panel that sticks."""
-        bounded = self._starts[2][panel] + self._traction.at_nodes(panel)[0]
+        """tau at the (..., n) nodes of a panel that sticks."""
+        bounded = self._starts[1][panel][..., None] + self._traction.at_nodes(panel)
         return bounded + self._edge_traction(panel, self.panels.at.v[panel])
 
-    def residue(self, panel: int) -> float:
-        """Coefficient of ln |v - c| in V where a zone covers c."""
-        return float(self._slip_rate.residues[panel])
+    def residue(self, panel: int) -> Array:
+        """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
+        return np.asarray(self._slip_rate.residues[panel])
 
     @cached_property
     def edge_slip_rate(self) -> float:
@@ -131,18 +147,18 @@ class Profile:
         def inside(i: int, at: CutPoints) -> Array:
             if not self.panels.sense[i]:
                 return np.zeros(at.v.shape)
-            return self._starts[0][i] + self._slip_rate(i, at)[0]
+            return self._starts[0][i] + self._slip_rate(i, at)
 
         return self._piecewise(u, self._load.far_slip_rate, inside)
 
     def slip_over_time(self, u: Array) -> Array:
         """Slip / t at slownesses u: the mean of V over slownesses up to u."""
-        rate, slip, _ = self._starts
+        rate, slip = self._starts[0], self._slip_starts
 
         def inside(i: int, at: CutPoints) -> Array:
             if not self.panels.sense[i]:
                 return slip[i] / at.v
-            gain, moment = self._slip_rate(i, at)
+            gain, moment = self._slip_rate.with_moment(i, at)
             start = slip[i] - rate[i] * self.panels.left[i].v
             return rate[i] + gain + (start - moment) / at.v
 
@@ -162,7 +178,7 @@ class Profile:
             if sense:
                 pressure = load.base_pressure + self.pressure_change(at.v)
                 return sense * load.friction * pressure - load.base_shear
-            bounded = self._starts[2][i] + self._traction(i, at)[0] - load.base_shear
+            bounded = self._starts[1][i] + self._traction(i, at) - load.base_shear
             return bounded + self._edge_traction(i, at.v)
 
         return self._piecewise(u, -load.far_slip_rate, inside)
@@ -243,6 +259,6 @@ class Profile:
                 for i in np.unique(panel[panel >= 0]):
                     here = panel == i
                     value[here] += integral.totals[:i].sum()
-                    value[here] += integral(int(i), factors.cut(v[here]))[0]
+                    value[here] += integral(int(i), factors.cut(v[here]))
             result.append(np.where(v > factors.c, value + self._slot_jumps[axis], value))
         return result[0], result[1]

@@ -21,9 +21,9 @@ class RunningIntegral:
     Attributes
     ----------
     panels : Panels
-    density : (p, n) array, g at the nodes
+    density : (p, ..., n) array, g at the nodes
     c : float, Rayleigh slowness
-    tail : float, limit of v^2 g (needed for the moment v g only)
+    tail : float, limit of v^2 g (needed for the moment v g only, of one set of zones)
     """
 
     panels: Panels
@@ -33,64 +33,84 @@ class RunningIntegral:
 
     @cached_property
     def totals(self) -> Array:
-        """(p,) integrals of g over whole panels; principal values where g has a pole."""
+        """(p, ...) integrals of g over whole panels; principal values where g has a pole."""
         return self.panels.integrals(self.density)
 
     @cached_property
     def residues(self) -> Array:
-        """(p,) residues of g at c, 0 on panels that do not cover it."""
+        """(p, ...) residues of g at c, 0 on panels that do not cover it."""
         panels, rule = self.panels, self.panels.rule
-        result = np.zeros(len(panels.left))
+        result = np.zeros(self.density.shape[:-1])
         for i, (left, right) in enumerate(zip(panels.left, panels.right, strict=True)):
             slips = panels.sense[i] != 0
-            if slips and left.from_c[0] < 0 and (right is None or right.from_c[0] > 0):
-                share = 1.0 if right is None else float(right.from_c[0] / right.minus(left)[0])
+            if slips and left.from_c.flat[0] < 0 and (right is None or right.from_c.flat[0] > 0):
+                share = 1.0 if right is None else (right.from_c / right.minus(left))[..., 0]
                 decaying = 1.0 if right is not None else np.square(self.c / panels.at.v[i])
                 numerator = self.density[i] * panels.at.from_c[i] * panels.jacobian[i] * decaying
                 kernel = np.sinc((rule.spacing / 2 - rule.y) / rule.spacing)
-                result[i] = kernel @ numerator / (-left.from_c[0] * share)
+                result[i] = numerator @ kernel / (-left.from_c[..., 0] * share)
         return result
 
     @cached_property
     def _regular(self) -> Array:
-        """(p, 2, n): g and v g without pole and tail, times dv/dy."""
+        """(p, ..., n): g without pole, times dv/dy."""
         panels = self.panels
         rest = self.density.copy()
-        for i in np.flatnonzero(self.residues):
+        for i in self._with_pole:
             shape = 1.0 if panels.right[i] is not None else np.square(self.c / panels.at.v[i])
-            rest[i] -= self.residues[i] * shape / panels.at.from_c[i]
-        moment = panels.at.v * rest
-        if panels.right[-1] is None:
-            moment[-1] -= self.tail * panels.from_left[-1] / np.square(panels.at.v[-1])
-        return np.stack([rest, moment], axis=1) * panels.jacobian[:, None, :]
+            rest[i] -= self.residues[i][..., None] * shape / panels.at.from_c[i]
+        return rest * panels.jacobian
 
-    def __call__(self, panel: int, at: CutPoints) -> tuple[Array, Array]:
-        """Integrals of g and v g from the panel's left end to points inside it."""
+    @cached_property
+    def _with_pole(self) -> list[int]:
+        return [i for i, residue in enumerate(self.residues) if np.any(residue)]
+
+    def _regular_moment(self, panel: int) -> Array:
+        """(n,): v g without pole and tail, times dv/dy."""
+        panels = self.panels
+        v, moment = panels.at.v[panel], panels.at.v[panel] * self._regular[panel]
+        if panels.right[panel] is None:
+            density = self.tail * panels.from_left[panel] / np.square(v)
+            moment = moment - density * panels.jacobian[panel]
+        return moment
+
+    def __call__(self, panel: int, at: CutPoints) -> Array:
+        """Integral of g from the panel's left end to points inside it (one set of zones)."""
         y = self.panels.coordinate(panel, at)
         regular = self.panels.rule.interpolate_running(y, self._regular[panel])
-        return self._complete(panel, at, regular.T)
+        return regular + self._of_pole(panel, at)
 
-    def at_nodes(self, panel: int) -> tuple[Array, Array]:
-        """The same at the panel's nodes."""
+    def at_nodes(self, panel: int) -> Array:
+        """The same at the panel's nodes, (..., n)."""
         regular = self._regular[panel] @ self.panels.rule.running.T
-        return self._complete(panel, self.panels.at[panel], regular)
+        return regular + self._of_pole(panel, self.panels.at[panel])
 
-    def _complete(self, panel: int, at: CutPoints, regular: Array) -> tuple[Array, Array]:
-        """Add the closed forms of pole and tail."""
-        plain, moment = regular
-        c, left = self.c, self.panels.left[panel]
+    def with_moment(self, panel: int, at: CutPoints) -> tuple[Array, Array]:
+        """Integrals of g and of v g from the panel's left end to points inside it."""
+        y = self.panels.coordinate(panel, at)
+        both = np.stack([self._regular[panel], self._regular_moment(panel)])
+        plain, moment = self.panels.rule.interpolate_running(y, both).T
+        left, residue = self.panels.left[panel], self.residues[panel]
         bounded = self.panels.right[panel] is not None
-        residue = self.residues[panel]
         if residue:
-            # At c itself V is infinite; x/t cannot tell it from its neighbours in rounding.
-            log = np.log(np.maximum(np.abs(at.from_c / left.from_c), 1e-16))
+            log = self._log(panel, at)
             if bounded:
-                plain = plain + residue * log
-                moment = moment + residue * (at.minus(left) + c * log)
+                moment = moment + residue * (at.minus(left) + self.c * log)
             else:
-                ratio = np.log(at.v / left.v)
-                plain = plain + residue * (log - ratio + c / at.v - c / left.v)
-                moment = moment + residue * c * (log - ratio)
+                moment = moment + residue * self.c * (log - np.log(at.v / left.v))
         if not bounded and self.tail:
             moment = moment + self.tail * (np.log(at.v / left.v) + left.v / at.v - 1)
-        return plain, moment
+        return plain + self._of_pole(panel, at), moment
+
+    def _log(self, panel: int, at: CutPoints) -> Array:
+        # At c itself V is infinite; x/t cannot tell it from its neighbours in rounding.
+        return np.log(np.maximum(np.abs(at.from_c / self.panels.left[panel].from_c), 1e-16))
+
+    def _of_pole(self, panel: int, at: CutPoints) -> Array | float:
+        """Closed form of the pole's part of the integral of g."""
+        if panel not in self._with_pole:
+            return 0.0
+        log, left = self._log(panel, at), self.panels.left[panel]
+        if self.panels.right[panel] is None:
+            log = log - np.log(at.v / left.v) + self.c / at.v - self.c / left.v
+        return self.residues[panel][..., None] * log

@@ -9,12 +9,29 @@ set of units will do.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
+from typing import Any
 
 from scipy.optimize import brentq
 
 from semianalytic.errors import SceneError
+from semianalytic.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
+from semianalytic.loads import Harmonic, History, Pulse, Ramp, Step, Tabulated
+
+HISTORY_KINDS: Mapping[str, type] = {
+    "step": Step,
+    "ramp": Ramp,
+    "pulse": Pulse,
+    "harmonic": Harmonic,
+    "tabulated": Tabulated,
+}
+FRICTION_LAWS: Mapping[str, type] = {
+    "coulomb": CoulombFriction,
+    "rate-weakening": RateWeakening,
+    "slip-weakening": SlipWeakening,
+}
 
 
 def _finite(owner: str, **values: float) -> None:
@@ -109,7 +126,7 @@ class Tractions:
 
 @dataclass(frozen=True)
 class Scene:
-    """Two identical half-planes, Coulomb friction, base tractions and a step load.
+    """Two identical half-planes, Coulomb friction, base tractions and a load.
 
     Parameters
     ----------
@@ -120,20 +137,29 @@ class Scene:
     base : Tractions
         Uniform tractions (P_b, Q_b) on the whole line y = 0.
     step : Tractions
-        Step (P_0, Q_0): at t = 0 the slot faces x < 0 receive the traction change
-        (-P_0, -Q_0).  With base == step this is a sudden uniform remote load.
+        Load (P_0, Q_0): from t = 0 the slot faces x < 0 receive the traction change
+        (-P_0 f(t), -Q_0 f(t)).  With base == step and f a step this is a sudden uniform remote
+        load.
+    pressure_history, shear_history : History
+        How P_0 and Q_0 rise and fall, f(t); steps unless given.
+    friction_law : FrictionLaw
+        What multiplies friction during slip; nothing unless given.
 
     Raises
     ------
     SceneError
-        If friction is negative or not finite, if the base presses the interface apart, or if
-        neither the base nor the state before a remote shock (base - step) can be at rest.
+        If friction is negative or not finite, if the base presses the interface apart, if
+        neither the base nor the state before a remote shock (base - step) can be at rest, or if
+        friction falls with slip rate faster than radiation can balance under the base pressure.
     """
 
     material: Material
     friction: float
     base: Tractions
     step: Tractions
+    pressure_history: History = field(default_factory=Step)
+    shear_history: History = field(default_factory=Step)
+    friction_law: FrictionLaw = field(default_factory=CoulombFriction)
 
     def __post_init__(self) -> None:
         _finite("scene", friction=self.friction)
@@ -147,16 +173,42 @@ class Scene:
         before = Tractions(
             self.base.pressure - self.step.pressure, self.base.shear - self.step.shear
         )
-        if not (self._at_rest(self.base) or self._at_rest(before)):
+        shock = self.is_step and self._at_rest(before)
+        if not (self._at_rest(self.base) or shock):
             raise SceneError(
                 "scene: the interface would already slide before the load arrives; lower the base "
                 "shear below friction times base pressure, or make base and step equal "
                 "(a sudden remote load)."
             )
+        self.check_weakening(self.base.pressure)
+
+    def check_weakening(self, pressure: float) -> None:
+        """Raise SceneError if rate weakening is ill posed under a pressure [stress]."""
+        law, radiated = self.friction_law, self.material.shear_impedance / 2
+        if not isinstance(law, RateWeakening):
+            return
+        slope = self.friction * pressure * law.reduction / law.rate
+        if slope >= radiated:
+            raise SceneError(
+                "scene: friction falls with slip rate faster than radiation can balance "
+                f"(by {slope:.4g} per slip rate under pressure {pressure:.4g}, the impedance is "
+                f"{radiated:.4g}); raise the rate or lower the reduction of the friction law."
+            )
 
     def _at_rest(self, tractions: Tractions) -> bool:
         strength = self.friction * tractions.pressure
         return tractions.pressure >= 0 and abs(tractions.shear) <= strength * (1 + 1e-12)
+
+    @property
+    def is_step(self) -> bool:
+        """Whether every load that is not zero is a step."""
+        loads = (self.step.pressure, self.pressure_history), (self.step.shear, self.shear_history)
+        return all(amplitude == 0 or history == Step() for amplitude, history in loads)
+
+    @property
+    def is_self_similar(self) -> bool:
+        """Whether all fields depend on x/t alone: step loads and constant friction."""
+        return self.is_step and self.friction_law == CoulombFriction()
 
     @property
     def far_slip_rate(self) -> float:
@@ -166,3 +218,73 @@ class Scene:
         """
         excess = abs(self.base.shear) - self.friction * self.base.pressure
         return 2 * math.copysign(max(excess, 0.0), self.base.shear) / self.material.shear_impedance
+
+
+def scene_document(scene: Scene) -> dict[str, Any]:
+    """A scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
+
+    Histories and friction law are named by `kind` and left out where they are the default.
+    """
+    document: dict[str, Any] = {
+        "friction": scene.friction,
+        "material": asdict(scene.material),
+        "base": asdict(scene.base),
+        "step": asdict(scene.step),
+    }
+    parts = (
+        ("pressure_history", HISTORY_KINDS, Step()),
+        ("shear_history", HISTORY_KINDS, Step()),
+        ("friction_law", FRICTION_LAWS, CoulombFriction()),
+    )
+    for name, kinds, default in parts:
+        part = getattr(scene, name)
+        if part != default:
+            kind = next(key for key, value in kinds.items() if value is type(part))
+            document[name] = {"kind": kind, **asdict(part)}
+    return document
+
+
+def scene_from_document(document: Mapping[str, Any]) -> Scene:
+    """The scene that `scene_document` or a TOML file describes.
+
+    Raises
+    ------
+    SceneError
+        If a kind or parameter of a history or friction law is unknown or missing, or a value is
+        out of range.
+    """
+    parts = {
+        name: _named(name, kinds, document[name])
+        for name, kinds in (
+            ("pressure_history", HISTORY_KINDS),
+            ("shear_history", HISTORY_KINDS),
+            ("friction_law", FRICTION_LAWS),
+        )
+        if name in document
+    }
+    return Scene(
+        material=Material(**document["material"]),
+        friction=document["friction"],
+        base=Tractions(**document["base"]),
+        step=Tractions(**document["step"]),
+        **parts,
+    )
+
+
+def _named(name: str, kinds: Mapping[str, type], table: Any) -> Any:
+    """The history or friction law that a table with a kind and parameters describes."""
+    kind = table.get("kind") if isinstance(table, Mapping) else None
+    if not isinstance(kind, str) or kind not in kinds:
+        raise SceneError(f"{name}: kind must be one of {', '.join(kinds)}, got {kind!r}.")
+    description = kinds[kind]
+    given = {key: value for key, value in table.items() if key != "kind"}
+    known = [part.name for part in fields(description)]
+    unknown = [key for key in given if key not in known]
+    if unknown:
+        raise SceneError(
+            f"{name}: a {kind} has no {unknown[0]!r}; it takes {', '.join(known) or 'nothing'}."
+        )
+    try:
+        return description(**given)
+    except TypeError as error:
+        raise SceneError(f"{name}: a {kind} needs {', '.join(known)}.") from error

@@ -40,19 +40,27 @@ from semianalytic.stuck import stuck_traction
 
 @dataclass(frozen=True)
 class Load:
-    """Friction and tractions in one unit of stress, slip rate far ahead in that unit / (mu b)."""
+    """Friction and tractions in one unit of stress, slip rate far ahead in that unit / (mu b).
 
-    friction: float
+    For k sets of zones that differ in friction, friction and far_slip_rate are (k, 1) arrays.
+    """
+
+    friction: float | Array
     base_pressure: float
     base_shear: float
     step_pressure: float
     step_shear: float
-    far_slip_rate: float
+    far_slip_rate: float | Array
 
     @property
     def critical(self) -> bool:
-        """Whether the base shear traction reaches friction ahead of all waves."""
-        return abs(self.base_shear) >= self.friction * self.base_pressure * (1 - 1e-12)
+        """Whether the base shear traction reaches friction ahead of all waves (one set)."""
+        return bool(abs(self.base_shear) >= self.friction * self.base_pressure * (1 - 1e-12))
+
+
+def per_set(value: float | Array) -> float | Array:
+    """A number, or a (k, 1) array as (k,)."""
+    return np.asarray(value)[..., 0] if np.ndim(value) else value
 
 
 @dataclass(frozen=True)
@@ -128,7 +136,7 @@ class ZoneFields:
         if not self.tail and len(spans) > 1:
             spans.pop()
         rule = fitted_rule(self.factors, spans, self.rule, further)
-        return lay_panels(self.factors, spans, rule)
+        return lay_panels(self.factors, spans, rule, np.shape(self.load.friction))
 
     def _slips_at(self, front: CutPoints) -> bool:
         return any(lies_between(zone.left, front, zone.right) for zone in self.zones)
@@ -347,15 +355,18 @@ class ZoneFields:
         return (value * cauchy + ratio).reshape(np.shape(k))
 
     @cached_property
-    def stick_transform_at_edge(self) -> float:
-        """Limit of T / M_+ at the contact edge when it sticks: K_II / (M_+(0) K_II of Q_0 = 1)."""
+    def stick_transform_at_edge(self) -> Array:
+        """Limit of T / M_+ at the contact edge when it sticks: K_II / (M_+(0) K_II of Q_0 = 1).
+
+        () or (k,).
+        """
         load = self.load
         amount = self._reference_sense * load.friction * load.step_pressure
-        return float(self.constant[0]) + amount / self._mode_one_at_zero
+        return np.asarray((self.constant + amount / self._mode_one_at_zero)[..., 0])
 
     @cached_property
     def stick_transform_excess(self) -> Array:
-        """(n,): T / M_+ less its limit at a stuck contact edge, on the last panel, without loss."""
+        """(..., n): T / M_+ less its limit at a stuck contact edge, on the last panel, without loss."""
         panels, load, factors = self.panels, self.load, self.factors
         last = len(panels.sense) - 1
         at = panels.at[last]
@@ -416,8 +427,9 @@ class ZoneFields:
         if load.step_pressure == 0:
             return slope
         following = [self.zones[min(k, len(self.zones) - 1)].sense for k in panels.zone]
-        factor = np.where(panels.sense == 0, following, 0) * load.friction
-        return slope - factor.reshape(-1, *[1] * (slope.ndim - 1)) * self._pressure_slope
+        sense = np.where(panels.sense == 0, following, 0)
+        factor = sense.reshape(-1, *[1] * (slope.ndim - 1)) * load.friction
+        return slope - factor * self._pressure_slope
 
     def mismatch(self) -> Array:
         """What the edges leave unfulfilled: one row per edge, (e,) or (e, k).
@@ -429,8 +441,9 @@ class ZoneFields:
         excess = panels.integrals(self._excess_slope)
         slip_rate = panels.integrals(self.slip_rate_slope)
         rows: list[Array] = []
-        traction: Array | float = load.base_shear - load.far_slip_rate
-        strength: Array | float = load.friction * load.base_pressure
+        far_slip_rate = per_set(load.far_slip_rate)
+        traction: Array | float = load.base_shear - far_slip_rate
+        strength: Array | float = per_set(load.friction) * load.base_pressure
         healed: CutPoints | None = None
         for index, zone in enumerate(self.zones):
             if zone.left is not None:
@@ -440,7 +453,7 @@ class ZoneFields:
                     opening = opening / np.minimum(1.0, zone.left.minus(healed)[..., 0])
                 rows.append(np.asarray(opening))
             if zone.right is not None:
-                start = load.far_slip_rate if zone.left is None else 0.0
+                start = far_slip_rate if zone.left is None else 0.0
                 inside = (panels.sense != 0) & (panels.zone == index)
                 rows.append(start + slip_rate[inside].sum(axis=0))
                 healed, strength = zone.right, self.strength(zone.right)[..., 0]

@@ -12,20 +12,24 @@ from scipy.integrate import quad
 from semianalytic import Material, Tractions
 from semianalytic.errors import SceneError
 from semianalytic.histories import (
-    Harmonic,
-    Ramp,
-    Step,
-    Tabulated,
     intensity_history,
     near_field,
     stuck_pressure,
     stuck_shear,
 )
+from semianalytic.loads import PULSE_SHAPES, Harmonic, Pulse, Ramp, Step, Tabulated
 from semianalytic.primitives import stuck_primitive
 from semianalytic.rayleigh import rayleigh_factors
 from semianalytic.stuck import stress_intensity, stuck_traction
 
 SOLID = Material(1.0, 1.0, 1 / 3)
+HISTORIES = [
+    Step(),
+    Ramp(0.4),
+    Harmonic(2.0),
+    Tabulated((0.2, 0.2, 0.5, 0.7, 0.7), (0.3, 0.6, -0.2, 0.1, 0.4)),
+    *(Pulse(0.7, shape) for shape in PULSE_SHAPES),
+]
 STUCK = {"I": stuck_pressure, "II": stuck_shear}
 
 
@@ -85,8 +89,12 @@ def test_transform_of_the_step(mode):
 @pytest.mark.parametrize("mode", ["I", "II"])
 @pytest.mark.parametrize(
     "history",
-    [Ramp(0.8), Harmonic(1.5), Tabulated((0.1, 0.5, 0.5, 1.0), (0.3, 1.0, -0.5, 0.2))],
-    ids=["ramp", "harmonic", "tabulated"],
+    [
+        Ramp(0.8),
+        Harmonic(1.5),
+        Tabulated((0.1, 0.5, 0.5, 1.0), (0.3, 1.0, -0.5, 0.2)),
+        *(Pulse(0.5, shape) for shape in PULSE_SHAPES),
+    ],
 )
 def test_duhamel_integral(history, mode):
     """(3.20) by adaptive quadrature over f(t - s) dp*/ds, for each wave arrival apart."""
@@ -133,22 +141,33 @@ def test_step_and_short_ramp():
 def test_values():
     table = Tabulated((0.5, 1.0, 1.0, 2.0), (1.0, 3.0, 0.0, -1.0))
     np.testing.assert_allclose(
-        table.value([0.4, 0.5, 0.75, 1.0, 1.5, 9.0]), [0.0, 1.0, 2.0, 0.0, -0.5, -1.0]
+        table.value([0.4, 0.5, 0.75, 1.0, 1.5, 9.0]), [0.0, 0.0, 2.0, 3.0, -0.5, -1.0]
     )
     assert Tabulated([0.0], [2.0]).value(1.0) == 2.0
     np.testing.assert_allclose(Ramp(2.0).value([-1, 1, 3]), [0, 0.5, 1])
     np.testing.assert_allclose(Harmonic(0.25).value([-1, 1.0]), [0, 1])
     np.testing.assert_allclose(Step().value([-1, 1.0]), [0, 1])
+    assert Ramp(0.0).pieces == Step().pieces
+    for shape in PULSE_SHAPES:
+        pulse = Pulse(2.0, shape)
+        np.testing.assert_allclose(pulse.value([-1, 1.0, 2.5]), [0, 1, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize("history", HISTORIES)
+def test_means(history):
+    """Means over intervals, against quadrature between the breaks."""
+    for start, end in ((-0.3, 0.2), (0.2, 0.9), (0.0, 3.0)):
+        inside = [b for b in history.pieces.breaks if start < b < end]
+        expected = quad(history.value, start, end, points=inside or None, epsabs=1e-12)[0]
+        assert history.mean(start, end) == pytest.approx(expected / (end - start), abs=1e-9)
 
 
 def test_stress_intensity_of_histories():
     """K of a history is int f'(s) K_step(t - s) ds."""
     loads, t = Tractions(1.3, -0.4), 1.1
     unit = stress_intensity(SOLID, loads, 1.0)
-    history = Harmonic(0.7)
-    response = quad(
-        lambda r: 2 * r**2 * history.angular * np.cos(history.angular * (t - r * r)), 0, np.sqrt(t)
-    )[0]
+    history, angular = Harmonic(0.7), 2 * np.pi * 0.7
+    response = quad(lambda r: 2 * r**2 * angular * np.cos(angular * (t - r * r)), 0, np.sqrt(t))[0]
     np.testing.assert_allclose(
         intensity_history(history, loads, SOLID, t), np.array(unit) * response, rtol=1e-10
     )
@@ -178,8 +197,10 @@ def test_near_field(history):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Ramp(0.0), "rise_time must be a positive"),
-        (lambda: Ramp(True), "positive number"),
+        (lambda: Ramp(-0.1), "rise_time must be a number, 0 or more"),
+        (lambda: Ramp(True), "a number, 0 or more"),
+        (lambda: Pulse(0.0), "duration must be a positive"),
+        (lambda: Pulse(1.0, "round"), "shape must be one of"),
         (lambda: Harmonic(float("inf")), "frequency must be a positive"),
         (lambda: Tabulated((0.0, 1.0), (1.0,)), "as many values"),
         (lambda: Tabulated((), ()), "at least one"),

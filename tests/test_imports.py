@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-DESCRIPTION = {"semianalytic.errors", "semianalytic.history", "semianalytic.scene"}
+DESCRIPTION = {
+    f"semianalytic.{name}" for name in ("errors", "friction", "history", "loads", "scene")
+}
 
 
 def imported_modules(path):

@@ -9,7 +9,7 @@ import pytest
 from compare.article_cases import check_slot
 from semianalytic import Material
 from semianalytic.errors import SceneError
-from semianalytic.histories import Tabulated, stuck_pressure, stuck_shear
+from semianalytic.histories import stuck_pressure, stuck_shear
 from semianalytic.kernels import (
     SlipHistory,
     impedance_terms,
@@ -19,6 +19,7 @@ from semianalytic.kernels import (
     regularised_kernel,
     self_similar_transform,
 )
+from semianalytic.loads import Tabulated
 from semianalytic.rayleigh import rayleigh_factors
 from semianalytic.scene import Scene, Tractions
 from semianalytic.solver import solve

@@ -1,0 +1,258 @@
+"""How loads rise and fall: the dimensionless histories f(t) that multiply a scene's loads.
+
+A history is 0 up to t = 0.  This is description only; what a history does to the interface is
+worked out by the solvers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.errors import SceneError
+
+Array = NDArray[np.float64]
+
+PULSE_SHAPES = ("rectangle", "triangle", "half-sine", "haversine")
+
+
+class Wave(NamedTuple):
+    """amplitude * sin(2 pi frequency lag), or (1 - cos) if `cosine`, from lag = t - start = 0."""
+
+    start: float
+    amplitude: float
+    frequency: float
+    cosine: bool
+
+    def value(self, t: ArrayLike) -> Array:
+        """At times t [time], any shape."""
+        angle = 2 * np.pi * self.frequency * np.maximum(np.asarray(t, dtype=float) - self.start, 0)
+        return self.amplitude * (1 - np.cos(angle) if self.cosine else np.sin(angle))
+
+    def integral(self, t: ArrayLike) -> Array:
+        """int_0^t [time], any shape."""
+        lag = np.maximum(np.asarray(t, dtype=float) - self.start, 0)
+        angular = 2 * np.pi * self.frequency
+        angle = angular * lag
+        if self.cosine:
+            return self.amplitude * (lag - np.sin(angle) / angular)
+        return self.amplitude * 2 * np.sin(angle / 2) ** 2 / angular
+
+
+class Pieces(NamedTuple):
+    """A history as a sum: jumps (time, height), kinks (time, change of slope), and waves."""
+
+    jumps: tuple[tuple[float, float], ...] = ()
+    kinks: tuple[tuple[float, float], ...] = ()
+    waves: tuple[Wave, ...] = ()
+
+    def value(self, t: ArrayLike) -> Array:
+        """f(t), any shape; at a jump the value before it."""
+        t = np.asarray(t, dtype=float)
+        total = np.zeros(t.shape)
+        for start, height in self.jumps:
+            total += height * (t > start)
+        for start, slope in self.kinks:
+            total += slope * np.maximum(t - start, 0.0)
+        for wave in self.waves:
+            total += wave.value(t)
+        return total
+
+    def integral(self, t: ArrayLike) -> Array:
+        """int_0^t f [time], any shape."""
+        t = np.asarray(t, dtype=float)
+        total = np.zeros(t.shape)
+        for start, height in self.jumps:
+            total += height * np.maximum(t - start, 0.0)
+        for start, slope in self.kinks:
+            total += slope / 2 * np.maximum(t - start, 0.0) ** 2
+        for wave in self.waves:
+            total += wave.integral(t)
+        return total
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times at which f or one of its derivatives jumps, in order [time]."""
+        starts = [piece[0] for piece in (*self.jumps, *self.kinks, *self.waves)]
+        return tuple(sorted(set(starts)))
+
+
+def _check(owner: str, name: str, value: float, *, zero: bool = False) -> None:
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not (number and math.isfinite(value) and (value > 0 or (zero and value == 0))):
+        wanted = "a number, 0 or more" if zero else "a positive number"
+        raise SceneError(f"{owner}: {name} must be {wanted}, got {value!r}.")
+
+
+class _Summed:
+    """What all histories share: f is the sum of its pieces."""
+
+    @property
+    def pieces(self) -> Pieces:
+        raise NotImplementedError
+
+    def value(self, t: ArrayLike) -> Array:
+        """f(t) at times t [time], any shape; at a jump the value before it."""
+        return self.pieces.value(t)
+
+    def mean(self, start: ArrayLike, end: ArrayLike) -> Array:
+        """Mean of f over the intervals start < t < end, any shape."""
+        start, end = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+        return (self.pieces.integral(end) - self.pieces.integral(start)) / (end - start)
+
+
+@dataclass(frozen=True)
+class Step(_Summed):
+    """Shock load: f = H(t)."""
+
+    @property
+    def pieces(self) -> Pieces:
+        """One jump."""
+        return Pieces(jumps=((0.0, 1.0),))
+
+
+@dataclass(frozen=True)
+class Ramp(_Summed):
+    """Load rising linearly from 0 to 1 over `rise_time` [time], then constant; a step if it is 0.
+
+    Raises
+    ------
+    SceneError
+        If the rise time is negative or not a finite number.
+    """
+
+    rise_time: float
+
+    def __post_init__(self) -> None:
+        _check("ramp", "rise_time", self.rise_time, zero=True)
+
+    @property
+    def pieces(self) -> Pieces:
+        """Two kinks."""
+        if self.rise_time == 0:
+            return Pieces(jumps=((0.0, 1.0),))
+        slope = 1 / self.rise_time
+        return Pieces(kinks=((0.0, slope), (self.rise_time, -slope)))
+
+
+@dataclass(frozen=True)
+class Pulse(_Summed):
+    """Load that comes and goes within `duration` [time], with largest value 1.
+
+    Parameters
+    ----------
+    duration : float
+    shape : "rectangle", "triangle" (up and down evenly), "half-sine" or "haversine"
+        (1 - cos)/2, which starts and ends without a kink.
+
+    Raises
+    ------
+    SceneError
+        If the duration is not positive or the shape is unknown.
+    """
+
+    duration: float
+    shape: str = "rectangle"
+
+    def __post_init__(self) -> None:
+        _check("pulse", "duration", self.duration)
+        if self.shape not in PULSE_SHAPES:
+            raise SceneError(
+                f"pulse: shape must be one of {', '.join(PULSE_SHAPES)}, got {self.shape!r}."
+            )
+
+    @property
+    def pieces(self) -> Pieces:
+        """Jumps, kinks or waves, by shape."""
+        end = float(self.duration)
+        if self.shape == "rectangle":
+            return Pieces(jumps=((0.0, 1.0), (end, -1.0)))
+        if self.shape == "triangle":
+            slope = 2 / end
+            return Pieces(kinks=((0.0, slope), (end / 2, -2 * slope), (end, slope)))
+        if self.shape == "half-sine":
+            per = 0.5 / end
+            return Pieces(waves=(Wave(0.0, 1.0, per, False), Wave(end, 1.0, per, False)))
+        return Pieces(waves=(Wave(0.0, 0.5, 1 / end, True), Wave(end, -0.5, 1 / end, True)))
+
+
+@dataclass(frozen=True)
+class Harmonic(_Summed):
+    """f = sin(2 pi frequency t) for t > 0, `frequency` in cycles per time.
+
+    Raises
+    ------
+    SceneError
+        If the frequency is not positive.
+    """
+
+    frequency: float
+
+    def __post_init__(self) -> None:
+        _check("harmonic", "frequency", self.frequency)
+
+    @property
+    def pieces(self) -> Pieces:
+        """One wave."""
+        return Pieces(waves=(Wave(0.0, 1.0, float(self.frequency), False),))
+
+
+@dataclass(frozen=True)
+class Tabulated(_Summed):
+    """Load interpolated linearly between samples, 0 before the first and constant after the last.
+
+    Parameters
+    ----------
+    t : increasing times >= 0 [time]; one time given twice is a jump.
+    value_at_t : values there; a first value other than 0 is a jump at t[0].
+
+    Raises
+    ------
+    SceneError
+        If the samples are not finite, not of one length, or not in order.
+    """
+
+    t: tuple[float, ...]
+    value_at_t: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        try:
+            times, values = (np.asarray(part, dtype=float) for part in (self.t, self.value_at_t))
+        except (TypeError, ValueError) as error:
+            raise SceneError("tabulated: times and values must be lists of numbers.") from error
+        if times.ndim != 1 or times.shape != values.shape or not len(times):
+            raise SceneError("tabulated: give as many values as times, and at least one.")
+        if not (np.all(np.isfinite(times)) and np.all(np.isfinite(values))):
+            raise SceneError("tabulated: times and values must be finite.")
+        if times[0] < 0 or np.any(np.diff(times) < 0):
+            raise SceneError("tabulated: times must start at 0 or later and not decrease.")
+        if np.any((times[2:] == times[1:-1]) & (times[1:-1] == times[:-2])):
+            raise SceneError(
+                "tabulated: a time may be given twice, for a jump, but not more often."
+            )
+        object.__setattr__(self, "t", tuple(times.tolist()))
+        object.__setattr__(self, "value_at_t", tuple(values.tolist()))
+
+    @property
+    def pieces(self) -> Pieces:
+        """Jumps where a time is given twice, kinks elsewhere."""
+        times, values = np.array(self.t), np.array(self.value_at_t)
+        width, rise = np.diff(times), np.diff(values)
+        sloped = width > 0
+        slopes = np.where(sloped, rise / np.where(sloped, width, 1.0), 0.0)
+        jumps = [(times[0], values[0]), *zip(times[:-1][~sloped], rise[~sloped], strict=True)]
+        kinks = [
+            *zip(times[:-1][sloped], slopes[sloped], strict=True),
+            *zip(times[1:][sloped], -slopes[sloped], strict=True),
+        ]
+        return Pieces(
+            tuple((float(s), float(j)) for s, j in jumps if j),
+            tuple((float(s), float(k)) for s, k in kinks if k),
+        )
+
+
+History = Step | Ramp | Pulse | Harmonic | Tabulated
