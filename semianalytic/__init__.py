@@ -11,9 +11,12 @@ from semianalytic.errors import (
 from semianalytic.friction import CoulombFriction, RateWeakening, SlipWeakening
 from semianalytic.history import InterfaceHistory
 from semianalytic.loads import Harmonic, Pulse, Ramp, Step, Tabulated
+from semianalytic.marched import Marched
+from semianalytic.predict import slip_history
 from semianalytic.scene import Material, Scene, Tractions
 from semianalytic.solution import SlipZone, Solution, Statistics
 from semianalytic.solver import solve
+from semianalytic.spacetime import march, march_on
 
 __all__ = [
     "ComputationError",
@@ -21,6 +24,7 @@ __all__ = [
     "DataFileError",
     "Harmonic",
     "InterfaceHistory",
+    "Marched",
     "Material",
     "MissingLibraryError",
     "Pulse",
@@ -37,5 +41,8 @@ __all__ = [
     "Tabulated",
     "TensionError",
     "Tractions",
+    "march",
+    "march_on",
+    "slip_history",
     "solve",
 ]

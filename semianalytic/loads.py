@@ -132,10 +132,10 @@ class Ramp(_Summed):
 
     @property
     def pieces(self) -> Pieces:
-        """Two kinks."""
-        if self.rise_time == 0:
+        """Two kinks; a jump where the slope would be infinite."""
+        slope = 1 / self.rise_time if self.rise_time else math.inf
+        if math.isinf(slope):
             return Pieces(jumps=((0.0, 1.0),))
-        slope = 1 / self.rise_time
         return Pieces(kinks=((0.0, slope), (self.rise_time, -slope)))
 
 

@@ -210,6 +210,14 @@ class Scene:
         """Whether all fields depend on x/t alone: step loads and constant friction."""
         return self.is_step and self.friction_law == CoulombFriction()
 
+    def check_self_similar(self) -> None:
+        """Raise SceneError unless all fields depend on x/t alone."""
+        if not self.is_self_similar:
+            raise SceneError(
+                "the self-similar solver takes step loads and constant friction only; "
+                "use the space-time solver for this scene."
+            )
+
     @property
     def far_slip_rate(self) -> float:
         """Relative slip rate far ahead of all waves [length / time], 2 V(inf).

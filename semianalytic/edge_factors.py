@@ -1,0 +1,47 @@
+"""How a spectral grid sees the inverse square root at the edge of the slot.
+
+Collocated at equally spaced nodes with the band-limited symbol |theta|, a static stuck contact
+has nodal tractions that are the coefficients of P_+(z) / sqrt(1 - z), where |theta| =
+2 |sin(theta/2)| P(theta) and P = P_+(z) P_+(1/z), z = exp(i theta) (Wiener-Hopf for the grid).
+For large n they follow K / sqrt(2 pi (n + offset) h): the grid has its own edge, and its own
+first few values.  Pressure that is to be compared with shear on the grid has to be seen the same
+way.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import ifft
+from scipy.special import gammaln
+
+Array = NDArray[np.float64]
+
+_CIRCLE = 1 << 16
+_NODES = 512
+
+
+@lru_cache(maxsize=1)
+def edge_offset_and_factors() -> tuple[float, Array]:
+    """Distance from the grid's own edge to the first contact node, over the node distance, and
+    nodal values over 1/sqrt(n + offset), for n = 0 ... (m,); 1 beyond.
+    """
+    angle = 2 * np.pi * np.arange(_CIRCLE) / _CIRCLE
+    angle = np.minimum(angle, 2 * np.pi - angle)
+    ratio = np.ones(_CIRCLE)
+    ratio[1:] = angle[1:] / (2 * np.sin(angle[1:] / 2))
+    cepstrum = ifft(np.log(ratio)).real[1 : _CIRCLE // 2]
+    moments = np.cumsum(np.arange(1, _CIRCLE // 2) * cepstrum)
+    # the kink of |theta| at pi makes the sum alternate; its two last partial sums bracket it
+    offset = 0.25 - float(moments[-2:].mean())
+    smooth = np.zeros(_NODES)
+    smooth[0] = 1.0
+    for n in range(1, _NODES):
+        k = np.arange(1, n + 1)
+        smooth[n] = (k * cepstrum[:n]) @ smooth[n - 1 :: -1][:n] / n
+    n = np.arange(_NODES)
+    root = np.exp(gammaln(n + 0.5) - gammaln(n + 1))
+    values = np.convolve(root, smooth)[:_NODES] / np.exp(cepstrum.sum())
+    return offset, values * np.sqrt(n + offset)

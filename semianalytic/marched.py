@@ -1,0 +1,212 @@
+"""What a space-time march leaves: histories, sums along the interface, and where to go on from."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.errors import DataFileError, SceneError
+from semianalytic.exponentials import Memory
+from semianalytic.history import InterfaceHistory
+from semianalytic.scene import Scene, scene_document, scene_from_document
+
+Array = NDArray[np.float64]
+
+FORMAT = "slipfront march 1"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Nodes (i + 1/2) h: `slot` of them on x < 0, the others on the contact.
+
+    Attributes
+    ----------
+    spacing : float
+        h [length].
+    slot, observed, size : int
+        Nodes on the slot, on the part of the contact that was asked for, and in all.
+    """
+
+    spacing: float
+    slot: int
+    observed: int
+    size: int
+
+    @property
+    def x(self) -> Array:
+        """Observed positions on the contact (observed,) [length]."""
+        return (np.arange(self.observed) + 0.5) * self.spacing
+
+    @property
+    def wavenumbers(self) -> Array:
+        """Of the cosines, (size,) [1 / length]."""
+        return np.pi * np.arange(self.size) / (self.size * self.spacing)
+
+
+@dataclass(frozen=True)
+class MarchState:
+    """Where a march is.
+
+    Attributes
+    ----------
+    time : float
+        [time].
+    modes : (poles, size) complex array
+        Memory of the past, per pole and cosine [length / time].
+    lasting : (size,) array
+        Its static part, per cosine [length / time].
+    rate : (size,) array
+        Relative slip rate, slot included [length / time].
+    traction : (size - slot,) array
+        Shear traction of the contact [stress].
+    slip, path : (size - slot,) arrays
+        On the contact: slip and accumulated |slip| [length].
+    work : (size - slot,) array
+        On the contact: frictional work per area [stress length].
+    """
+
+    time: float
+    modes: NDArray[np.complex128]
+    lasting: Array
+    rate: Array
+    traction: Array
+    slip: Array
+    path: Array
+    work: Array
+
+    @classmethod
+    def at_rest(cls, poles: int, grid: Grid) -> MarchState:
+        """Before anything happens."""
+        lasting, contact = np.zeros(grid.size), np.zeros(grid.size - grid.slot)
+        modes = np.zeros((poles, grid.size), dtype=complex)
+        return cls(0.0, modes, lasting, lasting, contact, contact, contact, contact)
+
+
+@dataclass(frozen=True)
+class MarchStatistics:
+    """What a march cost.
+
+    Attributes
+    ----------
+    steps : int
+    nodes : int
+        Of the whole grid.
+    poles : int
+        Exponentials that carry the memory.
+    memory_error : float
+        Relative error of their transform.
+    seconds : dict
+        By stage: setup, steps.
+    """
+
+    steps: int
+    nodes: int
+    poles: int
+    memory_error: float
+    seconds: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Marched:
+    """Slip history of the interface by the space-time solver.
+
+    Attributes
+    ----------
+    scene : Scene
+    interface : InterfaceHistory
+        At the observed nodes and stored levels.
+    latest : float
+        Time to which it can go on [time].
+    step_ratio, damping, every : float, float, int
+        Options of the march, which a continuation keeps.
+    statistics : MarchStatistics
+    grid, memory, state
+        What a continuation starts from.
+    """
+
+    scene: Scene
+    interface: InterfaceHistory
+    latest: float
+    step_ratio: float
+    damping: float
+    every: int
+    statistics: MarchStatistics
+    grid: Grid
+    memory: Memory
+    state: MarchState
+
+    @property
+    def end_time(self) -> float:
+        """Time reached [time]."""
+        return self.state.time
+
+    @property
+    def path(self) -> Array:
+        """Accumulated |slip| at the end (n,) [length]."""
+        return self.state.path[: self.grid.observed]
+
+    @property
+    def friction_work(self) -> Array:
+        """Work done against friction until the end, per area (n,) [stress length]."""
+        return self.state.work[: self.grid.observed]
+
+    def save(self, path: str | Path) -> None:
+        """Write all of it as HDF5, to be loaded or continued; whole or not at all."""
+        import h5py
+
+        path = Path(path)
+        part = path.with_name(f".{path.name}.part")
+        with h5py.File(part, "w") as file:
+            file.attrs["format"] = FORMAT
+            file.attrs["scene"] = json.dumps(scene_document(self.scene))
+            for name in _OPTIONS:
+                file.attrs[name] = getattr(self, name)
+            file.attrs["statistics"] = json.dumps(asdict(self.statistics))
+            for name in _GROUPS:
+                group = file.create_group(name)
+                for field in fields(getattr(self, name)):
+                    group[field.name] = getattr(getattr(self, name), field.name)
+        os.replace(part, path)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Marched:
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        DataFileError
+            If the file is missing, damaged or not a march.
+        """
+        import h5py
+
+        try:
+            with h5py.File(path, "r") as file:
+                if file.attrs.get("format") != FORMAT:
+                    raise DataFileError(f"{path} is not a slipfront march; give a file of one.")
+                parts = {
+                    name: kind(**{field.name: file[name][field.name][()] for field in fields(kind)})
+                    for name, kind in _GROUPS.items()
+                }
+                parts["grid"] = Grid(
+                    float(parts["grid"].spacing),
+                    *(int(getattr(parts["grid"], name)) for name in ("slot", "observed", "size")),
+                )
+                return cls(
+                    scene=scene_from_document(json.loads(file.attrs["scene"])),
+                    **{name: kind(file.attrs[name]) for name, kind in _OPTIONS.items()},
+                    statistics=MarchStatistics(**json.loads(file.attrs["statistics"])),
+                    **parts,
+                )
+        except (OSError, KeyError, TypeError, ValueError, SceneError) as error:
+            raise DataFileError(
+                f"{path} cannot be read as a march ({error}); march again."
+            ) from error
+
+
+_OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}
+_GROUPS = {"interface": InterfaceHistory, "grid": Grid, "memory": Memory, "state": MarchState}
