@@ -9,14 +9,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from semianalytic import Material, Scene, Tractions
+from semianalytic import Harmonic, Material, Pulse, Ramp, Scene, Tractions
 from semianalytic.errors import SceneError
+from semianalytic.scene import scene_from_document
 
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),
     "base": ("pressure", "shear"),
     "step": ("pressure", "shear"),
 }
+OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law")
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,7 @@ class NamedScene:
 
 
 _UNIT_SOLID = Material(shear_modulus=1.0, density=1.0, poisson_ratio=1 / 3)
+_PRELOAD, _SHEAR = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
 
 DEFAULT_SCENE = "preloaded"
 
@@ -43,6 +46,34 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
     "stuck": NamedScene(
         Scene(_UNIT_SOLID, 2.0, base=Tractions(1.0, 1.0), step=Tractions(1.0, 1.0)),
         "sudden remote pressure and shear, friction high enough to hold everywhere",
+    ),
+    "auxetic": NamedScene(
+        Scene(Material(1.0, 1.0, -0.5), 0.005, base=_PRELOAD, step=_SHEAR),
+        "nu = -0.5 and little friction: reverse slip in a strip around the Rayleigh front",
+    ),
+    "ramp": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, _PRELOAD, _SHEAR, shear_history=Ramp(0.5)),
+        "constant pressure, shear rising evenly until t = 0.5, then constant",
+    ),
+    "unload": NamedScene(
+        Scene(_UNIT_SOLID, 0.15, _PRELOAD, _SHEAR, shear_history=Pulse(0.6, "triangle")),
+        "constant pressure, shear that ramps up and down again: slip reverses",
+    ),
+    "pulse": NamedScene(
+        Scene(_UNIT_SOLID, 0.15, _PRELOAD, _SHEAR, shear_history=Pulse(0.4)),
+        "constant pressure, shear on and off again suddenly",
+    ),
+    "harmonic": NamedScene(
+        Scene(_UNIT_SOLID, 0.1, _PRELOAD, _SHEAR, shear_history=Harmonic(3.0)),
+        "constant pressure, shear that oscillates: slip reverses each half cycle",
+    ),
+    "pressure-drop": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.29), step=Tractions(1.0, 0.0)),
+        "constant shear, sudden loss of pressure on the slot: slip ahead of the shear wave",
+    ),
+    "lift-off": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, step=Tractions(-1.0, 0.0)),
+        "pressure put on the slot: the contact opens at its edge (finite elements only)",
     ),
 }
 
@@ -79,7 +110,9 @@ def read_scene(path: str | Path) -> Scene:
     """Scene described by a TOML file.
 
     The file holds ``friction``, ``[material]`` with shear_modulus, density and poisson_ratio, and
-    ``[base]`` and ``[step]`` with pressure and shear, in any consistent set of units.
+    ``[base]`` and ``[step]`` with pressure and shear, in any consistent set of units; and if
+    wanted ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
+    ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).
 
     Raises
     ------
@@ -94,18 +127,13 @@ def read_scene(path: str | Path) -> Scene:
         raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
     except ValueError as error:  # TOML syntax and UTF-8 errors alike
         raise SceneError(f"{path} is not a valid TOML file: {error}.") from error
-    _check_keys(path, "", document, ("friction", *TABLES))
+    _check_keys(path, "", document, ("friction", *TABLES), OPTIONAL_TABLES)
     for table, keys in TABLES.items():
         if not isinstance(document[table], dict):
             raise SceneError(f"{path}: {table} must be a table, [{table}], not a value.")
         _check_keys(path, f"{table}.", document[table], keys)
     try:
-        return Scene(
-            material=Material(**document["material"]),
-            friction=document["friction"],
-            base=Tractions(**document["base"]),
-            step=Tractions(**document["step"]),
-        )
+        return scene_from_document(document)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
 
@@ -148,13 +176,18 @@ def _replace_given(description: Any, **values: float | None) -> Any:
 
 
 def _check_keys(
-    path: str | Path, prefix: str, table: Mapping[str, object], expected: tuple[str, ...]
+    path: str | Path,
+    prefix: str,
+    table: Mapping[str, object],
+    expected: tuple[str, ...],
+    optional: tuple[str, ...] = (),
 ) -> None:
-    """Raise unless the table holds exactly the expected keys, with numbers as plain values."""
+    """Raise unless the table holds the expected keys and no others but optional ones."""
+    known = (*expected, *optional)
     for key, value in table.items():
-        if key not in expected:
-            close = difflib.get_close_matches(key, expected, n=1, cutoff=0.5)
-            hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(expected)}."
+        if key not in known:
+            close = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+            hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
             raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
         number = isinstance(value, (int, float)) and not isinstance(value, bool)
         if not number and not isinstance(value, dict):

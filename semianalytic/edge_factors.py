@@ -35,13 +35,13 @@ def edge_offset_and_factors() -> tuple[float, Array]:
     cepstrum = ifft(np.log(ratio)).real[1 : _CIRCLE // 2]
     moments = np.cumsum(np.arange(1, _CIRCLE // 2) * cepstrum)
     # the kink of |theta| at pi makes the sum alternate; its two last partial sums bracket it
-    offset = 0.25 - float(moments[-2:].mean())
+    offset = 0.25 - float(np.mean(moments[-2:]))
     smooth = np.zeros(_NODES)
     smooth[0] = 1.0
     for n in range(1, _NODES):
         k = np.arange(1, n + 1)
         smooth[n] = (k * cepstrum[:n]) @ smooth[n - 1 :: -1][:n] / n
-    n = np.arange(_NODES)
-    root = np.exp(gammaln(n + 0.5) - gammaln(n + 1))
+    node = np.arange(_NODES)
+    root = np.exp(gammaln(node + 0.5) - gammaln(node + 1))
     values = np.convolve(root, smooth)[:_NODES] / np.exp(cepstrum.sum())
-    return offset, values * np.sqrt(n + offset)
+    return offset, values * np.sqrt(node + offset)

@@ -156,7 +156,7 @@ def _poles(s: Complex, values: Complex, tolerance: float) -> Complex:
     pencil[0, 1:], pencil[1:, 0] = np.concatenate([weights, weights.conj()]), 1
     mass = np.eye(len(pencil))
     mass[0, 0] = 0
-    poles = eigvals(pencil, mass)
+    poles: Complex = np.asarray(eigvals(pencil, mass), dtype=complex)
     poles = poles[np.isfinite(poles) & (np.abs(poles) < 100 * _FAR)]
     # poles to the right are doublets of rounding: their residues are nothing
     return poles[(poles.real < 0) & (poles.imag > -1e-8 * np.abs(poles))]

@@ -40,12 +40,12 @@ class Grid:
     @property
     def x(self) -> Array:
         """Observed positions on the contact (observed,) [length]."""
-        return (np.arange(self.observed) + 0.5) * self.spacing
+        return np.asarray((np.arange(self.observed) + 0.5) * self.spacing)
 
     @property
     def wavenumbers(self) -> Array:
         """Of the cosines, (size,) [1 / length]."""
-        return np.pi * np.arange(self.size) / (self.size * self.spacing)
+        return np.asarray(np.pi * np.arange(self.size) / (self.size * self.spacing))
 
 
 @dataclass(frozen=True)
