@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 INTERRUPTED = 130
 SNAPSHOTS = "snapshots"
 CHECKPOINT = "checkpoint.h5"
-DEFAULT_CHECKPOINT_STEPS = 100
 
 app = typer.Typer(
     help="Where, when, how fast and which way a frictional interface slips after a sudden load.",
@@ -138,9 +137,9 @@ def simulate(
 ) -> None:
     """Simulate a scene with finite elements; write the interface history and field snapshots.
 
-    With --checkpoint-every a run that is interrupted or killed can be taken up again with the same
-    options and --resume; the result is the same to the last bit.  A finished run removes its
-    checkpoint.
+    With --checkpoint-every or --checkpoint-seconds a run that is interrupted or killed can be taken
+    up again with the same options and --resume; the result is the same to the last bit.  A finished
+    run removes its checkpoint.
     """
     label = scene_label(scene)
     directory = output or Path("results", label)
@@ -205,17 +204,19 @@ def _simulate(
     no_snapshots: bool,
     quiet: bool,
     checkpoint_every: int = 0,
+    checkpoint_seconds: float | None = None,
     resume: bool = False,
 ) -> Simulation:
     """Run the finite-element model and keep its history, and snapshots if wanted, on disk."""
     from fem import simulate as run_simulation
 
     path = directory / CHECKPOINT
-    if checkpoint_every or resume:
+    if checkpoint_every or checkpoint_seconds is not None or resume:
         settings = {
             **settings,
             "checkpoint": path,
-            "checkpoint_every": checkpoint_every or DEFAULT_CHECKPOINT_STEPS,
+            "checkpoint_every": checkpoint_every or None,
+            "checkpoint_seconds": checkpoint_seconds,
             "resume": resume,
         }
 

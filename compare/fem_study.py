@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,10 @@ from rich.table import Table
 from compare.measures import norm
 from compare.scenes import NAMED_SCENES
 from semianalytic import Solution, solve
+from semianalytic.friction import RateWeakening, SlipWeakening
+from semianalytic.histories import stuck_pressure, stuck_shear
+from semianalytic.loads import Harmonic, History, Pulse, Ramp, Step
+from semianalytic.scene import Material, Scene, Tractions
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -189,6 +194,137 @@ def damping_table(scene: str, resolution: int) -> Table:
     return table
 
 
+PEAK_TRIALS: tuple[tuple[int, str, float], ...] = (
+    (100, "Q1", 0.02),
+    (100, "Q1", 0.01),
+    (100, "Q1", 0.0),
+    (100, "Q2", 0.02),
+    (100, "Q2", 0.01),
+    (100, "Q2", 0.005),
+    (141, "Q1", 0.02),
+    (141, "Q2", 0.01),
+    (200, "Q1", 0.02),
+    (200, "Q2", 0.01),
+)
+"""Resolution, element and damping of runs that might see a narrow second zone better."""
+
+
+def peak_table(scene: str) -> Table:
+    """How well several settings see the peak of the second zone, and what else they do."""
+    table = Table("h / c_t T", "element", "damping c_t / h", title=f"{scene}: the second zone")
+    for heading in (
+        "L1 at T",
+        "L1 averaged",
+        "second peak",
+        "second peak / largest V",
+        "steps [s]",
+    ):
+        table.add_column(heading, justify="right")
+    solution = solve(NAMED_SCENES[scene].scene)
+    for resolution, element, damping in PEAK_TRIALS:
+        simulation = simulated(scene, resolution, element=element, damping=damping)
+        errors = profile_errors(solution, last_profile(simulation), averaged_profile(simulation))
+        table.add_row(
+            f"1/{resolution}",
+            element,
+            f"{damping:g}",
+            f"{errors.last:.2e}",
+            f"{errors.averaged:.2e}",
+            f"{errors.second_peak:+.1%}",
+            f"{errors.second_over_largest:+.2%}",
+            f"{simulation.seconds['steps']:.2f}",
+        )
+    return table
+
+
+UNIT = Material(1.0, 1.0, 1 / 3)
+LOADS: Mapping[str, History] = {
+    "step": Step(),
+    "ramp over 0.3 T": Ramp(0.3),
+    "haversine over T/2": Pulse(0.5, "haversine"),
+    "harmonic, 2 per T": Harmonic(2.0),
+}
+VARIANTS: Mapping[str, Mapping[str, Any]] = {
+    "step": {},
+    **{f"ramp over {rise:g} T": {"shear_history": Ramp(rise)} for rise in (0.1, 0.3, 1.0)},
+    "triangle over 0.4 T": {"shear_history": Pulse(0.4, "triangle")},
+    "rate weakening, 0.4 at 1": {"friction_law": RateWeakening(0.4, 1.0)},
+    "slip weakening, 0.6 over 0.05": {"friction_law": SlipWeakening(0.6, 0.05)},
+    "slip weakening, 0.6 over 0.005": {"friction_law": SlipWeakening(0.6, 0.005)},
+}
+"""What is changed about a shear step on constant pressure, in units of c_t, T and the loads."""
+
+HELD = np.linspace(0.1003, 1.9, 91)
+"""Positions x / (c_t T) at which stuck tractions are compared."""
+
+EDGE_OFFSET = {"pressure": 0.27, "shear": 0.45}
+"""How far the effective edge of a stuck interface lies from x = 0, over h."""
+
+
+def stuck_errors(history: History, resolution: int) -> dict[str, tuple[float, float]]:
+    """Relative L1 errors of stuck pressure and shear at T under a load history, c_t = T = 1.
+
+    Returns
+    -------
+    dict
+        For "pressure" and "shear", the error at the nodes' own places and with the edge offset
+        taken into account.
+    """
+    from fem import simulate
+
+    base, load = Tractions(20.0, 0.0), Tractions(0.5, 0.8)
+    scene = Scene(UNIT, 50.0, base, load, pressure_history=history, shear_history=history)
+    simulation = simulate(scene, resolution=resolution, every=10**6)
+    seen = simulation.interface
+    errors = {}
+    for name, exact, amplitude, change in (
+        ("pressure", stuck_pressure, load.pressure, seen.pressure[-1] - base.pressure),
+        ("shear", stuck_shear, load.shear, seen.shear_traction[-1] - base.shear),
+    ):
+        simulated_change = np.interp(HELD, seen.x, change)
+        both = []
+        for offset in (0.0, EDGE_OFFSET[name] * simulation.element_size):
+            expected = exact(history, amplitude, UNIT, HELD + offset, 1.0).value
+            both.append(norm(simulated_change - expected, HELD, 1) / norm(expected, HELD, 1))
+        errors[name] = (both[0], both[1])
+    return errors
+
+
+def slip_changes(scene: Scene, resolutions: tuple[int, ...]) -> list[float]:
+    """Relative L1 change of slip at T from each mesh to the next, c_t = T = 1."""
+    from fem import simulate
+
+    profiles = []
+    for resolution in resolutions:
+        seen = simulate(scene, resolution=resolution, every=10**6).interface
+        profiles.append(np.interp(PROFILE, seen.x, seen.slip[-1]))
+    return [
+        norm(coarse - fine, PROFILE, 1) / norm(fine, PROFILE, 1)
+        for coarse, fine in pairwise(profiles)
+    ]
+
+
+def history_tables(resolutions: tuple[int, ...]) -> Iterator[Table]:
+    """Accuracy under loads that rise and fall: stuck tractions, and slip from mesh to mesh."""
+    table = Table("load", "h / c_t T", title="stuck tractions at T, L1; in brackets: edge offset")
+    for heading in ("pressure", "shear"):
+        table.add_column(heading, justify="right")
+    for name, history in LOADS.items():
+        for resolution in resolutions:
+            errors = stuck_errors(history, resolution)
+            cells = (f"{plain:.1e} ({offset:.1e})" for plain, offset in errors.values())
+            table.add_row(name, f"1/{resolution}", *cells)
+    yield table
+    table = Table("preloaded, but with", title="change of slip at T from mesh to mesh, L1")
+    for coarse, fine in pairwise(resolutions):
+        table.add_column(f"1/{coarse} to 1/{fine}", justify="right")
+    for name, parts in VARIANTS.items():
+        scene = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0), **parts)
+        changes = slip_changes(scene, resolutions)
+        table.add_row(name, *(f"{change:.1e}" for change in changes))
+    yield table
+
+
 def cost_table(scene: str, resolutions: tuple[int, ...]) -> Table:
     """A full step over one product of the active part, and what the window and the halves save.
 
@@ -307,6 +443,8 @@ STUDIES: dict[str, Callable[[], Iterator[Table]]] = {
     "accuracy": _accuracy_tables,
     "elements": lambda: iter([element_table("preloaded", (50, 100, 200))]),
     "damping": lambda: iter([damping_table("preloaded", 100), damping_table("preloaded", 200)]),
+    "peak": lambda: (peak_table(scene) for scene in ("preloaded", "remote-shock")),
+    "histories": lambda: history_tables((50, 100, 200)),
     "cost": lambda: iter([cost_table("preloaded", (200, 400))]),
 }
 

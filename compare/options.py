@@ -46,6 +46,9 @@ CHECKPOINT_OPTIONS: Mapping[str, Any] = {
     "checkpoint_every": _option(
         int, "Checkpoints", "Steps between checkpoints, written to DIR/checkpoint.h5; 0 for none."
     ),
+    "checkpoint_seconds": _option(
+        float, "Checkpoints", "Seconds between checkpoints; one is written when either is due."
+    ),
     "resume": Annotated[
         bool | None,
         typer.Option(

@@ -9,8 +9,18 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TaskProgressColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
+from rich.text import Text
 
 from compare.report import Report, edge_state
 from compare.rows import Row
@@ -119,11 +129,22 @@ def reasons_text(report: Report) -> str:
     return "\n".join(f"  · {reason}" for reason in reasons)
 
 
+class StepRateColumn(ProgressColumn):
+    """Steps per second of late, once two of them are known."""
+
+    def render(self, task: Task) -> Text:
+        """The rate, to three digits."""
+        rate = task.finished_speed or task.speed
+        return Text("" if rate is None else f"{rate:.3g} steps/s")
+
+
 @contextmanager
 def progress_bar(
     console: Console, quiet: bool, doing: str = "simulating"
 ) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar with the time left; nothing is shown when quiet or not on a terminal.
+    """A progress bar with percentage, step rate and time left.
+
+    Nothing is shown when quiet or not on a terminal.
 
     Yields
     ------
@@ -133,7 +154,9 @@ def progress_bar(
     with Progress(
         TextColumn(doing),
         BarColumn(),
+        TaskProgressColumn(),
         MofNCompleteColumn(),
+        StepRateColumn(),
         TimeRemainingColumn(),
         console=console,
         disable=quiet or not console.is_terminal,

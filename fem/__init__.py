@@ -1,4 +1,4 @@
-"""Finite-element simulation of the sudden load: scikit-fem blocks, exact Coulomb contact."""
+"""Finite-element simulation of a loaded slot: scikit-fem blocks, contact without a penalty."""
 
 from fem.results import EnergyHistory, Simulation, SlotHistory, load_simulation
 from fem.run import simulate

@@ -6,7 +6,8 @@ import hashlib
 import json
 import os
 import signal
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -16,14 +17,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.interface import InterfaceSums
 from fem.model import Model
 from fem.record import Record
-from fem.settings import Settings
+from fem.settings import Pace, Settings
 from fem.stepping import BodyState
 from semianalytic.errors import DataFileError
-from semianalytic.scene import Material, Scene
+from semianalytic.scene import Material, Scene, scene_document
 
-FORMAT = "slipfront checkpoint 1"
+FORMAT = "slipfront checkpoint 2"
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,8 @@ class Checkpoint:
         """Put model and record, as just built, into this state."""
         for number, body in enumerate(model.bodies):
             body.restore(BodyState(*(self.arrays[f"body {number}/{f}"] for f in BodyState._fields)))
-        model.interface.restore(self.arrays["interface"])
+        sums = (self.arrays[f"interface/{name}"] for name in InterfaceSums._fields)
+        model.interface.restore(InterfaceSums(*sums))
         prefix = "record/"
         record.restore(
             {
@@ -63,7 +66,9 @@ def take_checkpoint(
     step: int, model: Model, record: Record, frames: list[tuple[float, str]]
 ) -> Checkpoint:
     """State after the drift of a step; the arrays are those of the model, not copies."""
-    arrays: dict[str, NDArray[Any]] = {"interface": model.interface.sums()}
+    arrays: dict[str, NDArray[Any]] = {}
+    for name, array in model.interface.sums()._asdict().items():
+        arrays[f"interface/{name}"] = array
     for number, body in enumerate(model.bodies):
         for name, array in body.state()._asdict().items():
             arrays[f"body {number}/{name}"] = array
@@ -91,7 +96,7 @@ def run_identity(
     for array in (model.space.points, model.space.basis.element_dofs):
         mesh.update(np.ascontiguousarray(array).tobytes())
     options = {
-        "scene": asdict(scene),
+        "scene": scene_document(scene),
         "lower_material": lower and asdict(lower),
         **asdict(settings),
         "snapshots": full,
@@ -103,7 +108,7 @@ def run_identity(
     return plain
 
 
-@dataclass(frozen=True)
+@dataclass
 class Keeper:
     """Writes and reads the checkpoints of one run.
 
@@ -111,15 +116,21 @@ class Keeper:
     ----------
     path : Path or None
         The file; None for no checkpoints.
-    every : int
-        Steps between checkpoints.
+    pace : Pace
+        How often.
     identity : mapping
         From `run_identity`.
+    clock : callable
+        Wall-clock time [s]; seconds count from when the keeper is made.
     """
 
     path: Path | None
-    every: int
+    pace: Pace
     identity: Mapping[str, Any]
+    clock: Callable[[], float] = time.monotonic
+
+    def __post_init__(self) -> None:
+        self._last = self.clock()
 
     def resume(self, model: Model, record: Record) -> tuple[int, list[tuple[float, str]]]:
         """Restore the checkpoint, if there is one: first level to compute, snapshots written."""
@@ -138,9 +149,16 @@ class Keeper:
         now: bool,
     ) -> None:
         """Write a checkpoint if one is due after this step, or wanted now."""
-        due = step % self.every == 0 and 0 < step < model.steps
+        due = 0 < step < model.steps and self._is_due(step)
         if self.path is not None and (due or now):
             write_checkpoint(self.path, self.identity, take_checkpoint(step, model, record, frames))
+            self._last = self.clock()
+
+    def _is_due(self, step: int) -> bool:
+        steps, seconds = self.pace.steps, self.pace.seconds
+        if steps is not None and step % steps == 0:
+            return True
+        return seconds is not None and self.clock() - self._last >= seconds
 
 
 def write_checkpoint(path: Path, identity: Mapping[str, Any], checkpoint: Checkpoint) -> None:

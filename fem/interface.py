@@ -1,4 +1,4 @@
-"""The node pairs of the interface: unilateral contact and Coulomb friction, without a penalty.
+"""The node pairs of the interface: unilateral contact and friction, without a penalty.
 
 A traction T per length on the faces of a pair with tributary length L and node masses m, m'
 (upper +T, lower -T) changes the relative increment by c T, c = dt^2 L (1/m + 1/m').  Turned
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import Body
+from fem.strength import strength
 from semianalytic.scene import Scene
 
 
@@ -65,9 +66,13 @@ class Faces:
         """Relative increment over the step after this time level, (n,) [length]."""
         return self._jump(self.body.increment)
 
+    def past_increment(self) -> NDArray[np.float64]:
+        """Relative increment over the step before this time level, (n,) [length]."""
+        return self._jump(self.body.before)
+
     def mean_increment(self) -> NDArray[np.float64]:
         """Mean of the relative increments before and after this time level, (n,) [length]."""
-        return (self._jump(self.body.before) + self._jump(self.body.increment)) / 2
+        return (self.past_increment() + self.increment()) / 2
 
     def push(self, traction: NDArray[np.float64], part: float) -> None:
         """Let a traction act on the upper face, and its opposite on the lower one.
@@ -143,6 +148,15 @@ class InterfaceWork(NamedTuple):
     external: float
 
 
+class InterfaceSums(NamedTuple):
+    """What the interface goes on from: work (3,) as in `InterfaceWork`, and per node (n,) the
+    accumulated |slip| [length] and the work of friction per area [stress length]."""
+
+    work: NDArray[np.float64]
+    path: NDArray[np.float64]
+    friction: NDArray[np.float64]
+
+
 class Interface:
     """The contact x >= 0 during a simulation: what acts on it now, and the work done so far.
 
@@ -161,6 +175,11 @@ class Interface:
     ----------
     pressure, shear : (n,) arrays
         Total tractions of the last kick, base included [stress].
+    strength : (n,) array
+        Largest shear traction at the last kick: pressure times friction under the scene's law
+        [stress].
+    path : (n,) array
+        |slip| accumulated up to the time level of the last kick, also while open [length].
     work : InterfaceWork
         Up to the middle of the step before the last kick, as in `Body.energy`.
     """
@@ -176,26 +195,38 @@ class Interface:
         self.sliding, self.pressing = sliding, pressing
         self.pressure = np.full(len(length), float(scene.base.pressure))
         self.shear = np.full(len(length), float(scene.base.shear))
+        self.strength = scene.friction * self.pressure
+        self.path = np.zeros(len(length))
         self.work = InterfaceWork(0.0, 0.0, 0.0)
         self._friction = self._impact = self._external = 0.0
+        self._rubbed = np.zeros(len(length))
 
     def state(self) -> NDArray[np.int8]:
         """State of each pair in the step after the last kick: 0 stuck, +1 or -1 slips, 2 open."""
         state = np.zeros(len(self.length), dtype=np.int8)
         if self.sliding is not None:
-            slides = np.abs(self.shear) >= self.scene.friction * self.pressure
+            slides = np.abs(self.shear) >= self.strength
             state[slides] = np.sign(self.sliding.increment()[slides])
         if self.pressing is not None:
             state[self.pressure == 0] = 2
         return state
 
-    def sums(self) -> NDArray[np.float64]:
-        """Work done so far, as friction, closing gaps and base tractions, (3,)."""
-        return np.array([self._friction, self._impact, self._external])
+    def friction_work(self) -> NDArray[np.float64]:
+        """Work per area taken by friction up to the time level of the last kick, (n,)
+        [stress length]: half of what the last kick does on the step after it is yet to come."""
+        if self.sliding is None:
+            return self._rubbed
+        return self._rubbed - self.shear * self.sliding.increment() / 2
 
-    def restore(self, sums: NDArray[np.float64]) -> None:
-        """Go on from work done so far."""
-        self._friction, self._impact, self._external = sums.tolist()
+    def sums(self) -> InterfaceSums:
+        """All that was added up so far; the arrays per node are the interface's own."""
+        work = np.array([self._friction, self._impact, self._external])
+        return InterfaceSums(work, self.path, self._rubbed)
+
+    def restore(self, sums: InterfaceSums) -> None:
+        """Go on from the sums of another run of the same model, to the last bit."""
+        self._friction, self._impact, self._external = sums.work.tolist()
+        self.path[:], self._rubbed[:] = sums.path, sums.friction
 
     def act(self, part: float) -> None:
         """Find the tractions of this kick and let them act.
@@ -204,6 +235,11 @@ class Interface:
         ----------
         part : float
             Fraction of a step for which they act.
+
+        Raises
+        ------
+        SceneError
+            If friction falls with slip rate faster than a pair of nodes can radiate.
         """
         self.work = InterfaceWork(self._friction, self._impact, self._external)
         if self.pressing is not None:
@@ -222,10 +258,16 @@ class Interface:
         self._external -= float(work.sum()) * base
 
     def _slide(self, faces: Faces, part: float) -> None:
-        base = self.scene.base.shear
-        strength = self.scene.friction * self.pressure
-        self.shear = coulomb_traction(faces.increment(), base, strength, part * faces.compliance)
+        base, law = self.scene.base.shear, self.scene.friction_law
+        increment, compliance = faces.increment(), part * faces.compliance
+        self.path += np.abs(faces.past_increment())
+        static = self.scene.friction * self.pressure
+        stopping = base + increment / compliance
+        self.strength = strength(law, static, self.path, stopping, compliance, faces.step)
+        self.shear = coulomb_traction(increment, base, self.strength, compliance)
         faces.push(base - self.shear, part)
-        work = part * self.length * faces.mean_increment()
-        self._friction += float(work @ self.shear)
-        self._external += float(work.sum()) * base
+        slip = part * faces.mean_increment()
+        rubbed = slip * self.shear
+        self._rubbed += rubbed
+        self._friction += float(self.length @ rubbed)
+        self._external += float(self.length @ slip) * base

@@ -10,6 +10,7 @@ from scipy import sparse
 
 from fem.assembly import Space, lumped_mass, stiffness, tributary_length
 from fem.interface import Faces, Interface
+from fem.loading import SlotLoad, slot_loads
 from fem.stepping import Body, critical_step, highest_frequency, normalised
 from semianalytic.scene import Material, Scene
 
@@ -112,6 +113,8 @@ class Model:
     odd : tuple of int
         For each half, the displacement component that changes sign from the upper block to
         the lower one, the other being the same in both; empty with two blocks.
+    loads : list of SlotLoad
+        Of bodies whose load changes with time.
     interface : Interface
     root : (2 n,) array
         Square roots of the masses of the unknowns.
@@ -131,6 +134,7 @@ class Model:
     numbering: Numbering
     bodies: list[Body]
     odd: tuple[int, ...]
+    loads: list[SlotLoad]
     interface: Interface
     root: NDArray[np.float64]
     contact_x: NDArray[np.float64]
@@ -219,6 +223,7 @@ def build_model(
         numbering=numbering,
         bodies=bodies,
         odd=odd,
+        loads=slot_loads(scene, bodies, step, steps),
         interface=Interface(scene, length, sliding, pressing),
         root=root,
         contact_x=space.points[0, contact_nodes],
@@ -283,7 +288,8 @@ class _Parts:
     def _slot_load(
         self, block: str, component: int
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Unknowns on a slot face and the forces on them: (Q_0, -P_0) on the upper block."""
+        """Unknowns on a slot face and the forces on them at f = 1: (Q_0, -P_0) on the upper
+        block."""
         nodes, length = tributary_length(self.space, f"{block}_slot")
         step = self.scene.step
         traction = (step.shear, -step.pressure)[component]

@@ -12,10 +12,12 @@ from numpy.typing import NDArray
 
 from semianalytic.errors import DataFileError
 from semianalytic.history import InterfaceHistory
-from semianalytic.scene import Material, Scene, Tractions
+from semianalytic.scene import Material, Scene, scene_document, scene_from_document
 
-FORMAT = "slipfront simulation 2"
+FORMAT = "slipfront simulation 3"
 FILE_NAME = "simulation.h5"
+ARRAYS = ("state", "path", "friction_work")
+HISTORIES = ("interface", "slot", "energy")
 
 
 @dataclass(frozen=True)
@@ -114,6 +116,11 @@ class Simulation:
     state : (m, n) array of int8
         What each node of `interface` does in the step after each time: 0 it sticks, +1 or -1 it
         slips that way, 2 it is open.
+    path : (n,) array
+        |slip| that each node of `interface` has accumulated by the end [length], summed over
+        every step, stored or not, and also while the node is open.
+    friction_work : (n,) array
+        Work per area that friction has taken at each node by the end [stress length], likewise.
     slot : SlotHistory
         On the slot nodes next to the edge, as far as no reflection gets.
     energy : EnergyHistory
@@ -139,6 +146,8 @@ class Simulation:
     unknowns: int
     interface: InterfaceHistory
     state: NDArray[np.int8]
+    path: NDArray[np.float64]
+    friction_work: NDArray[np.float64]
     slot: SlotHistory
     energy: EnergyHistory
     seconds: dict[str, float]
@@ -161,15 +170,16 @@ class Simulation:
         facts = {
             field.name: getattr(self, field.name)
             for field in fields(self)
-            if field.name not in ("scene", "interface", "slot", "energy", "state")
+            if field.name not in ("scene", *ARRAYS, *HISTORIES)
         }
         facts["lower_material"] = self.lower_material and asdict(self.lower_material)
         with h5py.File(part, "w") as file:
             file.attrs["format"] = FORMAT
-            file.attrs["scene"] = json.dumps(asdict(self.scene))
+            file.attrs["scene"] = json.dumps(scene_document(self.scene))
             file.attrs["facts"] = json.dumps(facts)
-            file.create_dataset("state", data=self.state, compression=4)
-            for group in ("interface", "slot", "energy"):
+            for name in ARRAYS:
+                file.create_dataset(name, data=getattr(self, name), compression=4)
+            for group in HISTORIES:
                 history = getattr(self, group)
                 for field in fields(history):
                     file.create_dataset(
@@ -209,23 +219,17 @@ def load_simulation(directory: str | Path) -> Simulation:
             scene = json.loads(file.attrs["scene"])
             facts = json.loads(file.attrs["facts"])
             lower = facts.pop("lower_material")
-            state = file["state"][...]
+            arrays = {name: file[name][...] for name in ARRAYS}
             interface, slot, energy = (
-                {name: data[...] for name, data in file[group].items()}
-                for group in ("interface", "slot", "energy")
+                {name: data[...] for name, data in file[group].items()} for group in HISTORIES
             )
         return Simulation(
-            scene=Scene(
-                material=Material(**scene["material"]),
-                friction=scene["friction"],
-                base=Tractions(**scene["base"]),
-                step=Tractions(**scene["step"]),
-            ),
+            scene=scene_from_document(scene),
             lower_material=Material(**lower) if lower else None,
-            state=state,
             interface=InterfaceHistory(**interface),
             slot=SlotHistory(**slot),
             energy=EnergyHistory(**energy),
+            **arrays,
             **facts,
         )
     except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError) as error:

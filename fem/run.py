@@ -16,7 +16,7 @@ from fem.checkpoint import Keeper, deferred_interrupt, run_identity
 from fem.model import TWO_BLOCKS, TWO_MATERIALS, Model, build_model, choose_model
 from fem.record import Record
 from fem.results import Simulation
-from fem.settings import Settings, check_count
+from fem.settings import Pace, Settings
 from fem.snapshots import Snapshots
 from meshes import cached_mesh, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
@@ -43,11 +43,14 @@ def simulate(
     snapshots: str | Path | None = None,
     frames: int = 20,
     checkpoint: str | Path | None = None,
-    checkpoint_every: int = 100,
+    checkpoint_every: int | None = None,
+    checkpoint_seconds: float | None = None,
     resume: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Simulation:
     """Simulate a scene with finite elements and central differences.
+
+    Loads follow the histories of the scene, friction its law.
 
     Parameters
     ----------
@@ -80,8 +83,11 @@ def simulate(
         Number of pictures, at evenly spaced steps up to the end time.
     checkpoint : path, optional
         File to write checkpoints to.
-    checkpoint_every : int
-        Steps between checkpoints; another one is written when the run is interrupted.
+    checkpoint_every : int, optional
+        Steps between checkpoints, 100 if `checkpoint_seconds` is not given either; another one
+        is written when the run is interrupted.
+    checkpoint_seconds : float, optional
+        Wall-clock time between checkpoints [s]; one is due when either is.
     resume : bool
         Go on from the checkpoint file if it is there; the result is the same to the last bit.
     progress : callable, optional
@@ -94,7 +100,8 @@ def simulate(
     Raises
     ------
     SceneError
-        If an option is out of range, or different materials slide ahead of all waves.
+        If an option is out of range, different materials slide ahead of all waves, or friction
+        falls with slip rate faster than the interface can radiate.
     MissingLibraryError
         If a mesh has to be built and gmsh cannot be loaded.
     DataFileError
@@ -109,7 +116,7 @@ def simulate(
     settings = Settings(
         end_time, resolution, damping, step_ratio, model, element, mesh, every, frames
     )
-    check_count("checkpoint_every", checkpoint_every, 1)
+    pace = Pace(checkpoint_every, checkpoint_seconds)
     if resume and checkpoint is None:
         raise SceneError("simulate: there is nothing to resume from; give a checkpoint file.")
     size = scene.material.shear_speed * settings.end_time / resolution
@@ -152,7 +159,7 @@ def simulate(
         record = Record(built, every, observed_slot(fastest, settings.end_time, full=full))
         keeper = Keeper(
             None if checkpoint is None else Path(checkpoint),
-            checkpoint_every,
+            pace,
             run_identity(scene, lower_material, settings, full, built),
         )
         started, written = keeper.resume(built, record) if resume else (0, [])
@@ -188,6 +195,8 @@ def simulate(
         unknowns=built.unknowns,
         interface=interface,
         state=record.states,
+        path=built.interface.path,
+        friction_work=built.interface.friction_work(),
         slot=slot,
         energy=energy,
         seconds=seconds,
@@ -221,6 +230,8 @@ def _march(
     work = 0.0
     for step in range(started, model.steps + 1):
         front = speed * (step + 1) * model.time_step
+        for load in model.loads:
+            load.set(step)
         for body in model.bodies:
             body.activate(model.numbering.reached(front + forerun))
             body.kick(_part(step))

@@ -11,6 +11,8 @@ from semianalytic.errors import SceneError
 
 STABLE_RATIO = 1.0
 LARGEST_RATIO = 1.5
+DEFAULT_PACE = 100
+"""Steps between checkpoints."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,32 @@ class Settings:
             check_count(name, getattr(self, name), least)
         if self.model not in ("auto", "two-blocks"):
             raise SceneError(f"simulate: model must be 'auto' or 'two-blocks', got {self.model!r}.")
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How often checkpoints are written: after so many steps or seconds, whichever comes first.
+
+    Raises
+    ------
+    SceneError
+        If one is out of range.
+    """
+
+    steps: int | None = None
+    seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.steps is not None:
+            check_count("checkpoint_every", self.steps, 1)
+        elif self.seconds is None:
+            object.__setattr__(self, "steps", DEFAULT_PACE)
+        if self.seconds is not None:
+            _check_number("checkpoint_seconds", self.seconds)
+            if self.seconds <= 0:
+                raise SceneError(
+                    f"simulate: checkpoint_seconds must be positive, got {self.seconds}."
+                )
 
 
 def _check_number(name: str, value: float) -> None:

@@ -119,7 +119,7 @@ class Body:
     loaded : (k,) array
         Unknowns under a load.
     load : (k,) array
-        dt^2 F / s of the steady load on them.
+        dt^2 F / s of the load on them at this time level.
     held : (j,) array
         Unknowns held at zero by a wall.
     mirrored : (2, j) array

@@ -7,18 +7,31 @@ import signal
 import subprocess
 import sys
 import time
+import types
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
 from fem import load_simulation, simulate
-from semianalytic.errors import ComputationError, DataFileError
+from fem.checkpoint import Keeper
+from fem.results import ARRAYS, HISTORIES
+from fem.settings import Pace
+from semianalytic.errors import ComputationError, DataFileError, SceneError
+from semianalytic.friction import RateWeakening, SlipWeakening
+from semianalytic.loads import Harmonic, Pulse
 from semianalytic.scene import Material, Scene, Tractions
 
 UNIT = Material(1.0, 1.0, 1 / 3)
 MIXED = Scene(UNIT, 0.5, Tractions(1.0, 0.2), Tractions(0.5, 0.5))
 OPENING = Scene(UNIT, 0.5, Tractions(1.0, 0.0), Tractions(-1.0, 0.5))
+PULSED = dataclasses.replace(
+    MIXED,
+    pressure_history=Harmonic(2.0),
+    shear_history=Pulse(0.4, "triangle"),
+    friction_law=SlipWeakening(0.6, 0.02),
+)
 OPTIONS = {"resolution": 24, "frames": 5}
 
 RUN = """
@@ -50,10 +63,10 @@ def assert_same(one, other):
     """Equal to the last bit, but for what the clock says."""
     for field in dataclasses.fields(one):
         left, right = getattr(one, field.name), getattr(other, field.name)
-        if field.name in ("interface", "slot", "energy"):
+        if field.name in HISTORIES:
             for part in dataclasses.fields(left):
                 np.testing.assert_array_equal(getattr(left, part.name), getattr(right, part.name))
-        elif field.name == "state":
+        elif field.name in ARRAYS:
             np.testing.assert_array_equal(left, right)
         elif field.name not in ("seconds", "peak_memory"):
             assert left == right
@@ -121,13 +134,18 @@ def interrupted(tmp_path_factory):
     return path
 
 
-def stop_after(path, steps):
+def stop_at(steps):
     def stop(step, _):
         if step == steps:
             raise KeyboardInterrupt
 
+    return stop
+
+
+def stop_after(path, steps, scene=MIXED, **options):
+    options = {"resolution": 24, "checkpoint_every": 10, **options}
     with pytest.raises(KeyboardInterrupt):
-        simulate(MIXED, resolution=24, checkpoint=path, checkpoint_every=10, progress=stop)
+        simulate(scene, checkpoint=path, progress=stop_at(steps), **options)
 
 
 def resume(path, **changes):
@@ -138,16 +156,58 @@ def resume(path, **changes):
 @pytest.mark.parametrize("options", [{}, {"model": "two-blocks"}, {"element": "Q2", "every": 7}])
 def test_resumed_run_equals_an_uninterrupted_one(options, tmp_path):
     path = tmp_path / "checkpoint.h5"
+    stop_after(path, 25, **options)
+    assert_same(resume(path, **options), simulate(MIXED, resolution=24, **options))
 
-    def stop(step, _):
-        if step == 25:
-            raise KeyboardInterrupt
 
+@pytest.mark.parametrize("law", [SlipWeakening(0.6, 0.02), RateWeakening(0.4, 1.0)])
+@pytest.mark.parametrize("stopped", [11, 37])
+def test_resumed_run_remembers_load_path_and_law(law, stopped, tmp_path):
+    path = tmp_path / "checkpoint.h5"
+    scene = dataclasses.replace(PULSED, friction_law=law)
+    stop_after(path, stopped, scene)
+    again = resume(path, scene=scene)
+    assert_same(again, simulate(scene, resolution=24))
+    assert again.path.max() > 0.02
+
+
+def test_checkpoints_come_by_steps_or_seconds(monkeypatch):
+    written = []
+    monkeypatch.setattr("fem.checkpoint.take_checkpoint", lambda step, *state: step)
+    monkeypatch.setattr("fem.checkpoint.write_checkpoint", lambda *given: written.append(given[2]))
+
+    def steps_written(pace):
+        times = iter(0.4 * np.arange(100))  # each look at the clock takes 0.4 s
+        keeper = Keeper(Path("file"), pace, {}, clock=lambda: next(times))
+        written.clear()
+        for step in range(21):
+            keeper.step_done(step, types.SimpleNamespace(steps=20), None, [], False)
+        return written.copy()
+
+    by_seconds = steps_written(Pace(seconds=1.0))
+    either = steps_written(Pace(steps=7, seconds=1.0))
+    by_steps = steps_written(Pace(steps=7))
+    assert by_seconds == [3, 6, 9, 12, 15, 18]
+    assert by_steps == [7, 14]
+    assert either == [3, 6, 7, 10, 13, 14, 17]
+
+
+def test_pace_has_a_default_and_bounds():
+    assert Pace() == Pace(steps=100)
+    assert Pace(seconds=5.0).steps is None
+    for given in ({"steps": 0}, {"seconds": 0.0}, {"seconds": np.nan}, {"seconds": "1"}):
+        with pytest.raises(SceneError, match="simulate: checkpoint_"):
+            Pace(**given)
+
+
+def test_run_writes_a_checkpoint_as_often_as_the_clock_says(tmp_path):
+    path = tmp_path / "checkpoint.h5"
     with pytest.raises(KeyboardInterrupt):
         simulate(
-            MIXED, resolution=24, checkpoint=path, checkpoint_every=10, progress=stop, **options
+            MIXED, resolution=24, checkpoint=path, checkpoint_seconds=1e-9, progress=stop_at(9)
         )
-    assert_same(resume(path, **options), simulate(MIXED, resolution=24, **options))
+    with h5py.File(path) as file:
+        assert '"step": 9' in file.attrs["facts"]
 
 
 def test_without_a_checkpoint_resume_starts_at_the_beginning(tmp_path):
@@ -159,6 +219,7 @@ def test_without_a_checkpoint_resume_starts_at_the_beginning(tmp_path):
     ("changes", "named"),
     [
         ({"scene": OPENING}, "scene"),
+        ({"scene": PULSED}, "scene"),
         ({"resolution": 25}, "resolution"),
         ({"damping": 0.03}, "damping"),
         ({"every": 2}, "every"),

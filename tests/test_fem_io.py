@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from fem import load_simulation, simulate
+from fem.results import ARRAYS, HISTORIES
 from semianalytic.errors import DataFileError
+from semianalytic.friction import RateWeakening, SlipWeakening
+from semianalytic.loads import Pulse, Tabulated
 from semianalytic.scene import Material, Scene, Tractions
 
 UNIT = Material(1.0, 1.0, 1 / 3)
@@ -36,15 +39,30 @@ def index(directory):
 
 
 def test_saved_simulation_comes_back_equal(simulation, tmp_path):
+    assert_comes_back(simulation, tmp_path)
+
+
+@pytest.mark.parametrize("law", [RateWeakening(0.4, 1.0), SlipWeakening(0.6, 0.02)])
+def test_saved_simulation_knows_its_loads_and_law(law, mesh_cache, tmp_path):
+    scene = dataclasses.replace(
+        MIXED,
+        pressure_history=Tabulated((0.1, 0.3, 0.3), (0.0, 1.0, 0.5)),
+        shear_history=Pulse(0.4, "haversine"),
+        friction_law=law,
+    )
+    assert_comes_back(simulate(scene, resolution=12), tmp_path)
+
+
+def assert_comes_back(simulation, tmp_path):
     simulation.save(tmp_path / "new" / "folder")
     loaded = load_simulation(tmp_path / "new" / "folder")
     assert [p.name for p in (tmp_path / "new" / "folder").iterdir()] == ["simulation.h5"]
     for field in dataclasses.fields(simulation):
         saved, read = getattr(simulation, field.name), getattr(loaded, field.name)
-        if field.name in ("interface", "slot", "energy"):
+        if field.name in HISTORIES:
             for part in dataclasses.fields(saved):
                 np.testing.assert_array_equal(getattr(saved, part.name), getattr(read, part.name))
-        elif field.name == "state":
+        elif field.name in ARRAYS:
             np.testing.assert_array_equal(saved, read)
         else:
             assert saved == read
@@ -79,6 +97,22 @@ def spoil_the_scene(path):
         file.attrs["scene"] = file.attrs["scene"].replace('"friction": 0.5', '"friction": -1')
 
 
+def lose_the_friction(path):
+    with h5py.File(path, "a") as file:
+        file.attrs["scene"] = file.attrs["scene"].replace('"friction"', '"fiction"')
+
+
+def invent_a_law(path):
+    with h5py.File(path, "a") as file:
+        law = '{"friction_law": {"kind": "none"}, '
+        file.attrs["scene"] = file.attrs["scene"].replace("{", law, 1)
+
+
+def be_no_table(path):
+    with h5py.File(path, "a") as file:
+        file.attrs["scene"] = "[1, 2]"
+
+
 def spoil_the_facts(path):
     with h5py.File(path, "a") as file:
         file.attrs["facts"] = "[1, 2]"
@@ -93,6 +127,9 @@ def spoil_the_facts(path):
         lose_a_field,
         lose_a_group,
         spoil_the_scene,
+        lose_the_friction,
+        invent_a_law,
+        be_no_table,
         spoil_the_facts,
     ],
 )

@@ -3,27 +3,39 @@
 import builtins
 import csv
 import importlib.util
+import io
+import re
+import time
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import compare.fem_stability
+import compare.fem_study
 from compare import cli
 from compare.fem_stability import fem_stability, trials
 from compare.fem_study import (
     PROFILE,
     STUDIES,
+    VARIANTS,
     accuracy,
+    history_tables,
     last_profile,
     main,
+    peak_table,
     profile_errors,
     simulated,
+    slip_changes,
+    stuck_errors,
 )
 from compare.scenes import NAMED_SCENES
+from compare.terminal import progress_bar
 from fem import load_simulation
 from semianalytic import solve
 from semianalytic.errors import MissingLibraryError
 from semianalytic.history import InterfaceHistory
+from semianalytic.loads import Ramp
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -47,6 +59,23 @@ def test_accuracy_table_has_a_row_per_mesh_and_the_extrapolation():
     table = accuracy("preloaded", (20, 40))
     assert table.row_count == 3
     assert float(list(table.columns[2].cells)[1]) > 0.8  # observed order
+
+
+def test_peak_table_has_a_row_per_setting(monkeypatch):
+    monkeypatch.setattr(compare.fem_study, "PEAK_TRIALS", ((20, "Q1", 0.02), (20, "Q2", 0.0)))
+    assert peak_table("preloaded").row_count == 2
+
+
+def test_history_tables_say_how_stuck_tractions_and_slip_converge(monkeypatch):
+    monkeypatch.setattr(compare.fem_study, "LOADS", {"ramp": Ramp(0.5)})
+    stuck, slip = history_tables((16, 32))
+    assert stuck.row_count == 2
+    assert slip.row_count == len(VARIANTS)
+    errors = stuck_errors(Ramp(0.5), 32)
+    for plain, offset in errors.values():
+        assert offset < 0.3 * plain < 0.05
+    changes = slip_changes(NAMED_SCENES["preloaded"].scene, (10, 20, 40))
+    assert changes[0] > 2 * changes[1]
 
 
 def test_unknown_study_is_refused(capsys):
@@ -97,6 +126,42 @@ def test_command_resumes_and_removes_the_checkpoint(tmp_path, monkeypatch, capsy
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["simulation.h5"]
     one, other = (load_simulation(tmp_path / name).interface for name in ("whole", "run"))
     np.testing.assert_array_equal(one.slip_rate, other.slip_rate)
+
+
+def test_command_keeps_checkpoints_by_seconds(tmp_path, monkeypatch):
+    command = ["simulate", "preloaded", "--resolution", "16", "--no-snapshots", "--quiet"]
+    again = [*command, "--output", str(tmp_path), "--checkpoint-seconds"]
+    with monkeypatch.context() as patch:
+        patch.setattr("fem.record.Record.level", stop_at_level(23))
+        assert cli.main([*again, "3600"]) == cli.INTERRUPTED
+        assert not (tmp_path / "checkpoint.h5").exists()  # neither time nor 100 steps are up
+        assert cli.main([*again, "1e-9"]) == cli.INTERRUPTED
+    assert (tmp_path / "checkpoint.h5").is_file()
+    assert cli.main([*again, "0"]) == 2
+    assert cli.main([*again, "3600", "--resume"]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["simulation.h5"]
+
+
+def shown_progress(quiet, terminal):
+    console = Console(file=io.StringIO(), force_terminal=terminal, width=100)
+    with progress_bar(console, quiet) as progress:
+        for step in range(1, 51):
+            progress(step, 200)
+            time.sleep(1e-4)
+    return console.file.getvalue()
+
+
+def test_progress_bar_shows_percent_rate_and_time_left():
+    shown = shown_progress(quiet=False, terminal=True)
+    assert " 25%" in shown
+    assert "50/200" in shown
+    assert re.search(r"\d steps/s", shown)
+    assert re.search(r"\d:\d\d:\d\d", shown)
+
+
+@pytest.mark.parametrize(("quiet", "terminal"), [(True, True), (False, False)])
+def test_progress_bar_is_silent_when_quiet_or_without_a_terminal(quiet, terminal):
+    assert shown_progress(quiet, terminal).strip() == ""
 
 
 def stop_at_level(level):

@@ -1,0 +1,77 @@
+"""Slot loads that rise and fall: what acts at each time level.
+
+The kick at t_n stands for the interval from t_n - dt/2 to t_n + dt/2, the first one for the half
+step after t = 0.  It takes the mean of the load over that interval, so that the impulse is exact
+whatever the load does in between; a jump at a time level counts half at that level.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.stepping import Body
+from semianalytic.loads import History, Step
+from semianalytic.scene import Scene
+
+
+def kick_means(history: History, step: float, steps: int) -> NDArray[np.float64]:
+    """Mean of f(t) over the interval of each kick, (steps + 1,).
+
+    Parameters
+    ----------
+    history : History
+    step : float
+        dt [time].
+    steps : int
+        Number of steps.
+    """
+    if history.pieces == Step().pieces:
+        return np.ones(steps + 1)
+    levels = np.arange(steps + 1)
+    return history.mean(np.maximum(levels - 0.5, 0.0) * step, (levels + 0.5) * step)
+
+
+@dataclass(frozen=True)
+class SlotLoad:
+    """The load on a body as a function of time.
+
+    Parameters
+    ----------
+    body : Body
+    amplitude : (k,) array
+        dt^2 F / s on its loaded unknowns where f = 1.
+    means : (2, m) array
+        What multiplies loads along x and along y at each time level.
+    """
+
+    body: Body
+    amplitude: NDArray[np.float64]
+    means: NDArray[np.float64]
+
+    def set(self, level: int) -> None:
+        """Let the body's load be that of a time level."""
+        component = self.body.loaded % 2
+        self.body.load = self.amplitude * self.means[component, level]
+
+
+def slot_loads(scene: Scene, bodies: list[Body], step: float, steps: int) -> list[SlotLoad]:
+    """Loads of bodies under the scene's amplitudes; none where all loads are steps.
+
+    Parameters
+    ----------
+    scene : Scene
+    bodies : list of Body
+        Their `load` is the amplitude.
+    step : float
+        dt [time].
+    steps : int
+        Number of steps.
+    """
+    if scene.is_step:
+        return []
+    histories = (scene.shear_history, scene.pressure_history)
+    means = np.array([kick_means(history, step, steps) for history in histories])
+    return [SlotLoad(body, body.load, means) for body in bodies]
