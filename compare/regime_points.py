@@ -21,6 +21,7 @@ from compare.files import write_whole
 from compare.regime_boundaries import Loading, scene_of
 from semianalytic import Solution, solve
 from semianalytic.errors import ComputationError
+from semianalytic.sweep import sweep
 
 REGIMES = {
     "stuck": "fully stuck",
@@ -131,27 +132,32 @@ def map_point(loading: Loading, poisson_ratio: float, chi: float) -> MapPoint:
         solution = solve(scene_of(loading, poisson_ratio, chi), rtol=MAP_RTOL)
     except ComputationError as error:
         return MapPoint(loading, poisson_ratio, chi, "failed", "", str(error), math.inf)
+    return _point(loading, poisson_ratio, solution)
+
+
+def _point(loading: Loading, poisson_ratio: float, solution: Solution) -> MapPoint:
     speed = solution.scene.material.shear_speed
     zones = " ".join(
         f"{zone.inner / speed:.12g}:{zone.outer / speed:.12g}:{zone.sense:+d}"
         for zone in solution.zones
     )
-    name = regime(solution)
+    chi, name = solution.scene.friction, regime(solution)
     status, estimate = solution.status, solution.error_estimate
     return MapPoint(loading, poisson_ratio, chi, name, zones, status, estimate)
 
 
 def map_column(loading: Loading, poisson_ratio: float, count: int) -> list[MapPoint]:
     """All points of one Poisson ratio of a map."""
-    return [
-        map_point(loading, poisson_ratio, float(chi))
-        for chi in frictions(loading, poisson_ratio, count)
-    ]
+    return map_points(loading, poisson_ratio, frictions(loading, poisson_ratio, count).tolist())
 
 
 def map_points(loading: Loading, poisson_ratio: float, chi: Sequence[float]) -> list[MapPoint]:
-    """Points of given frictions."""
-    return [map_point(loading, poisson_ratio, value) for value in chi]
+    """Points of given frictions, in one sweep, or one by one if that cannot be completed."""
+    try:
+        swept = sweep(scene_of(loading, poisson_ratio, chi[0]), chi, MAP_RTOL)
+    except ComputationError:
+        return [map_point(loading, poisson_ratio, value) for value in chi]
+    return [_point(loading, poisson_ratio, solution) for solution in swept.solutions]
 
 
 def trace(loading: Loading, poisson_ratio: float) -> list[BoundaryPoint]:

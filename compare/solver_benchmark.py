@@ -1,27 +1,35 @@
-"""How long a solution takes, as a ratio to a dense 400 x 400 solve measured in the same run.
+"""How long solutions, sweeps and the import take, as ratios measured in the same run.
 
-Run as ``python -m compare.solver_benchmark``.  Times are processor times on one thread, medians
-of interleaved repetitions, so that other work on the machine disturbs both sides alike; each is
-printed next to the error reached, relative L1 of the slip rate against rtol = 1e-12.
+Run as ``python -m compare.solver_benchmark``.  Solutions are set against a dense 400 x 400 solve,
+next to the error reached (relative L1 of the slip rate against rtol = 1e-12); a sweep over 100
+frictions against solving them one by one, next to the largest difference of edges; the import of
+``semianalytic`` against that of numpy and scipy.linalg.  Times are processor times on one thread,
+medians of interleaved repetitions, so that other work on the machine disturbs both sides alike.
 """
 
 from __future__ import annotations
 
 import os
 import statistics
+import subprocess
+import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from time import process_time
 
 import numpy as np
 
 from compare.scenes import find_scene
-from semianalytic import Scene, solve
+from semianalytic import Scene, Solution, solve
 from semianalytic.collocation import slip_grid
 from semianalytic.rayleigh import rayleigh_factors
 from semianalytic.stuck import stuck_traction
+from semianalytic.sweep import Sweep, sweep
 
+SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}  # each crosses thresholds
+_FRICTIONS = 100
+_GAP = 1e-13  # over c_t; zones as near as that count as one
 SCENES = ("preloaded", "remote-shock")
 TOLERANCES = (1e-3, 1e-8, 1e-11)
 
@@ -84,11 +92,85 @@ def measure(repetitions: int = 15) -> list[Timing]:
     ]
 
 
+@dataclass(frozen=True)
+class SweepTiming:
+    """One sweep: ratio of the time one by one to its own, solutions from scratch, and the largest
+    difference of zone edges over c_t, of frictions at which both have as many zones."""
+
+    scene: str
+    rtol: float
+    ratio: float
+    scratch: int
+    difference: float
+    other_zones: int
+
+
+def edge_difference(one: Solution, other: Solution) -> float | None:
+    """Largest difference of zone edges over c_t; None if there are other zones."""
+    speed = one.scene.material.shear_speed
+    mine, theirs = (_joined(solution.front_speeds / speed) for solution in (one, other))
+    if len(mine) != len(theirs):
+        return None
+    apart = [abs(p - q) for p, q in zip(mine, theirs, strict=True) if p != q]
+    return max(apart, default=0.0)
+
+
+def _joined(fronts: np.ndarray) -> list[float]:
+    """Edges of zones, without gaps too narrow to matter."""
+    edges = fronts.ravel().tolist()
+    gaps = [i for i in range(1, len(edges) - 1, 2) if edges[i + 1] - edges[i] < _GAP]
+    return [edge for i, edge in enumerate(edges) if i not in gaps and i - 1 not in gaps]
+
+
+def measure_sweep(name: str, rtol: float, repetitions: int = 3) -> SweepTiming:
+    """Time a sweep against solving one by one."""
+    scene, friction = find_scene(name), np.linspace(*SWEEPS[name], _FRICTIONS)
+    results: dict[str, Sweep] = {}
+    singles: list[Solution] = []
+
+    def swept() -> None:
+        results["sweep"] = sweep(scene, friction, rtol)
+
+    def one_by_one() -> None:
+        singles[:] = [solve(replace(scene, friction=float(f)), rtol=rtol) for f in friction]
+
+    quick, slow = median_times([swept, one_by_one], repetitions)
+    pairs = zip(results["sweep"].solutions, singles, strict=True)
+    differences = [edge_difference(one, other) for one, other in pairs]
+    known = [one for one in differences if one is not None]
+    scratch = int(results["sweep"].from_scratch.sum())
+    return SweepTiming(name, rtol, slow / quick, scratch, max(known), len(differences) - len(known))
+
+
+def import_ratio(repetitions: int = 9) -> float:
+    """Time to start Python and import semianalytic, over that for numpy and scipy.linalg."""
+    codes = ("import numpy, scipy.linalg", "import semianalytic")
+    times: list[list[float]] = [[], []]
+    for _ in range(repetitions):
+        for code, collected in zip(codes, times, strict=True):
+            begin = os.times()
+            subprocess.run([sys.executable, "-c", code], check=True)
+            end = os.times()
+            collected.append(end.children_user + end.children_system)
+            collected[-1] -= begin.children_user + begin.children_system
+    base, own = (statistics.median(collected) for collected in times)
+    return own / base
+
+
 def main() -> None:
-    """Print the table."""
+    """Print the tables."""
     print(f"{'scene':14}{'rtol':>8}{'warm':>8}{'cold':>8}{'error':>10}   (dense 400 solves)")
     for row in measure():
         print(f"{row.scene:14}{row.rtol:8.0e}{row.warm:8.1f}{row.cold:8.1f}{row.error:10.1e}")
+    print(f"\n{'sweep':14}{'rtol':>8}{'faster':>8}{'scratch':>8}{'differ':>10}{'other zones':>13}")
+    for name in SWEEPS:
+        for rtol in TOLERANCES[:2]:
+            one = measure_sweep(name, rtol)
+            print(
+                f"{name:14}{rtol:8.0e}{one.ratio:8.1f}{one.scratch:8d}{one.difference:10.1e}"
+                f"{one.other_zones:13d}"
+            )
+    print(f"\nimport semianalytic: {import_ratio():.2f} of import numpy, scipy.linalg")
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from semianalytic.edges import Edges, edges_of, place_edges
 from semianalytic.panels import Zone
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array, CutPoints
+from semianalytic.zones import per_set
 
 _APART = (False, False)
 _NARROWEST_GAP = 1e-14  # a stick gap around c_R narrower than x/t can resolve is left out
@@ -30,28 +31,74 @@ class Violation:
     touches_right: bool
 
 
-def violations(profile: Profile, tolerance: float) -> list[Violation]:
-    """Where the slip rate has the wrong sign or the traction exceeds friction.
+def _largest_rate(profile: Profile) -> Array:
+    """Largest |V| at the nodes, () or (k,)."""
+    panels = profile.panels
+    largest = np.zeros(panels.jacobian.shape[1:-1])
+    for i in np.flatnonzero(panels.sense):
+        largest = np.maximum(largest, np.abs(profile.slip_rate_at_nodes(int(i))).max(axis=-1))
+    return largest
 
-    tolerance is relative to the largest slip rate, and to the load for tractions.
-    """
+
+def _misses(profile: Profile, region: list[int], tolerance: float, largest: Array) -> np.ndarray:
+    """(..., m): at the nodes of a region one after another, the sense in which Coulomb's law is
+    missed: of V in a zone, of the traction where it sticks; 0 where it is kept."""
     panels, load = profile.panels, profile.fields.load
-    rates = {int(i): profile.slip_rate_at_nodes(int(i)) for i in np.flatnonzero(panels.sense)}
-    largest = max((float(np.abs(rate).max()) for rate in rates.values()), default=0.0)
+    sense = int(panels.sense[region[0]])
+    if sense:
+        rate = np.concatenate([profile.slip_rate_at_nodes(i) for i in region], axis=-1)
+        return -sense * (sense * rate < -tolerance * largest[..., None])
+    change = [profile.pressure_change(panels.at.v[i]) for i in region]
+    strength = load.friction * (load.base_pressure + np.concatenate(change, axis=-1))
+    traction = np.concatenate([profile.traction_at_nodes(i) for i in region], axis=-1)
+    right = panels.right[region[-1]]
+    if right is None:
+        scale = 1 + strength
+    else:
+        # In a gap between zones the traction starts from strength and moves with the gap's width.
+        width = right.minus(panels.left[region[0]]) if region[0] else np.ones(1)
+        scale = np.minimum(1.0, width) + strength.max(axis=-1, keepdims=True)
+    return np.sign(traction) * (np.abs(traction) > strength + tolerance * scale)
+
+
+def admissible(profile: Profile, tolerance: float) -> np.ndarray:
+    """Whether Coulomb's law holds at all nodes, () or (k,): whether there are no `violations`.
+
+    Nor may a stick gap around c_R be narrower than those that are left out.
+    """
+    panels, largest = profile.panels, _largest_rate(profile)
+    sound = np.ones(largest.shape, dtype=bool)
+    for inward, outward in zip(profile.fields.zones[1:], profile.fields.zones[:-1], strict=True):
+        if inward.left is not None and outward.right is not None:
+            width = inward.left.minus(outward.right)[..., 0]
+            sound &= (width > 4 * _NARROWEST_GAP) | (inward.left.from_c.flat[0] < 0)
+    for region in panels.regions:
+        sense = int(panels.sense[region[0]])
+        sound &= ~_misses(profile, region, tolerance, largest).any(axis=-1)
+        if not sense and panels.right[region[-1]] is None:
+            sound &= _excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
+        for i in region:
+            reverses = sense * profile.residues(i) > 0
+            if sense and reverses.any():
+                narrow = reversal_at_rayleigh_front(profile, i) <= _NARROWEST_GAP
+                sound &= ~reverses | narrow
+    return sound
+
+
+def violations(profile: Profile, tolerance: float) -> list[Violation]:
+    """Where the slip rate of one set of zones has the wrong sign or the traction exceeds friction.
+
+    tolerance is relative to the largest slip rate, and for tractions to strength plus the load,
+    in a narrow stick gap plus its share of the load.
+    """
+    panels, largest = profile.panels, _largest_rate(profile)
     found = []
     for region in panels.regions:
         sense = int(panels.sense[region[0]])
         unbounded = panels.right[region[-1]] is None
         at = CutPoints(panels.at.parts[:, region].reshape(4, -1))
-        if sense:
-            wrong = sense * np.concatenate([rates[i] for i in region]) < -tolerance * largest
-            signs = np.full(at.v.shape, sense)
-        else:
-            strength = load.friction * (load.base_pressure + profile.pressure_change(at.v))
-            traction = np.concatenate([profile.traction_at_nodes(i) for i in region])
-            scale = 1 + (strength if unbounded else strength.max())
-            wrong = np.abs(traction) > strength + tolerance * scale
-            signs = np.sign(traction).astype(int)
+        misses = _misses(profile, region, tolerance, largest)
+        wrong = misses != 0
         wrong[1:-1] |= wrong[:-2] & wrong[2:]
         bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
         last = len(at.v) - 1
@@ -61,37 +108,45 @@ def violations(profile: Profile, tolerance: float) -> list[Violation]:
             left = at[[max(start - 1, 0)]]
             right = None if to_edge else at[[min(stop, last)]]
             touches = (bool(start == 0), bool(stop > last) and not unbounded)
-            found.append(Violation(zone, int(signs[start]), left, right, *touches))
-        excess = _excess_intensity(profile) if unbounded and not sense else 0.0
-        if not wrong[-1] and excess > (tolerance if profile.fields.zones else 1e-12):
-            start = profile.fields.factors.cut([1 / (4 * min(excess, 0.02))])
-            found.append(Violation(-1, int(np.sign(profile.edge_intensity)), start, None, *_APART))
+            found.append(Violation(zone, sense or int(misses[start]), left, right, *touches))
+        excess = float(_excess_intensity(profile)) if unbounded and not sense else 0.0
+        if not wrong[-1] and excess > _intensity_tolerance(profile, tolerance):
+            begin = profile.fields.factors.cut([1 / (4 * min(excess, 0.02))])
+            found.append(Violation(-1, int(np.sign(profile.edge_intensity)), begin, None, *_APART))
         for i in region:
             if sense and not wrong.any() and sense * profile.residue(i) > 0:
-                width = reversal_at_rayleigh_front(profile, i)
+                width = float(reversal_at_rayleigh_front(profile, i))
                 if width > _NARROWEST_GAP:
                     ends = profile.fields.factors.beside("c", [-width, width])
                     found.append(Violation(zone, sense, ends[[0]], ends[[1]], *_APART))
     return found
 
 
-def _excess_intensity(profile: Profile) -> float:
-    """K_II / (f K_I) - 1 at a stuck contact edge; where positive, the edge must slip."""
+def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
+    return tolerance if profile.fields.zones else 1e-12
+
+
+def _excess_intensity(profile: Profile) -> Array:
+    """K_II / (f K_I) - 1 at a stuck contact edge, () or (k,); where positive, it must slip."""
     load = profile.fields.load
-    strength = load.friction * load.step_pressure
-    traction = abs(profile.edge_intensity) / np.sqrt(profile.fields.factors.a)
-    if strength <= 0:
-        return 0.0  # nothing bounds the traction: seen at the nodes
-    return float(traction / strength - 1)
+    strength = np.asarray(per_set(load.friction) * load.step_pressure)
+    traction = np.abs(profile.edge_intensity) / np.sqrt(profile.fields.factors.a)
+    # Without strength nothing bounds the traction: seen at the nodes.
+    return np.where(strength > 0, traction / np.where(strength > 0, strength, 1.0) - 1, 0.0)
 
 
-def reversal_at_rayleigh_front(profile: Profile, panel: int) -> float:
-    """Half-width in slowness of the strip around c where the logarithm in V reverses it."""
+def reversal_at_rayleigh_front(profile: Profile, panel: int) -> Array:
+    """Half-width in slowness of the strip around c where the logarithm in V reverses it.
+
+    () or (k,); meant where V falls towards c in the sense of its zone.
+    """
     rate, from_c = profile.slip_rate_at_nodes(panel), profile.panels.at.from_c[panel]
-    nearest = np.argsort(np.abs(from_c))[:2]
-    residue = profile.residue(panel)
-    level = float(np.mean(rate[nearest] - residue * np.log(np.abs(from_c[nearest]))))
-    return float(np.exp(np.maximum(-level / residue, -690.0)))
+    nearest = np.argsort(np.abs(from_c), axis=-1)[..., :2]
+    residue = profile.residues(panel)
+    log = np.log(np.abs(np.take_along_axis(from_c, nearest, -1)))
+    rates = np.take_along_axis(rate, nearest, -1)
+    level = np.mean(rates - residue[..., None] * log, axis=-1)
+    return np.exp(np.clip(-level / residue, -690.0, 690.0))
 
 
 def corrected(edges: Edges, unknowns: Array, found: list[Violation]) -> tuple[Edges, Array]:

@@ -15,8 +15,8 @@ from semianalytic.zones import Load, ZoneFields
 
 _MOST_STEPS = 40
 _LONGEST_MOVE = 1.5
-_FARTHEST = 300.0  # unknowns beyond put an edge on a wave front or at the contact edge
-_NUDGE = 1e-6
+FARTHEST = 300.0  # unknowns beyond put an edge on a wave front or at the contact edge
+NUDGE = 1e-6
 _LEAST_WIDTH = 1e-10  # in slowness; a narrower zone slips less than rounding shows
 
 
@@ -68,21 +68,17 @@ class Edges:
             Zone(points[2 * i], points[2 * i + 1], sense) for i, sense in enumerate(self.senses)
         )
 
-    def admits(self, unknowns: Array) -> bool:
-        """Whether edges keep their order, zones a width, and all stay off the ends of the cut."""
-        if not np.abs(unknowns).max() < _FARTHEST:
-            return False
-        ordered = all(q.minus(p)[0] > 0 for p, q in pairwise(self.points(unknowns)))
-        return ordered and not any(self.vanishing(unknowns))
+    def admits(self, unknowns: Array) -> np.ndarray:
+        """Whether edges keep their order, zones a width, and all stay off the ends of the cut.
 
-    def vanishing(self, unknowns: Array) -> list[bool]:
-        """Which zones have closed."""
-        return [
-            zone.left is not None
-            and zone.right is not None
-            and bool(zone.right.minus(zone.left)[0] < _LEAST_WIDTH)
-            for zone in self.zones(unknowns)
-        ]
+        () or (k,).
+        """
+        near = np.abs(unknowns).max(axis=0) < FARTHEST
+        opens = self.open_ends[0]
+        for index, (p, q) in enumerate(pairwise(self.points(np.where(near, unknowns, 0.0)))):
+            inside = (index % 2 == 0) != opens  # between the edges of one zone
+            near &= q.minus(p)[..., 0] > (_LEAST_WIDTH if inside else 0.0)
+        return near
 
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
         """What the edges leave unfulfilled, (e,) or (e, k) as `unknowns`."""
@@ -151,6 +147,11 @@ def edges_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> t
     return place_edges(factors, tuple(senses), open_ends, points)
 
 
+def moves(inverse: Array, values: Array) -> Array:
+    """Products of (e, e) or (k, e, e) matrices and (e,) or (e, k) vectors."""
+    return (inverse @ values.T[..., None])[..., 0].T
+
+
 @dataclass(frozen=True)
 class Located:
     """Unknowns after Newton, whether they converged, inverse Jacobian and steps taken."""
@@ -168,11 +169,11 @@ def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: 
     """
     unknowns, size = start, len(start)
     inverse: Array = np.zeros((size, size))
-    nudges = np.concatenate([np.zeros((size, 1)), _NUDGE * np.eye(size)], axis=1)
+    nudges = np.concatenate([np.zeros((size, 1)), NUDGE * np.eye(size)], axis=1)
     for step in range(1, _MOST_STEPS + 1):
         values = edges.mismatch(unknowns[:, None] + nudges, load, rule)
         try:
-            inverse = np.asarray(np.linalg.inv((values[:, 1:] - values[:, :1]) / _NUDGE))
+            inverse = np.asarray(np.linalg.inv((values[:, 1:] - values[:, :1]) / NUDGE))
         except np.linalg.LinAlgError:
             return Located(unknowns, False, inverse, step)
         move = -inverse @ values[:, 0]
@@ -180,7 +181,7 @@ def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: 
         if not largest < np.inf:
             return Located(unknowns, False, inverse, step)
         if largest**2 < tolerance:  # the next move would be of that order
-            accepted = edges.admits(unknowns + move)
+            accepted = bool(edges.admits(unknowns + move))
             return Located(unknowns + move if accepted else unknowns, accepted, inverse, step)
         move *= min(1.0, _LONGEST_MOVE / largest)
         cautious = largest > 1.0
@@ -199,10 +200,13 @@ def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: 
 
 def polish_edges(
     edges: Edges, load: Load, rule: Rule, start: Array, inverse: Array, tolerance: float
-) -> tuple[Array, int]:
-    """Unknowns on a finer rule, by Broyden steps from an inverse Jacobian; steps taken."""
+) -> tuple[Array, float, int]:
+    """Unknowns on a finer rule, by Broyden steps from an inverse Jacobian.
+
+    Also how far they may still be off, and the steps taken.
+    """
     if not len(start):
-        return start, 0
+        return start, 0.0, 0
     value = edges.mismatch(start, load, rule)
     unknowns, move = start, -inverse @ value
     step, size, contraction = 1, float(np.abs(move).max()), 0.03
@@ -221,4 +225,4 @@ def polish_edges(
         size *= contraction
         if contraction >= 1:
             break
-    return unknowns, step
+    return unknowns, size * contraction, step

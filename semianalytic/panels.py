@@ -16,11 +16,12 @@ from functools import cached_property, lru_cache
 from itertools import groupby, pairwise
 
 import numpy as np
-from scipy.special import sici
 
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
 
 _CACHED = 50_000  # kernel values formed at once, so that they stay in the processor's cache
+_MANY = 100  # nodes from which it pays to leave some out
+_NEGLIGIBLE = 1e-6  # of what the reach of a rule leaves out
 
 
 @dataclass(frozen=True)
@@ -48,15 +49,24 @@ class Rule:
         count = int(np.ceil(self.reach / self.spacing))
         return np.arange(-count, count + 1.0) * self.spacing
 
+    @property
+    def tolerance(self) -> float:
+        """The tolerance for which `rule_for` has this spacing."""
+        return float(np.exp(2 - np.pi**2 / self.spacing))
+
     @cached_property
     def decay(self) -> Array:
         """exp(-y)."""
         return np.exp(-self.y)
 
-    @cached_property
-    def running(self) -> Array:
-        """Matrix of sinc indefinite integration: integrals from -inf to each node."""
-        return _running(len(self.y)) * self.spacing
+    def running(self, density: Array) -> Array:
+        """Integrals from -inf to each node of the sinc interpolant of `density` (..., n)."""
+        return self.spacing * (density @ _running(len(self.y)))
+
+    def halved(self, density: Array) -> Array:
+        """Its integrals from -inf to the middle node, (...)."""
+        n = len(self.y)
+        return self.spacing * (density @ _running(n)[:, n // 2])
 
     @property
     def alternate(self) -> Array:
@@ -65,15 +75,21 @@ class Rule:
 
     def interpolate_running(self, y: Array, density: Array) -> Array:
         """Integral from -inf to y of the sinc interpolant of `density` ((n,) or (k, n))."""
-        weight = 0.5 + sici((y[:, None] - self.y) * (np.pi / self.spacing))[0] / np.pi
-        return self.spacing * weight @ density.T
+        return self.spacing * _sinc_step((y[:, None] - self.y) / self.spacing) @ density.T
+
+
+def _sinc_step(x: Array) -> Array:
+    """Integral of sinc from -inf to x."""
+    from scipy.special import sici  # here, for `import semianalytic` is to be quick
+
+    return np.asarray(0.5 + sici(np.pi * x)[0] / np.pi)
 
 
 @lru_cache(maxsize=32)
 def _running(n: int) -> Array:
-    step = 0.5 + sici(np.pi * np.arange(1 - n, n))[0] / np.pi
+    step = _sinc_step(np.arange(1.0 - n, n))
     order = np.arange(n)
-    return step[order[:, None] - order + n - 1]
+    return step[order - order[:, None] + n - 1]
 
 
 @lru_cache(maxsize=32)
@@ -104,6 +120,14 @@ class Span:
     def has_pole(self, factors: RayleighFactors) -> bool:
         """Whether it slips across c, where dV/dv has a pole."""
         return bool(self.sense) and lies_between(self.left, factors.front_c, self.right)
+
+    def strip(self, factors: RayleighFactors) -> float:
+        """Half-width over pi of the strip of y free of the hidden root; at most 1."""
+        hidden = factors.hidden_root
+        if not hidden.imag or self.right is None or self.right.from_b.flat[0] > 0:
+            return 1.0
+        ratio = (hidden - self.left.v) / (self.right.v - hidden)
+        return float(np.abs(np.angle(ratio)).min()) / np.pi
 
     def imbalance(self, factors: RayleighFactors) -> float:
         """How far, in y, a pole lies off the middle of the span."""
@@ -157,15 +181,8 @@ def analytic_strip(factors: RayleighFactors, spans: list[Span]) -> float:
     Slip ahead of the shear front sees a pole at the hidden root; stick, where fields are only
     integrated over whole panels, may come twice as near.
     """
-    hidden, width = factors.hidden_root, 1.0
-    if not hidden.imag:
-        return width
-    for span in spans:
-        if span.right is not None and span.right.from_b.flat[0] <= 0:
-            ratio = (hidden - span.left.v) / (span.right.v - hidden)
-            share = float(np.abs(np.angle(ratio)).min()) / np.pi
-            width = min(width, share if span.sense else 2 * share)
-    return width
+    shares = [span.strip(factors) * (1 if span.sense else 2) for span in spans]
+    return min(1.0, *shares)
 
 
 @dataclass(frozen=True)
@@ -247,12 +264,23 @@ class Panels:
         before = targets < source
         if before.any():
             own, other = self.from_left[source], -self.minus(left)[targets[before]]
-            result[before] = _summed(weights, own, other)
+            result[before] = self._summed(weights, own, other)
         if not before.all():
             assert right is not None
             own, other = self.from_right[source], self.minus(right)[targets[~before]]
-            result[~before] = -_summed(weights, own, other)
+            result[~before] = -self._summed(weights, own, other)
         return self.rule.spacing * result
+
+    def _summed(self, weights: Array, own: Array, other: Array) -> Array:
+        """Sums of weights / (own + other) over the nodes that matter."""
+        if own.shape[-1] < _MANY:
+            return _summed(weights, own, other)
+        bound = (np.abs(weights) / own).reshape(-1, own.shape[-1]).max(axis=0)
+        matter = np.flatnonzero(bound > _NEGLIGIBLE * np.exp(-self.rule.reach / 2))
+        if not len(matter):
+            return np.zeros_like(other)
+        nodes = slice(matter[0], matter[-1] + 1)
+        return _summed(weights[..., nodes], own[..., nodes], other)
 
     def principal_value(self, source: int, weights: Array) -> Array:
         """The same at the panel's own nodes, as a principal value (nodes of the other parity).
@@ -264,13 +292,16 @@ class Panels:
 
 
 def _summed(weights: Array, own: Array, other: Array) -> Array:
-    """Sums of weights / (own + other) over the nodes of `own` (..., n), for `other` (t, ..., n)."""
-    n = own.shape[-1]
-    result = np.empty((len(other), own.size // n, n))
-    sources, rows = own.reshape(-1, 1, n), weights.reshape(-1, n, 1)
+    """Sums of weights / (own + other) over the nodes of `own` (..., m), for `other` (t, ..., n)."""
+    m, n = own.shape[-1], other.shape[-1]
+    if other.size * m <= _CACHED:
+        kernel = np.reciprocal(own[..., None, :] + other[..., None])
+        return np.asarray((kernel @ weights[..., None])[..., 0])
+    result = np.empty((len(other), own.size // m, n))
+    sources, rows = own.reshape(-1, 1, m), weights.reshape(-1, m, 1)
     to = other.reshape(*result.shape, 1)
-    step = max(1, min(len(sources), _CACHED // n**2))
-    kernel = np.empty((step, n, n))
+    step = max(1, min(len(sources), _CACHED // (m * n)))
+    kernel = np.empty((step, n, m))
     for start in range(0, len(sources), step):
         part = slice(start, start + step)
         count = len(sources[part])

@@ -52,10 +52,10 @@ class Profile:
     @cached_property
     def _slip_rate(self) -> RunningIntegral:
         fields = self.fields
-        tail = 0.0
+        tail = np.zeros(())
         if self.edge_slips:
-            sign = np.sign(fields.canonical[-1, -1])
-            tail = float(sign * fields.constant[0] / (np.pi * fields.factors.kappa))
+            sign = np.sign(fields.canonical[-1, ..., -1])
+            tail = sign * fields.constant[..., 0] / (np.pi * fields.factors.kappa)
         return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
 
     @cached_property
@@ -122,9 +122,13 @@ class Profile:
         bounded = self._starts[1][panel][..., None] + self._traction.at_nodes(panel)
         return bounded + self._edge_traction(panel, self.panels.at.v[panel])
 
-    def residue(self, panel: int) -> Array:
+    def residues(self, panel: int) -> Array:
         """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
         return np.asarray(self._slip_rate.residues[panel])
+
+    def residue(self, panel: int) -> float:
+        """The same for one set of zones."""
+        return float(self.residues(panel))
 
     @cached_property
     def edge_slip_rate(self) -> float:
@@ -132,7 +136,7 @@ class Profile:
         return float(self._starts[0][-1] + self._slip_rate.totals[-1]) if self.edge_slips else 0.0
 
     def _piecewise(
-        self, u: Array, ahead: float, inside: Callable[[int, CutPoints], Array]
+        self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
         result = np.full(u.shape, ahead)
         panel = np.searchsorted([left.v[0] for left in self.panels.left], u, "right") - 1

@@ -16,7 +16,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
-from scipy.fft import dct
 
 from semianalytic.scene import Material
 
@@ -35,8 +34,12 @@ def gauss(n: int) -> tuple[Array, Array]:
 
 def chebyshev_series(function: Callable[[Array], Array], degree: int) -> Array:
     """Chebyshev coefficients of a smooth function on [-1, 1], without those lost in rounding."""
-    angle = np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1)
-    series = dct(function(np.cos(angle)), type=2) / (degree + 1)
+    count = degree + 1
+    values = function(np.cos(np.pi * (np.arange(count) + 0.5) / count))
+    # cosine transform of the values by a Fourier transform of every other one, there and back
+    folded = np.fft.fft(np.concatenate([values[::2], values[1::2][::-1]]))
+    turned = folded * np.exp(-0.5j * np.pi * np.arange(count) / count)
+    series = 2 / count * turned.real
     series[0] /= 2
     above = np.flatnonzero(np.abs(series) > 4e-16 * np.abs(series).max())
     return series[: above[-1] + 1]
@@ -72,19 +75,19 @@ class CutPoints:
 
     def minus(self, other: CutPoints) -> Array:
         """Differences from points that lie together, formed at the front nearest to them."""
-        return self.parts[other._nearest] - other.parts[other._nearest]
+        return self.parts[other.nearest] - other.parts[other.nearest]
 
     @cached_property
     def _first(self) -> list[float]:
         return [float(part) for part in self.parts.reshape(4, -1)[:, 0]]
 
     @cached_property
-    def _nearest(self) -> int:
+    def nearest(self) -> int:
         return min((1, 2, 3), key=lambda front: abs(self._first[front]))
 
     def first_below(self, other: CutPoints) -> bool:
         """Whether the first of these points has less slowness than the first of others."""
-        return self._first[other._nearest] < other._first[other._nearest]
+        return self._first[other.nearest] < other._first[other.nearest]
 
     def __getitem__(self, index: Any) -> CutPoints:
         """Some of the points."""

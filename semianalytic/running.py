@@ -23,13 +23,13 @@ class RunningIntegral:
     panels : Panels
     density : (p, ..., n) array, g at the nodes
     c : float, Rayleigh slowness
-    tail : float, limit of v^2 g (needed for the moment v g only, of one set of zones)
+    tail : float or (...) array, limit of v^2 g (needed for the moment v g only)
     """
 
     panels: Panels
     density: Array
     c: float
-    tail: float = 0.0
+    tail: float | Array = 0.0
 
     @cached_property
     def totals(self) -> Array:
@@ -82,7 +82,7 @@ class RunningIntegral:
 
     def at_nodes(self, panel: int) -> Array:
         """The same at the panel's nodes, (..., n)."""
-        regular = self._regular[panel] @ self.panels.rule.running.T
+        regular = self.panels.rule.running(self._regular[panel])
         return regular + self._of_pole(panel, self.panels.at[panel])
 
     def with_moment(self, panel: int, at: CutPoints) -> tuple[Array, Array]:
@@ -98,7 +98,7 @@ class RunningIntegral:
                 moment = moment + residue * (at.minus(left) + self.c * log)
             else:
                 moment = moment + residue * self.c * (log - np.log(at.v / left.v))
-        if not bounded and self.tail:
+        if not bounded:
             moment = moment + self.tail * (np.log(at.v / left.v) + left.v / at.v - 1)
         return plain + self._of_pole(panel, at), moment
 

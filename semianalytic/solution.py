@@ -172,6 +172,25 @@ class Solution:
         unit = self._rate_unit * self.stress * self.scene.material.shear_speed
         return unit * self.profile.frictional_power * time
 
+    def energy_flux(self, t: ArrayLike) -> Array:
+        """Power that leaves the solids through the contact, per unit depth, at times t.
+
+        [stress length^2 / time], in units of `frictional_power`, to which it is equal: friction
+        takes all of it.  The edges of slip zones take none, for slip rate vanishes there at
+        least like |x - edge|^(1/2) (between c_t and c_l like |x - edge|^(1 - phi/pi)) under a
+        finite traction; nor does a stuck contact edge, which is singular but does not move.
+        What the load does beyond that is radiated; it is infinite, as the slot is.
+        """
+        return self.frictional_power(t)
+
+    @property
+    def front_speeds(self) -> Array:
+        """(m, 2) velocities of the inner and outer edge of each zone [length / time].
+
+        From the contact edge outward; 0 is the contact edge itself, inf slip ahead of all waves.
+        """
+        return np.array([(zone.inner, zone.outer) for zone in self.zones]).reshape(-1, 2)
+
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
 

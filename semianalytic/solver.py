@@ -7,11 +7,10 @@ from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
-from scipy.optimize import brentq
 
 from semianalytic.collocation import slip_on_grid
 from semianalytic.coulomb import across_shear_front, corrected, violations, without_vanished
-from semianalytic.edges import Edges, edges_on_grid, locate_edges, polish_edges
+from semianalytic.edges import Edges, edges_on_grid, locate_edges, moves, polish_edges
 from semianalytic.errors import SceneError, TensionError
 from semianalytic.panels import Rule, rule_for
 from semianalytic.profile import Profile
@@ -20,12 +19,12 @@ from semianalytic.running import RunningIntegral
 from semianalytic.scene import Scene
 from semianalytic.solution import SlipZone, Solution, Statistics
 from semianalytic.stuck import stuck_traction
-from semianalytic.zones import Load, ZoneFields
+from semianalytic.zones import Load, ZoneFields, per_set
 
 _GRIDS = (48, 96, 192, 384)
 _MOST_ZONE_SETS = 12
 _MOST_REFINEMENTS = 4
-_SAFETY = 5.0  # slip rates near edges and fronts change more than the quantities compared
+SAFETY = 5.0  # slip rates near edges and fronts change more than the quantities compared
 
 
 def check_pressure(scene: Scene) -> None:
@@ -47,11 +46,12 @@ def check_pressure(scene: Scene) -> None:
         )
 
 
-def _frictionless(scene: Scene) -> bool:
+def frictionless(scene: Scene) -> bool:
+    """Whether nothing resists slip."""
     return scene.friction == 0 or scene.base.pressure == scene.step.pressure == 0
 
 
-def _scaled_load(scene: Scene) -> tuple[Load, float]:
+def scaled_load(scene: Scene) -> tuple[Load, float]:
     """Load in units of its largest traction, and that unit."""
     f, base, step = scene.friction, scene.base, scene.step
     parts = (step.shear, f * step.pressure, base.shear, f * base.pressure)
@@ -111,10 +111,10 @@ def _find_zones(
     for size in _GRIDS:
         grid = slip_on_grid(
             factors.poisson_ratio,
-            load.friction,
+            float(load.friction),
             (load.base_pressure, load.base_shear),
             (load.step_pressure, load.step_shear),
-            load.far_slip_rate,
+            float(load.far_slip_rate),
             size,
         )
         start = edges_on_grid(factors, grid, load.critical)
@@ -140,47 +140,55 @@ def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
     if not found.sound:
         return _Refined(found.unknowns, found.profile, np.inf, 0)
     edges, unknowns, profile, steps = found.edges, found.unknowns, found.profile, 0
-    wanted = rtol / 10
+    wanted, left = rtol / 10, 0.0
     for _ in range(_MOST_REFINEMENTS):
         rule, companion = rule_for(wanted), rule_for(5 * wanted)
         if rule is not profile.fields.rule:
             target = max(0.02 * rtol, 1e-13)
-            unknowns, taken = polish_edges(edges, load, rule, unknowns, found.inverse, target)
+            unknowns, left, taken = polish_edges(edges, load, rule, unknowns, found.inverse, target)
             steps += taken
             profile = Profile(ZoneFields(edges.factors, load, edges.zones(unknowns), rule))
         coarse = ZoneFields(edges.factors, load, profile.fields.zones, companion)
-        estimate = 1e-14 + _difference(edges, unknowns, found.inverse, profile.fields, coarse)
+        moved = unknowns
+        if len(unknowns):
+            moved = unknowns - moves(found.inverse, coarse.mismatch())
+        estimate = float(difference(edges, unknowns, moved, profile.fields, coarse))
+        estimate += SAFETY * left
         if estimate <= rtol:
             break
         wanted *= max(0.1 * rtol / estimate, 1e-3)
     return _Refined(unknowns, profile, estimate, steps)
 
 
-def _difference(
-    edges: Edges, unknowns: Array, inverse: Array, fine: ZoneFields, coarse: ZoneFields
-) -> float:
-    """Difference of two rules: of edges over the lesser of themselves and c_t, and of slip
-    rates over the largest, which move with them.
+def difference(
+    edges: Edges, unknowns: Array, moved: Array, fine: ZoneFields, coarse: ZoneFields
+) -> Array:
+    """Error estimate from the difference of two rules, () or (k,).
 
-    Slip rates are compared in the middle and at the end of every panel, and by their residues.
+    Of edges over the lesser of themselves and c_t, and of slip rates over the largest, which move
+    with them: compared in the middle and at the end of every panel, and by their residues.
+
+    Parameters
+    ----------
+    unknowns, moved : (e,) or (e, k) arrays, edges that are right on the fine and the coarse rule
+    fine, coarse : ZoneFields of the same zones on two rules
     """
-    worst = 0.0
+    worst = np.zeros(fine.panels.jacobian.shape[1:-1])
     if len(unknowns):
-        moved = unknowns - inverse @ coarse.mismatch()
-        pairs = zip(edges.points(unknowns), edges.points(moved), strict=True)
-        worst = max(abs(float(p.v[0] / q.v[0]) - 1) * max(1.0, 1 / float(p.v[0])) for p, q in pairs)
-    compared, scale = [], 1.0
+        for p, q in zip(edges.points(unknowns), edges.points(moved), strict=True):
+            shift = np.abs(p.v / q.v - 1) * np.maximum(1.0, 1 / p.v)
+            worst = np.maximum(worst, shift.reshape(worst.shape))
+    compared, scale = [], np.ones(())
     for fields in (coarse, fine):
         panels = fields.panels
         rate = RunningIntegral(panels, fields.slip_rate_slope, fields.factors.c)
-        middle = panels.rule.running[len(panels.rule.y) // 2]
-        halves = (rate.density * panels.jacobian) @ middle
-        ends = np.cumsum(rate.totals) + fields.load.far_slip_rate
-        scale = max(np.abs(ends).max(), np.abs(ends - rate.totals + halves).max())
+        halves = panels.rule.halved(rate.density * panels.jacobian)
+        ends = np.cumsum(rate.totals, axis=0) + per_set(fields.load.far_slip_rate)
+        scale = np.abs(np.concatenate([ends, ends - rate.totals + halves])).max(axis=0)
         halves[rate.residues != 0] = 0.0  # the middle of such a panel depends on the rule
         compared.append(np.concatenate([rate.totals, halves, rate.residues]))
-    rates = float(np.abs(compared[0] - compared[1]).max()) / (scale or 1.0)
-    return _SAFETY * max(worst, rates)
+    rates = np.abs(compared[0] - compared[1]).max(axis=0) / np.where(scale > 0, scale, 1.0)
+    return 1e-14 + SAFETY * np.maximum(worst, rates)
 
 
 def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
@@ -210,11 +218,11 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
         raise SceneError(f"rtol must lie between 1e-12 and 1e-2, got {rtol!r}.")
     check_pressure(scene)
     factors = rayleigh_factors(scene.material.poisson_ratio)
-    load, stress = _scaled_load(scene)
+    load, stress = scaled_load(scene)
     clock = [perf_counter()]
-    loose = max(rtol / 10, 1e-4)
+    loose = loose_tolerance(rtol)
     pivots = 0
-    if _frictionless(scene):
+    if frictionless(scene):
         edges = Edges(factors, (1,), (True, True), ())
         fields = ZoneFields(factors, load, edges.zones(np.zeros(0)), rule_for(loose))
         found = _Found(edges, np.zeros(0), np.zeros((0, 0)), Profile(fields), True)
@@ -223,7 +231,7 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     clock.append(perf_counter())
     refined = _refined(found, load, rtol)
     clock.append(perf_counter())
-    checked = _frictionless(scene) or refined.profile is found.profile
+    checked = frictionless(scene) or refined.profile is found.profile
     wrong = [] if checked else violations(refined.profile, 100 * rtol)
     if found.sound and wrong:
         start = corrected(found.edges, refined.unknowns, wrong)
@@ -246,14 +254,19 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
         seconds=stages,
     )
     profile, estimate = refined.profile, refined.estimate
-    zones = _slip_zones(scene, profile)
+    zones = slip_zones(scene, profile)
     return Solution(scene, zones, status, estimate, statistics, profile, stress)
 
 
-def _slip_zones(scene: Scene, profile: Profile) -> tuple[SlipZone, ...]:
+def loose_tolerance(rtol: float) -> float:
+    """Tolerance of the rule on which zones are looked for."""
+    return max(rtol / 10, 1e-4)
+
+
+def slip_zones(scene: Scene, profile: Profile) -> tuple[SlipZone, ...]:
     """Zones in velocity, from the contact edge outward; without friction cut by sense of slip."""
     speed = scene.material.shear_speed
-    if _frictionless(scene):
+    if frictionless(scene):
         return _zones_by_sense(profile, speed)
     ahead = np.inf if scene.far_slip_rate else scene.material.longitudinal_speed
     return tuple(
@@ -268,6 +281,8 @@ def _slip_zones(scene: Scene, profile: Profile) -> tuple[SlipZone, ...]:
 
 def _zones_by_sense(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
     """Zones of a frictionless interface: it slips behind the longitudinal front, either way."""
+    from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
+
     factors, far = profile.fields.factors, profile.fields.load.far_slip_rate
     close = factors.c * np.logspace(-14, -1, 53)
     v = np.concatenate([profile.panels.at.v.ravel(), factors.c - close, factors.c + close])

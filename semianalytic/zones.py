@@ -37,6 +37,8 @@ from semianalytic.panels import (
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.stuck import stuck_traction
 
+_SMALL = 1 / np.arange(2.0, 11.0)  # -(1 + ln(1 - s) / s) / s in powers of s
+
 
 @dataclass(frozen=True)
 class Load:
@@ -82,16 +84,14 @@ class Piece:
 
         Accurate near the panel and far from it.
         """
-        width = self.right.minus(self.left)
-        share, to_left, to_right = np.broadcast_arrays(width / to_left, to_left, to_right)
-        far = np.abs(share) < 0.5
-        log = np.empty_like(share)
-        log[far] = np.log1p(-share[far])
-        log[~far] = np.log(np.abs(to_right[~far] / to_left[~far]))
-        small = np.abs(share) < 0.02
-        linear = np.divide(log + share, share, where=~small, out=np.zeros_like(share))
-        if np.any(small):
-            linear[small] = -share[small] * polyval(share[small], 1 / np.arange(2.0, 11.0))
+        share = self.right.minus(self.left) / to_left
+        size = np.abs(share)
+        near = np.log(np.abs(to_right / to_left))
+        log = np.where(size < 0.5, np.log1p(-np.minimum(share, 0.5)), near)
+        linear = log / share + 1
+        small = size < 0.02
+        if small.any():
+            linear[small] = -share[small] * polyval(share[small], _SMALL)
         return self.start * log + (self.stop - self.start) * linear
 
 
@@ -366,7 +366,7 @@ class ZoneFields:
 
     @cached_property
     def stick_transform_excess(self) -> Array:
-        """(..., n): T / M_+ less its limit at a stuck contact edge, on the last panel, without loss."""
+        """(..., n): T / M_+ less its limit at a stuck contact edge, last panel, without loss."""
         panels, load, factors = self.panels, self.load, self.factors
         last = len(panels.sense) - 1
         at = panels.at[last]

@@ -123,6 +123,36 @@ def test_frictional_power_is_traction_times_slip_rate(preloaded, stuck, sliding)
     assert sliding.frictional_power(0.0) == 0
 
 
+def test_energy_leaves_through_friction_alone(shock, sliding):
+    """Traction times slip rate over the contact; the fronts are free of singular energy flux."""
+    edges = shock.front_speeds
+    power = sum(
+        quad(
+            lambda x: float(shock.shear_traction(x, 1.0) * shock.slip_rate(x, 1.0)),
+            inner,
+            outer,
+            points=[1.0] if inner < 1 < outer else None,
+            epsabs=1e-10,
+        )[0]
+        for inner, outer in edges
+    )
+    np.testing.assert_allclose(shock.energy_flux([1.0, 3.0]), [power, 3 * power], rtol=1e-7)
+    for edge in edges[edges > 0]:
+        distance = np.array([1e-4, 1e-6, 1e-8])
+        for side in (-1, 1):
+            x = edge * (1 + side * distance)
+            product = np.abs(shock.slip_rate(x, 1.0) * shock.stick_margin(x, 1.0))
+            assert np.all(product < 1e-9)  # one of them vanishes on either side
+            concentration = np.abs(shock.shear_traction(x, 1.0)) * np.sqrt(distance)
+            assert np.all(np.diff(concentration) < 0)
+    assert sliding.energy_flux(1.0) == np.inf
+
+
+def test_front_speeds_are_the_edges_of_the_zones(preloaded, stuck):
+    assert preloaded.front_speeds.tolist() == [[z.inner, z.outer] for z in preloaded.zones]
+    assert stuck.front_speeds.shape == (0, 2)
+
+
 def test_far_slot_faces_carry_plane_waves(shock):
     tangential, normal = shock.slot_velocity(np.array([-2.5, -9.0]), 1.0)
     np.testing.assert_allclose(tangential, 1.0, rtol=1e-12)  # Q_0 / mu b
@@ -139,7 +169,7 @@ def test_history_samples_every_field(preloaded):
     x, t = np.array([0.2, 0.6, 1.0]), np.array([0.5, 1.0])
     history = preloaded.history(x, t)
     assert history.slip.shape == (2, 3)
-    np.testing.assert_array_equal(history.slip_rate[1], preloaded.slip_rate(x, 1.0))
+    np.testing.assert_allclose(history.slip_rate[1], preloaded.slip_rate(x, 1.0), rtol=1e-14)
     np.testing.assert_array_equal(history.pressure, 1.0)
 
 

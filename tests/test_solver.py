@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from compare.reverse_slip import reverse_threshold
 from semianalytic import Material, Scene, SceneError, TensionError, Tractions, solve
 from semianalytic.reference import (
     edge_speed_under_shear_step,
@@ -205,3 +206,12 @@ def test_a_threshold_scene_has_a_status_not_a_wrong_curve():
     limit = scene(nu=0.25, friction=1.31607255659514, base=(1.0, 1.0), step=(1.0, 1.0))
     solution = solve(limit)
     assert solution.status == "converged" or "no set of slip zones" in solution.status
+
+
+@pytest.mark.parametrize("nu", [-0.2, 0.0, 0.1])
+def test_reversed_strip_just_below_its_threshold_is_not_missed(nu):
+    """In the stick gap around c_R the traction misses -f p by little of the load, not of f p."""
+    threshold = reverse_threshold(nu)
+    for share, senses in ((0.98, [1, -1, 1]), (1.02, [1, 1])):
+        solution = solve(scene(nu, share * threshold), rtol=1e-6)
+        assert [zone.sense for zone in solution.zones] == senses
