@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,12 +11,21 @@ import typer
 from rich.console import Console
 
 from compare import studies, terminal
-from compare.options import CHECKPOINT_OPTIONS, MESH_OPTIONS, SCENE_OPTIONS, with_options
+from compare.options import (
+    CHECKPOINT_OPTIONS,
+    MARCH_OPTIONS,
+    MESH_OPTIONS,
+    SCENE_OPTIONS,
+    with_options,
+)
+from compare.predictions import predict
 from compare.report import Report, build_report, json_text, solution_document, write_report
 from compare.scenes import DEFAULT_SCENE, find_scene, override_scene, scene_label
 from compare.snapshots import last_snapshot
-from semianalytic import Scene, solve
+from semianalytic import Marched, Scene, march, march_on, solve
 from semianalytic.errors import DataFileError, SceneError, SlipfrontError
+from semianalytic.predict import chosen_method
+from semianalytic.scene import scene_document
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -42,6 +50,9 @@ Output = Annotated[
     Path | None,
     typer.Option(metavar="DIR", help="Folder to write to, results/SCENE unless given."),
 ]
+Method = Annotated[
+    str, typer.Option(help="self-similar, space-time, or auto: the one the scene calls for.")
+]
 
 
 @app.command()
@@ -62,6 +73,7 @@ def compare(
             "--from", metavar="DIR", help="Folder of an earlier simulation to use instead."
         ),
     ] = None,
+    method: Method = "auto",
     output: Output = None,
     no_snapshots: NoSnapshots = False,
     quiet: Quiet = False,
@@ -90,7 +102,9 @@ def compare(
     snapshots = (from_ or directory) / SNAPSHOTS
     written = snapshots.is_dir() and not no_snapshots
     snapshot = last_snapshot(snapshots) if written else None
-    report = build_report(label, solve(simulation.scene), simulation, snapshot)
+    with terminal.progress_bar(Console(stderr=True), quiet, "marching") as progress:
+        prediction = predict(simulation, method, progress)
+    report = build_report(label, prediction, simulation, snapshot)
     _write_comparison(report, directory)
     console.print(terminal.report_table(report))
     console.print("Tolerances:\n" + terminal.reasons_text(report), highlight=False)
@@ -99,17 +113,30 @@ def compare(
 
 
 @app.command("solve")
-@with_options(overrides=SCENE_OPTIONS)
+@with_options(overrides=SCENE_OPTIONS, march=MARCH_OPTIONS)
 def solve_command(
     overrides: Mapping[str, float],
+    march: Mapping[str, Any],
     scene: SceneArgument,
+    method: Method = "auto",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw slip rate and tractions (.png, .pdf).")
     ] = None,
+    quiet: Quiet = False,
 ) -> None:
-    """Solve a scene: slip zones, edge velocities and what happens at the edge of the slot."""
-    solution = solve(override_scene(find_scene(scene), **overrides))
+    """Solve a scene: zones and edge velocities, or what happens until an end time.
+
+    Step loads are self-similar and solved exactly; other load histories are marched in time.
+    """
+    wanted = override_scene(find_scene(scene), **overrides)
+    if chosen_method(wanted, method) == "space-time":
+        _march(wanted, scene_label(scene), march, as_json=as_json, plot=plot, quiet=quiet)
+        return
+    if march:
+        option = "--" + next(iter(march)).replace("_", "-")
+        raise SceneError(f"{option} is for the space-time solver; add --method space-time.")
+    solution = solve(wanted)
     if plot is not None:
         from compare.figures import prediction_figure, save_figure
 
@@ -236,6 +263,47 @@ def _simulate(
     return simulation
 
 
+def _march(
+    scene: Scene,
+    label: str,
+    options: Mapping[str, Any],
+    *,
+    as_json: bool,
+    plot: Path | None,
+    quiet: bool,
+) -> None:
+    """March a scene, or go on with a saved march, and say what happened."""
+    from compare.marches import march_document, march_figure, march_table
+
+    options = dict(options)
+    save, earlier = options.pop("save", None), options.pop("go_on", None)
+    with terminal.progress_bar(Console(stderr=True), quiet or as_json, "marching") as progress:
+        if earlier is None:
+            marched = march(scene, **options, progress=progress)
+        else:
+            saved = Marched.load(earlier)
+            if saved.scene != scene:
+                raise SceneError(f"{earlier} holds a march of another scene; give that scene.")
+            end_time = options.pop("end_time", saved.latest)
+            if options:
+                option = "--" + next(iter(options)).replace("_", "-")
+                raise SceneError(f"{option} has no effect with --go-on; leave one of the two out.")
+            marched = march_on(saved, end_time, progress)
+    if save is not None:
+        marched.save(save)
+    if plot is not None:
+        from compare.figures import save_figure
+
+        save_figure(march_figure(marched), plot)
+    if as_json:
+        sys.stdout.write(json_text(march_document(marched)))
+        return
+    Console().print(march_table(marched, label))
+    for done, path in (("Saved", save), ("Drawn", plot)):
+        if path is not None:
+            Console().print(f"{done} in {path}", highlight=False)
+
+
 def _earlier_simulation(
     directory: Path, source: str | None, overrides: Mapping[str, float], settings: Mapping[str, Any]
 ) -> Simulation:
@@ -253,15 +321,16 @@ def _earlier_simulation(
     wanted = override_scene(find_scene(source) if source else simulation.scene, **overrides)
     if wanted != simulation.scene:
         raise SceneError(
-            f"{directory} holds a simulation of another scene ({asdict(simulation.scene)}); "
-            "leave the scene out or simulate again."
+            f"{directory} holds a simulation of another scene "
+            f"({scene_document(simulation.scene)}); leave the scene out or simulate again."
         )
     return simulation
 
 
 def _write_comparison(report: Report, directory: Path) -> None:
-    from compare.figures import COMPARISON_FIGURES, save_figure
+    from compare.figures import save_figure
+    from compare.history_figures import comparison_figures
 
-    for name, draw in COMPARISON_FIGURES.items():
-        save_figure(draw(report.solution, report.simulation.interface), directory / name)
+    for name, draw in comparison_figures(report).items():
+        save_figure(draw(report), directory / name)
     write_report(report, directory / "report.json")

@@ -5,7 +5,7 @@ Every function returns a Figure.  Pass `axes` to draw into axes of a figure of y
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -334,12 +334,3 @@ def _line_handles() -> list[Line2D]:
 def _zone_handles(zones: tuple[SlipZone, ...]) -> list[Patch]:
     kinds = dict.fromkeys(["stick", *(_zone_kind(zone) for zone in zones)])
     return [Patch(color=ZONE_COLOURS[kind], label=kind) for kind in kinds]
-
-
-Draw = Callable[[Solution, InterfaceHistory], Figure]
-
-COMPARISON_FIGURES: dict[str, Draw] = {
-    "slip_rate.png": slip_rate_figure,
-    "tractions.png": tractions_figure,
-    "fronts.png": fronts_figure,
-}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from functools import wraps
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -39,6 +40,20 @@ MESH_OPTIONS: Mapping[str, Any] = {
         "element": (str, "P1, Q1 or Q2; Q1 unless given."),
         "mesh": (str, "squares, graded, or triangles for P1; squares unless given."),
         "frames": (int, "Number of field snapshots, 20 unless given."),
+    }.items()
+}
+
+MARCH_OPTIONS: Mapping[str, Any] = {
+    name: _option(type_, "Space-time solver", text)
+    for name, (type_, text) in {
+        "end_time": (float, "Time T at which the march ends."),
+        "nodes": (int, "Contact nodes, 1000 unless given."),
+        "length": (float, "Length of the contact that is observed, c_l T unless given."),
+        "step_ratio": (float, "c_t times the step over the node distance, 0.5 unless given."),
+        "every": (int, "Store every n-th step."),
+        "latest": (float, "Time to which a saved march may go on, T unless given."),
+        "save": (Path, "File to keep the march in (.h5)."),
+        "go_on": (Path, "File of a saved march to go on with."),
     }.items()
 }
 

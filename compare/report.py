@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from compare.files import write_text
+from compare.history_rows import event_rows, rate_rows, sense_rows, wear_rows
+from compare.predictions import Prediction
 from compare.rows import (
     Row,
     arrival_rows,
@@ -21,6 +23,7 @@ from compare.rows import (
 from compare.scales import speed_regime
 from compare.snapshots import SlipRateProfile
 from semianalytic import Solution
+from semianalytic.scene import scene_document
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -31,7 +34,7 @@ class Report:
     """All rows of one comparison."""
 
     label: str
-    solution: Solution
+    prediction: Prediction
     simulation: Simulation
     rows: tuple[Row, ...]
 
@@ -43,43 +46,57 @@ class Report:
 
 def build_report(
     label: str,
-    solution: Solution,
+    prediction: Prediction,
     simulation: Simulation,
     snapshot: SlipRateProfile | None = None,
 ) -> Report:
-    """Compare a solution and a simulation of the same scene, quantity by quantity.
+    """Compare a prediction and a simulation of the same scene, quantity by quantity.
+
+    Fronts, zones and tractions at the end are compared where the prediction is self-similar; what
+    happens over space and time always is.
 
     Parameters
     ----------
     label : str
         Name of the scene, for titles.
-    solution : Solution
-        The prediction.
+    prediction : Prediction
+        At the nodes and times of the simulation.
     simulation : Simulation
         The finite-element answer; its last recorded time is the final time.
     snapshot : SlipRateProfile, optional
         What the last field snapshot holds, to be compared as well.
     """
-    rows = [
-        *arrival_rows(solution, simulation),
-        *zone_rows(solution, simulation),
-        *slip_rate_rows(solution, simulation),
-        *onset_rows(solution, simulation),
-        *traction_rows(solution, simulation),
-    ]
-    if snapshot is not None:
-        rows += snapshot_rows(solution, simulation, snapshot)
-    return Report(label, solution, simulation, tuple(rows))
+    rows: list[Row] = []
+    solution = prediction.solution
+    if solution is not None:
+        rows += [
+            *arrival_rows(solution, simulation),
+            *zone_rows(solution, simulation),
+            *slip_rate_rows(solution, simulation),
+            *onset_rows(solution, simulation),
+            *traction_rows(solution, simulation),
+        ]
+        if snapshot is not None:
+            rows += snapshot_rows(solution, simulation, snapshot)
+    if prediction.interface.slip_rate.any():
+        rows += [
+            *rate_rows(prediction, simulation),
+            *sense_rows(prediction, simulation),
+            *event_rows(prediction, simulation),
+            *wear_rows(prediction, simulation),
+        ]
+    return Report(label, prediction, simulation, tuple(rows))
 
 
 def report_document(report: Report) -> dict[str, Any]:
     """The report as plain dictionaries, lists, strings and finite numbers, for JSON."""
-    simulation = report.simulation
+    simulation, solution = report.simulation, report.prediction.solution
     return {
         "scene": report.label,
         "passed": report.passed,
-        "parameters": asdict(report.solution.scene),
-        "semianalytic": solution_document(report.solution),
+        "parameters": scene_document(simulation.scene),
+        "method": report.prediction.method,
+        "semianalytic": None if solution is None else solution_document(solution),
         "finite_elements": {
             "end_time": simulation.end_time,
             "resolution": simulation.resolution,
@@ -106,7 +123,7 @@ def solution_document(solution: Solution) -> dict[str, Any]:
     material = solution.scene.material
     mode_one, mode_two = solution.stress_intensity(1.0)
     return {
-        "scene": asdict(solution.scene),
+        "scene": scene_document(solution.scene),
         "wave_speeds": {
             "rayleigh": material.rayleigh_speed,
             "shear": material.shear_speed,

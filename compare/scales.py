@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from semianalytic import Material, Scene
 
@@ -22,6 +23,21 @@ def slip_rate_scale(scene: Scene) -> float:
     This is how fast two frictionless faces part company under a plane shear wave of amplitude τ₀.
     """
     return 2 * stress_scale(scene) / scene.material.shear_impedance
+
+
+def load_time(scene: Scene, end_time: float) -> float:
+    """Shortest time in which the loads change before end_time [time]; end_time for steps."""
+    times = [end_time]
+    for amplitude, history in (
+        (scene.step.pressure, scene.pressure_history),
+        (scene.step.shear, scene.shear_history),
+    ):
+        if amplitude:
+            pieces = history.pieces
+            breaks = [at for at in pieces.breaks if at < end_time]
+            times += [after - before for before, after in pairwise(breaks)]
+            times += [0.5 / wave.frequency for wave in pieces.waves]
+    return min(times)
 
 
 def front_speeds(material: Material) -> dict[str, float]:

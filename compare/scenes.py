@@ -68,7 +68,7 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
         "constant pressure, shear that oscillates: slip reverses each half cycle",
     ),
     "pressure-drop": NamedScene(
-        Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.29), step=Tractions(1.0, 0.0)),
+        Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.295), step=Tractions(1.0, 0.0)),
         "constant shear, sudden loss of pressure on the slot: slip ahead of the shear wave",
     ),
     "lift-off": NamedScene(

@@ -17,6 +17,7 @@ from semianalytic.scene import Material, Scene, Tractions
 from semianalytic.solution import SlipZone, Solution, Statistics
 from semianalytic.solver import solve
 from semianalytic.spacetime import march, march_on
+from semianalytic.sweep import Sweep, sweep
 
 __all__ = [
     "ComputationError",
@@ -38,6 +39,7 @@ __all__ = [
     "Solution",
     "Statistics",
     "Step",
+    "Sweep",
     "Tabulated",
     "TensionError",
     "Tractions",
@@ -45,4 +47,5 @@ __all__ = [
     "march_on",
     "slip_history",
     "solve",
+    "sweep",
 ]

@@ -14,8 +14,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import ifft
-from scipy.special import gammaln
 
 Array = NDArray[np.float64]
 
@@ -28,11 +26,13 @@ def edge_offset_and_factors() -> tuple[float, Array]:
     """Distance from the grid's own edge to the first contact node, over the node distance, and
     nodal values over 1/sqrt(n + offset), for n = 0 ... (m,); 1 beyond.
     """
+    from scipy.special import gammaln
+
     angle = 2 * np.pi * np.arange(_CIRCLE) / _CIRCLE
     angle = np.minimum(angle, 2 * np.pi - angle)
     ratio = np.ones(_CIRCLE)
     ratio[1:] = angle[1:] / (2 * np.sin(angle[1:] / 2))
-    cepstrum = ifft(np.log(ratio)).real[1 : _CIRCLE // 2]
+    cepstrum = np.fft.ifft(np.log(ratio)).real[1 : _CIRCLE // 2]
     moments = np.cumsum(np.arange(1, _CIRCLE // 2) * cepstrum)
     # the kink of |theta| at pi makes the sum alternate; its two last partial sums bracket it
     offset = 0.25 - float(np.mean(moments[-2:]))

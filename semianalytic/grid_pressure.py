@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
 
 from semianalytic.edge_factors import edge_offset_and_factors
 from semianalytic.loads import Pieces
@@ -87,6 +86,8 @@ class GridPressure:
 
     def _wave_table(self, count: int) -> Array:
         """Response to the waves, (rows + 1, n): kinks of their interpolant times the primitive."""
+        from scipy.fft import irfft, next_fast_len, rfft
+
         t = self._interval * np.arange(self._rows + 1)
         samples = np.sum([wave.value(t) for wave in self._pieces.waves], axis=0)
         kinks = np.diff(samples, prepend=0.0, append=samples[-1])[1:] / self._interval

@@ -19,7 +19,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import fresnel
 
 from semianalytic.errors import SceneError
 from semianalytic.loads import History, Wave
@@ -140,6 +139,8 @@ def stuck_shear(
 
 def _root_response(history: History, t: Array) -> Array:
     """int f'(s) sqrt(t - s) ds [time^(1/2)]."""
+    from scipy.special import fresnel
+
     pieces = history.pieces
     total = _superposed(pieces.jumps, lambda lag: np.sqrt(np.maximum(lag, 0.0)), t)
     total += _superposed(pieces.kinks, lambda lag: 2 / 3 * np.maximum(lag, 0.0) ** 1.5, t)

@@ -14,8 +14,6 @@ from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
-from scipy.optimize import brentq
-
 from semianalytic.errors import SceneError
 from semianalytic.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
 from semianalytic.loads import Harmonic, History, Pulse, Ramp, Step, Tabulated
@@ -104,8 +102,10 @@ class Material:
         def cubic(r: float) -> float:
             return ((r - 8) * r + 24 - 16 * ratio2) * r - 16 * (1 - ratio2)
 
-        root = brentq(cubic, 0.1, 1.0, xtol=1e-15, rtol=1e-15)
-        return self.shear_speed * math.sqrt(root)
+        low, high = 0.1, 1.0
+        while low < (middle := (low + high) / 2) < high:
+            low, high = (middle, high) if cubic(middle) < 0 else (low, middle)
+        return self.shear_speed * math.sqrt(high)
 
     @property
     def shear_impedance(self) -> float:

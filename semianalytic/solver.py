@@ -210,10 +210,11 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     Raises
     ------
     SceneError
-        If rtol is out of range.
+        If rtol is out of range, or the scene is not self-similar.
     TensionError
         If the contact pressure would turn tensile; the message says where.
     """
+    scene.check_self_similar()
     if not 1e-12 <= rtol <= 1e-2:
         raise SceneError(f"rtol must lie between 1e-12 and 1e-2, got {rtol!r}.")
     check_pressure(scene)

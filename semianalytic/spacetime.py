@@ -24,7 +24,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import dct, idct, next_fast_len
 
 from semianalytic.errors import ComputationError, SceneError, TensionError
 from semianalytic.exponentials import Memory, fit_memory
@@ -46,6 +45,8 @@ _CELLS_PER_WEAKENING = 2.0
 
 def causal_grid(scene: Scene, latest: float, length: float, nodes: int) -> Grid:
     """The smallest grid whose mirrors are out of reach of 0 < x < length until `latest`."""
+    from scipy.fft import next_fast_len
+
     spacing = length / nodes
     reach = scene.material.longitudinal_speed * latest
     contact = math.ceil(max(length, (reach + length) / 2) / spacing) + _MARGIN
@@ -260,6 +261,8 @@ def _advance(
     progress: Callable[[int, int], None] | None,
 ) -> Marched:
     """From the state reached to the end time, in segments between jumps of the loads."""
+    from scipy.fft import dct, idct
+
     scene, grid, start = marched.scene, marched.grid, marched.state
     shear_speed = scene.material.shear_speed
     impedance = scene.material.shear_impedance / 2

@@ -4,7 +4,15 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from compare.predictions import wear
+from compare.scenes import NAMED_SCENES
 from semianalytic.history import InterfaceHistory
+
+SELF_SIMILAR = [
+    name
+    for name, named in NAMED_SCENES.items()
+    if named.scene.is_self_similar and named.scene.step.pressure >= 0
+]
 
 
 def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, gain=1.0):
@@ -19,6 +27,15 @@ def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, g
     t = end_time * np.arange(1, times + 1) / times
     seen_at = x / stretch, t[:, None]
     velocity_x, velocity_y = solution.slot_velocity(-x / stretch, t[:, None])
+    history = InterfaceHistory(
+        x=x,
+        t=t,
+        slip=solution.slip(*seen_at),
+        slip_rate=gain * solution.slip_rate(*seen_at),
+        shear_traction=gain * solution.shear_traction(*seen_at),
+        pressure=gain * solution.pressure(*seen_at),
+    )
+    path, work = wear(history)
     return SimpleNamespace(
         scene=scene,
         end_time=end_time,
@@ -31,13 +48,8 @@ def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, g
         steps=len(t),
         unknowns=0,
         seconds={},
-        interface=InterfaceHistory(
-            x=x,
-            t=t,
-            slip=solution.slip(*seen_at),
-            slip_rate=gain * solution.slip_rate(*seen_at),
-            shear_traction=gain * solution.shear_traction(*seen_at),
-            pressure=gain * solution.pressure(*seen_at),
-        ),
+        interface=history,
+        path=path,
+        friction_work=work,
         slot=SimpleNamespace(x=-x, t=t, velocity_x=velocity_x, velocity_y=velocity_y),
     )

@@ -12,6 +12,10 @@ from semianalytic.errors import ComputationError, MissingLibraryError
 
 COARSE = ("--resolution", "40", "--frames", "2")
 
+COMPARISON_FIGURES = {
+    f"{name}.png" for name in ("slip_rate", "tractions", "fronts", "sense", "history", "wear")
+}
+
 
 @pytest.fixture(autouse=True)
 def _own_folder(tmp_path, monkeypatch):
@@ -190,7 +194,7 @@ def test_compare_with_an_earlier_simulation(simulated, tmp_path, capsys):
     document = json.loads((folder / "report.json").read_text())
     assert code == (0 if document["passed"] else 1)
     names = {path.name for path in folder.iterdir()}
-    assert names == {"slip_rate.png", "tractions.png", "fronts.png", "report.json"}
+    assert names == COMPARISON_FIGURES | {"report.json"}
     out = capsys.readouterr().out
     for row in document["rows"]:
         assert row["quantity"] in out
@@ -230,8 +234,7 @@ def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys
     code = main(["compare", "--resolution", "30", "--frames", "2", "--friction", "1"])
     folder = tmp_path / "results" / "preloaded"
     names = {path.name for path in folder.iterdir()}
-    figures = {"slip_rate.png", "tractions.png", "fronts.png"}
-    assert names == figures | {"report.json", "simulation.h5", "snapshots"}
+    assert names == COMPARISON_FIGURES | {"report.json", "simulation.h5", "snapshots"}
     captured = capsys.readouterr()
     assert "results/preloaded" in captured.out
     assert "mesh size" in captured.err
@@ -243,7 +246,7 @@ def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys
 def test_a_comparison_outside_its_tolerance_exits_with_one(
     simulated, monkeypatch, tmp_path, capsys
 ):
-    monkeypatch.setattr("compare.rows._cell", lambda simulation: 1e-9)
+    monkeypatch.setattr("compare.rows.element_over_length", lambda simulation: 1e-9)
     arguments = ["compare", "--from", str(simulated), "--output", str(tmp_path / "out")]
     assert main(arguments) == 1
     assert "FAIL" in capsys.readouterr().out

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from compare_cases import sampled_run
+from compare_cases import SELF_SIMILAR, sampled_run
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
@@ -18,7 +18,7 @@ from semianalytic import solve
 from semianalytic.errors import DataFileError, SceneError
 
 
-@pytest.fixture(scope="module", params=list(NAMED_SCENES))
+@pytest.fixture(scope="module", params=SELF_SIMILAR)
 def case(request):
     solution = solve(NAMED_SCENES[request.param].scene)
     return solution, sampled_run(solution, resolution=50).interface

@@ -1,0 +1,188 @@
+"""Load histories on the command line and in comparisons: both methods, side by side."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from compare.cli import main
+from compare.history_rows import beside_edges, slip_sense
+from compare.predictions import predict, wear
+from compare.scales import load_time
+from compare.scenes import NAMED_SCENES, find_scene
+from semianalytic import Harmonic, Marched, Ramp, SceneError, SlipWeakening, march
+from semianalytic.scene import scene_document, scene_from_document
+
+HISTORIES = ["ramp", "unload", "pulse", "harmonic"]
+
+
+@pytest.mark.parametrize("name", HISTORIES)
+def test_both_methods_agree_within_the_tolerances(name, tmp_path, capsys):
+    """At half the default resolution; at the default one the numbers in docs/spacetime.md."""
+    folder = tmp_path / name
+    command = ["compare", name, "--resolution", "60", "--no-snapshots", "--quiet"]
+    assert main([*command, "--output", str(folder)]) == 0
+    report = json.loads((folder / "report.json").read_text())
+    assert report["method"] == "space-time"
+    assert report["semianalytic"] is None
+    rows = {row["quantity"]: row for row in report["rows"]}
+    assert rows["sense of slip, part of the map that differs"]["difference"] < 0.06
+    assert rows["accumulated |slip| in L1"]["difference"] < 0.05
+    if name == "harmonic":
+        assert rows["frictional work in cycle 3"]["prediction"] > 0
+    assert {path.name for path in folder.iterdir()} >= {"sense.png", "history.png", "wear.png"}
+    assert "slip reversal" in capsys.readouterr().out
+
+
+def test_space_time_can_be_forced_where_the_exact_solver_applies(tmp_path):
+    folder = tmp_path / "forced"
+    command = ["compare", "preloaded", "--method", "space-time", "--resolution", "40", "-q"]
+    assert main([*command, "--no-snapshots", "--output", str(folder)]) == 0
+    assert json.loads((folder / "report.json").read_text())["method"] == "space-time"
+
+
+def test_two_predictions_of_one_scene_agree():
+    x, t = np.linspace(0, 1.5, 61), np.linspace(0, 1, 51)
+    run = SimpleNamespace(
+        scene=find_scene("auxetic"),
+        element_size=0.025,
+        interface=SimpleNamespace(x=x, t=t),
+    )
+    exact, marched = predict(run), predict(run, "space-time")
+    assert (exact.method, marched.method) == ("self-similar", "space-time")
+    wanted, found = exact.interface.slip[-1], marched.interface.slip[-1]
+    assert np.abs(found - wanted).sum() < 0.01 * np.abs(wanted).sum()
+    assert np.abs(marched.path - exact.path).sum() < 0.03 * exact.path.sum()
+
+
+def test_sense_and_what_lies_beside_its_edges():
+    rate = np.array([[0.0, 0.002, 0.5, -0.3, 1.0, 1.0]])
+    np.testing.assert_array_equal(slip_sense(rate, 1.0), [[0, 0, 1, -1, 1, 1]])
+    beside = beside_edges(np.array([[0, 0, 0, 0, 1, 1, 1, 1]], dtype=np.int8))
+    np.testing.assert_array_equal(beside, [[0, 0, 1, 1, 1, 0, 0, 0]])
+
+
+def test_wear_of_a_steady_slide():
+    t = np.linspace(0, 2, 5)
+    ones = np.ones((5, 3))
+    fields = SimpleNamespace(t=t, slip_rate=-2 * ones, shear_traction=-0.5 * ones)
+    path, work = wear(fields)
+    np.testing.assert_allclose(path, 4.0)
+    np.testing.assert_allclose(work, 2.0)
+
+
+def test_time_of_the_load():
+    assert load_time(find_scene("preloaded"), 1.0) == 1.0
+    assert load_time(find_scene("ramp"), 1.0) == 0.5
+    assert load_time(find_scene("harmonic"), 1.0) == pytest.approx(1 / 6)
+
+
+# --- scenes in files ------------------------------------------------------------------------
+
+SCENE_FILE = """
+friction = 0.3
+[material]
+shear_modulus = 1.0
+density = 1.0
+poisson_ratio = 0.3
+[base]
+pressure = 1.0
+shear = 0.0
+[step]
+pressure = 0.0
+shear = 1.0
+"""
+
+
+def test_histories_and_laws_from_a_file(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        SCENE_FILE
+        + '[shear_history]\nkind = "tabulated"\nt = [0, 1, 2]\nvalue_at_t = [0, 1, 0]\n'
+        + '[friction_law]\nkind = "slip-weakening"\nreduction = 0.5\ndistance = 0.2\n'
+    )
+    scene = find_scene(str(path))
+    assert scene.shear_history.value(0.5) == 0.5
+    assert scene.friction_law == SlipWeakening(0.5, 0.2)
+    assert scene_from_document(scene_document(scene)) == scene
+
+
+@pytest.mark.parametrize("named", NAMED_SCENES.values(), ids=list(NAMED_SCENES))
+def test_documents_of_scenes_come_back(named):
+    text = json.dumps(scene_document(named.scene))
+    assert scene_from_document(json.loads(text)) == named.scene
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ('[shear_history]\nkind = "sawtooth"\n', "kind must be one of step, ramp"),
+        ('[shear_history]\nkind = "ramp"\n', "a ramp needs rise_time"),
+        ('[shear_history]\nkind = "ramp"\nrise_time = -1.0\n', "0 or more, got -1.0"),
+        ('[shear_history]\nkind = "ramp"\nrise = 1.0\n', "a ramp has no 'rise'"),
+        ('[shear_history]\nkind = "pulse"\nduration = nan\n', "must be a positive number"),
+        (
+            '[shear_history]\nkind = "tabulated"\nt = [1, 0]\nvalue_at_t = [0, 1]\n',
+            "must start at 0 or later and not decrease",
+        ),
+        ('[shear_histories]\nkind = "step"\n', "did you mean shear_history"),
+        ('[friction_law]\nkind = "rate-weakening"\nreduction = 2\nrate = 1\n', "between 0 and 1"),
+        (
+            '[friction_law]\nkind = "rate-weakening"\nreduction = 1\nrate = 0.1\n',
+            "faster than radiation can balance",
+        ),
+    ],
+)
+def test_bad_files_are_refused(tmp_path, capsys, table, message):
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE_FILE + table)
+    assert main(["solve", str(path)]) == SceneError.exit_code
+    assert message in capsys.readouterr().err
+
+
+# --- slipfront solve ------------------------------------------------------------------------
+
+
+def test_solve_marches_saves_and_goes_on(tmp_path, capsys):
+    saved, plot = tmp_path / "march.h5", tmp_path / "march.png"
+    command = ["solve", "harmonic", "--nodes", "120", "--end-time", "0.5", "--latest", "1"]
+    assert main([*command, "--save", str(saved), "--plot", str(plot)]) == 0
+    assert "reach of reverse slip" in capsys.readouterr().out
+    assert plot.stat().st_size > 10_000
+    assert main(["solve", "harmonic", "--go-on", str(saved), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["end_time"] == 1.0
+    whole = march(find_scene("harmonic"), 1.0, 120, length=Marched.load(saved).interface.x[-1] * 1)
+    assert document["friction_work"] == pytest.approx(
+        whole.friction_work.sum() * whole.grid.spacing, rel=0.05
+    )
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (["solve", "preloaded", "--nodes", "50"], "add --method space-time"),
+        (["solve", "harmonic", "--method", "self-similar"], "use the space-time solver"),
+        (["solve", "harmonic", "--step-ratio", "0.9"], "lower it by"),
+        (["solve", "lift-off", "--method", "space-time"], "turn tensile"),
+    ],
+)
+def test_what_cannot_be_solved_is_refused(command, message, capsys):
+    assert main(command) == SceneError.exit_code
+    assert message in capsys.readouterr().err
+
+
+def test_going_on_with_another_scene_is_refused(tmp_path, capsys):
+    saved = tmp_path / "march.h5"
+    march(find_scene("ramp"), 0.5, 50, latest=1.0).save(saved)
+    assert main(["solve", "harmonic", "--go-on", str(saved)]) == SceneError.exit_code
+    assert main(["solve", "ramp", "--go-on", str(saved), "--nodes", "60"]) == SceneError.exit_code
+    assert "leave one of the two out" in capsys.readouterr().err
+    saved.write_bytes(saved.read_bytes()[:500])
+    assert main(["solve", "ramp", "--go-on", str(saved)]) == 3
+
+
+def test_descriptions_are_compared_by_value():
+    assert find_scene("ramp").shear_history == Ramp(0.5)
+    assert find_scene("harmonic").shear_history == Harmonic(3.0)
