@@ -188,7 +188,7 @@ def scenes() -> None:
     Console().print(terminal.scenes_table())
 
 
-for study in (studies.regimes, studies.stability, studies.article):
+for study in (studies.regimes, studies.stability, studies.article, studies.chart, studies.wear):
     app.command()(study)
 
 

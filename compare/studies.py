@@ -45,13 +45,16 @@ def stability(
         bool, typer.Option("--solver", help="Study the semi-analytic solver.")
     ] = False,
     fem: Annotated[bool, typer.Option("--fem", help="Study the finite-element model.")] = False,
+    space_time: Annotated[
+        bool, typer.Option("--space-time", help="Study the space-time solver.")
+    ] = False,
     output: Output = None,
     quick: Quick = False,
     quiet: Quiet = False,
 ) -> None:
     """Study where the methods fail, how, and what the program does about it."""
-    if not (solver or fem):
-        raise SceneError("say what to study: --solver, --fem or both.")
+    if not (solver or fem or space_time):
+        raise SceneError("say what to study: --solver, --fem, --space-time or several.")
     directory = output or Path("results", "stability")
     if solver:
         from compare.solver_stability import write_solver_stability
@@ -63,6 +66,11 @@ def stability(
 
         with terminal.progress_bar(Console(stderr=True), quiet, "studying") as progress:
             fem_stability(directory, quick, progress)
+    if space_time:
+        from compare.spacetime_study import write_stability
+
+        with terminal.progress_bar(Console(stderr=True), quiet, "studying") as progress:
+            write_stability(directory, quick, progress)
     Console().print(f"Written to {directory}/", highlight=False)
 
 
@@ -78,4 +86,60 @@ def article(output: Output = None, quick: Quick = False, quiet: Quiet = False) -
 
     found = write_article(directory, quick, None if quiet else tell)
     Console().print(claims_table(found.claims), highlight=False, markup=False)
+    Console().print(f"Written to {directory}/", highlight=False)
+
+
+def chart(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENE...]", help="Scenes of the chart, all unless given."),
+    ] = None,
+    output: Output = None,
+    quick: Quick = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is there.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Chart error against time of every method; an interrupted chart goes on when started again.
+
+    --output docs refreshes the page of the documentation.
+    """
+    from compare.chart import FILE_NAME, SCENES, measure_all
+    from compare.chart_figure import slopes_table, write_chart
+
+    directory = output or Path("results", "chart-quick" if quick else "chart")
+    notes = Console(stderr=True)
+
+    def tell(line: str) -> None:
+        notes.print(line, highlight=False)
+
+    with terminal.progress_bar(notes, quiet, "measuring") as progress:
+        points = measure_all(
+            directory / FILE_NAME,
+            scenes or SCENES,
+            quick=quick,
+            fresh=fresh,
+            progress=progress,
+            tell=None if quiet else tell,
+        )
+    text = write_chart(directory, points)
+    Console().print(text, highlight=False, markup=False, soft_wrap=True)
+    Console().print(slopes_table(points), highlight=False, markup=False)
+    Console().print(f"Written to {directory}/", highlight=False)
+
+
+def wear(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> None:
+    """Sweep friction for a step, a ramp and a pulse: accumulated slip and frictional work."""
+    from compare.wear import LOADS, POISSON_RATIOS, most_wear, write_wear
+
+    directory = output or Path("results", "wear")
+    with terminal.progress_bar(Console(stderr=True), quiet, "sweeping") as progress:
+        rows = write_wear(directory, quick, progress)
+    for poisson_ratio in POISSON_RATIOS:
+        for load in LOADS:
+            chi, work = most_wear(rows, load, poisson_ratio)
+            Console().print(
+                f"{load}, nu = {poisson_ratio:.3g}: most frictional work {work:.4g} at "
+                f"chi = {chi:.3g}",
+                highlight=False,
+            )
     Console().print(f"Written to {directory}/", highlight=False)

@@ -10,7 +10,7 @@ from semianalytic.errors import (
 )
 from semianalytic.friction import CoulombFriction, RateWeakening, SlipWeakening
 from semianalytic.history import InterfaceHistory
-from semianalytic.loads import Harmonic, Pulse, Ramp, Step, Tabulated
+from semianalytic.loads import Harmonic, History, Pulse, Ramp, Step, Tabulated
 from semianalytic.marched import Marched
 from semianalytic.predict import slip_history
 from semianalytic.scene import Material, Scene, Tractions
@@ -24,6 +24,7 @@ __all__ = [
     "CoulombFriction",
     "DataFileError",
     "Harmonic",
+    "History",
     "InterfaceHistory",
     "Marched",
     "Material",

@@ -183,7 +183,7 @@ def march(
     every : int
         Store every n-th time level; the last is always stored.
     tolerance : float
-        Relative error of the memory's transform, 1e-10 ... 1e-2.
+        Relative error of the memory's transform, above 1e-11 and up to 1e-2.
     progress : callable, optional
         Called with (step, steps) after each step.
 
@@ -207,7 +207,7 @@ def march(
     _check_range("step_ratio", step_ratio, 0.0, _LARGEST_STEP_RATIO)
     if not (isinstance(damping, (int, float)) and 0 <= damping <= _LARGEST_FEEDBACK):
         raise SceneError(f"march: damping must lie between 0 and 0.95, got {damping!r}.")
-    _check_range("tolerance", tolerance, 1e-10, 1e-2)
+    _check_range("tolerance", tolerance, 1e-11, 1e-2)
     _check_count("nodes", nodes, 16)
     _check_count("every", every, 1)
     started = time.perf_counter()
