@@ -188,7 +188,14 @@ def scenes() -> None:
     Console().print(terminal.scenes_table())
 
 
-for study in (studies.regimes, studies.stability, studies.article, studies.chart, studies.wear):
+for study in (
+    studies.regimes,
+    studies.stability,
+    studies.article,
+    studies.chart,
+    studies.wear,
+    studies.evidence,
+):
     app.command()(study)
 
 
@@ -274,10 +281,18 @@ def _march(
 ) -> None:
     """March a scene, or go on with a saved march, and say what happened."""
     from compare.marches import march_document, march_figure, march_table
+    from fem.checkpoint import deferred_interrupt
 
     options = dict(options)
     save, earlier = options.pop("save", None), options.pop("go_on", None)
-    with terminal.progress_bar(Console(stderr=True), quiet or as_json, "marching") as progress:
+    console = Console(stderr=True)
+    bar = terminal.progress_bar(console, quiet or as_json, "marching")
+    with bar as show, deferred_interrupt() as interruption:
+
+        def progress(done: int, steps: int) -> bool:
+            show(done, steps)
+            return interruption.pressed
+
         if earlier is None:
             marched = march(scene, **options, progress=progress)
         else:
@@ -291,6 +306,12 @@ def _march(
             marched = march_on(saved, end_time, progress)
     if save is not None:
         marched.save(save)
+    if interruption.pressed:
+        if save is not None:
+            console.print(
+                f"{save} holds the march until t = {marched.end_time:.6g}.", highlight=False
+            )
+        raise typer.Exit(INTERRUPTED)
     if plot is not None:
         from compare.figures import save_figure
 

@@ -33,6 +33,7 @@ Response = Callable[[Array], Array]
 _BLOCK = 500_000
 _ORDERS = (24, 36)
 _PANELS_PER_PERIOD = 2
+_AT_FRONT = 1e-12
 
 
 def _superposed(pieces: tuple[tuple[float, float], ...], response: Response, t: Array) -> Array:
@@ -63,6 +64,8 @@ def _wave(wave: Wave, stuck: StuckTraction, t: float, per: float, order: int) ->
     a, u = stuck.factors.a, (t - wave.start) / per
     if u <= a:
         return 0.0
+    if abs(u - 1) < _AT_FRONT:
+        u = 1.0  # no panel of rounding beside the root of dq*/dv
     longest = 1 / (_PANELS_PER_PERIOD * wave.frequency * per)
     ends = [a, min(u, 1.0)]
     if u > 1:

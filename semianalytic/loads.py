@@ -99,10 +99,14 @@ class _Summed:
         """f(t) at times t [time], any shape; at a jump the value before it."""
         return self.pieces.value(t)
 
+    def integral(self, t: ArrayLike) -> Array:
+        """int_0^t f [time], any shape."""
+        return self.pieces.integral(t)
+
     def mean(self, start: ArrayLike, end: ArrayLike) -> Array:
         """Mean of f over the intervals start < t < end, any shape."""
         start, end = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-        return (self.pieces.integral(end) - self.pieces.integral(start)) / (end - start)
+        return (self.integral(end) - self.integral(start)) / (end - start)
 
 
 @dataclass(frozen=True)
@@ -137,6 +141,19 @@ class Ramp(_Summed):
         if math.isinf(slope):
             return Pieces(jumps=((0.0, 1.0),))
         return Pieces(kinks=((0.0, slope), (self.rise_time, -slope)))
+
+    def value(self, t: ArrayLike) -> Array:
+        """f(t), any shape; not as a sum, which loses the digits of very short ramps."""
+        t = np.asarray(t, dtype=float)
+        return np.where(t > 0, np.clip(t / max(self.rise_time, 1e-300), 0.0, 1.0), 0.0)
+
+    def integral(self, t: ArrayLike) -> Array:
+        """int_0^t f [time], any shape; likewise."""
+        t = np.maximum(np.asarray(t, dtype=float), 0.0)
+        rising = np.minimum(t, self.rise_time)
+        return np.where(rising > 0, rising**2 / (2 * max(self.rise_time, 1e-300)), 0.0) + (
+            t - rising
+        )
 
 
 @dataclass(frozen=True)

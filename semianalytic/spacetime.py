@@ -21,6 +21,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,7 +157,7 @@ def march(
     damping: float = 0.7,
     every: int = 1,
     tolerance: float = 1e-6,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Marched:
     """March the interface of a scene in time, under any load history and friction law.
 
@@ -185,7 +186,8 @@ def march(
     tolerance : float
         Relative error of the memory's transform, above 1e-11 and up to 1e-2.
     progress : callable, optional
-        Called with (step, steps) after each step.
+        Called with (step, steps) after each step; if it returns True the march ends there, and
+        can go on with `march_on`.
 
     Raises
     ------
@@ -216,13 +218,13 @@ def march(
     horizon = grid.wavenumbers[-1] * material.shear_speed * latest
     memory = fit_memory(material.shear_speed / material.longitudinal_speed, horizon, tolerance)
     empty = np.zeros((0, grid.observed))
-    rest = Marched(
+    at_rest = Marched(
         scene=scene,
         interface=InterfaceHistory(grid.x, np.zeros(0), empty, empty, empty, empty),
         latest=float(latest),
         step_ratio=float(step_ratio),
         damping=float(damping),
-        every=every,
+        every=int(every),
         statistics=MarchStatistics(
             0, grid.size, len(memory.poles), memory.error, {"setup": 0.0, "steps": 0.0}
         ),
@@ -230,11 +232,11 @@ def march(
         memory=memory,
         state=MarchState.at_rest(len(memory.poles), grid),
     )
-    return _advance(rest, float(end_time), time.perf_counter() - started, progress)
+    return _advance(at_rest, float(end_time), time.perf_counter() - started, progress)
 
 
 def march_on(
-    marched: Marched, end_time: float, progress: Callable[[int, int], None] | None = None
+    marched: Marched, end_time: float, progress: Callable[[int, int], object] | None = None
 ) -> Marched:
     """Continue a march to a later time, without recomputing anything.
 
@@ -258,7 +260,7 @@ def _advance(
     marched: Marched,
     end_time: float,
     setup: float,
-    progress: Callable[[int, int], None] | None,
+    progress: Callable[[int, int], object] | None,
 ) -> Marched:
     """From the state reached to the end time, in segments between jumps of the loads."""
     from scipy.fft import dct, idct
@@ -277,7 +279,7 @@ def _advance(
     slip, path, work = start.slip, start.path, start.work
     levels: list[float] = []
     rows: list[list[Array]] = []
-    began, done = time.perf_counter(), 0
+    began, done, stopped = time.perf_counter(), 0, False
 
     def stopping(past: Array) -> Array:
         """Traction that would stop every node, (size,) [stress]."""
@@ -289,6 +291,8 @@ def _advance(
         rows.append([field[: grid.observed].copy() for field in fields])
 
     for begin, end, count in segments:
+        if stopped:
+            break
         dt = (end - begin) / count
         recursion = _Recursion(marched.memory, grid.wavenumbers * shear_speed * dt, marched.damping)
         pressure = pressure_at(begin)
@@ -321,10 +325,11 @@ def _advance(
                     f"the march lost its finite values at t = {now:.4g}; lower step_ratio."
                 )
             done += 1
-            if (marched.statistics.steps + done) % marched.every == 0 or done == steps:
+            stopped = progress is not None and progress(done, steps) is True
+            if (marched.statistics.steps + done) % marched.every == 0 or done == steps or stopped:
                 store(now)
-            if progress is not None:
-                progress(done, steps)
+            if stopped:
+                break
     earlier = marched.interface
     return replace(
         marched,
@@ -349,7 +354,7 @@ def _advance(
                 "steps": marched.statistics.seconds["steps"] + time.perf_counter() - began,
             },
         ),
-        state=MarchState(end_time, modes, lasting, rate, traction, slip, path, work),
+        state=MarchState(now, modes, lasting, rate, traction, slip, path, work),
     )
 
 
@@ -418,5 +423,5 @@ def _check_range(name: str, value: float, low: float, high: float) -> None:
 
 
 def _check_count(name: str, value: int, least: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
         raise SceneError(f"march: {name} must be a whole number from {least}, got {value!r}.")

@@ -1,6 +1,9 @@
 """Load histories on the command line and in comparisons: both methods, side by side."""
 
 import json
+import os
+import signal
+from contextlib import contextmanager
 from types import SimpleNamespace
 
 import numpy as np
@@ -171,6 +174,23 @@ def test_solve_marches_saves_and_goes_on(tmp_path, capsys):
 def test_what_cannot_be_solved_is_refused(command, message, capsys):
     assert main(command) == SceneError.exit_code
     assert message in capsys.readouterr().err
+
+
+def test_interrupted_march_is_saved(tmp_path, monkeypatch, capsys):
+    """Ctrl-C after 30 steps: the file holds them, and can go on."""
+
+    @contextmanager
+    def pressing(*_):
+        yield lambda done, steps: os.kill(os.getpid(), signal.SIGINT) if done == 30 else None
+
+    monkeypatch.setattr("compare.terminal.progress_bar", pressing)
+    saved = tmp_path / "march.h5"
+    assert main(["solve", "harmonic", "--nodes", "100", "--save", str(saved)]) == 130
+    assert "holds the march until" in " ".join(capsys.readouterr().err.split())
+    marched = Marched.load(saved)
+    assert marched.statistics.steps == 30
+    monkeypatch.undo()
+    assert main(["solve", "harmonic", "--go-on", str(saved), "--json"]) == 0
 
 
 def test_going_on_with_another_scene_is_refused(tmp_path, capsys):

@@ -153,6 +153,23 @@ def test_values():
         np.testing.assert_allclose(pulse.value([-1, 1.0, 2.5]), [0, 1, 0], atol=1e-12)
 
 
+def test_very_short_ramps_keep_their_digits():
+    ramp = Ramp(1e-13)
+    assert ramp.value(0.7) == 1.0
+    assert ramp.mean(0.5, 0.50001) == pytest.approx(1.0, rel=1e-10)
+    assert ramp.value(5e-14) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("history", [Harmonic(2.0), Pulse(0.7, "half-sine")])
+@pytest.mark.parametrize("mode", ["I", "II"])
+def test_at_the_very_shear_front(history, mode):
+    """t = x/c_t exactly, where dq*/dv has a root: the mean of what is beside it."""
+    at, before, after = (
+        float(STUCK[mode](history, 0.8, SOLID, 1.0, t).value) for t in (1.0, 1 - 1e-7, 1 + 1e-7)
+    )
+    assert at == pytest.approx((before + after) / 2, abs=1e-3)
+
+
 @pytest.mark.parametrize("history", HISTORIES)
 def test_means(history):
     """Means over intervals, against quadrature between the breaks."""

@@ -339,6 +339,17 @@ def test_continued_march_equals_one_march(history, tmp_path):
     np.testing.assert_allclose(continued.path, whole.path, atol=1e-12)
 
 
+def test_interrupted_march_keeps_what_it_has():
+    scene = preloaded(shear_history=Harmonic(1.3))
+    whole = march(scene, 1.0, 100)
+    part = march(scene, 1.0, 100, progress=lambda done, steps: done == 30)
+    assert part.end_time == part.interface.t[-1] == whole.interface.t[30]
+    np.testing.assert_array_equal(part.interface.slip[:31], whole.interface.slip[:31])
+    np.testing.assert_allclose(
+        march_on(part, 1.0).interface.slip[-1], whole.interface.slip[-1], atol=1e-12
+    )
+
+
 def test_saved_march_goes_on_to_the_bit(tmp_path):
     part = march(preloaded(), 0.5, 100, latest=0.8)
     part.save(tmp_path / "march.h5")
