@@ -96,7 +96,7 @@ def profile_errors(solution: Solution, last: Array, averaged: Array) -> Errors:
 def accuracy(scene: str, resolutions: tuple[int, ...], **options: Any) -> Table:
     """Errors and observed order on several meshes, and extrapolated from the two finest.
 
-    The last row is 2 V(h/2) - V(h), which removes what is of first order in h.
+    The last row is (r V(h/r) - V(h))/(r - 1), which removes what is of first order in h.
     """
     table = Table(
         "h / c_t T", title=f"{scene}, relative errors of the slip rate", caption=str(options or "")
@@ -114,15 +114,23 @@ def accuracy(scene: str, resolutions: tuple[int, ...], **options: Any) -> Table:
         table.add_column(heading, justify="right")
     solution = solve(NAMED_SCENES[scene].scene)
     profiles, previous = [], None
+    coarser = dict(zip(resolutions[1:], resolutions, strict=False))
+
+    def refinement(resolution: int) -> float:
+        return resolution / coarser.get(resolution, resolution / 2)
+
     for resolution in resolutions:
         simulation = simulated(scene, resolution, **options)
         profiles.append((last_profile(simulation), averaged_profile(simulation)))
         errors = profile_errors(solution, *profiles[-1])
-        _add_row(table, f"1/{resolution}", errors, previous, f"{simulation.seconds['steps']:.2f}")
+        seconds = f"{simulation.seconds['steps']:.2f}"
+        _add_row(table, f"1/{resolution}", errors, previous, seconds, refinement(resolution))
         previous = errors
-    coarse, fine = profiles[-2:]
-    best = (2 * fine[0] - coarse[0], 2 * fine[1] - coarse[1])
-    _add_row(table, "extrapolated", profile_errors(solution, *best), None, "")
+    r = refinement(resolutions[-1])
+    last, averaged = (
+        (r * fine - coarse) / (r - 1) for coarse, fine in zip(*profiles[-2:], strict=True)
+    )
+    _add_row(table, "extrapolated", profile_errors(solution, last, averaged), None, "", r)
     return table
 
 
@@ -412,20 +420,25 @@ def _sampled(simulation: Simulation, row: int) -> Array:
     return np.interp(place, history.x, history.slip_rate[row])
 
 
-def _order(coarse: float, fine: float) -> float:
-    """Observed order of convergence when h is halved."""
-    return math.log2(coarse / fine)
+def _order(coarse: float, fine: float, refinement: float = 2.0) -> float:
+    """Observed order of convergence when h is divided by the refinement."""
+    return math.log(coarse / fine) / math.log(refinement)
 
 
 def _add_row(
-    table: Table, label: str, errors: Errors, previous: Errors | None, seconds: str
+    table: Table,
+    label: str,
+    errors: Errors,
+    previous: Errors | None,
+    seconds: str,
+    refinement: float,
 ) -> None:
     table.add_row(
         label,
         f"{errors.last:.2e}",
-        f"{_order(previous.last, errors.last):.2f}" if previous else "",
+        f"{_order(previous.last, errors.last, refinement):.2f}" if previous else "",
         f"{errors.averaged:.2e}",
-        f"{_order(previous.averaged, errors.averaged):.2f}" if previous else "",
+        f"{_order(previous.averaged, errors.averaged, refinement):.2f}" if previous else "",
         f"{errors.first_peak:+.2%}",
         f"{errors.second_peak:+.2%}",
         f"{errors.second_over_largest:+.2%}",
@@ -441,6 +454,7 @@ def _accuracy_tables() -> Iterator[Table]:
 
 STUDIES: dict[str, Callable[[], Iterator[Table]]] = {
     "accuracy": _accuracy_tables,
+    "finest": lambda: iter([accuracy("remote-shock", (400, 560))]),
     "elements": lambda: iter([element_table("preloaded", (50, 100, 200))]),
     "damping": lambda: iter([damping_table("preloaded", 100), damping_table("preloaded", 200)]),
     "peak": lambda: (peak_table(scene) for scene in ("preloaded", "remote-shock")),
