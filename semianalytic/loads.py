@@ -135,25 +135,30 @@ class Ramp(_Summed):
         _check("ramp", "rise_time", self.rise_time, zero=True)
 
     @property
+    def _sudden(self) -> bool:
+        """Whether the slope would be infinite."""
+        return self.rise_time == 0 or math.isinf(1 / self.rise_time)
+
+    @property
     def pieces(self) -> Pieces:
         """Two kinks; a jump where the slope would be infinite."""
-        slope = 1 / self.rise_time if self.rise_time else math.inf
-        if math.isinf(slope):
+        if self._sudden:
             return Pieces(jumps=((0.0, 1.0),))
+        slope = 1 / self.rise_time
         return Pieces(kinks=((0.0, slope), (self.rise_time, -slope)))
 
     def value(self, t: ArrayLike) -> Array:
         """f(t), any shape; not as a sum, which loses the digits of very short ramps."""
         t = np.asarray(t, dtype=float)
-        return np.where(t > 0, np.clip(t / max(self.rise_time, 1e-300), 0.0, 1.0), 0.0)
+        return super().value(t) if self._sudden else np.clip(t / self.rise_time, 0.0, 1.0)
 
     def integral(self, t: ArrayLike) -> Array:
         """int_0^t f [time], any shape; likewise."""
+        if self._sudden:
+            return super().integral(t)
         t = np.maximum(np.asarray(t, dtype=float), 0.0)
         rising = np.minimum(t, self.rise_time)
-        return np.where(rising > 0, rising**2 / (2 * max(self.rise_time, 1e-300)), 0.0) + (
-            t - rising
-        )
+        return rising * (rising / self.rise_time) / 2 + (t - rising)
 
 
 @dataclass(frozen=True)
