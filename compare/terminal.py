@@ -95,13 +95,14 @@ def facts_table(solution: Solution) -> Table:
 
 
 def simulation_line(simulation: Simulation) -> str:
-    """One line saying which mesh, model and damping a simulation used."""
+    """One line saying which mesh, model and damping a simulation used, and what it cost."""
     shear_speed = simulation.scene.material.shear_speed
     cell = simulation.element_size / (shear_speed * simulation.end_time)
     return (
         f"mesh size {simulation.element_size:.4g} = {cell:.4g} c_t T, model {simulation.model}, "
         f"damping {simulation.damping:g} h/c_t, {simulation.unknowns:,} unknowns, "
-        f"{simulation.steps} steps, end time {simulation.end_time:g}"
+        f"{simulation.steps} steps in {simulation.seconds['steps']:.2g} s, end time "
+        f"{simulation.end_time:g}, peak memory {simulation.peak_memory / 1e6:,.0f} MB"
     )
 
 
