@@ -143,3 +143,30 @@ def wear(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> N
                 highlight=False,
             )
     Console().print(f"Written to {directory}/", highlight=False)
+
+
+def evidence(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENE...]", help="Names or TOML files; all scenes unless given."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Page to write, results/evidence.html if not given."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Four scenes and fewer figures: a first look.")
+    ] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write one self-contained HTML page that sets all methods side by side, scene by scene.
+
+    The exit code is 0 if every quantity is within its tolerance, 1 if one is not.
+    """
+    from compare.evidence import write_evidence
+
+    path = output or Path("results", "evidence.html")
+    with terminal.progress_bar(Console(stderr=True), quiet, "collecting") as progress:
+        found = write_evidence(path, scenes or (), quick=quick, progress=progress)
+    Console().print(f"Written to {path}", highlight=False)
+    raise typer.Exit(0 if found.passed else 1)

@@ -280,7 +280,15 @@ def _timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
 
 
 def peak_memory() -> int:
-    """Largest memory this process has held [bytes]."""
+    """Largest memory of this process since its program started [bytes].
+
+    On Linux `ru_maxrss` still holds that of the process it was started from.
+    """
+    status = Path("/proc/self/status")
+    if status.exists():
+        lines = dict(line.split(":", 1) for line in status.read_text().splitlines() if ":" in line)
+        if "VmHWM" in lines:
+            return 1024 * int(lines["VmHWM"].split()[0])
     import resource
 
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
