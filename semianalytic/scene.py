@@ -163,6 +163,15 @@ class Scene:
 
     def __post_init__(self) -> None:
         _finite("scene", friction=self.friction)
+        for name, kinds in (
+            ("pressure_history", HISTORY_KINDS),
+            ("shear_history", HISTORY_KINDS),
+            ("friction_law", FRICTION_LAWS),
+        ):
+            part = getattr(self, name)
+            if type(part) not in kinds.values():
+                known = ", ".join(kind.__name__ for kind in kinds.values())
+                raise SceneError(f"scene: {name} must be one of {known}, got {part!r}.")
         if self.friction < 0:
             raise SceneError(f"scene: friction must not be negative, got {self.friction}.")
         if self.base.pressure < 0:

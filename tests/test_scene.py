@@ -74,3 +74,10 @@ def test_far_slip_rate_follows_the_excess_of_a_remote_shock():
 def test_tractions_must_be_finite():
     with pytest.raises(SceneError, match="shear"):
         Tractions(1.0, float("inf"))
+
+
+@pytest.mark.parametrize("name", ["pressure_history", "shear_history", "friction_law"])
+def test_unknown_histories_and_laws_are_refused(name):
+    load = Tractions(1.0, 0.0)
+    with pytest.raises(SceneError, match=f"{name} must be one of"):
+        Scene(Material(1.0, 1.0, 0.3), 0.3, load, load, **{name: "sawtooth"})
