@@ -18,7 +18,7 @@ from compare.options import (
     SCENE_OPTIONS,
     with_options,
 )
-from compare.predictions import predict
+from compare.predictions import check_predictable, predict
 from compare.report import Report, build_report, json_text, solution_document, write_report
 from compare.scenes import DEFAULT_SCENE, find_scene, override_scene, scene_label
 from compare.snapshots import last_snapshot
@@ -87,8 +87,10 @@ def compare(
         source = scene or DEFAULT_SCENE
         label = scene_label(source)
         directory = output or Path("results", label)
+        wanted = override_scene(find_scene(source), **overrides)
+        check_predictable(wanted, method)
         simulation = _simulate(
-            override_scene(find_scene(source), **overrides),
+            wanted,
             label,
             directory,
             settings,

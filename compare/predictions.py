@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from semianalytic import InterfaceHistory, Solution, march, solve
+from semianalytic import InterfaceHistory, Scene, Solution, march, solve
 from semianalytic.predict import chosen_method
+from semianalytic.solver import check_pressure
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -48,6 +49,20 @@ class Prediction:
     path: Array
     friction_work: Array
     seconds: float
+
+
+def check_predictable(scene: Scene, method: str = "auto") -> None:
+    """Raise what `predict` would for a scene, as far as that is known without solving it.
+
+    Raises
+    ------
+    SceneError
+        If the method does not apply to the scene.
+    TensionError
+        If the pressure of a self-similar scene turns tensile.
+    """
+    if chosen_method(scene, method) == "self-similar":
+        check_pressure(scene)
 
 
 def predict(

@@ -189,6 +189,8 @@ def test_solve_marches_saves_and_goes_on(tmp_path, capsys):
         (["solve", "harmonic", "--method", "self-similar"], "use the space-time solver"),
         (["solve", "harmonic", "--step-ratio", "0.9"], "lower it by"),
         (["solve", "lift-off", "--method", "space-time"], "turn tensile"),
+        (["compare", "lift-off"], "opens the contact"),
+        (["compare", "ramp", "--method", "self-similar"], "use the space-time solver"),
     ],
 )
 def test_what_cannot_be_solved_is_refused(command, message, capsys):
