@@ -2,7 +2,8 @@
 
 Run as ``python -m compare.solver_benchmark``.  Solutions are set against a dense 400 x 400 solve,
 next to the error reached (relative L1 of the slip rate against rtol = 1e-12); a sweep over 100
-frictions against solving them one by one, next to the largest difference of edges; the import of
+and 1,000 frictions against solving them one by one (of 1,000 every tenth, times ten), next to the
+largest difference of edges and how its solutions were found; the import of
 ``semianalytic`` against that of numpy and scipy.linalg.  Times are processor times on one thread,
 medians of interleaved repetitions, so that other work on the machine disturbs both sides alike.
 """
@@ -16,6 +17,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from time import process_time
 
 import numpy as np
@@ -25,10 +27,12 @@ from semianalytic import Scene, Solution, solve
 from semianalytic.collocation import slip_grid
 from semianalytic.rayleigh import rayleigh_factors
 from semianalytic.stuck import stuck_traction
-from semianalytic.sweep import Sweep, sweep
+from semianalytic.sweep import COMPUTED, FROM_SCRATCH, INTERPOLATED, Sweep, sweep
 
 SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}  # each crosses thresholds
 _FRICTIONS = 100
+_MANY_FRICTIONS = 1000
+_SWEEP_TOLERANCES = (1e-3, 1e-6, 1e-8)
 _GAP = 1e-13  # over c_t; zones as near as that count as one
 SCENES = ("preloaded", "remote-shock")
 TOLERANCES = (1e-3, 1e-8, 1e-11)
@@ -94,13 +98,16 @@ def measure(repetitions: int = 15) -> list[Timing]:
 
 @dataclass(frozen=True)
 class SweepTiming:
-    """One sweep: ratio of the time one by one to its own, solutions from scratch, and the largest
-    difference of zone edges over c_t, of frictions at which both have as many zones."""
+    """One sweep: ratio of the time one by one to its own, solutions from scratch, computed and
+    interpolated, and the largest difference of zone edges over c_t, of frictions at which both
+    have as many zones."""
 
     scene: str
     rtol: float
     ratio: float
     scratch: int
+    computed: int
+    interpolated: int
     difference: float
     other_zones: int
 
@@ -122,9 +129,12 @@ def _joined(fronts: np.ndarray) -> list[float]:
     return [edge for i, edge in enumerate(edges) if i not in gaps and i - 1 not in gaps]
 
 
-def measure_sweep(name: str, rtol: float, repetitions: int = 3) -> SweepTiming:
-    """Time a sweep against solving one by one."""
-    scene, friction = find_scene(name), np.linspace(*SWEEPS[name], _FRICTIONS)
+def measure_sweep(
+    name: str, rtol: float, repetitions: int = 3, count: int = _FRICTIONS
+) -> SweepTiming:
+    """Time a sweep over `count` frictions, a multiple of 100, against solving one by one."""
+    scene, friction = find_scene(name), np.linspace(*SWEEPS[name], count)
+    chosen = range(0, count, count // _FRICTIONS)
     results: dict[str, Sweep] = {}
     singles: list[Solution] = []
 
@@ -132,14 +142,24 @@ def measure_sweep(name: str, rtol: float, repetitions: int = 3) -> SweepTiming:
         results["sweep"] = sweep(scene, friction, rtol)
 
     def one_by_one() -> None:
-        singles[:] = [solve(replace(scene, friction=float(f)), rtol=rtol) for f in friction]
+        singles[:] = [solve(replace(scene, friction=float(friction[i])), rtol=rtol) for i in chosen]
 
     quick, slow = median_times([swept, one_by_one], repetitions)
-    pairs = zip(results["sweep"].solutions, singles, strict=True)
-    differences = [edge_difference(one, other) for one, other in pairs]
+    done = results["sweep"]
+    pairs = zip(chosen, singles, strict=True)
+    differences = [edge_difference(done.solutions[i], other) for i, other in pairs]
     known = [one for one in differences if one is not None]
-    scratch = int(results["sweep"].from_scratch.sum())
-    return SweepTiming(name, rtol, slow / quick, scratch, max(known), len(differences) - len(known))
+    ratio = slow / quick * count / len(chosen)
+    return SweepTiming(
+        name,
+        rtol,
+        ratio,
+        done.origin.count(FROM_SCRATCH),
+        done.origin.count(COMPUTED),
+        done.origin.count(INTERPOLATED),
+        max(known),
+        len(differences) - len(known),
+    )
 
 
 def import_ratio(repetitions: int = 9) -> float:
@@ -162,14 +182,16 @@ def main() -> None:
     print(f"{'scene':14}{'rtol':>8}{'warm':>8}{'cold':>8}{'error':>10}   (dense 400 solves)")
     for row in measure():
         print(f"{row.scene:14}{row.rtol:8.0e}{row.warm:8.1f}{row.cold:8.1f}{row.error:10.1e}")
-    print(f"\n{'sweep':14}{'rtol':>8}{'faster':>8}{'scratch':>8}{'differ':>10}{'other zones':>13}")
-    for name in SWEEPS:
-        for rtol in TOLERANCES[:2]:
-            one = measure_sweep(name, rtol)
-            print(
-                f"{name:14}{rtol:8.0e}{one.ratio:8.1f}{one.scratch:8d}{one.difference:10.1e}"
-                f"{one.other_zones:13d}"
-            )
+    print(
+        f"\n{'sweep':14}{'frictions':>10}{'rtol':>8}{'faster':>8}{'scratch':>8}{'computed':>10}"
+        f"{'interpolated':>14}{'differ':>10}{'other zones':>13}"
+    )
+    for count, name, rtol in product((_FRICTIONS, _MANY_FRICTIONS), SWEEPS, _SWEEP_TOLERANCES):
+        one = measure_sweep(name, rtol, count=count)
+        print(
+            f"{name:14}{count:10d}{rtol:8.0e}{one.ratio:8.1f}{one.scratch:8d}{one.computed:10d}"
+            f"{one.interpolated:14d}{one.difference:10.1e}{one.other_zones:13d}"
+        )
     print(f"\nimport semianalytic: {import_ratio():.2f} of import numpy, scipy.linalg")
 
 

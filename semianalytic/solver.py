@@ -160,6 +160,20 @@ def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
     return _Refined(unknowns, profile, estimate, steps)
 
 
+def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
+    """Largest shift of edges over the lesser of themselves and c_t, () or (k,).
+
+    Parameters
+    ----------
+    unknowns, moved : (e,) or (e, k) arrays, e > 0
+    """
+    shifts = [
+        np.abs(p.v / q.v - 1) * np.maximum(1.0, 1 / p.v)
+        for p, q in zip(edges.points(unknowns), edges.points(moved), strict=True)
+    ]
+    return np.asarray(np.max(shifts, axis=0).reshape(unknowns.shape[1:]))
+
+
 def difference(
     edges: Edges, unknowns: Array, moved: Array, fine: ZoneFields, coarse: ZoneFields
 ) -> Array:
@@ -173,11 +187,7 @@ def difference(
     unknowns, moved : (e,) or (e, k) arrays, edges that are right on the fine and the coarse rule
     fine, coarse : ZoneFields of the same zones on two rules
     """
-    worst = np.zeros(fine.panels.jacobian.shape[1:-1])
-    if len(unknowns):
-        for p, q in zip(edges.points(unknowns), edges.points(moved), strict=True):
-            shift = np.abs(p.v / q.v - 1) * np.maximum(1.0, 1 / p.v)
-            worst = np.maximum(worst, shift.reshape(worst.shape))
+    worst = edge_shift(edges, unknowns, moved) if len(unknowns) else 0.0
     compared, scale = [], np.ones(())
     for fields in (coarse, fine):
         panels = fields.panels

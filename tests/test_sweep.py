@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from compare.solver_benchmark import edge_difference
 from semianalytic import Material, Scene, SceneError, Tractions, solve
-from semianalytic.sweep import sweep
+from semianalytic.sweep import COMPUTED, FROM_SCRATCH, INTERPOLATED, sweep
 
 
 def scene(nu=1 / 3, friction=0.3, base=(1.0, 0.0), step=(0.0, 1.0)):
@@ -106,6 +106,54 @@ def test_edges_are_padded_and_estimates_given():
 def test_most_frictions_are_followed_not_solved_from_scratch():
     swept = sweep(PRELOADED, np.linspace(0.05, 1.0, 60))
     assert swept.from_scratch.sum() <= 12
+
+
+def test_interpolated_frictions_are_as_good_as_their_estimates_say():
+    swept = sweep(PRELOADED, np.linspace(0.36, 0.9, 300), 1e-6)
+    between = [i for i, origin in enumerate(swept.origin) if origin == INTERPOLATED]
+    assert len(between) > 200
+    for i in between[::7]:
+        one = swept.solutions[i]
+        exact = solve(one.scene, rtol=1e-11)
+        assert edge_difference(one, exact) <= one.error_estimate <= 1e-6
+        assert one.edge_slip_rate == pytest.approx(exact.edge_slip_rate, rel=one.error_estimate)
+
+
+@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@given(
+    nu=st.floats(-0.8, 0.48).map(lambda value: round(value, 3)),
+    remote=st.booleans(),
+    low=st.floats(0.02, 0.9),
+    width=st.floats(0.02, 0.6),
+    rtol=st.sampled_from([1e-3, 1e-5, 1e-8]),
+)
+def test_interpolated_frictions_agree_with_single_solutions(nu, remote, low, width, rtol):
+    load = (1.0, 1.0) if remote else (0.0, 1.0)
+    start = scene(nu, friction=2.0, base=(1.0, load[0] * load[1]), step=load)
+    low = 1.001 + low / 4 if remote else low
+    swept = sweep(start, low + width * np.linspace(0, 1, 120), rtol)
+    assert set(swept.origin) <= {FROM_SCRATCH, COMPUTED, INTERPOLATED}
+    between = [i for i, origin in enumerate(swept.origin) if origin == INTERPOLATED]
+    for i in between[:: max(1, len(between) // 10)]:
+        one = swept.solutions[i]
+        other = solve(one.scene, rtol=rtol)
+        assert one.status == other.status == "converged"
+        difference = edge_difference(one, other)
+        assert difference is not None, (i, one.zones, other.zones)
+        assert difference <= one.error_estimate + other.error_estimate <= 2 * rtol
+
+
+@pytest.mark.parametrize(("start", "low", "high"), [(PRELOADED, 0.335, 0.35), (REMOTE, 1.1, 1.45)])
+def test_changes_of_zones_are_not_smeared(start, low, high):
+    swept = sweep(start, np.linspace(low, high, 200), 1e-7)
+    count = [len(solution.zones) for solution in swept.solutions]
+    changes = np.flatnonzero(np.diff(count))
+    assert len(changes)
+    for i in changes:
+        for j in (i, i + 1):  # on either side a solution of its own
+            assert swept.origin[j] != INTERPOLATED
+            other = solve(swept.solutions[j].scene, rtol=1e-7)
+            assert edge_difference(swept.solutions[j], other) is not None
 
 
 def test_frictionless_points_and_empty_sweeps():
