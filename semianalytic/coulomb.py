@@ -85,8 +85,11 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
     return sound
 
 
-def violations(profile: Profile, tolerance: float) -> list[Violation]:
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # told by None
+def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
     """Where the slip rate of one set of zones has the wrong sign or the traction exceeds friction.
+
+    None where the fields are not numbers, as in zones that have shrunk to nothing.
 
     tolerance is relative to the largest slip rate, and for tractions to strength plus the load,
     in a narrow stick gap plus its share of the load.
@@ -98,6 +101,8 @@ def violations(profile: Profile, tolerance: float) -> list[Violation]:
         unbounded = panels.right[region[-1]] is None
         at = CutPoints(panels.at.parts[:, region].reshape(4, -1))
         misses = _misses(profile, region, tolerance, largest)
+        if np.isnan(misses).any():
+            return None
         wrong = misses != 0
         wrong[1:-1] |= wrong[:-2] & wrong[2:]
         bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))

@@ -80,6 +80,7 @@ class _Found:
     sets: int = 1
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
 def _settled(edges: Edges, unknowns: Array, load: Load, rule: Rule, tolerance: float) -> _Found:
     """Zones corrected from a start until Coulomb's law holds at all nodes."""
     steps, inverse = 0, np.zeros((0, 0))
@@ -96,6 +97,8 @@ def _settled(edges: Edges, unknowns: Array, load: Load, rule: Rule, tolerance: f
                 continue
         profile = Profile(ZoneFields(edges.factors, load, edges.zones(unknowns), rule))
         wrong = violations(profile, tolerance)
+        if wrong is None:
+            break
         if not wrong:
             return _Found(edges, unknowns, inverse, profile, True, steps, sets)
         edges, unknowns = corrected(edges, unknowns, wrong)
@@ -135,6 +138,7 @@ class _Refined:
     steps: int
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
 def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
     """Polish the edges on finer and finer rules until a coarser companion agrees to rtol."""
     if not found.sound:
@@ -154,6 +158,9 @@ def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
             moved = unknowns - moves(found.inverse, coarse.mismatch())
         estimate = float(difference(edges, unknowns, moved, profile.fields, coarse))
         estimate += SAFETY * left
+        if not estimate < np.inf:
+            estimate = np.inf  # zones that shrink to nothing on the finer rule
+            break
         if estimate <= rtol:
             break
         wanted *= max(0.1 * rtol / estimate, 1e-3)
@@ -244,7 +251,9 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     clock.append(perf_counter())
     checked = frictionless(scene) or refined.profile is found.profile
     wrong = [] if checked else violations(refined.profile, 100 * rtol)
-    if found.sound and wrong:
+    if wrong is None:
+        found = replace(found, sound=False)
+    elif found.sound and wrong:
         start = corrected(found.edges, refined.unknowns, wrong)
         again = _settled(*start, load, rule_for(rtol), 100 * rtol)
         found = replace(again, steps=found.steps + again.steps, sets=found.sets + again.sets)

@@ -215,3 +215,12 @@ def test_reversed_strip_just_below_its_threshold_is_not_missed(nu):
     for share, senses in ((0.98, [1, -1, 1]), (1.02, [1, 1])):
         solution = solve(scene(nu, share * threshold), rtol=1e-6)
         assert [zone.sense for zone in solution.zones] == senses
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-6, 1e-8, 1e-10])
+def test_zone_that_shrinks_to_nothing_ends_in_a_status(rtol):
+    """8e-6 below the threshold of the edge, where Newton walks into a zone without width."""
+    solid, load = Material(1.0, 1.0, 0.247), Tractions(1.0, 1.0)
+    solution = solve(Scene(solid, 1.313454840748274, load, load), rtol=rtol)
+    assert solution.status != "converged" or solution.error_estimate <= rtol
+    assert solution.error_estimate > 0
