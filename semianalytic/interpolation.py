@@ -20,6 +20,7 @@ from semianalytic.zones import Load, ZoneFields
 
 _LOOSE_CHECK, _LOOSE_MOVE = 10, 100  # of interpolated zones, in tolerances of the loose rule
 _CONVERGING = 0.5  # differences that shrink less are no estimate
+_DOUBT = 5.0  # true errors were up to three times the plain estimate beside thresholds
 
 
 def confirmed(
@@ -98,7 +99,7 @@ def interpolated(
         )
         both = _apart(edges, np.concatenate([full, fewer]), np.concatenate([fewer, fewest]))
         first, second = np.split(both, 2)
-        doubt = np.where(first < _CONVERGING * second, first, np.maximum(first, second))
+        doubt = _DOUBT * np.where(first < _CONVERGING * second, first, np.maximum(first, second))
         better = doubt < least
         best[better], least[better] = full[better], doubt[better]
         if np.all(least + amplified <= rtol):

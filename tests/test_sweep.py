@@ -138,6 +138,8 @@ def test_interpolated_frictions_agree_with_single_solutions(nu, remote, low, wid
         one = swept.solutions[i]
         other = solve(one.scene, rtol=rtol)
         assert one.status == other.status == "converged"
+        if edge_difference(one, other) is None:  # `solve` may miss a zone that has just begun
+            other = solve(one.scene, rtol=1e-9)
         difference = edge_difference(one, other)
         assert difference is not None, (i, one.zones, other.zones)
         assert difference <= one.error_estimate + other.error_estimate <= 2 * rtol
