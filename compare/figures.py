@@ -84,7 +84,9 @@ def slip_rate_figure(
         _widen(upper, 0.1)
         _widen(lower, 0.01)
     upper.set_ylabel(RATE_LABEL)
-    upper.legend(handles=[*_line_handles(), *_zone_handles(solution.zones)], loc="best", fontsize=8)
+    upper.legend(
+        handles=[*method_handles(), *_zone_handles(solution.zones)], loc="best", fontsize=8
+    )
     lower.set(xlabel=SPEED_LABEL, ylabel="difference", xlim=(0, dense[-1] / shear_speed))
     return _figure(upper)
 
@@ -324,7 +326,8 @@ def _widen(panel: Axes, least: float) -> None:
     panel.set_ylim(min(lowest, -least), max(highest, least))
 
 
-def _line_handles() -> list[Line2D]:
+def method_handles() -> list[Line2D]:
+    """Legend entries of the two answers."""
     return [
         Line2D([], [], color=PREDICTION, label="semi-analytic"),
         Line2D([], [], color=SIMULATION, marker=".", linestyle="none", label="finite elements"),

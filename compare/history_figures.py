@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from compare.figures import (
@@ -16,6 +15,7 @@ from compare.figures import (
     RATE_LABEL,
     SIMULATION,
     fronts_figure,
+    method_handles,
     slip_rate_figure,
     tractions_figure,
 )
@@ -96,7 +96,7 @@ def history_figure(report: Report) -> Figure:
             seen.x / length, seen.slip_rate[level] / scale, ".", color=SIMULATION, markersize=2.5
         )
         panel.annotate(f"t = {moment:g} T", (0.98, 0.85), xycoords="axes fraction", ha="right")
-    panels[0].legend(handles=_method_handles(), loc="upper center", fontsize=8)
+    panels[0].legend(handles=method_handles(), loc="upper center", fontsize=8)
     panels[-1].set(xlabel=r"$x/(c_t T)$", xlim=(0, 1.05 * seen.x[reach] / length))
     figure.supylabel(RATE_LABEL)
     return figure
@@ -126,7 +126,7 @@ def wear_figure(report: Report) -> Figure:
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0)
     reach = np.flatnonzero(prediction.path > 0)[-1]
-    panels[0].legend(handles=_method_handles(), loc="upper right", fontsize=8)
+    panels[0].legend(handles=method_handles(), loc="upper right", fontsize=8)
     panels[1].set(xlabel=r"$x/(c_t T)$", xlim=(0, 1.05 * x[reach] / length))
     return figure
 
@@ -135,10 +135,3 @@ def _mark_fronts(panel: Axes, report: Report) -> None:
     material = report.simulation.scene.material
     for speed in front_speeds(material).values():
         panel.plot([0, speed / material.shear_speed], [0, 1], "--", color="0.3", linewidth=0.7)
-
-
-def _method_handles() -> list[Line2D]:
-    return [
-        Line2D([], [], color=PREDICTION, label="semi-analytic"),
-        Line2D([], [], color=SIMULATION, marker=".", linestyle="none", label="finite elements"),
-    ]

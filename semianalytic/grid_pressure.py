@@ -48,23 +48,18 @@ class GridPressure:
         self._pieces = scene.pressure_history.pieces if scene.step.pressure else Pieces()
         nu = scene.material.poisson_ratio
         self._stuck, self._primitive = stuck_traction(nu, "I"), stuck_primitive(nu, "I")
+        self._base = np.full(count, float(scene.base.pressure))
         self._table = np.zeros((0, count))
         if self._pieces.waves:
             self._rows = _WAVE_SAMPLES * int(np.ceil(end_time / time_step))
             self._interval = end_time / self._rows
             self._table = self._wave_table(count)
 
-    @property
-    def constant(self) -> bool:
-        """Whether the pressure is the base pressure at all times."""
-        return self._scene.step.pressure == 0
-
     def __call__(self, t: float) -> Array:
         """Pressure at time t, (n,) [stress], compressive positive."""
         scene = self._scene
-        pressure = np.full(len(self._x), float(scene.base.pressure))
-        if self.constant:
-            return pressure
+        if scene.step.pressure == 0:
+            return self._base
         response = np.zeros(len(self._x))
         for start, height in self._pieces.jumps:
             reached = self._reached(t - start)
@@ -79,7 +74,7 @@ class GridPressure:
             response += self._table[low] + (at - low) * (self._table[low + 1] - self._table[low])
         # what is singular at the edge is the response together with the load itself
         load = float(scene.pressure_history.value(t))
-        return pressure + scene.step.pressure * ((response + load) * self._factor - load)
+        return self._base + scene.step.pressure * ((response + load) * self._factor - load)
 
     def _reached(self, lag: float) -> slice:
         return slice(0, int(np.searchsorted(self._arrival, lag)))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -91,7 +92,7 @@ def _check(owner: str, name: str, value: float, *, zero: bool = False) -> None:
 class _Summed:
     """What all histories share: f is the sum of its pieces."""
 
-    @property
+    @cached_property
     def pieces(self) -> Pieces:
         raise NotImplementedError
 
@@ -113,7 +114,7 @@ class _Summed:
 class Step(_Summed):
     """Shock load: f = H(t)."""
 
-    @property
+    @cached_property
     def pieces(self) -> Pieces:
         """One jump."""
         return Pieces(jumps=((0.0, 1.0),))
@@ -139,7 +140,7 @@ class Ramp(_Summed):
         """Whether the slope would be infinite."""
         return self.rise_time == 0 or math.isinf(1 / self.rise_time)
 
-    @property
+    @cached_property
     def pieces(self) -> Pieces:
         """Two kinks; a jump where the slope would be infinite."""
         if self._sudden:
@@ -187,7 +188,7 @@ class Pulse(_Summed):
                 f"pulse: shape must be one of {', '.join(PULSE_SHAPES)}, got {self.shape!r}."
             )
 
-    @property
+    @cached_property
     def pieces(self) -> Pieces:
         """Jumps, kinks or waves, by shape."""
         end = float(self.duration)
@@ -217,7 +218,7 @@ class Harmonic(_Summed):
     def __post_init__(self) -> None:
         _check("harmonic", "frequency", self.frequency)
 
-    @property
+    @cached_property
     def pieces(self) -> Pieces:
         """One wave."""
         return Pieces(waves=(Wave(0.0, 1.0, float(self.frequency), False),))
@@ -259,7 +260,7 @@ class Tabulated(_Summed):
         object.__setattr__(self, "t", tuple(times.tolist()))
         object.__setattr__(self, "value_at_t", tuple(values.tolist()))
 
-    @property
+    @cached_property
     def pieces(self) -> Pieces:
         """Jumps where a time is given twice, kinks elsewhere."""
         times, values = np.array(self.t), np.array(self.value_at_t)
@@ -275,6 +276,17 @@ class Tabulated(_Summed):
             tuple((float(s), float(j)) for s, j in jumps if j),
             tuple((float(s), float(k)) for s, k in kinks if k),
         )
+
+    def value(self, t: ArrayLike) -> Array:
+        """f(t), any shape; at a jump the value before it.  Looked up, not summed over samples."""
+        t = np.asarray(t, dtype=float)
+        times, values = np.array(self.t), np.array(self.value_at_t)
+        after = np.searchsorted(times, t, "left")
+        left, right = np.maximum(after - 1, 0), np.minimum(after, len(times) - 1)
+        width = times[right] - times[left]
+        share = np.where(width > 0, (t - times[left]) / np.where(width > 0, width, 1.0), 0.0)
+        inside = values[left] + share * (values[right] - values[left])
+        return np.where(t <= times[0], 0.0, inside)
 
 
 History = Step | Ramp | Pulse | Harmonic | Tabulated
