@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.errors import DataFileError
-from semianalytic.history import InterfaceHistory
+from semianalytic.history import InterfaceHistory, whole_hdf5
 from semianalytic.scene import Material, Scene, scene_document, scene_from_document
 
 FORMAT = "slipfront simulation 3"
@@ -161,19 +160,15 @@ class Simulation:
         directory : path
             Made if it is not there.
         """
-        import h5py
-
         directory = Path(directory)
         directory.mkdir(parents=True, exist_ok=True)
-        path = directory / FILE_NAME
-        part = path.with_name(path.name + ".part")
         facts = {
             field.name: getattr(self, field.name)
             for field in fields(self)
             if field.name not in ("scene", *ARRAYS, *HISTORIES)
         }
         facts["lower_material"] = self.lower_material and asdict(self.lower_material)
-        with h5py.File(part, "w") as file:
+        with whole_hdf5(directory / FILE_NAME) as file:
             file.attrs["format"] = FORMAT
             file.attrs["scene"] = json.dumps(scene_document(self.scene))
             file.attrs["facts"] = json.dumps(facts)
@@ -185,7 +180,6 @@ class Simulation:
                     file.create_dataset(
                         f"{group}/{field.name}", data=getattr(history, field.name), compression=4
                     )
-        os.replace(part, path)
 
 
 def load_simulation(directory: str | Path) -> Simulation:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -13,6 +15,21 @@ from numpy.typing import NDArray
 from semianalytic.errors import DataFileError, MissingLibraryError
 
 FORMAT = "slipfront interface history 1"
+
+
+@contextmanager
+def whole_hdf5(path: str | Path) -> Iterator[Any]:
+    """A new HDF5 file to fill, which appears under its name only when it is complete."""
+    import h5py
+
+    path = Path(path)
+    part = path.with_name(f".{path.name}.part")
+    try:
+        with h5py.File(part, "w") as file:
+            yield file
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 @dataclass(frozen=True)
@@ -46,15 +63,10 @@ class InterfaceHistory:
 
     def save(self, path: str | Path) -> None:
         """Write the history as HDF5; a file appears under its name only when complete."""
-        import h5py
-
-        path = Path(path)
-        part = path.with_name(path.name + ".part")
-        with h5py.File(part, "w") as file:
+        with whole_hdf5(path) as file:
             file.attrs["format"] = FORMAT
             for field in fields(self):
                 file.create_dataset(field.name, data=getattr(self, field.name), compression="gzip")
-        os.replace(part, path)
 
     def to_xarray(self) -> Any:
         """The history as an `xarray.Dataset` with dimensions t and x.

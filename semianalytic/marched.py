@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from semianalytic.errors import DataFileError, SceneError
 from semianalytic.exponentials import Memory
-from semianalytic.history import InterfaceHistory
+from semianalytic.history import InterfaceHistory, whole_hdf5
 from semianalytic.scene import Scene, scene_document, scene_from_document
 
 Array = NDArray[np.float64]
@@ -157,11 +156,7 @@ class Marched:
 
     def save(self, path: str | Path) -> None:
         """Write all of it as HDF5, to be loaded or continued; whole or not at all."""
-        import h5py
-
-        path = Path(path)
-        part = path.with_name(f".{path.name}.part")
-        with h5py.File(part, "w") as file:
+        with whole_hdf5(path) as file:
             file.attrs["format"] = FORMAT
             file.attrs["scene"] = json.dumps(scene_document(self.scene))
             for name in _OPTIONS:
@@ -171,7 +166,6 @@ class Marched:
                 group = file.create_group(name)
                 for field in fields(getattr(self, name)):
                     group[field.name] = getattr(getattr(self, name), field.name)
-        os.replace(part, path)
 
     @classmethod
     def load(cls, path: str | Path) -> Marched:
