@@ -19,7 +19,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eigvals
 
 from semianalytic.errors import ComputationError
 
@@ -129,6 +128,8 @@ def _samples(speed_ratio: float, horizon: float, count: int) -> Complex:
 
 def _poles(s: Complex, values: Complex, tolerance: float) -> Complex:
     """Stable poles with Im >= 0 of a rational function through values at s and conjugates."""
+    from scipy.linalg import eigvals  # here, for `import semianalytic` is to be quick
+
     chosen: list[int] = []
     left = np.ones(len(s), dtype=bool)
     approximation = np.zeros(len(s), dtype=complex)
