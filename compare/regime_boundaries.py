@@ -137,7 +137,7 @@ def _front_excess(zone: OneZone) -> float:
     profile = zone.profile
     panel = next(i for i, at in enumerate(profile.panels.left) if at.from_b[0] == 0)
     bound = zone.chi * (profile.fields.load.base_pressure + profile.pressure_change(np.ones(1))[0])
-    return float(profile.traction_at_nodes(panel)[0] - bound)
+    return float(profile.traction_at_nodes[panel][0] - bound)
 
 
 def nucleation_alone(loading: Loading, poisson_ratio: float) -> OneZone:

@@ -10,7 +10,7 @@ from semianalytic.edges import Edges, edges_of, place_edges
 from semianalytic.panels import Zone
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array, CutPoints
-from semianalytic.zones import per_set
+from semianalytic.zones import Load, per_set
 
 _APART = (False, False)
 _NARROWEST_GAP = 1e-14  # a stick gap around c_R narrower than x/t can resolve is left out
@@ -31,34 +31,26 @@ class Violation:
     touches_right: bool
 
 
-def _largest_rate(profile: Profile) -> Array:
-    """Largest |V| at the nodes, () or (k,)."""
-    panels = profile.panels
-    largest = np.zeros(panels.jacobian.shape[1:-1])
-    for i in np.flatnonzero(panels.sense):
-        largest = np.maximum(largest, np.abs(profile.slip_rate_at_nodes(int(i))).max(axis=-1))
-    return largest
-
-
-def _misses(profile: Profile, region: list[int], tolerance: float, largest: Array) -> np.ndarray:
-    """(..., m): at the nodes of a region one after another, the sense in which Coulomb's law is
-    missed: of V in a zone, of the traction where it sticks; 0 where it is kept."""
-    panels, load = profile.panels, profile.fields.load
-    sense = int(panels.sense[region[0]])
-    if sense:
-        rate = np.concatenate([profile.slip_rate_at_nodes(i) for i in region], axis=-1)
-        return -sense * (sense * rate < -tolerance * largest[..., None])
-    change = [profile.pressure_change(panels.at.v[i]) for i in region]
-    strength = load.friction * (load.base_pressure + np.concatenate(change, axis=-1))
-    traction = np.concatenate([profile.traction_at_nodes(i) for i in region], axis=-1)
-    right = panels.right[region[-1]]
-    if right is None:
-        scale = 1 + strength
-    else:
-        # In a gap between zones the traction starts from strength and moves with the gap's width.
-        width = right.minus(panels.left[region[0]]) if region[0] else np.ones(1)
-        scale = np.minimum(1.0, width) + strength.max(axis=-1, keepdims=True)
-    return np.sign(traction) * (np.abs(traction) > strength + tolerance * scale)
+def _misses(profile: Profile, tolerance: float) -> Array:
+    """(p, ..., n): at the nodes, the sense in which Coulomb's law is missed: of V in a zone, of the
+    traction where it sticks; 0 where it is kept."""
+    panels, load, layout = profile.panels, profile.fields.load, profile.panels.layout
+    rate = profile.slip_rate_at_nodes
+    sense = np.array(panels.sense).reshape(-1, *[1] * (rate.ndim - 1))
+    largest = np.abs(rate).max(axis=(0, -1))[..., None]
+    misses = -sense * (sense * rate < -tolerance * largest).astype(float)
+    for region in (part for part in layout.regions if not panels.sense[part[0]]):
+        pressure = load.base_pressure + profile.pressure_change(panels.at.v[region])
+        bound, right = load.friction * pressure, panels.right[region[-1]]
+        if right is None:
+            scale = 1 + bound
+        else:
+            # In a gap between zones the traction starts from strength and moves with its width.
+            width = right.minus(panels.left[region[0]]) if region[0] else np.ones(1)
+            scale = np.minimum(1.0, width) + bound.max(axis=(0, -1))[..., None]
+        traction = profile.traction_at_nodes[region]
+        misses[region] = np.sign(traction) * (np.abs(traction) > bound + tolerance * scale)
+    return misses
 
 
 def admissible(profile: Profile, tolerance: float) -> np.ndarray:
@@ -66,22 +58,18 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
 
     Nor may a stick gap around c_R be narrower than those that are left out.
     """
-    panels, largest = profile.panels, _largest_rate(profile)
-    sound = np.ones(largest.shape, dtype=bool)
+    panels = profile.panels
+    sound = np.asarray(~_misses(profile, tolerance).any(axis=(0, -1)))
     for inward, outward in zip(profile.fields.zones[1:], profile.fields.zones[:-1], strict=True):
         if inward.left is not None and outward.right is not None:
             width = inward.left.minus(outward.right)[..., 0]
             sound &= (width > 4 * _NARROWEST_GAP) | (inward.left.from_c.flat[0] < 0)
-    for region in panels.regions:
-        sense = int(panels.sense[region[0]])
-        sound &= ~_misses(profile, region, tolerance, largest).any(axis=-1)
-        if not sense and panels.right[region[-1]] is None:
-            sound &= _excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
-        for i in region:
-            reverses = sense * profile.residues(i) > 0
-            if sense and reverses.any():
-                narrow = reversal_at_rayleigh_front(profile, i) <= _NARROWEST_GAP
-                sound &= ~reverses | narrow
+    if not profile.edge_slips:
+        sound &= _excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
+    if (pole := panels.layout.pole) >= 0:
+        reverses = panels.sense[pole] * profile.residues(pole) > 0
+        if reverses.any():
+            sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= _NARROWEST_GAP)
     return sound
 
 
@@ -94,20 +82,21 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
     tolerance is relative to the largest slip rate, and for tractions to strength plus the load,
     in a narrow stick gap plus its share of the load.
     """
-    panels, largest = profile.panels, _largest_rate(profile)
+    panels, every = profile.panels, _misses(profile, tolerance)
+    if np.isnan(every).any():
+        return None
     found = []
-    for region in panels.regions:
-        sense = int(panels.sense[region[0]])
-        unbounded = panels.right[region[-1]] is None
+    for region in panels.layout.regions:
+        sense, misses = panels.sense[region[0]], every[region].ravel()
+        unbounded, pole = panels.right[region[-1]] is None, panels.layout.pole
         at = CutPoints(panels.at.parts[:, region].reshape(4, -1))
-        misses = _misses(profile, region, tolerance, largest)
-        if np.isnan(misses).any():
-            return None
         wrong = misses != 0
         wrong[1:-1] |= wrong[:-2] & wrong[2:]
-        bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
+        bounds = np.zeros(0, dtype=int)
+        if wrong.any():
+            bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
         last = len(at.v) - 1
-        zone = int(panels.zone[region[0]]) if sense else -1
+        zone = panels.layout.zone[region[0]] if sense else -1
         for start, stop in zip(bounds[::2], bounds[1::2], strict=True):
             to_edge = bool(stop > last) and unbounded
             left = at[[max(start - 1, 0)]]
@@ -118,12 +107,11 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
         if not wrong[-1] and excess > _intensity_tolerance(profile, tolerance):
             begin = profile.fields.factors.cut([1 / (4 * min(excess, 0.02))])
             found.append(Violation(-1, int(np.sign(profile.edge_intensity)), begin, None, *_APART))
-        for i in region:
-            if sense and not wrong.any() and sense * profile.residue(i) > 0:
-                width = float(reversal_at_rayleigh_front(profile, i))
-                if width > _NARROWEST_GAP:
-                    ends = profile.fields.factors.beside("c", [-width, width])
-                    found.append(Violation(zone, sense, ends[[0]], ends[[1]], *_APART))
+        if pole in region and not wrong.any() and sense * profile.residue(pole) > 0:
+            width = float(reversal_at_rayleigh_front(profile, pole))
+            if width > _NARROWEST_GAP:
+                ends = profile.fields.factors.beside("c", [-width, width])
+                found.append(Violation(zone, sense, ends[[0]], ends[[1]], *_APART))
     return found
 
 
@@ -145,7 +133,7 @@ def reversal_at_rayleigh_front(profile: Profile, panel: int) -> Array:
 
     () or (k,); meant where V falls towards c in the sense of its zone.
     """
-    rate, from_c = profile.slip_rate_at_nodes(panel), profile.panels.at.from_c[panel]
+    rate, from_c = profile.slip_rate_at_nodes[panel], profile.panels.at.from_c[panel]
     nearest = np.argsort(np.abs(from_c), axis=-1)[..., :2]
     residue = profile.residues(panel)
     log = np.log(np.abs(np.take_along_axis(from_c, nearest, -1)))
@@ -154,10 +142,13 @@ def reversal_at_rayleigh_front(profile: Profile, panel: int) -> Array:
     return np.exp(np.clip(-level / residue, -690.0, 690.0))
 
 
-def corrected(edges: Edges, unknowns: Array, found: list[Violation]) -> tuple[Edges, Array]:
+def corrected(
+    edges: Edges, unknowns: Array, found: list[Violation], load: Load
+) -> tuple[Edges, Array]:
     """Zones without the intervals that slip the wrong way, and with those that must slip.
 
-    New zones are made only when the present ones are sound.
+    New zones are made only when the present ones are sound.  With a critical base the first one
+    starts at the longitudinal front if it slips as the base would.
     """
     zones = list(edges.zones(unknowns))
     wrong_slip = sorted((bad for bad in found if bad.zone >= 0), key=lambda bad: bad.left.v[0])
@@ -177,7 +168,8 @@ def corrected(edges: Edges, unknowns: Array, found: list[Violation]) -> tuple[Ed
         elif bad.touches_left and after > 0 and zones[after - 1].sense == bad.sense:
             zones[after - 1] = replace(zones[after - 1], right=bad.right)
         elif not wrong_slip:
-            zones.insert(after, Zone(bad.left, bad.right, bad.sense))
+            at_front = after == 0 and load.critical and bad.sense * load.base_shear > 0
+            zones.insert(after, Zone(None if at_front else bad.left, bad.right, bad.sense))
     return edges_of(edges.factors, zones)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -38,24 +39,41 @@ class Edges:
     open_ends: tuple[bool, bool]
     segments: tuple[int, ...]
 
+    @cached_property
+    def _bounded(self) -> np.ndarray:
+        """Edges in bounded segments."""
+        return np.flatnonzero(np.array(self.segments) < 2)
+
+    @cached_property
+    def _segments(self) -> tuple[Array, Array, Array]:
+        """Per edge: the front its segment starts from less every front (4, e), the width of the
+        segment (1 beyond c), and 1 where it is bounded (0 beyond c)."""
+        fronts = np.array([0.0, self.factors.a, 1.0, self.factors.c])
+        segments, bounded = np.array(self.segments, dtype=int), self._bounded
+        width, bend = np.ones(len(segments)), np.zeros(len(segments))
+        width[bounded], bend[bounded] = np.diff(fronts)[1 + segments[bounded]], 1.0
+        return fronts[1 + segments] - fronts[:, None], width, bend
+
     def points(self, unknowns: Array) -> list[CutPoints]:
         """Edges in slowness; the unknown is a logit in a bounded segment, a logarithm beyond c.
 
         `unknowns` (e,) give points of shape (1,), (e, k) give (k, 1).
         """
-        a, c = self.factors.a, self.factors.c
-        result = []
-        for row, segment in zip(unknowns, self.segments, strict=True):
-            z = np.atleast_1d(row)[..., None] if np.ndim(row) else np.atleast_1d(row)
-            if segment == 2:
-                result.append(self.factors.beside("c", np.exp(z)))
-                continue
-            low, high = ((a, 1.0), (1.0, c))[segment]
-            up, down = (high - low) / (1 + np.exp(-z)), (high - low) / (1 + np.exp(z))
-            parts = [low + up, low - a + up, low - 1 + up, low - c + up]
-            parts[1 + segment], parts[2 + segment] = up, -down
-            result.append(CutPoints(np.stack(parts)))
-        return result
+        shift, width, bend = (part[(...,) + (None,) * unknowns.ndim] for part in self._segments)
+        size = np.exp(unknowns)[..., None]
+        parts = shift + width * size / (1 + bend * size)
+        for edge in self._bounded:
+            parts[2 + self.segments[edge], edge] = -width[edge] / (1 + size[edge])
+        return [CutPoints(parts[:, edge]) for edge in range(len(self.segments))]
+
+    def slowness(self, unknowns: Array) -> Array:
+        """Slowness v of the edges, (e,) or (e, k) as `unknowns`."""
+        start, width, bend = (
+            part.reshape(-1, *[1] * (unknowns.ndim - 1))
+            for part in (self._segments[0][0], *self._segments[1:])
+        )
+        size = np.exp(unknowns)
+        return np.asarray(start + width * size / (1 + bend * size))
 
     def zones(self, unknowns: Array) -> tuple[Zone, ...]:
         """The zones of given unknowns."""
@@ -115,7 +133,7 @@ def edges_of(factors: RayleighFactors, zones: Sequence[Zone]) -> tuple[Edges, Ar
 
 
 def edges_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> tuple[Edges, Array]:
-    """Zones seen by the first stage, edges placed by the square-root shape of V there.
+    """Zones seen by the first stage, edges placed by the two outermost values of V there.
 
     With a critical base, shear traction equal to friction ahead of all waves, slip starts at the
     longitudinal front itself if it starts there at all.
@@ -124,7 +142,8 @@ def edges_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> t
     sense = np.sign(rate).astype(int)
     if critical and sense[0] == 0:
         sense[0] = sense[1]
-    bounds = [*np.flatnonzero(np.diff(sense, prepend=0)), len(sense)]
+    bounds = [0, *(np.flatnonzero(sense[1:] != sense[:-1]) + 1).tolist(), len(sense)]
+    at_front = (xi == 0) | (xi == 1 / factors.c) | (xi == 1) | (xi == xi[0])
     senses, points = [], []
     for start, stop in pairwise(bounds):
         if sense[start] == 0:
@@ -133,12 +152,13 @@ def edges_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> t
         for node, outside, inward in ((start, start - 1, 1), (stop - 1, stop, -1)):
             if not 0 <= outside < len(xi):
                 continue
-            share, most = (0.25, 0.4) if sense[outside] else (0.5, 0.9)
-            inner = node + inward
-            if start <= inner < stop and abs(rate[inner]) > abs(rate[node]):
-                square = np.square(rate[[node, inner]])
-                reach = abs(xi[inner] - xi[node]) * square[0] / (square[1] - square[0])
-                share = float(np.clip(reach / abs(xi[outside] - xi[node]), 0.1, most))
+            inner, most = node + inward, 1.25
+            if sense[outside]:
+                most = 0.4
+            elif at_front[outside] or sense[outside - inward]:
+                most = 0.95
+            ratio = abs(rate[node] / rate[inner]) if start <= inner < stop and rate[inner] else 0.5
+            share = float(min(0.25 + 0.75 * ratio, most))
             place = xi[node] + share * (xi[outside] - xi[node])
             if xi[outside] == 1:  # a zone that comes this near to the shear front crosses it
                 place = 1 + share * (1 - xi[node])
@@ -152,6 +172,21 @@ def moves(inverse: Array, values: Array) -> Array:
     return (inverse @ values.T[..., None])[..., 0].T
 
 
+def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
+    """Largest shift of edges over the lesser of themselves and c_t, () or (k,).
+
+    At least a tenth of the largest change of the unknowns: the slip rate beside a narrow stick gap
+    follows the logarithm of its width.
+
+    Parameters
+    ----------
+    unknowns, moved : (e,) or (e, k) arrays
+    """
+    before, after = edges.slowness(unknowns), edges.slowness(moved)
+    shifts = np.abs(before / after - 1) * np.maximum(1.0, 1 / before)
+    return np.asarray(np.maximum(shifts, 0.1 * np.abs(moved - unknowns)).max(axis=0, initial=0.0))
+
+
 @dataclass(frozen=True)
 class Located:
     """Unknowns after Newton, whether they converged, inverse Jacobian and steps taken."""
@@ -163,7 +198,8 @@ class Located:
 
 
 def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: float) -> Located:
-    """Newton's method for the edges, damped by natural monotonicity.
+    """Newton's method for the edges, damped by natural monotonicity, until the next move would
+    shift them by less than a tolerance.
 
     The Jacobian is formed from neighbouring sets of zones in one sweep with the first set.
     """
@@ -180,11 +216,12 @@ def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: 
         largest = float(np.abs(move).max())
         if not largest < np.inf:
             return Located(unknowns, False, inverse, step)
-        if largest**2 < tolerance:  # the next move would be of that order
+        # the next move is smaller by a factor of this one
+        if largest < 1 and largest * edge_shift(edges, unknowns, unknowns + move) < 2 * tolerance:
             accepted = bool(edges.admits(unknowns + move))
             return Located(unknowns + move if accepted else unknowns, accepted, inverse, step)
-        move *= min(1.0, _LONGEST_MOVE / largest)
         cautious = largest > 1.0
+        move *= min(1.0, _LONGEST_MOVE / largest)
         for _ in range(8):
             trial = unknowns + move
             if edges.admits(trial) and not (
@@ -196,33 +233,3 @@ def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: 
             return Located(unknowns, False, inverse, step)
         unknowns = trial
     return Located(unknowns, False, inverse, _MOST_STEPS)
-
-
-def polish_edges(
-    edges: Edges, load: Load, rule: Rule, start: Array, inverse: Array, tolerance: float
-) -> tuple[Array, float, int]:
-    """Unknowns on a finer rule, by Broyden steps from an inverse Jacobian.
-
-    Also how far they may still be off, and the steps taken.
-    """
-    if not len(start):
-        return start, 0.0, 0
-    value = edges.mismatch(start, load, rule)
-    unknowns, move = start, -inverse @ value
-    step, size, contraction = 1, float(np.abs(move).max()), 0.03
-    while step < 8 and edges.admits(unknowns + move):
-        unknowns = unknowns + move
-        if size * contraction < tolerance:
-            break
-        step += 1
-        new = edges.mismatch(unknowns, load, rule)
-        image = inverse @ (new - value)
-        denominator = move @ image
-        if denominator:
-            inverse = inverse + np.outer(move - image, move @ inverse) / denominator
-        value, move = new, -inverse @ new
-        contraction = float(np.abs(move).max()) / size
-        size *= contraction
-        if contraction >= 1:
-            break
-    return unknowns, size * contraction, step

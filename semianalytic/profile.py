@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.panels import Panels, Zone, fitted_rule, lay_panels, spans_of
+from semianalytic.panels import Panels, Zone, lay_panels
 from semianalytic.rayleigh import Array, CutPoints, Mode
 from semianalytic.running import RunningIntegral
 from semianalytic.stuck import StuckTraction, stuck_traction
@@ -40,7 +40,7 @@ class Profile:
 
     @property
     def _m_plus_at_zero(self) -> float:
-        return float(self.fields.factors.m_plus(0.0))
+        return self.fields.factors.m_plus_at_zero["II"]
 
     @cached_property
     def edge_intensity(self) -> Array:
@@ -81,7 +81,7 @@ class Profile:
 
     @cached_property
     def _starts(self) -> tuple[Array, Array]:
-        """Slip rate and shear traction at the left end of each panel, (p, ...)."""
+        """At the left end of each panel, (p, ...): slip rate, and traction where it sticks."""
         panels, load = self.panels, self._load
         rate, traction = np.zeros((2, *panels.jacobian.shape[:-1]))
         rate[0] = per_set(load.far_slip_rate)
@@ -92,6 +92,7 @@ class Profile:
                 continue
             if panels.sense[i + 1]:
                 rate[i + 1] = rate[i] + self._slip_rate.totals[i]
+                continue
             right = panels.right[i]
             assert right is not None
             traction[i + 1] = panels.sense[i] * self.fields.strength(right)[..., 0]
@@ -113,14 +114,18 @@ class Profile:
                 slip[i + 1] += end * right.v[0] - rate[i] * left.v[0] - moment[0]
         return slip
 
-    def slip_rate_at_nodes(self, panel: int) -> Array:
-        """V at the (..., n) nodes of a panel that slips."""
-        return self._starts[0][panel][..., None] + self._slip_rate.at_nodes(panel)
+    @cached_property
+    def slip_rate_at_nodes(self) -> Array:
+        """(p, ..., n): V at the nodes of all panels."""
+        return self._starts[0][..., None] + self._slip_rate.at_nodes
 
-    def traction_at_nodes(self, panel: int) -> Array:
-        """tau at the (..., n) nodes of a panel that sticks."""
-        bounded = self._starts[1][panel][..., None] + self._traction.at_nodes(panel)
-        return bounded + self._edge_traction(panel, self.panels.at.v[panel])
+    @cached_property
+    def traction_at_nodes(self) -> Array:
+        """(p, ..., n): tau at the nodes of panels that stick (meaningless elsewhere)."""
+        traction = self._starts[1][..., None] + self._traction.at_nodes
+        if not self.edge_slips:
+            traction[-1] += self._edge_traction(len(traction) - 1, self.panels.at.v[-1])
+        return traction
 
     def residues(self, panel: int) -> Array:
         """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
@@ -170,6 +175,8 @@ class Profile:
 
     def pressure_change(self, u: Array) -> Array:
         """P_0 p* at slownesses u."""
+        if not self._load.step_pressure:
+            return np.zeros(u.shape)
         mode_one = stuck_traction(self.fields.factors.poisson_ratio, "I")
         return self._load.step_pressure * mode_one(u)
 
@@ -191,24 +198,22 @@ class Profile:
     def frictional_power(self) -> float:
         """Integral of tau V over xi, one-sided slip rate."""
         panels, load, power = self.panels, self._load, 0.0
-        for i in np.flatnonzero(panels.sense):
+        for i in panels.layout.slip:
             v = panels.at.v[i]
             strength = load.friction * (load.base_pressure + self.pressure_change(v))
-            density = panels.sense[i] * strength * self.slip_rate_at_nodes(int(i)) / v**2
+            density = panels.sense[i] * strength * self.slip_rate_at_nodes[i] / v**2
             power += panels.rule.spacing * float(np.sum(density * panels.jacobian[i]))
         return power
 
     @cached_property
     def _slot_panels(self) -> Panels:
-        factors = self.fields.factors
-        spans = spans_of(factors, (Zone(None, None, 1),))
-        return lay_panels(factors, spans, fitted_rule(factors, spans, self.fields.rule))
+        return lay_panels(self.fields.factors, (Zone(None, None, 1),), self.fields.rule)
 
     def _slot_transforms(self, k: Array) -> tuple[Array, Array]:
         """Transforms of shear traction and of pressure at k > 0."""
         factors = self.fields.factors
         shear = self.fields.stick_transform_off_cut(k) * factors.m_plus(k)
-        unit = factors.m_plus(k, "I") / float(factors.m_plus(0.0, "I"))
+        unit = factors.m_plus(k, "I") / factors.m_plus_at_zero["I"]
         return shear, self._load.step_pressure * unit
 
     @cached_property

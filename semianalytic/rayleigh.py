@@ -78,16 +78,20 @@ class CutPoints:
         return self.parts[other.nearest] - other.parts[other.nearest]
 
     @cached_property
-    def _first(self) -> list[float]:
-        return [float(part) for part in self.parts.reshape(4, -1)[:, 0]]
+    def first(self) -> list[float]:
+        """The parts of the first point."""
+        flat: list[float] = self.parts.reshape(4, -1)[:, 0].tolist()
+        return flat
 
     @cached_property
     def nearest(self) -> int:
-        return min((1, 2, 3), key=lambda front: abs(self._first[front]))
+        """The front nearest to the first point: 1 for a, 2 for b, 3 for c."""
+        _, *distances = map(abs, self.first)
+        return distances.index(min(distances)) + 1
 
     def first_below(self, other: CutPoints) -> bool:
         """Whether the first of these points has less slowness than the first of others."""
-        return self._first[other.nearest] < other._first[other.nearest]
+        return self.first[other.nearest] < other.first[other.nearest]
 
     def __getitem__(self, index: Any) -> CutPoints:
         """Some of the points."""
@@ -128,6 +132,11 @@ class RayleighFactors:
         product = -at.from_a * at.from_b * (v + self.a) * (v + 1)
         root = np.sqrt(np.maximum(product, 0.0))
         return np.arctan2(4 * v * v * root, np.square(1 - 2 * v * v))
+
+    @cached_property
+    def m_plus_at_zero(self) -> dict[Mode, float]:
+        """M_+(0) of both modes."""
+        return {"I": float(self.m_plus(0.0, "I")), "II": float(self.m_plus(0.0, "II"))}
 
     @cached_property
     def _log_s_plus(self) -> Array:
@@ -183,26 +192,38 @@ class RayleighFactors:
         numerator is a cubic in v^2 with the root c^2.
         """
         z = np.square(np.asarray(v, dtype=float))
-        a2 = self.a**2
+        return self._reduced_rayleigh(z, np.sqrt(z - self.a**2) * np.sqrt(np.maximum(z - 1, 0)))
+
+    def _reduced_rayleigh(self, z: Array, root: Array) -> Array:
+        """The same from z = v^2 and sqrt((v^2 - a^2)(v^2 - b^2))."""
         e1, e0 = self._spurious_roots
-        conjugate = np.square(1 - 2 * z) + 4 * z * np.sqrt(z - a2) * np.sqrt(np.maximum(z - 1, 0))
-        return 16 * (1 - a2) * (z * (z + e1) + e0) / conjugate
+        conjugate = np.square(1 - 2 * z) + 4 * z * root
+        return np.asarray(16 * (1 - self.a**2) * (z * (z + e1) + e0) / conjugate)
+
+    def impedance_ahead(self, at: CutPoints, mode: Mode = "II") -> tuple[Array, Array]:
+        """Real and imaginary part of the impedance M(-v + i0) where a < v < b (4.17)."""
+        v, z = at.v, np.square(at.v)
+        alpha, beta = np.sqrt(at.from_a * (v + self.a)), np.sqrt(-at.from_b * (v + 1))
+        polynomial = np.square(1 - 2 * z)
+        if mode == "II":
+            return polynomial / beta, 4 * z * alpha
+        return 4 * z * beta, -polynomial / alpha
+
+    def impedance_behind(self, at: CutPoints, mode: Mode = "II") -> Array:
+        """The impedance M(-v + i0) / i where v > b; it is imaginary there (4.17)."""
+        v = at.v
+        z, alpha2, beta2 = np.square(v), at.from_a * (v + self.a), at.from_b * (v + 1)
+        rayleigh = self._reduced_rayleigh(z, np.sqrt(alpha2 * beta2)) * at.from_c * (v + self.c)
+        return np.asarray(rayleigh / np.sqrt(beta2 if mode == "II" else alpha2))
 
     def impedance_on_cut(self, at: CutPoints, mode: Mode = "II") -> NDArray[np.complex128]:
         """Impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.17)."""
-        v, z = at.v, np.square(at.v)
-        alpha = np.sqrt(np.abs(at.from_a) * (v + self.a))
-        beta = np.sqrt(np.abs(at.from_b) * (v + 1))
         ahead = at.from_b < 0
-        behind = self.reduced_rayleigh(np.maximum(v, 1.0)) * at.from_c * (v + self.c)
-        polynomial = np.square(1 - 2 * z)
-        if mode == "II":
-            real = np.where(ahead, polynomial / beta, 0.0)
-            imag = np.where(ahead, 4 * z * alpha, behind / beta)
-        else:
-            real = np.where(ahead, 4 * z * beta, 0.0)
-            imag = np.where(ahead, -polynomial / alpha, behind / alpha)
-        return real + 1j * imag
+        result = np.empty(at.v.shape, dtype=complex)
+        real, imag = self.impedance_ahead(at[ahead], mode)
+        result[ahead] = real + 1j * imag
+        result[~ahead] = 1j * self.impedance_behind(at[~ahead], mode)
+        return result
 
     @cached_property
     def front_a(self) -> CutPoints:

@@ -39,31 +39,33 @@ class RunningIntegral:
     @cached_property
     def residues(self) -> Array:
         """(p, ...) residues of g at c, 0 on panels that do not cover it."""
-        panels, rule = self.panels, self.panels.rule
+        panels, rule, pole = self.panels, self.panels.rule, self.panels.layout.pole
         result = np.zeros(self.density.shape[:-1])
-        for i, (left, right) in enumerate(zip(panels.left, panels.right, strict=True)):
-            slips = panels.sense[i] != 0
-            if slips and left.from_c.flat[0] < 0 and (right is None or right.from_c.flat[0] > 0):
-                share = 1.0 if right is None else (right.from_c / right.minus(left))[..., 0]
-                decaying = 1.0 if right is not None else np.square(self.c / panels.at.v[i])
-                numerator = self.density[i] * panels.at.from_c[i] * panels.jacobian[i] * decaying
-                kernel = np.sinc((rule.spacing / 2 - rule.y) / rule.spacing)
-                result[i] = numerator @ kernel / (-left.from_c[..., 0] * share)
+        if pole >= 0:
+            left, right = panels.left[pole], panels.right[pole]
+            share = 1.0 if right is None else (right.from_c / right.minus(left))[..., 0]
+            decaying = 1.0 if right is not None else np.square(self.c / panels.at.v[pole])
+            numerator = self.density[pole] * panels.at.from_c[pole] * panels.jacobian[pole]
+            kernel = np.sinc((rule.spacing / 2 - rule.y) / rule.spacing)
+            result[pole] = (numerator * decaying) @ kernel / (-left.from_c[..., 0] * share)
         return result
 
     @cached_property
     def _regular(self) -> Array:
         """(p, ..., n): g without pole, times dv/dy."""
         panels = self.panels
-        rest = self.density.copy()
-        for i in self._with_pole:
+        rest, i = self.density * panels.jacobian, self._pole
+        if i is not None:
             shape = 1.0 if panels.right[i] is not None else np.square(self.c / panels.at.v[i])
-            rest[i] -= self.residues[i][..., None] * shape / panels.at.from_c[i]
-        return rest * panels.jacobian
+            pole = self.residues[i][..., None] * shape / panels.at.from_c[i]
+            rest[i] = (self.density[i] - pole) * panels.jacobian[i]
+        return rest
 
     @cached_property
-    def _with_pole(self) -> list[int]:
-        return [i for i, residue in enumerate(self.residues) if np.any(residue)]
+    def _pole(self) -> int | None:
+        """The panel on which g has a pole."""
+        pole = self.panels.layout.pole
+        return pole if pole >= 0 and self.residues[pole].any() else None
 
     def _regular_moment(self, panel: int) -> Array:
         """(n,): v g without pole and tail, times dv/dy."""
@@ -80,10 +82,13 @@ class RunningIntegral:
         regular = self.panels.rule.interpolate_running(y, self._regular[panel])
         return regular + self._of_pole(panel, at)
 
-    def at_nodes(self, panel: int) -> Array:
-        """The same at the panel's nodes, (..., n)."""
-        regular = self.panels.rule.running(self._regular[panel])
-        return regular + self._of_pole(panel, self.panels.at[panel])
+    @cached_property
+    def at_nodes(self) -> Array:
+        """(p, ..., n): integrals of g from the left end of each panel to its nodes."""
+        result = self.panels.rule.running(self._regular)
+        if self._pole is not None:
+            result[self._pole] += self._of_pole(self._pole, self.panels.at[self._pole])
+        return result
 
     def with_moment(self, panel: int, at: CutPoints) -> tuple[Array, Array]:
         """Integrals of g and of v g from the panel's left end to points inside it."""
@@ -108,7 +113,7 @@ class RunningIntegral:
 
     def _of_pole(self, panel: int, at: CutPoints) -> Array | float:
         """Closed form of the pole's part of the integral of g."""
-        if panel not in self._with_pole:
+        if panel != self._pole:
             return 0.0
         log, left = self._log(panel, at), self.panels.left[panel]
         if self.panels.right[panel] is None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from semianalytic.collocation import slip_on_grid
 from semianalytic.coulomb import across_shear_front, corrected, violations, without_vanished
-from semianalytic.edges import Edges, edges_on_grid, locate_edges, moves, polish_edges
+from semianalytic.edges import Edges, edge_shift, edges_on_grid, locate_edges, moves
 from semianalytic.errors import SceneError, TensionError
 from semianalytic.panels import Rule, rule_for
 from semianalytic.profile import Profile
@@ -24,20 +24,23 @@ from semianalytic.zones import Load, ZoneFields, per_set
 _GRIDS = (48, 96, 192, 384)
 _MOST_ZONE_SETS = 12
 _MOST_REFINEMENTS = 4
+_MOST_POLISHINGS = 8
+_COARSE = 3.0  # rules are much better than their tolerance as far as edges go
+_SHIFT, _LEAST_SHIFT = 0.1, 1e-7  # of edges when zones are looked for, over rtol and at least
+_LEFT = 0.02  # shift of edges left in the end, over rtol
 SAFETY = 5.0  # slip rates near edges and fronts change more than the quantities compared
 
 
 def check_pressure(scene: Scene) -> None:
     """Raise TensionError where the contact pressure of a scene would turn tensile."""
     base, step = scene.base.pressure, scene.step.pressure
-    factors = rayleigh_factors(scene.material.poisson_ratio)
     mode_one = stuck_traction(scene.material.poisson_ratio, "I")
     if step < 0:
         raise TensionError(
             "scene: a negative pressure step opens the contact at its edge x = 0; "
             "make step pressure positive, or simulate the scene with finite elements."
         )
-    least = base + step * float(mode_one(factors.c))
+    least = base + step * mode_one.at_rayleigh_front
     if least < 0:
         raise TensionError(
             f"scene: the contact pressure would fall to {least:.4g} at the Rayleigh front "
@@ -80,13 +83,24 @@ class _Found:
     sets: int = 1
 
 
+@dataclass(frozen=True)
+class _Search:
+    """On which rule edges are located and to what shift, on which rule and how strictly Coulomb's
+    law is checked."""
+
+    locating: Rule
+    shift: float
+    checking: Rule
+    tolerance: float
+
+
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
-def _settled(edges: Edges, unknowns: Array, load: Load, rule: Rule, tolerance: float) -> _Found:
+def _settled(edges: Edges, unknowns: Array, load: Load, search: _Search) -> _Found:
     """Zones corrected from a start until Coulomb's law holds at all nodes."""
     steps, inverse = 0, np.zeros((0, 0))
     for sets in range(1, _MOST_ZONE_SETS + 1):
         if len(unknowns):
-            located = locate_edges(edges, load, rule, unknowns, 1e-2 * tolerance)
+            located = locate_edges(edges, load, search.locating, unknowns, search.shift)
             steps += located.steps
             unknowns, inverse = located.unknowns, located.inverse
             if not located.converged:
@@ -95,22 +109,26 @@ def _settled(edges: Edges, unknowns: Array, load: Load, rule: Rule, tolerance: f
                     break
                 edges, unknowns = other
                 continue
-        profile = Profile(ZoneFields(edges.factors, load, edges.zones(unknowns), rule))
-        wrong = violations(profile, tolerance)
+        profile = _profile(edges, unknowns, load, search.checking)
+        wrong = violations(profile, search.tolerance)
         if wrong is None:
             break
         if not wrong:
             return _Found(edges, unknowns, inverse, profile, True, steps, sets)
-        edges, unknowns = corrected(edges, unknowns, wrong)
-    profile = Profile(ZoneFields(edges.factors, load, edges.zones(unknowns), rule))
+        edges, unknowns = corrected(edges, unknowns, wrong, load)
+    profile = _profile(edges, unknowns, load, search.checking)
     return _Found(edges, unknowns, inverse, profile, False, steps, sets)
 
 
-def _find_zones(
-    factors: RayleighFactors, load: Load, rule: Rule, tolerance: float
-) -> tuple[_Found, int]:
+def _profile(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> Profile:
+    return Profile(ZoneFields(edges.factors, load, edges.zones(unknowns), rule))
+
+
+def _find_zones(factors: RayleighFactors, load: Load, rtol: float) -> tuple[_Found, int]:
     """Zones from complementarity on finer and finer grids, and the pivots it took."""
     pivots = steps = sets = 0
+    loose = loose_tolerance(rtol)
+    checking, shift = rule_for(loose), max(_SHIFT * rtol, _LEAST_SHIFT)
     for size in _GRIDS:
         grid = slip_on_grid(
             factors.poisson_ratio,
@@ -121,7 +139,8 @@ def _find_zones(
             size,
         )
         start = edges_on_grid(factors, grid, load.critical)
-        found = _settled(*start, load, rule, tolerance)
+        locating = rule_for(_COARSE * loose) if size == _GRIDS[0] else checking
+        found = _settled(*start, load, _Search(locating, shift, checking, 30 * loose))
         pivots, steps, sets = pivots + grid.pivots, steps + found.steps, sets + found.sets
         if found.sound:
             break
@@ -141,23 +160,24 @@ class _Refined:
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
 def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
     """Polish the edges on finer and finer rules until a coarser companion agrees to rtol."""
-    if not found.sound:
-        return _Refined(found.unknowns, found.profile, np.inf, 0)
     edges, unknowns, profile, steps = found.edges, found.unknowns, found.profile, 0
+    if not found.sound:
+        return _Refined(unknowns, profile, np.inf, 0)
     wanted, left = rtol / 10, 0.0
     for _ in range(_MOST_REFINEMENTS):
         rule, companion = rule_for(wanted), rule_for(5 * wanted)
-        if rule is not profile.fields.rule:
-            target = max(0.02 * rtol, 1e-13)
-            unknowns, left, taken = polish_edges(edges, load, rule, unknowns, found.inverse, target)
+        if len(unknowns):
+            start = replace(found, unknowns=unknowns, profile=profile)
+            unknowns, profile, left, taken = _polished(start, load, rule, max(_LEFT * rtol, 1e-13))
             steps += taken
-            profile = Profile(ZoneFields(edges.factors, load, edges.zones(unknowns), rule))
+        elif rule is not profile.fields.rule:
+            profile = _profile(edges, unknowns, load, rule)
         coarse = ZoneFields(edges.factors, load, profile.fields.zones, companion)
         moved = unknowns
         if len(unknowns):
             moved = unknowns - moves(found.inverse, coarse.mismatch())
         estimate = float(difference(edges, unknowns, moved, profile.fields, coarse))
-        estimate += SAFETY * left
+        estimate += 4 * SAFETY * left  # slip rates change fastest beside edges
         if not estimate < np.inf:
             estimate = np.inf  # zones that shrink to nothing on the finer rule
             break
@@ -167,18 +187,30 @@ def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
     return _Refined(unknowns, profile, estimate, steps)
 
 
-def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
-    """Largest shift of edges over the lesser of themselves and c_t, () or (k,).
-
-    Parameters
-    ----------
-    unknowns, moved : (e,) or (e, k) arrays, e > 0
-    """
-    shifts = [
-        np.abs(p.v / q.v - 1) * np.maximum(1.0, 1 / p.v)
-        for p, q in zip(edges.points(unknowns), edges.points(moved), strict=True)
-    ]
-    return np.asarray(np.max(shifts, axis=0).reshape(unknowns.shape[1:]))
+def _polished(
+    start: _Found, load: Load, rule: Rule, target: float
+) -> tuple[Array, Profile, float, int]:
+    """Unknowns and their profile on a rule, by Broyden steps until the next would shift edges by
+    less than a target; that shift, and the steps taken."""
+    edges, unknowns, profile, inverse = start.edges, start.unknowns, start.profile, start.inverse
+    value = profile.fields.mismatch()
+    move, steps = -inverse @ value, 0
+    shift = float(edge_shift(edges, unknowns, unknowns + move))
+    if profile.fields.rule is not rule:
+        shift = np.inf
+    while shift > target and steps < _MOST_POLISHINGS and edges.admits(unknowns + move):
+        steps, unknowns, before = steps + 1, unknowns + move, value
+        profile = _profile(edges, unknowns, load, rule)
+        value = profile.fields.mismatch()
+        image = inverse @ (value - before)
+        denominator = move @ image
+        if steps > 1 and denominator:  # the first value may be of another rule
+            inverse = inverse + np.outer(move - image, move @ inverse) / denominator
+        move = -inverse @ value
+        previous, shift = shift, float(edge_shift(edges, unknowns, unknowns + move))
+        if not shift < previous:
+            break
+    return unknowns, profile, shift, steps
 
 
 def difference(
@@ -245,17 +277,19 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
         fields = ZoneFields(factors, load, edges.zones(np.zeros(0)), rule_for(loose))
         found = _Found(edges, np.zeros(0), np.zeros((0, 0)), Profile(fields), True)
     else:
-        found, pivots = _find_zones(factors, load, rule_for(loose), 30 * loose)
+        found, pivots = _find_zones(factors, load, rtol)
     clock.append(perf_counter())
     refined = _refined(found, load, rtol)
     clock.append(perf_counter())
-    checked = frictionless(scene) or refined.profile is found.profile
+    checked = frictionless(scene) or refined.profile.fields.rule is found.profile.fields.rule
     wrong = [] if checked else violations(refined.profile, 100 * rtol)
     if wrong is None:
         found = replace(found, sound=False)
     elif found.sound and wrong:
-        start = corrected(found.edges, refined.unknowns, wrong)
-        again = _settled(*start, load, rule_for(rtol), 100 * rtol)
+        start = corrected(found.edges, refined.unknowns, wrong, load)
+        rule = rule_for(rtol)
+        search = _Search(rule, max(_SHIFT * rtol, _LEAST_SHIFT), rule, 100 * rtol)
+        again = _settled(*start, load, search)
         found = replace(again, steps=found.steps + again.steps, sets=found.sets + again.sets)
         refined = _refined(found, load, rtol)
     status = "converged"
@@ -307,7 +341,12 @@ def _zones_by_sense(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
     close = factors.c * np.logspace(-14, -1, 53)
     v = np.concatenate([profile.panels.at.v.ravel(), factors.c - close, factors.c + close])
     v = np.unique(v[(v > factors.a * (1 + 1e-6)) & (v < 1e6)])
-    sense = np.sign(profile.slip_rate(v)).astype(int)
+    rate = profile.slip_rate(v)
+    # Just behind the front V is less than the noise of the rule.
+    told = np.abs(rate) > 1e-2 * profile.fields.rule.tolerance * np.abs(rate).max()
+    if not told.any():
+        return ()
+    v, sense = v[told], np.sign(rate[told]).astype(int)
     changes = np.flatnonzero(np.diff(sense))
     cuts = [
         brentq(lambda u: float(profile.slip_rate(np.array([u]))[0]), v[i], v[i + 1], xtol=1e-15)

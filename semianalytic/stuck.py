@@ -99,6 +99,11 @@ class StuckTraction:
 
         return series_behind_front(slope, float(self._near(np.array(1.0))), 1)
 
+    @cached_property
+    def at_rayleigh_front(self) -> float:
+        """The traction at u = c; p* is least there."""
+        return float(self(self.factors.c))
+
     def _near(self, u: Array) -> Array:
         a = self.factors.a
         power = 1.5 if self.mode == "II" else 0.5
@@ -109,10 +114,11 @@ class StuckTraction:
     def __call__(self, u: ArrayLike) -> Array:
         """Traction at slowness u = t/x [1/b], any shape; 0 ahead of the longitudinal front."""
         u = np.asarray(u, dtype=float)
-        a = self.factors.a
-        s = np.sqrt(np.maximum(u - 1, 0))
-        behind = (s + 1) * chebyshev.chebval((s - 1) / (s + 1), self._behind_shear_front)
-        return np.where(u > 1, behind, self._near(np.clip(u, a, 1)))
+        result, behind = np.empty(u.shape), u > 1
+        s = np.sqrt(u[behind] - 1)
+        result[behind] = (s + 1) * chebyshev.chebval((s - 1) / (s + 1), self._behind_shear_front)
+        result[~behind] = self._near(np.clip(u[~behind], self.factors.a, 1))
+        return result
 
 
 @lru_cache(maxsize=64)

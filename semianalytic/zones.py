@@ -25,15 +25,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
-from semianalytic.panels import (
-    Panels,
-    Rule,
-    Zone,
-    fitted_rule,
-    lay_panels,
-    lies_between,
-    spans_of,
-)
+from semianalytic.panels import Layout, Panels, Rule, Zone, lay_panels
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.stuck import stuck_traction
 
@@ -65,36 +57,6 @@ def per_set(value: float | Array) -> float | Array:
     return np.asarray(value)[..., 0] if np.ndim(value) else value
 
 
-@dataclass(frozen=True)
-class Piece:
-    """One panel ahead of the shear front as a source of phase: phi is a chord plus a rest.
-
-    start and stop are phi at its ends; `rest` is (phi - chord) dv/dy at its nodes.
-    """
-
-    panel: int
-    left: CutPoints
-    right: CutPoints
-    start: Array
-    stop: Array
-    rest: Array
-
-    def chord_integral(self, to_left: Array, to_right: Array) -> Array:
-        """Integral of chord(w) / (w - v); to_left = v - left, to_right = v - right.
-
-        Accurate near the panel and far from it.
-        """
-        share = self.right.minus(self.left) / to_left
-        size = np.abs(share)
-        near = np.log(np.abs(to_right / to_left))
-        log = np.where(size < 0.5, np.log1p(-np.minimum(share, 0.5)), near)
-        linear = log / share + 1
-        small = size < 0.02
-        if small.any():
-            linear[small] = -share[small] * polyval(share[small], _SMALL)
-        return self.start * log + (self.stop - self.start) * linear
-
-
 def _log_share(part: Array, whole: Array, rest: Array) -> Array:
     """ln(part / whole) with part + rest = whole, accurate for part << whole and rest << whole."""
     share = rest / whole
@@ -103,11 +65,48 @@ def _log_share(part: Array, whole: Array, rest: Array) -> Array:
 
 
 @dataclass(frozen=True)
+class Phase:
+    """The phase phi of panels ahead of the shear front (s, ..., n): a chord plus a rest.
+
+    left, right, width are slownesses of their ends (s, ..., 1) and their distance, start and stop
+    phi there; `rest` is (phi - chord) dv/dy at the nodes.
+    """
+
+    left: Array
+    right: Array
+    width: Array
+    start: Array
+    stop: Array
+    rest: Array
+
+    def __getitem__(self, index: np.ndarray) -> Phase:
+        """Some of the panels."""
+        every = (self.left, self.right, self.width, self.start, self.stop, self.rest)
+        return Phase(*(part[index] for part in every))
+
+    def chord_integral(self, to_left: Array, to_right: Array) -> Array:
+        """Integral of chord(w) / (w - v); to_left = v - left, to_right = v - right.
+
+        Accurate near the panels and far from them.
+        """
+        share = self.width / to_left
+        log = np.log(np.abs(to_right / to_left))
+        linear = log / share + 1
+        small = np.abs(share) < 0.02
+        if small.any():
+            few = share[small]
+            linear[small] = -few * polyval(few, _SMALL)
+            log[small] = few * (linear[small] - 1)
+        return self.start * log + (self.stop - self.start) * linear
+
+
+@dataclass(frozen=True)
 class ZoneFields:
     """Fields of a load and a set of zones, whether or not the edges satisfy Coulomb's law.
 
     `zones` run from the longitudinal front inward, in slowness; their edges may hold several
-    neighbouring sets at once (see `panels`).
+    neighbouring sets at once (see `panels`).  Without `tail` the fields behind the last edge are
+    left out.
     """
 
     factors: RayleighFactors
@@ -118,184 +117,137 @@ class ZoneFields:
 
     @cached_property
     def panels(self) -> Panels:
-        """Panels on a rule as fine and as long as these zones need.
+        """Panels on a rule as fine and as long as these zones need."""
+        sets = np.shape(self.load.friction)
+        return lay_panels(self.factors, self.zones, self.rule, sets, self.tail)
 
-        Beside a narrow stick gap around c, dV/dv ~ 1/(v - c) over all scales down to the gap.
-        Without `tail` the unbounded panel is left out.
-        """
-        further = 0.0
-        for inward, outward in zip(self.zones[1:], self.zones[:-1], strict=True):
-            left, right = outward.right, inward.left
-            if (
-                left is not None
-                and right is not None
-                and lies_between(left, self.factors.front_c, right)
-            ):
-                further += max(0.0, -float(np.log(right.minus(left).min())))
-        spans = spans_of(self.factors, self.zones)
-        if not self.tail and len(spans) > 1:
-            spans.pop()
-        rule = fitted_rule(self.factors, spans, self.rule, further)
-        return lay_panels(self.factors, spans, rule, np.shape(self.load.friction))
-
-    def _slips_at(self, front: CutPoints) -> bool:
-        return any(lies_between(zone.left, front, zone.right) for zone in self.zones)
-
-    @cached_property
-    def _slips_at_b(self) -> bool:
-        return self._slips_at(self.factors.front_b)
-
-    @cached_property
-    def _slips_at_c(self) -> bool:
-        return self._slips_at(self.factors.front_c)
+    @property
+    def layout(self) -> Layout:
+        """Which panels there are."""
+        return self.panels.layout
 
     @property
     def _reference_sense(self) -> int:
         return self.zones[-1].sense if self.zones else 0
 
     @cached_property
-    def _square_roots(self) -> list[tuple[CutPoints, float]]:
-        """Edges slower than c_t with the exponent X has there."""
-        edges = []
-        for zone in self.zones:
-            for edge, opening in ((zone.left, True), (zone.right, False)):
-                if edge is not None and edge.from_b.flat[0] > 0:
-                    smooth = opening == bool(edge.from_c.flat[0] < 0)
-                    edges.append((edge, 0.5 if smooth else -0.5))
-        return edges
+    def _reference_pressure(self) -> float | Array:
+        """s f P_0 / M_+^I(0) of the reference sense s."""
+        load = self.load
+        amount = self._reference_sense * load.friction * load.step_pressure
+        return amount / self.factors.m_plus_at_zero["I"]
 
     @cached_property
-    def _impedance(self) -> np.ndarray:
-        return self.factors.impedance_on_cut(self.panels.at)
+    def _impedance(self) -> tuple[Array, Array]:
+        """M at the nodes: real part (h, ..., n) ahead of the shear front, imaginary (p, ..., n)."""
+        at, ahead = self.panels.at, self.layout.ahead
+        imag = np.empty_like(at.v)
+        real, imag[:ahead] = self.factors.impedance_ahead(at[:ahead])
+        imag[ahead:] = self.factors.impedance_behind(at[ahead:])
+        return real, imag
 
     @cached_property
     def _m_plus(self) -> Array:
         return self.factors.m_plus(self.panels.at.v)
 
-    def _pieces(self, slipping: bool) -> list[Piece]:
-        """Panels ahead of the shear front that slip, or stick."""
-        panels, factors, pieces = self.panels, self.factors, []
-        for i in np.flatnonzero(panels.ahead & ((panels.sense != 0) == slipping)):
-            left, right = panels.left[i], panels.right[i]
-            assert right is not None
-            start, stop = factors.phase(left), factors.phase(right)
-            share = panels.from_left[i] / right.minus(left)
-            rest = factors.phase(panels.at[i]) - start - (stop - start) * share
-            pieces.append(Piece(int(i), left, right, start, stop, rest * panels.jacobian[i]))
-        return pieces
+    @cached_property
+    def _phase(self) -> Phase:
+        """Of all panels ahead of the shear front."""
+        panels, ahead, (real, imag) = self.panels, self.layout.ahead, self._impedance
+        ends = panels.ends[: ahead + 1]
+        phi = self.factors.phase(ends)
+        start, stop = phi[:-1], phi[1:]
+        chord = start + (stop - start) * panels.rule.share
+        rest = (np.arctan2(imag[:ahead], real) - chord) * panels.jacobian[:ahead]
+        return Phase(ends.v[:-1], ends.v[1:], panels.widths[:ahead], start, stop, rest)
 
     @cached_property
-    def _stick_pieces(self) -> list[Piece]:
-        return self._pieces(False)
+    def _log_of_phase(self) -> Array:
+        """(p, ..., n): what the phase adds to ln X, (1/pi) int phi(w) / (w - v) dw."""
+        panels, pairs = self.panels, self.layout.phase_pairs
+        phase, distances = self._phase[pairs.source], panels.from_ends
+        to_left = distances[pairs.source, pairs.target]
+        to_right = distances[pairs.source + 1, pairs.target]
+        chord = phase.chord_integral(to_left, to_right)
+        return pairs.collect(panels.cauchy(pairs, phase.rest) + chord) / np.pi
 
-    @cached_property
-    def _slip_pieces(self) -> list[Piece]:
-        return self._pieces(True)
-
-    def _phase_integral(self, pieces: list[Piece], targets: np.ndarray) -> Array:
-        """(1/pi) int phi(w) / (w - v) dw over pieces, at the nodes of other panels."""
-        panels = self.panels
-        total = np.zeros((len(targets), *panels.jacobian.shape[1:]))
-        for piece in pieces:
-            to_left, to_right = (panels.minus(p)[targets] for p in (piece.left, piece.right))
-            chord = piece.chord_integral(to_left, to_right)
-            total += panels.cauchy(piece.panel, piece.rest, targets) + chord
-        return total / np.pi
-
-    def _phase_integral_off_cut(self, pieces: list[Piece], k: Array) -> Array:
-        """(1/pi) int phi(w) / (w + k) dw over pieces, at k >= 0 of shape (m,)."""
-        total = np.zeros_like(k)
-        for piece in pieces:
-            w = self.panels.at.v[piece.panel]
-            rest = np.sum(piece.rest[..., None, :] / (w[..., None, :] + k[:, None]), axis=-1)
-            chord = piece.chord_integral(-piece.left.v - k, -piece.right.v - k)
-            total = total + self.panels.rule.spacing * rest + chord
-        return total / np.pi
+    def _phase_integral_off_cut(self, sources: np.ndarray, k: Array) -> Array:
+        """(1/pi) int phi(w) / (w + k) dw over panels, at k >= 0 of shape (m,); (..., m)."""
+        phase, w = self._phase[sources], self.panels.at.v[sources]
+        rest = np.sum(phase.rest[..., None, :] / (w[..., None, :] + k[:, None]), axis=-1)
+        chord = phase.chord_integral(-phase.left - k, -phase.right - k)
+        return np.sum(self.panels.rule.spacing * rest + chord, axis=0) / np.pi
 
     @cached_property
     def canonical(self) -> Array:
         """(p, ..., n): X, real, on panels that slip; X / M_+, real, on panels that stick."""
-        panels = self.panels
-        from_b, from_c = panels.at.from_b, panels.at.from_c
-        slipping = panels.sense != 0
-        phase = np.zeros(len(slipping))  # of the square roots, over pi
-        product = np.ones_like(panels.jacobian)
-        for edge, exponent in self._square_roots:
-            difference = panels.minus(edge)
-            root = np.sqrt(np.abs(difference))
-            product = product * root if exponent > 0 else product / root
-            phase += exponent * (difference.reshape(len(phase), -1)[:, 0] > 0)
-        root_b = np.sqrt(np.abs(from_b))
-        if self._slips_at_b:
-            product[~slipping] *= root_b[~slipping]
-            phase[~slipping] += 0.5 * ~panels.ahead[~slipping]
+        panels, layout = self.panels, self.layout
+        from_b, from_c = np.abs(panels.at.from_b), panels.at.from_c
+        square = np.ones_like(from_b)  # of what has the exponent 1/2
+        for end, exponent in layout.roots:
+            distance = np.abs(panels.from_ends[end])
+            square = square * distance if exponent > 0 else square / distance
+        if layout.slips_at_b:
+            square[layout.stick] *= from_b[layout.stick]
         else:
-            product[slipping] /= root_b[slipping]
-            phase[slipping] -= 0.5 * ~panels.ahead[slipping]
-        if self._slips_at_c:
-            product[~slipping] /= -from_c[~slipping]
+            square[layout.slip] /= from_b[layout.slip]
+        product = np.sqrt(square)
+        if layout.slips_at_c:
+            product[layout.stick] /= -from_c[layout.stick]
         else:
-            product[slipping] *= -from_c[slipping]
-        by_stick = slipping & (panels.ahead | self._slips_at_b)
-        if by_stick.any():
-            integral = self._phase_integral(self._stick_pieces, np.flatnonzero(by_stick))
-            product[by_stick] *= np.exp(-integral)
-        by_slip = ~by_stick
-        if self._slip_pieces and by_slip.any():
-            integral = self._phase_integral(self._slip_pieces, np.flatnonzero(by_slip))
-            product[by_slip] *= np.exp(integral)
-        direct = by_slip & slipping  # with |S_+(-v)| on the cut
-        if direct.any():
-            modulus = np.abs(self._impedance[direct]) / (self.factors.kappa * self._m_plus[direct])
-            product[direct] *= modulus * root_b[direct] / np.abs(from_c[direct])
-        sign = np.cos(np.pi * phase).round()
-        return product * sign.reshape(-1, *[1] * (product.ndim - 1))
+            product[layout.slip] *= -from_c[layout.slip]
+        product *= np.exp(self._log_of_phase)
+        direct = layout.slip_behind  # with |S_+(-v)| on the cut
+        if len(direct) and not layout.slips_at_b:
+            modulus = np.abs(self._impedance[1][direct]) / (
+                self.factors.kappa * self._m_plus[direct]
+            )
+            product[direct] *= modulus * np.sqrt(from_b[direct]) / np.abs(from_c[direct])
+        return product * layout.sign.reshape(-1, *[1] * (product.ndim - 1))
 
     @cached_property
     def _canonical_at_zero(self) -> Array:
         """X(0), (1,) or (k, 1)."""
-        value = np.exp(-self._phase_integral_off_cut(self._stick_pieces, np.zeros(1)))
-        if not self._slips_at_c:
+        value = np.exp(-self._phase_integral_off_cut(self.layout.stick_ahead, np.zeros(1)))
+        if not self.layout.slips_at_c:
             value = value * self.factors.c
-        for edge, exponent in self._square_roots:
-            value = value * edge.v**exponent
+        for end, exponent in self.layout.roots:
+            value = value * self.panels.ends.v[end] ** exponent
         return value
 
     @cached_property
-    def _mode_one_at_zero(self) -> float:
-        return float(self.factors.m_plus(0.0, "I"))
+    def _mode_ratio(self) -> Array:
+        """|M_+^I / M_+| = sqrt(|b - v| / (v - a)) at the nodes.
 
-    @cached_property
-    def _mode_ratio(self) -> np.ndarray:
-        """M_+^I / M_+ = sqrt((b + k) / (a + k)) at the nodes: -i |.| ahead of the shear front."""
+        M_+^I / M_+ is -i times that ahead of the shear front, and that behind it.
+        """
         at = self.panels.at
-        ratio = np.sqrt(np.abs(at.from_b / at.from_a))
-        return np.where(at.from_b < 0, -1j, 1.0) * ratio
+        return np.sqrt(np.abs(at.from_b / at.from_a))
 
     @cached_property
     def _pressure_slope(self) -> Array:
         """d(P_0 p*)/dv = Im P(-v + i0) / (pi v) at the nodes."""
-        scale = self.load.step_pressure / (np.pi * self.factors.kappa * self._mode_one_at_zero)
-        impedance = (self._impedance * self._mode_ratio).imag
-        return scale * impedance / (self._m_plus * self.panels.at.v)
+        zero = self.factors.m_plus_at_zero["I"]
+        (real, imag), ahead = self._impedance, self.layout.ahead
+        slope = imag * self._mode_ratio
+        slope[:ahead] = -real * self._mode_ratio[:ahead]
+        slope *= self.load.step_pressure / (np.pi * self.factors.kappa * zero)
+        return slope / (self._m_plus * self.panels.at.v)
 
     @cached_property
-    def _sources(self) -> list[tuple[int, Array]]:
-        """Panels on which C has an imaginary part, and that part at their nodes."""
-        load, panels = self.load, self.panels
+    def _sources(self) -> tuple[np.ndarray, Array]:
+        """Panels on which C has an imaginary part, and Im C at all nodes, (p, ..., n)."""
+        load, panels, stick = self.load, self.panels, self.layout.stick_ahead
+        imag = np.zeros_like(panels.jacobian)
         if load.step_pressure == 0 or not self.zones:
-            return []
-        sources, s0 = [], self._reference_sense
-        for i, sense in enumerate(panels.sense):
-            if sense == 0 and panels.ahead[i]:
-                root = np.sqrt(-panels.at.from_b[i] / panels.at.from_a[i])
-                amount = s0 * load.friction * load.step_pressure / self._mode_one_at_zero
-                sources.append((i, amount * root / self.canonical[i]))
-            elif sense not in (0, s0):
-                pressure = np.pi * panels.at.v[i] * self._pressure_slope[i]
-                miss = (sense - s0) * load.friction * pressure
-                sources.append((i, miss / self.canonical[i]))
-        return sources
+            return stick[:0], imag
+        imag[stick] = self._reference_pressure * self._mode_ratio[stick] / self.canonical[stick]
+        other = np.array([i for i in self.layout.slip if panels.sense[i] != self._reference_sense])
+        if len(other):
+            factor = -2 * np.pi * self._reference_sense * load.friction
+            miss = factor * panels.at.v[other] * self._pressure_slope[other]
+            imag[other] = miss / self.canonical[other]
+        return np.append(stick, other.astype(int)), imag
 
     @cached_property
     def constant(self) -> Array:
@@ -304,54 +256,53 @@ class ZoneFields:
         at_zero = load.step_shear - load.far_slip_rate
         at_zero -= self._reference_sense * load.friction * load.step_pressure
         value = at_zero / self._canonical_at_zero
-        for i, imag in self._sources:
-            density = panels.jacobian[i] * imag / panels.at.v[i]
-            value = value + panels.rule.spacing / np.pi * density.sum(axis=-1, keepdims=True)
+        sources, imag = self._sources
+        if len(sources):
+            integrals = panels.integrals(imag / panels.at.v)
+            value = value + integrals[sources].sum(axis=0)[..., None] / np.pi
         return value
 
     @cached_property
-    def _cauchy(self) -> np.ndarray | None:
-        """C(-v + i0) at the nodes, complex; None without sources."""
-        if not self._sources:
-            return None
-        panels = self.panels
-        total = np.zeros(panels.jacobian.shape, dtype=complex)
-        every = np.arange(len(panels.sense))
-        for source, imag in self._sources:
-            weights = panels.jacobian[source] * imag
-            others = every[every != source]
-            total[others] -= panels.cauchy(source, weights, others) / np.pi
-            total[source] += 1j * imag - panels.principal_value(source, weights) / np.pi
-        return total
+    def _cauchy(self) -> Array:
+        """(p, ..., n): Re C(-v + i0) at the nodes."""
+        panels, (sources, imag) = self.panels, self._sources
+        if not len(sources):
+            return imag
+        pairs, weights = self.layout.pairs_from(tuple(sources.tolist())), panels.jacobian * imag
+        total = pairs.collect(panels.cauchy(pairs, weights[pairs.source]))
+        total[sources] += panels.principal_values(sources, weights[sources])
+        return total / -np.pi
+
+    @cached_property
+    def _reduced(self) -> Array:
+        """(p, ..., n): X (Re C + R); over M_+ on panels that stick."""
+        return self.canonical * (self._cauchy + self.constant)
 
     @cached_property
     def stick_transform(self) -> Array:
         """(p, ..., n): T / M_+ where the interface sticks (meaningless elsewhere)."""
-        load = self.load
-        cauchy = 0.0 if self._cauchy is None else self._cauchy.real
-        reduced = self.canonical * (cauchy + self.constant)
-        if not load.step_pressure:
-            return reduced
-        amount = self._reference_sense * load.friction * load.step_pressure
-        return reduced + amount / self._mode_one_at_zero * self._mode_ratio.real
+        result, ahead = self._reduced.copy(), self.layout.ahead
+        if self.load.step_pressure:
+            result[ahead:] += self._reference_pressure * self._mode_ratio[ahead:]
+        return result
 
     def stick_transform_off_cut(self, k: Array) -> Array:
         """T / M_+ at k > 0, any shape: what drives the slot faces (one set of zones)."""
-        load, panels = self.load, self.panels
-        flat = np.ravel(k)
-        value = np.exp(self._phase_integral_off_cut(self._slip_pieces, flat))
-        if self._slips_at_c:
+        panels, layout, flat = self.panels, self.layout, np.ravel(k)
+        value = np.exp(self._phase_integral_off_cut(layout.slip_ahead, flat))
+        if layout.slips_at_c:
             value /= self.factors.c + flat
-        if self._slips_at_b:
+        if layout.slips_at_b:
             value *= np.sqrt(1 + flat)
-        for edge, exponent in self._square_roots:
-            value *= (edge.v + flat) ** exponent
+        for end, exponent in layout.roots:
+            value *= (panels.ends.v[end] + flat) ** exponent
         cauchy = np.full_like(flat, self.constant[0])
-        for source, imag in self._sources:
+        sources, imag = self._sources
+        for source in sources:
             kernel = 1 / (panels.at.v[source] + flat[:, None])
-            cauchy -= panels.rule.spacing / np.pi * kernel @ (panels.jacobian[source] * imag)
-        amount = self._reference_sense * load.friction * load.step_pressure
-        ratio = np.sqrt((1 + flat) / (self.factors.a + flat)) * amount / self._mode_one_at_zero
+            weights = panels.jacobian[source] * imag[source]
+            cauchy -= panels.rule.spacing / np.pi * (kernel @ weights)
+        ratio = np.sqrt((1 + flat) / (self.factors.a + flat)) * self._reference_pressure
         return (value * cauchy + ratio).reshape(np.shape(k))
 
     @cached_property
@@ -360,55 +311,48 @@ class ZoneFields:
 
         () or (k,).
         """
-        load = self.load
-        amount = self._reference_sense * load.friction * load.step_pressure
-        return np.asarray((self.constant + amount / self._mode_one_at_zero)[..., 0])
+        return np.asarray((self.constant + self._reference_pressure)[..., 0])
 
     @cached_property
     def stick_transform_excess(self) -> Array:
         """(..., n): T / M_+ less its limit at a stuck contact edge, last panel, without loss."""
-        panels, load, factors = self.panels, self.load, self.factors
-        last = len(panels.sense) - 1
-        at = panels.at[last]
-        log = np.zeros_like(at.v)
-        log += self._phase_integral(self._slip_pieces, np.array([last]))[0]
-        if self._slips_at_c:
-            log -= _log_share(at.from_c, at.v, np.array(factors.c))
-        if self._slips_at_b:
-            log += 0.5 * _log_share(at.from_b, at.v, np.array(1.0))
-        for edge, exponent in self._square_roots:
-            log += exponent * _log_share(panels.minus(edge)[last], at.v, edge.v)
-        cauchy = np.zeros_like(log) if self._cauchy is None else self._cauchy[last].real
+        panels, layout, factors = self.panels, self.layout, self.factors
+        at, log = panels.at[-1], self._log_of_phase[-1]
+        if layout.slips_at_c:
+            log = log - _log_share(at.from_c, at.v, np.array(factors.c))
+        if layout.slips_at_b:
+            log = log + 0.5 * _log_share(at.from_b, at.v, np.array(1.0))
+        for end, exponent in layout.roots:
+            share = _log_share(panels.from_ends[end, -1], at.v, panels.ends.v[end])
+            log = log + exponent * share
         ratio = np.expm1(0.5 * _log_share(at.from_b, at.from_a, np.array(1.0 - factors.a)))
-        amount = self._reference_sense * load.friction * load.step_pressure
-        growth = np.expm1(log)
-        return growth * (cauchy + self.constant) + cauchy + amount / self._mode_one_at_zero * ratio
+        cauchy, growth = self._cauchy[-1], np.expm1(log)
+        return growth * (cauchy + self.constant) + cauchy + self._reference_pressure * ratio
 
     @cached_property
     def slip_rate_slope(self) -> Array:
         """(p, ..., n): dV/dv on panels that slip, 0 on panels that stick."""
-        panels, load = self.panels, self.load
-        slip = panels.sense != 0
-        cauchy = 0.0 if self._cauchy is None else self._cauchy[slip]
-        transform = self.canonical[slip] * (cauchy + self.constant)
-        ratio = (transform / self._impedance[slip]).imag
-        if load.step_pressure:
-            amount = self._reference_sense * load.friction * load.step_pressure
-            scale = amount / (self.factors.kappa * self._mode_one_at_zero)
-            ratio = ratio + scale * self._mode_ratio[slip].imag / self._m_plus[slip]
-        result = np.zeros_like(panels.jacobian)
-        result[slip] = -ratio / (np.pi * panels.at.v[slip])
-        return result
+        load, layout, (real, imag) = self.load, self.layout, self._impedance
+        slope = np.zeros_like(imag)
+        behind, ahead = layout.slip_behind, layout.slip_ahead
+        slope[behind] = self._reduced[behind] / imag[behind]
+        if len(ahead):
+            product = self._reduced[ahead] * imag[ahead]
+            if load.step_pressure:
+                product -= self.canonical[ahead] * self._sources[1][ahead] * real[ahead]
+            slope[ahead] = product / (np.square(real[ahead]) + np.square(imag[ahead]))
+            if load.step_pressure:
+                by_pressure = self._reference_pressure * self._mode_ratio[ahead]
+                slope[ahead] += by_pressure / (self.factors.kappa * self._m_plus[ahead])
+        return slope / (np.pi * self.panels.at.v)
 
     @cached_property
     def traction_slope(self) -> Array:
         """(p, ..., n): dtau/dv on panels that stick, 0 on panels that slip."""
-        panels = self.panels
-        stick = panels.sense == 0
-        unit = self._impedance[stick].imag / (self._m_plus[stick] * panels.at.v[stick])
-        result = np.zeros_like(panels.jacobian)
-        result[stick] = unit * self.stick_transform[stick] / (np.pi * self.factors.kappa)
-        return result
+        unit = self._impedance[1] / (self._m_plus * self.panels.at.v)
+        slope = unit * self.stick_transform / (np.pi * self.factors.kappa)
+        slope[self.layout.slip] = 0.0
+        return slope
 
     def strength(self, edge: CutPoints) -> Array:
         """Friction bound f p at an edge."""
@@ -422,14 +366,13 @@ class ZoneFields:
     @cached_property
     def _excess_slope(self) -> Array:
         """(p, ..., n): slope of traction less the following zone's sense times strength."""
-        panels, load = self.panels, self.load
-        slope = self.traction_slope
-        if load.step_pressure == 0:
+        load, slope = self.load, self.traction_slope
+        if load.step_pressure == 0 or not self.zones:
             return slope
-        following = [self.zones[min(k, len(self.zones) - 1)].sense for k in panels.zone]
-        sense = np.where(panels.sense == 0, following, 0)
-        factor = sense.reshape(-1, *[1] * (slope.ndim - 1)) * load.friction
-        return slope - factor * self._pressure_slope
+        senses = [zone.sense for zone in self.zones]
+        following = np.array([*senses, senses[-1]])[list(self.layout.zone)]
+        factor = (following * ~self.layout.slipping).reshape(-1, *[1] * (slope.ndim - 1))
+        return slope - factor * load.friction * self._pressure_slope
 
     def mismatch(self) -> Array:
         """What the edges leave unfulfilled: one row per edge, (e,) or (e, k).
@@ -437,25 +380,25 @@ class ZoneFields:
         For each zone: traction less sense times strength where it opens (over the width of the
         stick gap before it when that is narrow), and the slip rate left where it heals.
         """
-        panels, load = self.panels, self.load
-        excess = panels.integrals(self._excess_slope)
-        slip_rate = panels.integrals(self.slip_rate_slope)
-        rows: list[Array] = []
+        load, layout = self.load, self.layout
+        integrals = self.panels.integrals(self._excess_slope + self.slip_rate_slope)
+        gains = iter(np.add.reduceat(integrals, [part[0] for part in layout.regions], axis=0))
         far_slip_rate = per_set(load.far_slip_rate)
-        traction: Array | float = load.base_shear - far_slip_rate
-        strength: Array | float = per_set(load.friction) * load.base_pressure
-        healed: CutPoints | None = None
-        for index, zone in enumerate(self.zones):
+        rows: list[Array] = []
+        outward: Zone | None = None
+        for zone in self.zones:
             if zone.left is not None:
-                before = (panels.sense == 0) & (panels.zone == index)
-                opening = traction - zone.sense * strength + excess[before].sum(axis=0)
-                if healed is not None:
-                    opening = opening / np.minimum(1.0, zone.left.minus(healed)[..., 0])
+                opening = next(gains)
+                if outward is None:
+                    strength = per_set(load.friction) * load.base_pressure
+                    opening = opening + load.base_shear - far_slip_rate - zone.sense * strength
+                elif outward.right is not None:
+                    if outward.sense != zone.sense:
+                        strength = self.strength(outward.right)[..., 0]
+                        opening = opening + (outward.sense - zone.sense) * strength
+                    opening = opening / np.minimum(1.0, zone.left.minus(outward.right)[..., 0])
                 rows.append(np.asarray(opening))
             if zone.right is not None:
-                start = far_slip_rate if zone.left is None else 0.0
-                inside = (panels.sense != 0) & (panels.zone == index)
-                rows.append(start + slip_rate[inside].sum(axis=0))
-                healed, strength = zone.right, self.strength(zone.right)[..., 0]
-                traction = zone.sense * strength
+                rows.append(next(gains) + (far_slip_rate if zone.left is None else 0.0))
+            outward = zone
         return np.stack(rows)

@@ -26,6 +26,7 @@ MANY = {
     "two zones under a shock": REMOTE,
     "narrow gap around c_R": scene(friction=0.1),
     "gap of 1e-6 around c_R": scene(nu=0.2, friction=1.1, base=(1.0, 1.0), step=(1.0, 1.0)),
+    "gap of 1e-9 around c_R": scene(friction=0.3, base=(0.25, 0.075), step=(1.2, 1.3)),
     "auxetic": scene(nu=-0.5, friction=0.05),
     "slip everywhere": scene(friction=0.5, base=(1.0, 1.0), step=(1.0, 1.0)),
     "backward": scene(friction=0.3, step=(0.0, -1.0)),
@@ -115,6 +116,16 @@ def test_error_estimate_bounds_the_true_error(name):
         clear = np.min(np.abs(x[:, None] - np.array(fronts)), axis=1) > 0.01
         error = np.abs(solution.slip_rate(x, 1.0) - fine.slip_rate(x, 1.0))[clear].max() / scale
         assert error <= solution.error_estimate
+
+
+@pytest.mark.parametrize("nu, friction", [(0.25, 0.05), (1 / 3, 0.04), (-0.5, 0.05)])
+def test_critical_base_slips_from_the_longitudinal_front_against_the_step(nu, friction):
+    """Where friction is reached ahead of all waves a zone starts at c_l, however little it slips."""
+    solution = solve(scene(nu, friction, (1.0, friction), (0.6, -1.3)), rtol=1e-9)
+    ahead = solution.zones[-1]
+    assert solution.status == "converged"
+    assert (ahead.sense, ahead.outer) == (1, solution.scene.material.longitudinal_speed)
+    assert solution.zones[0].sense == -1
 
 
 def test_second_zone_runs_ahead_of_the_shear_wave():
