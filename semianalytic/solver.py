@@ -160,23 +160,18 @@ class _Refined:
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
 def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
     """Polish the edges on finer and finer rules until a coarser companion agrees to rtol."""
-    edges, unknowns, profile, steps = found.edges, found.unknowns, found.profile, 0
     if not found.sound:
-        return _Refined(unknowns, profile, np.inf, 0)
-    wanted, left = rtol / 10, 0.0
+        return _Refined(found.unknowns, found.profile, np.inf, 0)
+    wanted, steps = rtol / 10, 0
     for _ in range(_MOST_REFINEMENTS):
-        rule, companion = rule_for(wanted), rule_for(5 * wanted)
-        if len(unknowns):
-            start = replace(found, unknowns=unknowns, profile=profile)
-            unknowns, profile, left, taken = _polished(start, load, rule, max(_LEFT * rtol, 1e-13))
-            steps += taken
-        elif rule is not profile.fields.rule:
-            profile = _profile(edges, unknowns, load, rule)
-        coarse = ZoneFields(edges.factors, load, profile.fields.zones, companion)
+        found, left = _polished(found, load, rule_for(wanted), max(_LEFT * rtol, 1e-13))
+        steps += found.steps
+        unknowns, fields = found.unknowns, found.profile.fields
+        coarse = ZoneFields(fields.factors, load, fields.zones, rule_for(5 * wanted))
         moved = unknowns
         if len(unknowns):
             moved = unknowns - moves(found.inverse, coarse.mismatch())
-        estimate = float(difference(edges, unknowns, moved, profile.fields, coarse))
+        estimate = float(difference(found.edges, unknowns, moved, fields, coarse))
         estimate += 4 * SAFETY * left  # slip rates change fastest beside edges
         if not estimate < np.inf:
             estimate = np.inf  # zones that shrink to nothing on the finer rule
@@ -184,33 +179,32 @@ def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
         if estimate <= rtol:
             break
         wanted *= max(0.1 * rtol / estimate, 1e-3)
-    return _Refined(unknowns, profile, estimate, steps)
+    return _Refined(found.unknowns, found.profile, estimate, steps)
 
 
-def _polished(
-    start: _Found, load: Load, rule: Rule, target: float
-) -> tuple[Array, Profile, float, int]:
-    """Unknowns and their profile on a rule, by Broyden steps until the next would shift edges by
-    less than a target; that shift, and the steps taken."""
-    edges, unknowns, profile, inverse = start.edges, start.unknowns, start.profile, start.inverse
-    value = profile.fields.mismatch()
-    move, steps = -inverse @ value, 0
-    shift = float(edge_shift(edges, unknowns, unknowns + move))
-    if profile.fields.rule is not rule:
-        shift = np.inf
+def _polished(found: _Found, load: Load, rule: Rule, target: float) -> tuple[_Found, float]:
+    """Zones on a rule by Broyden steps, until the next would shift edges by less than a target;
+    and that shift."""
+    edges, unknowns, profile = found.edges, found.unknowns, found.profile
+    other_rule, steps = profile.fields.rule is not rule, 0
+    if not len(unknowns):
+        if other_rule:
+            profile = _profile(edges, unknowns, load, rule)
+        return replace(found, profile=profile, steps=0), 0.0
+    inverse, value = found.inverse, profile.fields.mismatch()
+    move = -inverse @ value
+    shift = np.inf if other_rule else float(edge_shift(edges, unknowns, unknowns + move))
     while shift > target and steps < _MOST_POLISHINGS and edges.admits(unknowns + move):
         steps, unknowns, before = steps + 1, unknowns + move, value
         profile = _profile(edges, unknowns, load, rule)
         value = profile.fields.mismatch()
         image = inverse @ (value - before)
         denominator = move @ image
-        if steps > 1 and denominator:  # the first value may be of another rule
+        if denominator and not (other_rule and steps == 1):  # the first value is of that rule
             inverse = inverse + np.outer(move - image, move @ inverse) / denominator
         move = -inverse @ value
-        previous, shift = shift, float(edge_shift(edges, unknowns, unknowns + move))
-        if not shift < previous:
-            break
-    return unknowns, profile, shift, steps
+        shift = float(edge_shift(edges, unknowns, unknowns + move))
+    return replace(found, unknowns=unknowns, profile=profile, inverse=inverse, steps=steps), shift
 
 
 def difference(
@@ -237,7 +231,8 @@ def difference(
         halves[rate.residues != 0] = 0.0  # the middle of such a panel depends on the rule
         compared.append(np.concatenate([rate.totals, halves, rate.residues]))
     rates = np.abs(compared[0] - compared[1]).max(axis=0) / np.where(scale > 0, scale, 1.0)
-    return 1e-14 + SAFETY * np.maximum(worst, rates)
+    least = 0.1 * fine.rule.tolerance if fine.zones else 0.0  # between the nodes
+    return 1e-14 + least + SAFETY * np.maximum(worst, rates)
 
 
 def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
