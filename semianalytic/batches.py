@@ -13,55 +13,41 @@ from semianalytic.panels import Rule, rule_for
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array
 from semianalytic.scene import Scene
-from semianalytic.solver import (
-    SAFETY,
-    difference,
-    loose_tolerance,
-)
+from semianalytic.solver import SAFETY, difference, loose_tolerance
 from semianalytic.zones import Load, ZoneFields
 
 AT_ONCE = 24  # sets of zones in one batch: more leave the processor's cache
-LOOSELY = 100  # the same on the loose rule
 _MOST_STEPS = 4
 _LONGEST_MOVE = 1.5
 _NEAR = 2e-3  # move of an edge unknown after which its Jacobian is kept
 _SLOW = 0.5  # Newton moves that shrink less are given up
-_CONTRACTION, _LENT_CONTRACTION = 20.0, 0.1  # of chord steps, by the doubt of a prediction
-_LEAST_CONTRACTION = 1e-3  # the same, once it has been seen
-_TRUSTED = 1e-3  # doubt of a prediction that needs no Newton's method
-_MOST_TURNS = 10  # of common steps on the loose rule
-_MOST_ROUNDS = 6  # of evaluations on fine rules
-_SETTLED = 0.04  # what may be left of Newton's method, in rtol
-_ROUNDING = 1e-11  # moves that tell nothing of the Jacobian
-_LEFT = 0.02  # the same on the loose rule
-_LOOSE_CHECK, _LOOSE_MOVE = 10, 100  # there, in its tolerance
+_CONTRACTION, _LEAST_CONTRACTION = 20.0, 1e-3  # of chord steps, by the doubt of a prediction
+TRUSTED = 1e-3  # doubt of a prediction that needs no Newton's method
+_MOST_REFINEMENTS = 3
 _STRICTNESS = 10  # of the check of Coulomb's law; `solve`, which is asked next, uses 100
 _LOOSEST = 1e-4  # tolerance of that check: neighbours lend zones where a new one just begins
 _CLOSE = 1e-3  # to a front, in slowness: differences are then formed there
-_SECANT = 0.1  # of one edge, what the next step leaves of itself over the last
+_PREDICTED = 0.2  # doubt of a prediction that needs no full Newton's method
+_CHORDS = 4  # steps with lent Jacobians before they are formed anew
 _WITHOUT_JACOBIAN = 1e-5  # rtol from which those steps suffice
-_CHORDS = 5  # steps with lent Jacobians before they are formed anew
 
 
 @dataclass(frozen=True)
 class Predicted:
     """Unknowns at one friction and the inverse Jacobian from those near it, how far they may be
-    off, the tolerance of the rule that is likely needed, and what a step with this Jacobian
-    leaves of itself, where that has been seen."""
+    off, and the tolerance of the rule that is likely needed."""
 
     unknowns: Array
     inverse: Array
     doubt: float
     wanted: float
-    contraction: float = 0.0
 
 
 @dataclass(frozen=True)
 class Followed:
     """Sets of zones of neighbouring frictions, k columns of unknowns, and how they were found.
 
-    inverse (k, e, e) is that of the Jacobian, a step with which leaves `contraction` (k,) of
-    itself; wanted are the tolerances of their rules, which the batch made finer and longer, nodes
+    inverse (k, e, e) is that of the Jacobian, wanted are the tolerances of their rules, nodes
     the number per set on the last.
     """
 
@@ -69,30 +55,30 @@ class Followed:
     estimate: Array
     sound: np.ndarray
     inverse: Array
-    contraction: Array
     wanted: Array
-    rules: list[Rule]
     steps: int
     nodes: int
 
 
-def batches(edges: Edges, starts: Sequence[Array], at_once: int = AT_ONCE) -> Iterator[list[int]]:
+def batches(
+    edges: Edges, starts: Sequence[Array], trusted: Sequence[bool] | None = None
+) -> Iterator[list[int]]:
     """Sets of zones that may share panels: every edge on one side of every cut, close to one
     front or to none.
+
+    Those whose prediction is trusted come last.
     """
     groups: dict[tuple, list[int]] = {}
-    keys: list[Array] = [np.zeros(len(starts))]
-    if edges.segments and starts:
-        for p in edges.points(np.array(starts).T):
-            from_fronts = np.abs(p.parts[1:, :, 0])
-            close = from_fronts.min(axis=0) < _CLOSE
-            keys.append(np.where(close, from_fronts.argmin(axis=0), -1))
-            for cut in edges.factors.cuts:
-                keys.append(p.parts[cut.nearest, :, 0] < cut.parts[cut.nearest, 0])
-    for j, key in enumerate(np.array(keys).T.tolist()):
-        groups.setdefault(tuple(key), []).append(j)
+    for j, unknowns in enumerate(starts):
+        points = edges.points(unknowns)
+        sides = [[p.first_below(cut) for cut in edges.factors.cuts] for p in points]
+        close = [p.nearest if np.abs(p.parts[p.nearest]).min() < _CLOSE else 0 for p in points]
+        key = (*close, *np.ravel(sides).tolist())
+        groups.setdefault(key, []).append(j)
     for group in groups.values():
-        parts = -(-len(group) // at_once)
+        if trusted is not None:
+            group.sort(key=lambda j: trusted[j])
+        parts = -(-len(group) // AT_ONCE)
         yield from (part.tolist() for part in np.array_split(group, parts))
 
 
@@ -161,19 +147,12 @@ def _newton(edges: Edges, start: Array, load: Load, rule: Rule) -> tuple[Array, 
 
 
 def _approached(
-    edges: Edges,
-    start: Array,
-    lent: Array,
-    contraction: Array,
-    load: Load,
-    rule: Rule,
-    goal: float,
+    edges: Edges, start: Array, lent: Array, load: Load, rule: Rule
 ) -> tuple[Array, Array, Array, int]:
-    """Broyden steps on a rule from lent inverse Jacobians (k, e, e) until less than goal is left.
+    """Broyden steps on a rule from lent inverse Jacobians (k, e, e).
 
     Unknowns (e, k), or the start where that did not succeed; inverse Jacobians; what a step
-    leaves of itself (k,), `contraction` until it is seen, infinite where steps did not succeed;
-    the steps taken.
+    leaves of itself (k,), infinite where it did not succeed; the steps taken.
     """
     count = start.shape[1]
     unknowns, inverse = start.copy(), lent.copy()
@@ -190,15 +169,11 @@ def _approached(
         largest = np.abs(move).max(axis=0)
         share = largest / previous[waiting]
         kept = (share < _SLOW) & edges.admits(unknowns[:, waiting] + np.where(share < 1, move, 0))
-        waiting, largest = waiting[kept], largest[kept]
-        move, before = move[:, kept], values[:, kept]
+        waiting, move, before, share = waiting[kept], move[:, kept], values[:, kept], share[kept]
         unknowns[:, waiting] += move
-        previous[waiting] = largest
-        seen = share[kept] if step > 1 else contraction[waiting]
-        arrived = largest * seen < goal
-        if step > 1:  # a Jacobian made by these steps is good along them alone
-            seen = _SECANT * seen if len(start) == 1 else np.maximum(seen, _LENT_CONTRACTION)
-        left[waiting[arrived]] = np.maximum(seen[arrived], _LEAST_CONTRACTION)
+        previous[waiting] = largest[kept]
+        arrived = largest[kept] * share < _NEAR if step > 1 else largest[kept] < _NEAR
+        left[waiting[arrived]] = share[arrived]
         waiting, move, before = waiting[~arrived], move[:, ~arrived], before[:, ~arrived]
     failed = ~(left < np.inf)
     unknowns[:, failed] = start[:, failed]
@@ -215,11 +190,6 @@ def _updated(inverse: Array, move: Array, change: Array) -> Array:
     return np.asarray(inverse + (move - image).T[:, :, None] * rows[:, None, :])
 
 
-def _contraction(doubt: Array) -> Array:
-    """What a step with a lent Jacobian may leave of itself, by the doubt of the prediction."""
-    return np.clip(_CONTRACTION * doubt, _LENT_CONTRACTION, 1.0)
-
-
 def _located(
     edges: Edges, start: Array, lent: Array, doubt: Array, load: Load, rtol: float
 ) -> tuple[Array, Array, Array, int]:
@@ -227,69 +197,73 @@ def _located(
     chord step with them leaves of itself (k,), infinite for sets that did not get there, and the
     steps taken.
 
-    Broyden steps leave the Jacobian of several edges too rough for fine rules.
+    Where predictions (e, k) with little doubt (k,) lead nowhere there are other zones.
     """
-    loose, rough = loose_tolerance(rtol), rtol < _WITHOUT_JACOBIAN and len(start) > 1
-    goal = _NEAR if rough else loose
-    contraction = _contraction(doubt)
-    found = _approached(edges, start, lent, contraction, load, rule_for(loose), goal)
-    unknowns, inverse, contraction, steps = found
-    rest = np.flatnonzero(rough | ~(contraction < np.inf))
+    rule = rule_for(loose_tolerance(rtol))
+    unknowns, inverse, contraction, steps = _approached(edges, start, lent, load, rule)
+    arrived = contraction < np.inf
+    rest = np.flatnonzero(np.where(arrived, rtol < _WITHOUT_JACOBIAN, ~(doubt < _PREDICTED)))
     if len(rest):
-        again = _newton(edges, unknowns[:, rest], _chosen(load, rest), rule_for(loose))
-        unknowns[:, rest], inverse[rest], steps = again[0], again[1], steps + again[3]
-        contraction[rest] = np.maximum(2 * again[2], _LEAST_CONTRACTION)
+        found = _newton(edges, unknowns[:, rest], _chosen(load, rest), rule)
+        unknowns[:, rest], inverse[rest] = found[0], found[1]
+        contraction[rest] = 2 * found[2]
+        steps += found[3]
     return unknowns, inverse, contraction, steps
 
 
-def located(edges: Edges, predicted: list[Predicted], load: Load, rtol: float) -> Followed:
-    """Edges at several frictions from predictions, exact on the loose rule and checked there.
+@dataclass(frozen=True)
+class _Polished:
+    """Sets of zones on a rule: which, whether settled, their unknowns (e, k), how far these may
+    be off, and the fields beside them."""
 
-    estimate is what is left of Newton's method.
+    kept: np.ndarray
+    settled: np.ndarray
+    unknowns: Array
+    left: Array
+    beside: Array
+    fields: ZoneFields
+    steps: int
+
+
+def _polished(
+    edges: Edges,
+    start: Array,
+    inverse: Array,
+    contraction: Array,
+    load: Load,
+    rtol: float,
+    wanted: float,
+) -> _Polished:
+    """Chord steps on the rule of a tolerance until what is left of the mismatch is negligible.
+
+    A step leaves `contraction` (k,) of itself, at least what has been seen.  The fields are those
+    before the last step, which is far below what Coulomb's law is checked to.
     """
-    count, size = len(predicted), len(edges.segments)
-    unknowns = np.array([one.unknowns for one in predicted]).T.reshape(size, count)
-    inverse = np.array([one.inverse for one in predicted])
-    doubt = np.array([one.doubt for one in predicted])
-    loose, goal, steps, nodes = loose_tolerance(rtol), max(_LEFT * rtol, 1e-13), 0, 0
-    contraction = _contraction(doubt)
-    if size and not np.all(doubt < _TRUSTED):
-        unknowns, inverse, contraction, steps = _located(
-            edges, unknowns, inverse, doubt, load, rtol
-        )
-    left, previous = np.zeros(count), np.full(count, np.inf)
-    kept = np.flatnonzero(contraction < np.inf)
-    # All together to the end: the panels, and so what is exact on them, depend on all.
-    for turn in range(_MOST_TURNS):
-        if not len(kept):
+    kept, unknowns, rule = np.arange(start.shape[1]), start, rule_for(wanted)
+    previous, sound = np.full(len(kept), np.inf), np.zeros(len(kept), dtype=bool)
+    for step in range(_MOST_STEPS):
+        beside, left = unknowns, np.zeros(len(kept))
+        zones = edges.zones(beside)
+        fields = ZoneFields(edges.factors, _chosen(load, kept), zones, rule)
+        if not len(start):
+            sound[:] = True
             break
-        beside, loads = unknowns[:, kept], _chosen(load, kept)
-        fields = ZoneFields(edges.factors, loads, edges.zones(beside), rule_for(loose))
-        nodes, steps = fields.panels.jacobian[:, 0].size, steps + 1
-        going = np.ones(len(kept), dtype=bool)
-        if size:
-            move = -moves(inverse[kept], fields.mismatch())
-            largest = np.abs(move).max(axis=0)
-            share = largest / previous[kept]
-            visible = (share > 0) & (largest > _ROUNDING)
-            contraction[kept] = np.where(visible, share, contraction[kept])
-            left[kept], previous[kept] = largest * contraction[kept], largest
-            going = edges.admits(beside + move) & (largest < _LOOSE_MOVE * loose)
-            going &= (share < _SLOW) | (left[kept] <= goal)
-            unknowns[:, kept] += move
-        if turn == 0:
-            going = going & admissible(Profile(fields), _LOOSE_CHECK * loose)
-        kept = kept[going]
-        if np.all(left[kept] <= goal):
+        move = -moves(inverse[kept], fields.mismatch())
+        unknowns, size = beside + move, np.abs(move).max(axis=0)
+        contraction[kept] = np.maximum(contraction[kept], size / previous)
+        left = size * contraction[kept]
+        settled = (left <= max(0.02 * rtol, 1e-13)) & (size <= 10 * rtol)
+        going = edges.admits(unknowns) & (size < _SLOW * previous)
+        if np.all(settled | ~going) or step == _MOST_STEPS - 1:
+            sound[kept] = settled
+            unknowns = np.where(settled, unknowns, beside)
             break
-    sound = np.isin(np.arange(count), kept) & (left <= goal)
-    wanted = np.full(count, loose)
-    rules = [rule_for(loose)] * count
-    return Followed(unknowns, left, sound, inverse, contraction, wanted, rules, steps, nodes)
+        kept, unknowns, previous = kept[going], unknowns[:, going], size[going]
+    return _Polished(kept, sound[kept], unknowns, left, beside, fields, step + 1)
 
 
 def followed(edges: Edges, predicted: list[Predicted], load: Load, rtol: float) -> Followed:
-    """Edges at several frictions from those on the loose rule, polished, estimated and checked.
+    """Edges at several frictions from predictions, polished, estimated and checked.
 
     Those whose error estimate exceeds rtol are taken to finer rules.
     """
@@ -297,56 +271,40 @@ def followed(edges: Edges, predicted: list[Predicted], load: Load, rtol: float) 
     unknowns = np.array([one.unknowns for one in predicted]).T.reshape(size, count)
     inverse = np.array([one.inverse for one in predicted])
     wanted = np.array([one.wanted for one in predicted])
-    contraction = np.array([max(one.contraction, _LEAST_CONTRACTION) for one in predicted])
-    waiting, steps = np.arange(count), 0
-    loose = loose_tolerance(rtol)
-    if size and len(waiting) and wanted[waiting].min() < 1e-2 * loose:
-        between = float(np.sqrt(loose * wanted[waiting].min()))
-        found = _approached(
-            edges,
-            unknowns[:, waiting],
-            inverse[waiting],
-            contraction[waiting],
-            _chosen(load, waiting),
-            rule_for(between),
-            between,
-        )
-        unknowns[:, waiting], inverse[waiting], contraction[waiting] = found[:3]
-        waiting, steps = waiting[found[2] < np.inf], steps + found[3]
-    estimate, sound, nodes = np.full(count, np.inf), np.zeros(count, dtype=bool), 0
-    previous, rules = np.full(count, np.inf), [rule_for(loose)] * count
-    for _ in range(_MOST_ROUNDS):
-        if not len(waiting):
+    doubt = np.array([one.doubt for one in predicted])
+    estimate, sound = np.full(count, np.inf), np.zeros(count, dtype=bool)
+    kept, steps, nodes = np.arange(count), 0, 0
+    contraction = np.maximum(_CONTRACTION * doubt, _LEAST_CONTRACTION)
+    if size and not np.all(doubt < TRUSTED):
+        unknowns, inverse, left, steps = _located(edges, unknowns, inverse, doubt, load, rtol)
+        contraction = np.maximum(left, _LEAST_CONTRACTION)
+        kept = np.flatnonzero(left < np.inf)
+        loose = loose_tolerance(rtol)
+        if len(kept) and wanted[kept].min() < 1e-2 * loose:
+            between = rule_for(float(np.sqrt(loose * wanted[kept].min())))
+            values = edges.mismatch(unknowns[:, kept], _chosen(load, kept), between)
+            unknowns[:, kept] -= moves(inverse[kept], values)
+            kept = kept[edges.admits(unknowns[:, kept])]
+            steps += 1
+    for _ in range(_MOST_REFINEMENTS):
+        if not len(kept):
             break
-        tried = waiting[wanted[waiting] > 0.1 * wanted[waiting].max()]
-        finest = float(wanted[tried].min())
-        beside, loads = unknowns[:, tried], _chosen(load, tried)
-        fields = ZoneFields(edges.factors, loads, edges.zones(beside), rule_for(finest))
-        nodes, steps = fields.panels.jacobian[:, 0].size, steps + 1
-        for j in tried:
-            rules[j] = fields.panels.rule
-        left, moved, going = np.zeros(len(tried)), beside, np.ones(len(tried), dtype=bool)
-        settled = going
+        finest = float(wanted[kept].max())
+        start, loads = unknowns[:, kept], _chosen(load, kept)
+        polished = _polished(edges, start, inverse[kept], contraction[kept], loads, rtol, finest)
+        steps += polished.steps
+        kept = kept[polished.kept]
+        unknowns[:, kept], wanted[kept] = polished.unknowns, finest
+        fields = polished.fields
+        nodes = fields.panels.jacobian[:, 0].size
+        lawful = polished.settled & admissible(Profile(fields), min(_STRICTNESS * rtol, _LOOSEST))
+        coarse = ZoneFields(edges.factors, fields.load, fields.zones, rule_for(5 * finest))
+        moved = polished.beside
         if size:
-            # The fields are those before this step, which is far below what is checked.
-            moved = beside - moves(inverse[tried], fields.mismatch())
-            largest = np.abs(moved - beside).max(axis=0)
-            share = largest / previous[tried]
-            contraction[tried] = np.where(share > 0, share, contraction[tried])
-            left, previous[tried] = largest * contraction[tried], largest
-            going = edges.admits(moved) & (share < _SLOW)
-            settled = going & (left <= max(_SETTLED * rtol, 1e-13)) & (largest <= 10 * rtol)
-            unknowns[:, tried[going]] = moved[:, going]
-        coarse = ZoneFields(edges.factors, loads, fields.zones, rule_for(5 * finest))
-        other = beside
-        if size:
-            other = beside - np.clip(moves(inverse[tried], coarse.mismatch()), -1.0, 1.0)
-        error = difference(edges, moved, other, fields, coarse)
-        going &= ~settled | admissible(Profile(fields), min(_STRICTNESS * rtol, _LOOSEST))
-        good = going & settled & (error + SAFETY * left <= rtol)
-        estimate[tried], sound[tried], wanted[tried] = error + SAFETY * left, good, finest
-        finer = tried[going & ~good & (error > 0.5 * rtol)]
-        wanted[finer] *= np.clip(0.1 * rtol / estimate[finer], 1e-3, 0.3)
-        previous[finer] = np.inf
-        waiting = np.setdiff1d(waiting, tried[~going | good])
-    return Followed(unknowns, estimate, sound, inverse, contraction, wanted, rules, steps, nodes)
+            moved = moved - np.clip(moves(inverse[kept], coarse.mismatch()), -1.0, 1.0)
+        estimate[kept] = difference(edges, polished.unknowns, moved, fields, coarse)
+        estimate[kept] += SAFETY * polished.left
+        sound[kept] = lawful & (estimate[kept] <= rtol)
+        kept = kept[lawful & ~sound[kept]]
+        wanted[kept] *= np.maximum(0.1 * rtol / estimate[kept], 1e-3)
+    return Followed(unknowns, estimate, sound, inverse, wanted, steps, nodes)

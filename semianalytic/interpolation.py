@@ -5,17 +5,31 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.edges import Edges
+from semianalytic.coulomb import admissible
+from semianalytic.edges import FARTHEST, Edges, edge_shift, moves
+from semianalytic.panels import rule_for
+from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array
 from semianalytic.scene import Scene
-from semianalytic.solver import (
-    SAFETY,
-    edge_shift,
-    scaled_load,
-)
+from semianalytic.solver import SAFETY, scaled_load
+from semianalytic.zones import Load, ZoneFields
 
+_LOOSE_CHECK, _LOOSE_MOVE = 10, 100  # of interpolated zones, in tolerances of the loose rule
 _CONVERGING = 0.5  # differences that shrink less are no estimate
 _DOUBT = 5.0  # true errors were up to three times the plain estimate beside thresholds
+
+
+def confirmed(
+    edges: Edges, unknowns: Array, inverse: Array, load: Load, loose: float
+) -> tuple[np.ndarray, int]:
+    """Whether zones of unknowns (e, k) pass as right on the loose rule, (k,), and its nodes."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        fields = ZoneFields(edges.factors, load, edges.zones(unknowns), rule_for(loose))
+        sound = admissible(Profile(fields), _LOOSE_CHECK * loose)
+        if edges.segments:
+            move = np.abs(moves(inverse, fields.mismatch())).max(axis=0)
+            sound = sound & (move < _LOOSE_MOVE * loose)
+    return sound, fields.panels.jacobian[:, 0].size
 
 
 def fits(edges: Edges, scene: Scene) -> bool:
@@ -32,47 +46,61 @@ def lagrange(at: Array, to: ArrayLike) -> Array:
     return np.asarray(np.prod(others / (at[:, None] - at + own), axis=-1))
 
 
-def interpolated(
-    edges: Edges,
-    at: Array,
-    loose_at: Array,
-    corrections: Array,
-    to: Array,
-    loose_to: Array,
-    estimates: Array,
-) -> tuple[Array, Array]:
-    """Unknowns (t, e) at frictions `to`, and their error estimates (t,).
+def _in_friction(at: Array, unknowns: Array, to: Array) -> Array:
+    """The polynomial in friction through unknowns (m, e) at frictions `at`, (t, e)."""
+    return lagrange(at, to) @ unknowns
 
-    From those on the loose rule (t, e) and the corrections (m, e) of those (m, e) at frictions
-    `at`, the most central first.  Estimated from the polynomials without the last and the last
-    but one: from the first difference if it is well below the second, else from the larger.  The
-    estimates (m,) of the known add to it: the larger of the two nearest ones, or all as the
-    interpolation amplifies them less the safety they contain.  Of polynomials in friction and in
-    the edge that moves most, which are smoother near thresholds, the better is taken.
+
+def _in_edge(at: Array, unknowns: Array, to: Array) -> Array:
+    """The same with polynomials in the unknown that moves most, friction being one of them.
+
+    Smoother near thresholds, where edges move fast; NaN where that unknown is not monotone.
+    """
+    order = np.argsort(at)
+    which = int(np.argmax(np.ptp(unknowns, axis=0)))
+    s = unknowns[:, which]
+    steps = np.diff(s[order])
+    if not (np.all(steps > 0) or np.all(steps < 0)):
+        return np.full((len(to), unknowns.shape[1]), np.nan)
+    place = np.interp(to, at[order], s[order])
+    nudge = 1e-4 * float(np.ptp(s))
+    for _ in range(4):
+        beside = np.stack([place, place + nudge, place - nudge])
+        now, up, down = lagrange(s, beside) @ (at - at[0])
+        slope = (up - down) / (2 * nudge)
+        place = place - (now - (to - at[0])) / np.where(slope == 0, np.nan, slope)
+    return lagrange(s, place) @ unknowns
+
+
+def interpolated(
+    edges: Edges, at: Array, unknowns: Array, to: Array, noise: float, rtol: float
+) -> tuple[Array, Array]:
+    """Unknowns (t, e) at frictions `to` through those (m, e) at `at`, the most central first, and
+    their error estimates (t,).
+
+    Estimated from the polynomials without the last and the last but one: from the first
+    difference if it is well below the second, else from the larger.  The largest estimate `noise`
+    of the known adds to it, amplified by the interpolation less the safety it contains.  Of
+    polynomials in friction and in an edge the better is taken; the second are tried where the
+    first do not reach rtol.
     """
     if not edges.segments:
-        return loose_to, np.full(len(to), estimates.max())
-    best, least = loose_to, np.full(len(to), np.inf)
-    which = int(np.argmax(np.ptp(loose_at, axis=0)))
-    order = np.argsort(at)
-    steps = np.diff(loose_at[order, which])
-    places = [(at, to)]
-    if np.all(steps > 0) or np.all(steps < 0):
-        places.append((loose_at[:, which], loose_to[:, which]))
-    for here, there in places:
+        return np.zeros((len(to), 0)), np.full(len(to), noise)
+    best, least = np.zeros((len(to), len(edges.segments))), np.full(len(to), np.inf)
+    amplified = np.maximum(1.0, np.abs(lagrange(at, to)).sum(axis=1) / SAFETY) * noise
+    for through in (_in_friction, _in_edge):
         full, fewer, fewest = (
-            loose_to + lagrange(here[:m], there) @ corrections[:m]
+            np.clip(through(at[:m], unknowns[:m], to), -FARTHEST, FARTHEST)
             for m in (len(at), len(at) - 1, len(at) - 2)
         )
         both = _apart(edges, np.concatenate([full, fewer]), np.concatenate([fewer, fewest]))
         first, second = np.split(both, 2)
         doubt = _DOUBT * np.where(first < _CONVERGING * second, first, np.maximum(first, second))
-        amplified = np.abs(lagrange(here, there)) @ estimates / SAFETY
-        doubt += np.maximum(estimates[:2].max(), amplified)
         better = doubt < least
-        best = np.where(better[:, None], full, best)
-        least = np.where(better, doubt, least)
-    return best, least
+        best[better], least[better] = full[better], doubt[better]
+        if np.all(least + amplified <= rtol):
+            break
+    return best, least + amplified
 
 
 def _apart(edges: Edges, one: Array, other: Array) -> Array:

@@ -40,15 +40,22 @@ class Zone:
 
 @dataclass(frozen=True)
 class Rule:
-    """Uniform grid in y: spacing h, from -reach to reach."""
+    """Uniform grid in y: spacing h, from -reach to reach, and `further` on either side."""
 
     spacing: float
     reach: float
+    further: int = 0
 
     @cached_property
     def y(self) -> Array:
-        count = int(np.ceil(self.reach / self.spacing))
+        count = int(np.ceil((self.reach + self.further) / self.spacing))
         return np.arange(-count, count + 1.0) * self.spacing
+
+    @cached_property
+    def core(self) -> slice:
+        """Nodes without those that are further out than `reach`."""
+        extra = int(self.further / self.spacing)
+        return slice(extra, len(self.y) - extra)
 
     @property
     def tolerance(self) -> float:
@@ -121,8 +128,8 @@ def rule_for(tolerance: float) -> Rule:
 
 @lru_cache(maxsize=64)
 def _finer_rule(rule: Rule, refinements: int, further: int) -> Rule:
-    """A rule of 2^(-refinements / _STEPS) the spacing and `further` in reach."""
-    return Rule(rule.spacing * 2.0 ** (-refinements / _STEPS), rule.reach + further)
+    """A rule of 2^(-refinements / _STEPS) the spacing that goes `further`."""
+    return Rule(rule.spacing * 2.0 ** (-refinements / _STEPS), rule.reach, further)
 
 
 @dataclass(frozen=True)
@@ -411,13 +418,28 @@ class Panels:
         if own.shape[-1] < _MANY:
             return _summed(weights, own, other)
         result, least = np.zeros_like(own), _NEGLIGIBLE * np.exp(-self.rule.reach / 2)
-        for i, sizes in enumerate(np.abs(weights) / own):
+        for i, (sizes, target) in enumerate(zip(np.abs(weights) / own, pairs.target, strict=True)):
             bound = sizes.reshape(-1, own.shape[-1]).max(axis=0)
             matter = np.flatnonzero(bound > self.rule.spacing * least)
-            if len(matter):
-                nodes = slice(matter[0], matter[-1] + 1)
-                result[i] = _summed(weights[i, ..., nodes], own[i, ..., nodes], other[i])
+            if not len(matter):
+                continue
+            near = slice(matter[0], matter[-1] + 1)
+            to = slice(None) if target in self._long else self.rule.core
+            result[i, ..., to] = _summed(
+                weights[i, ..., near], own[i, ..., near], other[i, ..., to]
+            )
+            if target not in self._long:
+                result[i, ..., : to.start] = result[i, ..., to.start, None]
+                result[i, ..., to.stop :] = result[i, ..., to.stop - 1, None]
         return result
+
+    @cached_property
+    def _long(self) -> tuple[int, ...]:
+        """Panels on which fields vary out to where the rule ends, not only to its `reach`: those
+        around c and the unbounded one."""
+        over_c = self.layout.over_c
+        beside = range(over_c - 1, over_c + 2) if over_c >= 0 else ()
+        return (*beside, *[i for i, right in enumerate(self.right) if right is None])
 
     def principal_values(self, sources: np.ndarray, weights: Array) -> Array:
         """The same at the own nodes of panels (s,), as principal values (nodes of other parity).
