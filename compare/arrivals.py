@@ -28,9 +28,9 @@ class Window:
     front: float
     upper: float
 
-    def samples(self, count: int = 201) -> Array:
-        """Evenly spaced velocities across the window, (count,) array [length / time]."""
-        return np.linspace(self.lower, self.upper, count)
+    def samples(self) -> Array:
+        """Evenly spaced velocities across the window, (201,) array [length / time]."""
+        return np.linspace(self.lower, self.upper, 201)
 
 
 def front_window(front: float, others: Iterable[float], reach: float = 0.2) -> Window:

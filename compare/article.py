@@ -1,24 +1,47 @@
-"""The article reproduced: its figures, its claims and the readings of its algorithm."""
+"""The article reproduced: its figures, its claims and the readings of its algorithm.
+
+Slip rates of figures are one-sided, in units of Q_0/(mu b).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from compare.article_cases import Cases, Progress, SlotCheck, check_slot, run_cases
+from compare.article_cases import (
+    END_TIME,
+    SHEAR_SPEED,
+    Case,
+    Cases,
+    Progress,
+    SlotCheck,
+    check_slot,
+    run_cases,
+)
 from compare.article_claims import CLAIMS, METHODS, Claim
-from compare.article_figures import figure_2, figure_5, figure_6, slot_figure
 from compare.figures import save_figure
 from compare.files import write_text
-from semianalytic.published import DEFAULT_READING, ReadingResult, examine_all
+from semianalytic.histories import stuck_pressure, stuck_shear
+from semianalytic.loads import Step
+from semianalytic.published import DEFAULT_READING, ReadingResult, examine_all, published_slip
+
+Array = NDArray[np.float64]
+Curves = Callable[[Case, str], tuple[Array, Array]]
 
 RESOLUTION, QUICK_RESOLUTION = 200, 60
 _ELEMENT_SIZE, _QUICK_ELEMENT_SIZE = 0.005, 0.01
 _GRID, _QUICK_GRID = 100, 60
+
+COLOURS = ("#12355b", "#d1495b", "#2a9d8f", "#e9a23b", "#7b5ea7")
+_ABOVE = (1.2, 2.0)
+_BELOW = (0.01, 0.5, 0.9)
+_VELOCITY = np.linspace(0.004, 2.05, 1200)  # x/(c_t t)
 
 
 @dataclass(frozen=True)
@@ -29,19 +52,15 @@ class Article:
     ----------
     claims : the claims table
     readings : how every reading of the published algorithm fares, the best settled first
-    slot_checks : the two versions of `interface_traction` against finite elements, by mode
     disagreement : largest mean difference of exact and simulated slip rate over all cases,
         relative to Q_0/(mu b)
     files : what was written
-    seconds : how long it took
     """
 
     claims: tuple[Claim, ...]
     readings: tuple[ReadingResult, ...]
-    slot_checks: tuple[SlotCheck, ...]
     disagreement: float
     files: tuple[Path, ...]
-    seconds: float
 
 
 def judge_claims(cases: Cases) -> tuple[Claim, ...]:
@@ -136,7 +155,6 @@ def write_article(output: Path, quick: bool = False, progress: Progress | None =
     DataFileError
         If a file cannot be written.
     """
-    started = perf_counter()
 
     def tell(line: str) -> None:
         if progress is not None:
@@ -150,7 +168,7 @@ def write_article(output: Path, quick: bool = False, progress: Progress | None =
     readings = tuple(examine_all(_QUICK_GRID if quick else _GRID))
     tell("claims and figures")
     claims = judge_claims(cases)
-    disagreement = max(case.disagreement() for case in cases.everyone())
+    disagreement = cases.disagreement()
     figures = {
         "figure2.png": figure_2(cases),
         "figure5.png": figure_5(cases),
@@ -173,4 +191,136 @@ def write_article(output: Path, quick: bool = False, progress: Progress | None =
     )
     write_text(output / "article.md", text)
     files = tuple(output / name for name in (*figures, "article.md"))
-    return Article(claims, readings, checks, disagreement, files, perf_counter() - started)
+    return Article(claims, readings, disagreement, files)
+
+
+def _panels(columns: int, width: float, rows: int = 1) -> tuple[Figure, list[list[Axes]]]:
+    figure = Figure(figsize=(width, 3.6 * rows), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False)
+    return figure, [list(row) for row in axes]
+
+
+def _mark_fronts(panel: Axes, case: Case) -> None:
+    material = case.solution.scene.material
+    for speed in (material.rayleigh_speed, material.shear_speed, material.longitudinal_speed):
+        panel.axvline(speed * END_TIME, color="0.6", linestyle="--", linewidth=0.8, zorder=0)
+
+
+def figure_2(cases: Cases) -> Figure:
+    """Stuck pressure p* and shear q* at three times: (3.10), (3.14) and finite elements.
+
+    The simulation is the remote load with chi = 2, which sticks everywhere.
+    """
+    case = cases.remote[2.0]
+    material, history = case.solution.scene.material, case.history
+    figure, [panels] = _panels(2, 9)
+    rows = [np.searchsorted(history.t, part * END_TIME * 0.999) for part in (0.4, 0.7, 1.0)]
+    x = np.linspace(2e-4, 0.11, 1200)
+    base = case.solution.scene.base
+    fields = (
+        (stuck_pressure, history.pressure - base.pressure, 1.0, "$p^*/P_0$"),
+        (stuck_shear, (history.shear_traction - base.shear) * case.chi, 1.0, "$q^*/Q_0$"),
+    )
+    for panel, (predict, seen, amplitude, label) in zip(panels, fields, strict=True):
+        for row, colour in zip(rows, COLOURS, strict=False):
+            time = history.t[row]
+            value = predict(Step(), amplitude, material, x, time).value
+            panel.plot(x, value, color=colour, label=f"t = {time:.4f}")
+            panel.plot(history.x[1:], seen[row, 1:], ".", color=colour, markersize=2.5)
+        panel.set(xlabel="x", ylabel=label, ylim=(-0.12, 0.6), xlim=(0, 0.11))
+        panel.legend(fontsize=8, title="lines exact, dots FEM", title_fontsize=8)
+    return figure
+
+
+def _rate_curves(case: Case, method: str) -> tuple[Array, Array]:
+    """x/(c_t T) and slip rate of a method; the published one has no base."""
+    if method == "exact":
+        return _VELOCITY, case.exact(_VELOCITY)
+    if method == "finite elements":
+        return case.simulated()
+    slip = published_slip(case.chi)
+    return 1 / slip.u[::-1], case.chi * slip.slip_rate[::-1]
+
+
+def _slip_curves(case: Case, method: str) -> tuple[Array, Array]:
+    """x/(c_t T) and one-sided slip over Q_0 T/(mu b)."""
+    if method == "exact":
+        total = case.solution.slip(_VELOCITY * SHEAR_SPEED * END_TIME, END_TIME)
+        return _VELOCITY, total / (case.scale * END_TIME)
+    if method == "finite elements":
+        velocity, _ = case.simulated()
+        return velocity, case.history.slip[-1, 1:] / (case.scale * case.history.t[-1])
+    slip = published_slip(case.chi)
+    steps = np.diff(slip.u, prepend=1.0)
+    total = np.cumsum(slip.slip_rate * steps) / slip.u
+    return 1 / slip.u[::-1], case.chi * total[::-1]
+
+
+_METHODS = ("published", "exact", "finite elements")
+
+
+def _draw(panel: Axes, cases: Sequence[Case], method: str, curves: Curves) -> None:
+    for case, colour in zip(cases, COLOURS, strict=False):
+        velocity, value = curves(case, method)
+        label = rf"$\chi$ = {case.chi:g}" + (", preloaded" if case.base == "preloaded" else "")
+        panel.plot(
+            velocity * SHEAR_SPEED * END_TIME,
+            value,
+            "." if method == "finite elements" else "-",
+            color=colour,
+            markersize=2,
+            linewidth=1.2,
+            label=label,
+        )
+    _mark_fronts(panel, cases[0])
+    panel.set(xlabel="x", title=_title(method), xlim=(0, 0.105))
+    panel.legend(fontsize=8)
+
+
+def figure_5(cases: Cases) -> Figure:
+    """Slip rate for chi > 1 at t = 0.01: published algorithm, exact solution, finite elements."""
+    chosen = [*(cases.remote[chi] for chi in _ABOVE), cases.preloaded[2.0]]
+    figure, [panels] = _panels(3, 12)
+    for panel, method in zip(panels, _METHODS, strict=True):
+        shown = chosen[:2] if method == "published" else chosen
+        _draw(panel, shown, method, _rate_curves)
+    panels[0].set(ylabel=r"$V\ /\ (Q_0/\mu b)$", ylim=(-1.0, 0.6))
+    return figure
+
+
+def figure_6(cases: Cases) -> Figure:
+    """Slip rate (above) and slip (below) for chi < 1 at t = 0.01, by the three methods."""
+    remote = [cases.remote[chi] for chi in _BELOW]
+    preloaded = [cases.preloaded[chi] for chi in _BELOW if chi in cases.preloaded]
+    figure, rows = _panels(3, 12, rows=2)
+    for panels, curves, label in zip(
+        rows,
+        (_rate_curves, _slip_curves),
+        (r"$V\ /\ (Q_0/\mu b)$", r"$u_x\ /\ (Q_0 t/\mu b)$"),
+        strict=True,
+    ):
+        for panel, method in zip(panels, _METHODS, strict=True):
+            shown = remote if method == "published" else [*remote, *preloaded]
+            _draw(panel, shown, method, curves)
+        panels[0].set(ylabel=label)
+    rows[0][0].set_ylim(-1.5, 0.4)
+    return figure
+
+
+def _title(method: str) -> str:
+    return f"published, {DEFAULT_READING.signs}" if method == "published" else method
+
+
+def slot_figure(checks: Sequence[SlotCheck]) -> Figure:
+    """Traction under a prescribed pulse of slip: simulation against both kernels, both modes."""
+    figure, [panels] = _panels(len(checks), 4.8 * len(checks))
+    for panel, check in zip(panels, checks, strict=True):
+        edge = int(np.searchsorted(check.x, 0.0))
+        x, free, held = (np.insert(v, edge, np.nan) for v in (check.x, check.free, check.held))
+        panel.plot(x, free, color=COLOURS[0], label="kernel, slot face free")
+        panel.plot(x, held, color=COLOURS[3], label="kernel, slot face held, (4.31), (4.37)")
+        panel.plot(check.x, check.simulated, ".", color=COLOURS[1], markersize=3, label="FEM")
+        panel.axvline(0, color="0.6", linewidth=0.8)
+        panel.set(xlabel="x", ylabel="traction", title=f"mode {check.mode}")
+        panel.legend(fontsize=8)
+    return figure

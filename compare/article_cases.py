@@ -127,6 +127,10 @@ class Cases:
         """The cases in one list."""
         return [*self.remote.values(), *self.preloaded.values(), self.auxetic]
 
+    def disagreement(self) -> float:
+        """The largest of all cases."""
+        return max(case.disagreement() for case in self.everyone())
+
 
 def run_case(chi: float, base: str, resolution: int, poisson_ratio: float = POISSON_RATIO) -> Case:
     """Solve and simulate one case."""

@@ -25,11 +25,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.chart_methods import METHODS, PLACES
+from compare.chart_methods import METHODS, PLACES, scaled_zones
+from compare.files import write_rows
 from compare.measures import relative_error
-from compare.regime_points import write_rows
 from compare.scenes import NAMED_SCENES
-from compare.workers import Progress
+from compare.workers import ONE_THREAD, Progress
 from semianalytic import Scene, SlipZone, solve
 from semianalytic.errors import ComputationError, DataFileError, SceneError
 from semianalytic.reference import (
@@ -174,11 +174,10 @@ def run_task(task: Task, runs: int) -> dict[str, Any]:
     ComputationError
         If the process does not end well, as when memory runs out.
     """
-    threads = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
     command = [sys.executable, "-m", "compare.chart_methods", task.scene, task.method]
     process = subprocess.run(
         [*command, repr(task.setting), str(runs)],
-        env={**os.environ, **dict.fromkeys(threads, "1")},
+        env={**os.environ, **ONE_THREAD},
         capture_output=True,
         text=True,
     )
@@ -197,11 +196,10 @@ def reference_of(scene: str, quick: bool) -> Reference:
     if not described.is_self_similar:
         return _extrapolated(scene, quick)
     solution, speed = solve(described, rtol=FINEST), described.material.shear_speed
-    zones = tuple(SlipZone(z.inner / speed, z.outer / speed, z.sense) for z in solution.zones)
     slip_rate = solution.slip_rate(PLACES * speed, 1.0)
     friction = CLOSED_FORM_FRICTION[scene]
     checked = closed_form_errors(replace(described, friction=friction))
-    return Reference(reference_name(scene, quick), slip_rate, zones, *checked)
+    return Reference(reference_name(scene, quick), slip_rate, scaled_zones(solution), *checked)
 
 
 def reference_name(scene: str, quick: bool) -> str:

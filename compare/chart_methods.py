@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from compare.measures import slip_zones
 from compare.scenes import NAMED_SCENES
 from compare.solver_benchmark import forget_tables
-from semianalytic import Scene, SlipZone, march, solve
+from semianalytic import Scene, SlipZone, Solution, march, solve
 from semianalytic.collocation import slip_grid, slip_on_grid
 from semianalytic.errors import SlipfrontError
 from semianalytic.exponentials import fit_memory
@@ -126,6 +126,12 @@ def sampled(scene: Scene, velocity: Array, slip_rate: Array) -> tuple[Array, tup
     return at_places, zones
 
 
+def scaled_zones(solution: Solution) -> tuple[SlipZone, ...]:
+    """Zones of a solution, edges over c_t."""
+    speed = solution.scene.material.shear_speed
+    return tuple(SlipZone(z.inner / speed, z.outer / speed, z.sense) for z in solution.zones)
+
+
 def _self_similar(scene: Scene, rtol: float, *, cold: bool) -> Answer:
     """The solver and its slip rate at `PLACES`.
 
@@ -142,11 +148,8 @@ def _self_similar(scene: Scene, rtol: float, *, cold: bool) -> Answer:
     solution = solve(scene, rtol=rtol)
     slip_rate = solution.slip_rate(PLACES * speed, 1.0)
     solving = time.perf_counter() - started
-    zones = tuple(
-        SlipZone(zone.inner / speed, zone.outer / speed, zone.sense) for zone in solution.zones
-    )
     status = MEASURED if solution.status == "converged" else solution.status
-    return Answer(max(setup - solving, 0.0), solving, slip_rate, zones, status)
+    return Answer(max(setup - solving, 0.0), solving, slip_rate, scaled_zones(solution), status)
 
 
 def _first_stage(scene: Scene, size: float) -> Answer:
@@ -226,8 +229,11 @@ def _not_self_similar(scene: Scene) -> str:
     return "" if scene.is_self_similar else "its loads are not steps"
 
 
-def _not_published(scene: Scene) -> str:
-    """The published algorithm knows one load, a sudden remote one, and divides by f P_0."""
+def published_obstacle(scene: Scene) -> str:
+    """Why the published algorithm does not apply, or nothing.
+
+    It knows one load, a sudden remote one, and divides by f P_0.
+    """
     if not scene.is_self_similar:
         return _not_self_similar(scene)
     if scene.base != scene.step:
@@ -291,7 +297,7 @@ METHODS: Mapping[str, Method] = {
         (50, 100, 200, 400, 800),
         (50, 200),
         (0.05, 400, 2.0),
-        _not_published,
+        published_obstacle,
     ),
     "space-time": Method(
         "space–time solver",

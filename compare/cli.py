@@ -19,7 +19,14 @@ from compare.options import (
     with_options,
 )
 from compare.predictions import check_predictable, predict
-from compare.report import Report, build_report, json_text, solution_document, write_report
+from compare.report import (
+    Report,
+    build_report,
+    json_text,
+    march_document,
+    solution_document,
+    write_report,
+)
 from compare.scenes import DEFAULT_SCENE, find_scene, override_scene, scene_label
 from compare.snapshots import last_snapshot
 from semianalytic import Marched, Scene, march, march_on, solve
@@ -136,8 +143,9 @@ def solve_command(
         _march(wanted, scene_label(scene), march, as_json=as_json, plot=plot, quiet=quiet)
         return
     if march:
-        option = "--" + next(iter(march)).replace("_", "-")
-        raise SceneError(f"{option} is for the space-time solver; add --method space-time.")
+        raise SceneError(
+            f"{_first_of(march)} is for the space-time solver; add --method space-time."
+        )
     solution = solve(wanted)
     if plot is not None:
         from compare.figures import prediction_figure, save_figure
@@ -231,6 +239,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def _first_of(options: Mapping[str, Any]) -> str:
+    """An option as it was typed."""
+    return "--" + next(iter(options)).replace("_", "-")
+
+
 def _simulate(
     scene: Scene,
     label: str,
@@ -282,7 +295,6 @@ def _march(
     quiet: bool,
 ) -> None:
     """March a scene, or go on with a saved march, and say what happened."""
-    from compare.marches import march_document, march_figure, march_table
     from fem.checkpoint import deferred_interrupt
 
     options = dict(options)
@@ -303,8 +315,9 @@ def _march(
                 raise SceneError(f"{earlier} holds a march of another scene; give that scene.")
             end_time = options.pop("end_time", saved.latest)
             if options:
-                option = "--" + next(iter(options)).replace("_", "-")
-                raise SceneError(f"{option} has no effect with --go-on; leave one of the two out.")
+                raise SceneError(
+                    f"{_first_of(options)} has no effect with --go-on; leave one of the two out."
+                )
             marched = march_on(saved, end_time, progress)
     if save is not None:
         marched.save(save)
@@ -316,12 +329,13 @@ def _march(
         raise typer.Exit(INTERRUPTED)
     if plot is not None:
         from compare.figures import save_figure
+        from compare.history_figures import march_figure
 
         save_figure(march_figure(marched), plot)
     if as_json:
         sys.stdout.write(json_text(march_document(marched)))
         return
-    Console().print(march_table(marched, label))
+    Console().print(terminal.march_table(marched, label))
     for done, path in (("Saved", save), ("Drawn", plot)):
         if path is not None:
             Console().print(f"{done} in {path}", highlight=False)
@@ -334,8 +348,9 @@ def _earlier_simulation(
     from fem import load_simulation
 
     if settings:
-        option = "--" + next(iter(settings)).replace("_", "-")
-        raise SceneError(f"{option} has no effect with --from; leave one of the two out.")
+        raise SceneError(
+            f"{_first_of(settings)} has no effect with --from; leave one of the two out."
+        )
     simulation = load_simulation(directory)
     if simulation.lower_material is not None:
         raise SceneError(

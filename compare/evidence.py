@@ -15,13 +15,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.chart_methods import published_obstacle
 from compare.files import write_text
-from compare.measures import relative_error
+from compare.measures import in_profile, relative_error
 from compare.predictions import contact_nodes, predict
 from compare.report import Report, build_report
-from compare.rows import PROFILE, Row
+from compare.rows import Row
 from compare.scales import slip_rate_scale
 from compare.scenes import NAMED_SCENES, find_scene, scene_label
+from compare.workers import Progress, counted
 from semianalytic import InterfaceHistory, Material, Scene, Tractions
 from semianalytic.errors import SceneError, TensionError
 from semianalytic.published import PublishedSlip, published_slip
@@ -38,7 +40,6 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 Array = NDArray[np.float64]
-Progress = Callable[[int, int], None]
 
 FEM = "finite elements"
 PUBLISHED = "published algorithm"
@@ -210,8 +211,7 @@ def differences(found: SceneEvidence) -> dict[str, tuple[float, float]]:
         rates[PUBLISHED] = found.published_rate()[-1]
     first, *others = rates
     place = histories[first].x / (found.scene.material.shear_speed * histories[first].t[-1])
-    inside = (place > PROFILE[0]) & (place < PROFILE[1])
-    scale = slip_rate_scale(found.scene)
+    inside, scale = in_profile(place), slip_rate_scale(found.scene)
     result = {}
     for name in others:
         gap = np.abs(rates[name] - rates[first])[inside] / scale
@@ -247,13 +247,9 @@ def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
 
 
 def _published(scene: Scene) -> PublishedSlip | None:
-    """The published algorithm knows one load, a sudden remote one, and divides by f P_0."""
-    strength = scene.friction * scene.step.pressure
-    if not scene.is_self_similar or scene.base != scene.step:
+    if published_obstacle(scene):
         return None
-    if not (strength > 0 and scene.step.shear > 0):
-        return None
-    ratio = strength / scene.step.shear
+    ratio = scene.friction * scene.step.pressure / scene.step.shear
     return published_slip(ratio, poisson_ratio=scene.material.poisson_ratio)
 
 
@@ -305,9 +301,7 @@ def _closed_form(
     histories = {prediction.method: prediction.interface for prediction in predictions}
     histories[FEM] = contact_nodes(simulation)
     velocity = histories[FEM].x / simulation.end_time
-    shown = (velocity > PROFILE[0] * scene.material.shear_speed) & (
-        velocity < PROFILE[1] * scene.material.shear_speed
-    )
+    shown = in_profile(velocity / scene.material.shear_speed)
     wanted = exact(velocity[shown])
     errors = {
         name: relative_error(history.slip_rate[-1, shown], wanted, velocity[shown], 1)
@@ -354,21 +348,15 @@ def collect(
     for source in chosen:
         find_scene(source)
     started = time.perf_counter()
-    scenes = []
-    for done, source in enumerate(chosen, 1):
-        scenes.append(collect_scene(source, resolution))
-        if progress is not None:
-            progress(done, len(chosen) + 2)
+    tell = progress or (lambda done, count: None)
+    count = len(chosen) + 2
+    scenes = tuple(counted((collect_scene(one, resolution) for one in chosen), count, progress))
     forms = closed_forms(resolution)
-    if progress is not None:
-        progress(len(chosen) + 1, len(chosen) + 2)
+    tell(count - 1, count)
     cases = run_cases(QUICK_ARTICLE_RESOLUTION if quick else ARTICLE_RESOLUTION)
     claims = judge_claims(cases)
-    if progress is not None:
-        progress(len(chosen) + 2, len(chosen) + 2)
-    return Evidence(
-        tuple(scenes), forms, cases, claims, quick, _stamp(), time.perf_counter() - started
-    )
+    tell(count, count)
+    return Evidence(scenes, forms, cases, claims, quick, _stamp(), time.perf_counter() - started)
 
 
 def _stamp() -> dict[str, str]:
@@ -386,7 +374,6 @@ def write_evidence(
     sources: Sequence[str] = (),
     *,
     quick: bool = False,
-    resolution: int = RESOLUTION,
     progress: Progress | None = None,
 ) -> Evidence:
     """Write the page, whole or not at all; parameters as `collect`.
@@ -404,6 +391,6 @@ def write_evidence(
 
     if path.is_dir():
         raise SceneError(f"{path} is a folder; give the name of a file that ends in .html.")
-    found = collect(sources, quick=quick, resolution=resolution, progress=progress)
+    found = collect(sources, quick=quick, progress=progress)
     write_text(path, page(found))
     return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from io import BytesIO
 from typing import Any, Literal
 
 import numpy as np
@@ -11,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
-from PIL import Image
 
 from compare.evidence import FEM, OPEN, PUBLISHED, SceneEvidence
 from compare.figures import PREDICTION, RATE_LABEL, SIMULATION
@@ -32,21 +30,11 @@ LINES: Mapping[str, Literal["-", "--", "-."]] = {
     "space-time": "--",
     PUBLISHED: "-.",
 }
-DPI = 110
 FRAMES = 33
 STEPS_OF_UNIT, LARGEST = 2000, 9999
 """Units of a profile over the height of its panel, and the most of them that are kept."""
 NEAR_EDGE = 0.05
 """Part of the waves' reach, next to the edge, that may leave the panel: singular tractions."""
-
-
-def figure_png(figure: Figure) -> bytes:
-    """A figure as PNG of 256 colours, which takes a third of the space."""
-    drawn, packed = BytesIO(), BytesIO()
-    figure.savefig(drawn, format="png", dpi=DPI)
-    picture = Image.open(drawn).convert("RGB")
-    picture.quantize(256, dither=Image.Dither.NONE).save(packed, format="png", optimize=True)
-    return packed.getvalue()
 
 
 def rates_figure(found: SceneEvidence) -> Figure:

@@ -14,10 +14,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from compare.fem_study import last_profile, profile_errors
+from compare.fem_study import errors_of
 from compare.figures import save_figure
 from compare.files import write_text
 from compare.scenes import NAMED_SCENES
+from compare.workers import Progress, counted
 from semianalytic import Scene, Tractions, solve
 from semianalytic.errors import ComputationError, SlipfrontError
 
@@ -108,7 +109,7 @@ class Outcome:
 
 
 def fem_stability(
-    output: Path, quick: bool = False, progress: Callable[[int, int], None] | None = None
+    output: Path, quick: bool = False, progress: Progress | None = None
 ) -> tuple[Outcome, ...]:
     """Run all trials; write `fem-stability.csv` and `fem-stability.png` into a folder.
 
@@ -133,14 +134,10 @@ def fem_stability(
         If meshes have to be built and gmsh cannot be loaded.
     """
     planned = tuple(trials(quick))
-    outcomes = []
-    for done, trial in enumerate(planned, start=1):
-        outcomes.append(run_trial(trial))
-        if progress is not None:
-            progress(done, len(planned))
+    outcomes = tuple(counted(map(run_trial, planned), len(planned), progress))
     write_text(output / CSV_NAME, csv_text(outcomes))
     save_figure(stability_figure(outcomes), output / FIGURE_NAME)
-    return tuple(outcomes)
+    return outcomes
 
 
 def trials(quick: bool) -> Iterator[Trial]:
@@ -226,7 +223,7 @@ def stability_figure(outcomes: Sequence[Outcome]) -> Figure:
 
     tried = [o for o in outcomes if o.study == "step"]
     stopping = [o for o in tried if o.step_ratio == STEP_RATIOS[-1]]
-    _draw(steps, stopping, "damping", lambda o: o.step / max(o.steps, 1), ("element",))
+    _draw(steps, stopping, "damping", lambda o: o.step / max(o.steps, 1), "element")
     steps.set(
         xlabel=r"damping $\eta\, c_t / h$",
         ylabel=f"part of the run completed at {STEP_RATIOS[-1]:g} × critical step",
@@ -234,15 +231,15 @@ def stability_figure(outcomes: Sequence[Outcome]) -> Figure:
     )
 
     kept = [o for o in tried if o.step_ratio == STEP_RATIOS[3]]
-    _draw(dampings, kept, "damping", lambda o: o.error, ("element",))
+    _draw(dampings, kept, "damping", lambda o: o.error, "element")
     dampings.set(xlabel=r"damping $\eta\, c_t / h$", ylabel="relative L1 error", yscale="log")
 
     sizes = [o for o in outcomes if o.study == "aspect"]
-    _draw(aspects, sizes, "resolution", lambda o: o.error, ("mesh",))
+    _draw(aspects, sizes, "resolution", lambda o: o.error, "mesh")
     aspects.set(xlabel=r"$c_t T / h$", ylabel="relative L1 error", xscale="log", yscale="log")
 
     soft = [o for o in outcomes if o.study == "locking"]
-    _draw(locking, soft, "poisson_ratio", lambda o: o.error, ("element",))
+    _draw(locking, soft, "poisson_ratio", lambda o: o.error, "element")
     locking.set(xlabel="Poisson ratio", ylabel="relative L1 error", yscale="log")
     for panel in (steps, dampings, aspects, locking):
         if panel.lines:
@@ -255,24 +252,20 @@ def _draw(
     outcomes: Sequence[Outcome],
     over: str,
     value: Callable[[Outcome], float],
-    by: tuple[str, ...],
+    by: str,
 ) -> None:
-    """One line per combination of the fields `by`, in the order of the outcomes."""
-    keys = dict.fromkeys(tuple(getattr(o, name) for name in by) for o in outcomes)
-    for key in keys:
-        line = [o for o in outcomes if tuple(getattr(o, name) for name in by) == key]
-        label = ", ".join(f"damping {part:g}" if isinstance(part, float) else part for part in key)
-        panel.plot([getattr(o, over) for o in line], [value(o) for o in line], "o-", label=label)
+    """One line per value of the field `by`, in the order of the outcomes."""
+    for key in dict.fromkeys(getattr(o, by) for o in outcomes):
+        line = [o for o in outcomes if getattr(o, by) == key]
+        panel.plot([getattr(o, over) for o in line], [value(o) for o in line], "o-", label=key)
 
 
 def _error(simulation: Simulation) -> float:
     """Relative L1 error of the last profile; nan where there is no exact solution."""
     try:
-        solution = solve(simulation.scene)
+        return errors_of(simulation, solve(simulation.scene)).last
     except SlipfrontError:
         return math.nan
-    profile = last_profile(simulation)
-    return profile_errors(solution, profile, profile).last
 
 
 def _switches(simulation: Simulation) -> int:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -28,6 +28,7 @@ from semianalytic.scene import Material, Scene, Tractions
 
 if TYPE_CHECKING:
     from fem import Simulation
+    from fem.model import Model
 
 Array = NDArray[np.float64]
 
@@ -93,25 +94,28 @@ def profile_errors(solution: Solution, last: Array, averaged: Array) -> Errors:
     )
 
 
+def errors_of(simulation: Simulation, solution: Solution) -> Errors:
+    """Errors of the profiles of a simulation."""
+    return profile_errors(solution, last_profile(simulation), averaged_profile(simulation))
+
+
+def _table(title: str, words: Sequence[str], numbers: Sequence[str]) -> Table:
+    """A table with columns of words, and of numbers."""
+    table = Table(*words, title=title)
+    for heading in numbers:
+        table.add_column(heading, justify="right")
+    return table
+
+
 def accuracy(scene: str, resolutions: tuple[int, ...], **options: Any) -> Table:
     """Errors and observed order on several meshes, and extrapolated from the two finest.
 
     The last row is (r V(h/r) - V(h))/(r - 1), which removes what is of first order in h.
     """
-    table = Table(
-        "h / c_t T", title=f"{scene}, relative errors of the slip rate", caption=str(options or "")
-    )
-    for heading in (
-        "L1 at T",
-        "order",
-        "L1 averaged",
-        "order",
-        "first peak",
-        "second peak",
-        "second peak / largest V",
-        "steps [s]",
-    ):
-        table.add_column(heading, justify="right")
+    title = f"{scene}, relative errors of the slip rate"
+    columns = ("L1 at T", "order", "L1 averaged", "order", "first peak", "second peak")
+    table = _table(title, ["h / c_t T"], [*columns, "second peak / largest V", "steps [s]"])
+    table.caption = str(options or "")
     solution = solve(NAMED_SCENES[scene].scene)
     profiles, previous = [], None
     coarser = dict(zip(resolutions[1:], resolutions, strict=False))
@@ -136,16 +140,14 @@ def accuracy(scene: str, resolutions: tuple[int, ...], **options: Any) -> Table:
 
 def element_table(scene: str, resolutions: tuple[int, ...]) -> Table:
     """Accuracy and cost of every element family on every kind of mesh."""
-    table = Table("element", "mesh", "h / c_t T", title=f"{scene}: element families")
-    for heading in ("unknowns", "dt c_l / h", "L1 at T", "order", "steps [s]", "mesh [s]"):
-        table.add_column(heading, justify="right")
+    columns = ("unknowns", "dt c_l / h", "L1 at T", "order", "steps [s]", "mesh [s]")
+    table = _table(f"{scene}: element families", ["element", "mesh", "h / c_t T"], columns)
     solution = solve(NAMED_SCENES[scene].scene)
     for element, mesh in ELEMENTS:
         errors: list[float] = []
         for resolution in resolutions:
             simulation = simulated(scene, resolution, element=element, mesh=mesh)
-            profile = last_profile(simulation)
-            errors.append(profile_errors(solution, profile, profile).last)
+            errors.append(errors_of(simulation, solution).last)
             step = simulation.critical_step / simulation.element_size
             table.add_row(
                 element,
@@ -154,7 +156,7 @@ def element_table(scene: str, resolutions: tuple[int, ...]) -> Table:
                 f"{simulation.unknowns:,}",
                 f"{step * simulation.scene.material.longitudinal_speed:.3f}",
                 f"{errors[-1]:.2e}",
-                "" if len(errors) < 2 else f"{_order(errors[-2], errors[-1]):.2f}",
+                "" if len(errors) < 2 else f"{observed_order(errors[-2], errors[-1]):.2f}",
                 f"{simulation.seconds['steps']:.2f}",
                 f"{simulation.seconds['mesh']:.2f}",
             )
@@ -172,23 +174,19 @@ ELEMENTS = (
 
 def damping_table(scene: str, resolution: int) -> Table:
     """What damping does to the error, the energy it takes and the critical step."""
-    table = Table("damping c_t / h", title=f"{scene}, h = c_t T / {resolution}")
-    for heading in (
-        "L1 at T",
-        "L1 averaged",
-        "second peak",
-        "damping / external work",
-        "critical step / undamped",
-        "energy residual",
-    ):
-        table.add_column(heading, justify="right")
+    columns = ("L1 at T", "L1 averaged", "second peak", "damping / external work")
+    table = _table(
+        f"{scene}, h = c_t T / {resolution}",
+        ["damping c_t / h"],
+        [*columns, "critical step / undamped", "energy residual"],
+    )
     solution = solve(NAMED_SCENES[scene].scene)
     undamped = math.nan
     for damping in (0.0, 0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2):
         simulation = simulated(scene, resolution, damping=damping)
         if not damping:
             undamped = simulation.critical_step
-        errors = profile_errors(solution, last_profile(simulation), averaged_profile(simulation))
+        errors = errors_of(simulation, solution)
         energy = simulation.energy
         table.add_row(
             f"{damping:g}",
@@ -219,19 +217,13 @@ PEAK_TRIALS: tuple[tuple[int, str, float], ...] = (
 
 def peak_table(scene: str) -> Table:
     """How well several settings see the peak of the second zone, and what else they do."""
-    table = Table("h / c_t T", "element", "damping c_t / h", title=f"{scene}: the second zone")
-    for heading in (
-        "L1 at T",
-        "L1 averaged",
-        "second peak",
-        "second peak / largest V",
-        "steps [s]",
-    ):
-        table.add_column(heading, justify="right")
+    columns = ("L1 at T", "L1 averaged", "second peak", "second peak / largest V", "steps [s]")
+    words = ("h / c_t T", "element", "damping c_t / h")
+    table = _table(f"{scene}: the second zone", words, columns)
     solution = solve(NAMED_SCENES[scene].scene)
     for resolution, element, damping in PEAK_TRIALS:
         simulation = simulated(scene, resolution, element=element, damping=damping)
-        errors = profile_errors(solution, last_profile(simulation), averaged_profile(simulation))
+        errors = errors_of(simulation, solution)
         table.add_row(
             f"1/{resolution}",
             element,
@@ -314,18 +306,17 @@ def slip_changes(scene: Scene, resolutions: tuple[int, ...]) -> list[float]:
 
 def history_tables(resolutions: tuple[int, ...]) -> Iterator[Table]:
     """Accuracy under loads that rise and fall: stuck tractions, and slip from mesh to mesh."""
-    table = Table("load", "h / c_t T", title="stuck tractions at T, L1; in brackets: edge offset")
-    for heading in ("pressure", "shear"):
-        table.add_column(heading, justify="right")
+    title = "stuck tractions at T, L1; in brackets: edge offset"
+    table = _table(title, ["load", "h / c_t T"], ["pressure", "shear"])
     for name, history in LOADS.items():
         for resolution in resolutions:
             errors = stuck_errors(history, resolution)
             cells = (f"{plain:.1e} ({offset:.1e})" for plain, offset in errors.values())
             table.add_row(name, f"1/{resolution}", *cells)
     yield table
-    table = Table("preloaded, but with", title="change of slip at T from mesh to mesh, L1")
-    for coarse, fine in pairwise(resolutions):
-        table.add_column(f"1/{coarse} to 1/{fine}", justify="right")
+    title = "change of slip at T from mesh to mesh, L1"
+    steps = [f"1/{coarse} to 1/{fine}" for coarse, fine in pairwise(resolutions)]
+    table = _table(title, ["preloaded, but with"], steps)
     for name, parts in VARIANTS.items():
         scene = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0), **parts)
         changes = slip_changes(scene, resolutions)
@@ -333,19 +324,36 @@ def history_tables(resolutions: tuple[int, ...]) -> Iterator[Table]:
     yield table
 
 
+def default_model(scene: Scene, resolution: int, element: str = "Q1") -> Model:
+    """The model of default simulations on squares, ready to march to T = 1/c_t."""
+    from fem.assembly import find_family, make_space
+    from fem.model import build_model, choose_model
+    from meshes import cached_mesh, causal_blocks
+
+    size, end_time = 1 / resolution, 1 / scene.material.shear_speed
+    family = find_family(element, "squares")
+    blocks = causal_blocks(scene.material, end_time, size * family.spacing)
+    return build_model(
+        scene,
+        make_space(cached_mesh(blocks), family),
+        name=choose_model(scene, "auto"),
+        size=size,
+        end_time=end_time,
+        damping_time=0.02 * size / scene.material.shear_speed,
+        step_ratio=0.95,
+    )
+
+
 def cost_table(scene: str, resolutions: tuple[int, ...]) -> Table:
     """A full step over one product of the active part, and what the window and the halves save.
 
     Step and product are timed in turns, in one run, as medians.
     """
-    from fem.assembly import find_family, make_space
-    from fem.model import build_model, choose_model
     from fem.run import peak_memory
-    from meshes import cached_mesh, causal_blocks
+    from meshes import causal_blocks
 
-    table = Table("h / c_t T", title=f"{scene}: cost of a step, ns per unknown")
-    for heading in ("unknowns", "product", "step", "ratio", "window saves", "trimming saves"):
-        table.add_column(heading, justify="right")
+    columns = ("unknowns", "product", "step", "ratio", "window saves", "trimming saves")
+    table = _table(f"{scene}: cost of a step, ns per unknown", ["h / c_t T"], columns)
     described = NAMED_SCENES[scene].scene
     material = described.material
     for resolution in resolutions:
@@ -354,15 +362,7 @@ def cost_table(scene: str, resolutions: tuple[int, ...]) -> Table:
             causal_blocks(material, 1 / material.shear_speed, size, full=full)
             for full in (False, True)
         )
-        model = build_model(
-            described,
-            make_space(cached_mesh(blocks), find_family("Q1", "squares")),
-            name=choose_model(described, "auto"),
-            size=size,
-            end_time=1 / material.shear_speed,
-            damping_time=0.02 * size / material.shear_speed,
-            step_ratio=0.95,
-        )
+        model = default_model(described, resolution)
         unknowns = len(model.root)
         noise = np.random.default_rng(0).standard_normal(unknowns)
         for body in model.bodies:
@@ -420,7 +420,7 @@ def _sampled(simulation: Simulation, row: int) -> Array:
     return np.interp(place, history.x, history.slip_rate[row])
 
 
-def _order(coarse: float, fine: float, refinement: float = 2.0) -> float:
+def observed_order(coarse: float, fine: float, refinement: float = 2.0) -> float:
     """Observed order of convergence when h is divided by the refinement."""
     return math.log(coarse / fine) / math.log(refinement)
 
@@ -436,9 +436,9 @@ def _add_row(
     table.add_row(
         label,
         f"{errors.last:.2e}",
-        f"{_order(previous.last, errors.last, refinement):.2f}" if previous else "",
+        f"{observed_order(previous.last, errors.last, refinement):.2f}" if previous else "",
         f"{errors.averaged:.2e}",
-        f"{_order(previous.averaged, errors.averaged, refinement):.2f}" if previous else "",
+        f"{observed_order(previous.averaged, errors.averaged, refinement):.2f}" if previous else "",
         f"{errors.first_peak:+.2%}",
         f"{errors.second_peak:+.2%}",
         f"{errors.second_over_largest:+.2%}",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import astuple, fields
 from pathlib import Path
+from typing import Any
 
 from semianalytic.errors import DataFileError
 
@@ -42,3 +45,23 @@ def write_text(path: Path, text: str) -> None:
         If the file or its folder cannot be written.
     """
     write_whole(path, lambda part: part.write_text(text, encoding="utf-8"))
+
+
+def write_rows(path: Path, rows: Sequence[Any]) -> None:
+    """Write dataclass instances as CSV, whole or not at all; no rows, no file.
+
+    Raises
+    ------
+    DataFileError
+        If the file cannot be written.
+    """
+    if not rows:
+        return
+
+    def write(part: Path) -> None:
+        with part.open("w", newline="", encoding="utf-8") as stream:
+            writer = csv.writer(stream)
+            writer.writerow(field.name for field in fields(rows[0]))
+            writer.writerows(astuple(row) for row in rows)
+
+    write_whole(path, write)

@@ -1,4 +1,4 @@
-"""Figures over space and time: sense of slip by both methods, profiles, wear."""
+"""Figures over space and time: sense of slip by both methods, profiles, wear; a march alone."""
 
 from __future__ import annotations
 
@@ -23,9 +23,12 @@ from compare.history_rows import sense_maps
 from compare.predictions import contact_nodes
 from compare.report import Report
 from compare.scales import front_speeds, slip_rate_scale, stress_scale
+from semianalytic import Marched
 
 SENSE_COLOURS = {"reverse slip": "#d1495b", "stick": "#efefef", "slip": "#6fa8dc"}
 MOMENTS = (0.25, 0.5, 0.75, 1.0)
+LEVELS = 400
+"""Most points of a march that are drawn along each axis, nearly."""
 
 
 def comparison_figures(report: Report) -> dict[str, Callable[[Report], Figure]]:
@@ -128,6 +131,37 @@ def wear_figure(report: Report) -> Figure:
     reach = np.flatnonzero(prediction.path > 0)[-1]
     panels[0].legend(handles=method_handles(), loc="upper right", fontsize=8)
     panels[1].set(xlabel=r"$x/(c_t T)$", xlim=(0, 1.05 * x[reach] / length))
+    return figure
+
+
+def march_figure(marched: Marched) -> Figure:
+    """Slip rate over space and time, and accumulated |slip| along the interface at the end."""
+    scene, fields = marched.scene, marched.interface
+    length, scale = scene.material.shear_speed * marched.end_time, slip_rate_scale(scene)
+    rows = slice(None, None, max(1, len(fields.t) // LEVELS))
+    columns = slice(None, None, max(1, len(fields.x) // LEVELS))
+    rate = fields.slip_rate[rows, columns] / scale
+    top = max(float(np.quantile(np.abs(rate), 0.99)), 1e-6)
+    figure = Figure(figsize=(7, 6), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    image = upper.pcolormesh(
+        fields.x[columns] / length,
+        fields.t[rows] / marched.end_time,
+        rate,
+        shading="nearest",
+        cmap="RdBu",
+        vmin=-top,
+        vmax=top,
+        rasterized=True,
+    )
+    figure.colorbar(image, ax=upper, label=RATE_LABEL)
+    upper.set_ylabel(r"$t/T$")
+    lower.plot(fields.x / length, marched.path / (scale * marched.end_time), color=PREDICTION)
+    lower.set(
+        xlabel=r"$x/(c_t T)$",
+        ylabel=r"$\int |V|\,dt\ /\ V_0 T$",
+        xlim=(0, fields.x[-1] / length),
+    )
     return figure
 
 

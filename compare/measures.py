@@ -14,6 +14,11 @@ Array = NDArray[np.float64]
 EDGE_NODES = 2
 
 
+def in_profile(velocity: Array) -> NDArray[np.bool_]:
+    """Which velocities x/(c_t T) profiles are compared at: not at the edge, nor where P arrives."""
+    return (velocity > 0.02) & (velocity < 1.9)
+
+
 def norm(values: Array, position: Array, order: int) -> float:
     """Norm (∫ |values|^order d position)^(1/order) by the trapezoidal rule.
 

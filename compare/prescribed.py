@@ -17,13 +17,11 @@ from skfem import Basis, BilinearForm, ElementQuad1, ElementVector, MeshQuad, as
 from skfem.helpers import ddot, sym_grad, trace
 
 from semianalytic import Material
-from semianalytic.errors import SceneError
 from semianalytic.kernels import SlipHistory
 from semianalytic.rayleigh import Mode
 
 Array = NDArray[np.float64]
 Field = Callable[[Array, Array], Array]
-SLOT_CONDITIONS = ("free", "held")
 _STEP_RATIO = 0.9  # of h / c_l; squares are stable up to 0.98
 
 
@@ -85,9 +83,8 @@ def slipping_half_plane(
     end_time: float,
     element_size: float,
     half_width: float,
-    slot: str = "free",
 ) -> SurfaceMotion:
-    """Upper block whose contact face x > 0 moves as prescribed, its slot face free or held.
+    """Upper block whose contact face x > 0 moves as prescribed, its slot face free.
 
     The component that is not prescribed is free of traction everywhere, as symmetry demands.
 
@@ -95,26 +92,16 @@ def slipping_half_plane(
     ----------
     slip : SlipHistory
         Velocity of the upper face, tangential in mode II, normal in mode I.
-    slot : "free", or "held" to keep the same component of the slot face at rest.
-
-    Raises
-    ------
-    SceneError
-        If slot is neither.
     """
-    if slot not in SLOT_CONDITIONS:
-        raise SceneError(f"slipping_half_plane: slot must be 'free' or 'held', got {slot!r}.")
     plane = _HalfPlane.build(material, element_size, half_width, end_time)
     component = 0 if mode == "II" else 1
     # the edge node moves with the contact
     moved = plane.x > -element_size / 2
-    chosen = moved if slot == "free" else np.ones(len(plane.x), dtype=bool)
-    unknowns = plane.surface[component][chosen]
-    place = np.maximum(plane.x[chosen], 0.0)
-    inside = moved[chosen]
+    unknowns = plane.surface[component][moved]
+    place = np.maximum(plane.x[moved], 0.0)
 
     def velocity(time: float) -> Array:
-        return np.where(inside, slip.slip_rate(place, np.full(len(place), time)), 0.0)
+        return slip.slip_rate(place, np.full(len(place), time))
 
     motion = plane.march(None, unknowns, velocity)
     sign = -1.0 if mode == "II" else 1.0

@@ -10,14 +10,12 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare import regime_boundaries as boundaries
 from compare import reverse_slip
-from compare.files import write_whole
 from compare.regime_boundaries import Loading, scene_of
 from semianalytic import Solution, solve
 from semianalytic.errors import ComputationError
@@ -203,26 +201,6 @@ def zone_speeds(point: MapPoint) -> list[tuple[float, float, int]]:
 def sorted_points(points: Iterable[MapPoint]) -> list[MapPoint]:
     """Points by loading, Poisson ratio and friction."""
     return sorted(points, key=lambda point: (point.loading, point.poisson_ratio, point.chi))
-
-
-def write_rows(path: Path, rows: Sequence[Any]) -> None:
-    """Write dataclass instances as CSV, whole or not at all; no rows, no file.
-
-    Raises
-    ------
-    DataFileError
-        If the file cannot be written.
-    """
-    if not rows:
-        return
-
-    def write(part: Path) -> None:
-        with part.open("w", newline="", encoding="utf-8") as stream:
-            writer = csv.writer(stream)
-            writer.writerow(field.name for field in fields(rows[0]))
-            writer.writerows(astuple(row) for row in rows)
-
-    write_whole(path, write)
 
 
 def append_points(path: Path, points: Sequence[MapPoint]) -> None:

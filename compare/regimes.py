@@ -12,6 +12,7 @@ from typing import get_args
 
 import numpy as np
 
+from compare.files import write_rows
 from compare.regime_boundaries import Loading
 from compare.regime_figures import RegimeResults, save_fronts, save_regimes, save_reverse
 from compare.regime_points import (
@@ -26,7 +27,6 @@ from compare.regime_points import (
     sorted_points,
     stuck_above,
     trace,
-    write_rows,
 )
 from compare.reverse_slip import reverse_threshold
 from compare.workers import Progress, Task, run_tasks

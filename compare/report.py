@@ -8,9 +8,19 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from compare.files import write_text
-from compare.history_rows import event_rows, rate_rows, sense_rows, wear_rows
-from compare.predictions import Prediction
+from compare.history_rows import (
+    PROBES,
+    event_rows,
+    rate_rows,
+    sense_rows,
+    slip_sense,
+    wear_rows,
+)
+from compare.measures import onset_time
+from compare.predictions import Prediction, predict
 from compare.rows import (
     Row,
     arrival_rows,
@@ -21,8 +31,10 @@ from compare.rows import (
     zone_rows,
 )
 from compare.scales import speed_regime
+from compare.scenes import NAMED_SCENES
 from compare.snapshots import SlipRateProfile
-from semianalytic import Solution
+from semianalytic import Marched, Solution
+from semianalytic.histories import intensity_history
 from semianalytic.scene import scene_document
 
 if TYPE_CHECKING:
@@ -88,6 +100,14 @@ def build_report(
     return Report(label, prediction, simulation, tuple(rows))
 
 
+def default_report(name: str) -> Report:
+    """What `slipfront compare NAME` finds of a named scene with default options."""
+    from fem import simulate
+
+    simulation = simulate(NAMED_SCENES[name].scene)
+    return build_report(name, predict(simulation), simulation)
+
+
 def report_document(report: Report) -> dict[str, Any]:
     """The report as plain dictionaries, lists, strings and finite numbers, for JSON."""
     simulation, solution = report.simulation, report.prediction.solution
@@ -148,6 +168,43 @@ def solution_document(solution: Solution) -> dict[str, Any]:
         "status": solution.status,
         "error_estimate": float(solution.error_estimate),
         "statistics": asdict(solution.statistics),
+    }
+
+
+def march_document(marched: Marched) -> dict[str, Any]:
+    """A march as plain dictionaries, lists, strings and finite numbers, for JSON."""
+    scene, fields, spacing = marched.scene, marched.interface, marched.grid.spacing
+    largest = float(np.abs(fields.slip_rate).max())
+    length = scene.material.shear_speed * marched.end_time
+    sense = slip_sense(fields.slip_rate, largest)
+    mode_one, mode_two = (
+        intensity_history(history, scene.step, scene.material, marched.end_time)[mode]
+        for mode, history in enumerate((scene.pressure_history, scene.shear_history))
+    )
+    return {
+        "scene": scene_document(scene),
+        "method": "space-time",
+        "end_time": marched.end_time,
+        "largest_slip_rate": largest,
+        "largest_slip": float(np.abs(fields.slip).max()),
+        "reach_of_slip": float(fields.x[sense.any(axis=0)].max(initial=0.0)),
+        "reach_of_reverse_slip": float(fields.x[(sense < 0).any(axis=0)].max(initial=0.0)),
+        "onset": [
+            {
+                "x": float(fields.x[node]),
+                "time": onset_time(fields.t, fields.slip_rate[:, node], 0.01 * largest)
+                if largest
+                else None,
+            }
+            for node in (int(np.argmin(np.abs(fields.x - probe * length))) for probe in PROBES)
+        ],
+        "accumulated_slip": float(marched.path.sum() * spacing),
+        "friction_work": float(marched.friction_work.sum() * spacing),
+        "stress_intensity_of_a_stuck_edge": {"K_I": float(mode_one), "K_II": float(mode_two)},
+        "statistics": {
+            name: getattr(marched.statistics, name)
+            for name in ("nodes", "steps", "poles", "memory_error", "seconds")
+        },
     }
 
 

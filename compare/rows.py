@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.arrivals import Waveform, Window, aligned_speed, front_window, roughness, smeared
-from compare.measures import norm, onset_time, relative_error, slip_zones
+from compare.measures import in_profile, norm, onset_time, relative_error, slip_zones
 from compare.scales import front_speeds, slip_rate_scale, stress_scale
 from compare.snapshots import SlipRateProfile
 from semianalytic import SlipZone, Solution
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-PROFILE = (0.02, 1.9)
 PROBES = (0.25, 0.5, 0.75)
 SLIP_THRESHOLD = 1e-6
 LEAST_ROUGHNESS = 1e-3
@@ -183,7 +182,7 @@ def _profile_rows(
     scene = solution.scene
     scale = slip_rate_scale(scene)
     velocity = profile.x / profile.time / scene.material.shear_speed
-    shown = (velocity > PROFILE[0]) & (velocity < PROFILE[1])
+    shown = in_profile(velocity)
     seen = profile.slip_rate[shown] / scale
     if not solution.zones:
         reason = "no slip: the simulation sticks exactly, rounding is below 1e-6 × 2 τ₀ / (ρ c_t)"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from compare.regime_points import write_rows
+from compare.files import write_rows
+from compare.regime_boundaries import Loading
 from compare.stability_figures import save_figures
 from compare.stability_methods import PLACEMENTS
 from compare.stability_studies import (
@@ -21,7 +22,7 @@ from compare.stability_studies import (
 from compare.workers import Progress, Task, run_tasks
 
 GRID_SCENES = (("preload", 1 / 3, 0.2), ("preload", 0.0, 0.1), ("remote", 1 / 3, 1.1))
-ESTIMATE_SCENES = (
+ESTIMATE_SCENES: tuple[tuple[Loading, float, float], ...] = (
     ("preload", 1 / 3, 1.0),
     ("preload", 1 / 3, 0.2),
     ("preload", -0.5, 0.02),

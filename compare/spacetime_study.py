@@ -20,8 +20,10 @@ from rich.console import Console
 from rich.table import Table
 
 from compare.figures import PREDICTION, SIMULATION, save_figure
-from compare.regime_points import write_rows
+from compare.files import write_rows
+from compare.measures import in_profile
 from compare.scenes import NAMED_SCENES
+from compare.workers import Progress, counted
 from semianalytic import Marched, Material, Ramp, Scene, Tractions, march, solve
 from semianalytic.errors import SlipfrontError
 from semianalytic.histories import intensity_history, stuck_shear
@@ -29,7 +31,6 @@ from semianalytic.loads import Step
 
 Array = NDArray[np.float64]
 
-PROFILE = (0.02, 1.9)
 LENGTH = 2.0
 """Observed contact [length] until t = 1/c_t = 1."""
 GRIDS = (128, 256, 512, 1024, 2048, 4096)
@@ -40,14 +41,13 @@ RISE_TIMES = (0.25, 1.0, 4.0, 16.0, 64.0)
 def step_error(scene: Scene, marched: Marched) -> float:
     """Relative L1 error of the slip rate at the end on 0.02 < x/(c_t t) < 1.9, a step load."""
     x, end = marched.grid.x, marched.end_time
-    velocity = x / (end * scene.material.shear_speed)
-    seen = (velocity > PROFILE[0]) & (velocity < PROFILE[1])
+    seen = in_profile(x / (end * scene.material.shear_speed))
     wanted = solve(scene, rtol=1e-9).slip_rate(x[seen], end)
     found = marched.interface.slip_rate[-1, seen]
     return float(np.abs(found - wanted).sum() / np.abs(wanted).sum())
 
 
-def _last(
+def last_march(
     scene: Scene,
     nodes: int,
     *,
@@ -73,7 +73,7 @@ def accuracy() -> Table:
     for name in ("preloaded", "remote-shock", "auxetic"):
         scene, before = NAMED_SCENES[name].scene, None
         for nodes in GRIDS:
-            seconds, marched = _timed(partial(_last, scene, nodes))
+            seconds, marched = _timed(partial(last_march, scene, nodes))
             error = step_error(scene, marched)
             order = "" if before is None else f"{np.log2(before / error):.2f}"
             table.add_row(name, str(nodes), f"{100 * error:.4f}", order, f"{seconds:.3g}")
@@ -98,7 +98,7 @@ def cost() -> Table:
     )
     scene, before = NAMED_SCENES["preloaded"].scene, None
     for nodes in (256, 512, 1024, 2048, 4096, 8192):
-        seconds, marched = _timed(partial(_last, scene, nodes), 3 if nodes < 4096 else 1)
+        seconds, marched = _timed(partial(last_march, scene, nodes), 3 if nodes < 4096 else 1)
         used = marched.statistics
         growth = "" if before is None else f"{seconds / before:.2f}"
         state = 64 * used.poles * used.nodes / 1e6
@@ -121,7 +121,7 @@ def memory() -> Table:
     table = Table("tolerance", "poles", "transform", "L1 error [%]", "seconds", title="Memory")
     scene = NAMED_SCENES["preloaded"].scene
     for tolerance in TOLERANCES:
-        seconds, marched = _timed(partial(_last, scene, 1024, tolerance=tolerance))
+        seconds, marched = _timed(partial(last_march, scene, 1024, tolerance=tolerance))
         used = marched.statistics
         table.add_row(
             f"{tolerance:.0e}",
@@ -253,15 +253,13 @@ def _stability(
     study: str, case: str, value: float, scene: Scene, nodes: int, ratio: float, damping: float
 ) -> StabilityRow:
     try:
-        marched = _last(scene, nodes, step_ratio=ratio, damping=damping)
+        marched = last_march(scene, nodes, step_ratio=ratio, damping=damping)
         return StabilityRow(study, case, value, step_error(scene, marched), "ran")
     except SlipfrontError as refusal:
         return StabilityRow(study, case, value, float("nan"), str(refusal))
 
 
-def write_stability(
-    output: Path, quick: bool = False, progress: Callable[[int, int], None] | None = None
-) -> None:
+def write_stability(output: Path, quick: bool = False, progress: Progress | None = None) -> None:
     """Run the stability study; write stability-space-time.csv and .png into a folder.
 
     Parameters
@@ -280,11 +278,7 @@ def write_stability(
     """
     output.mkdir(parents=True, exist_ok=True)
     count = 22 + 24 + 20 + (3 if quick else 5)
-    rows = []
-    for row in stability_rows(quick):
-        rows.append(row)
-        if progress is not None:
-            progress(len(rows), count)
+    rows = list(counted(stability_rows(quick), count, progress))
     write_rows(output / "stability-space-time.csv", rows)
     save_figure(stability_figure(rows), output / "stability-space-time.png")
 
@@ -329,7 +323,7 @@ def edge() -> Table:
     from semianalytic.edge_factors import edge_offset_and_factors
 
     scene = Scene(Material(1.0, 1.0, 1 / 3), 1e6, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
-    marched = _last(scene, 1024)
+    marched = last_march(scene, 1024)
     offset, factors = edge_offset_and_factors()
     table = Table("first node at", "L1 error over 60 nodes [%]", title="Edge of the grid")
     for name, first, seen in (

@@ -23,10 +23,12 @@ from compare.stability_methods import (
     zigzag,
 )
 from semianalytic import Solution, solve
+from semianalytic.edges import edges_of, edges_on_grid
 from semianalytic.errors import ComputationError
 from semianalytic.panels import Zone, rule_for
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import gauss, rayleigh_factors
+from semianalytic.solver import first_stage
 from semianalytic.zones import Load, ZoneFields
 
 RTOL = 1e-10
@@ -246,6 +248,20 @@ def estimate_rows(loading: Loading, nu: float, chi: float) -> list[StudyRow]:
             for name, value in values.items()
         ]
     return rows
+
+
+def guess_errors(loading: Loading, count: int) -> Array:
+    """Errors of the first stage's edge unknowns (logits, or logarithms beyond c_R) in random
+    scenes, -0.5 < nu < 0.45 and 0.1 < chi < 2, of those whose zones it sees."""
+    random, errors = np.random.default_rng(0), []
+    for nu, log_chi in random.uniform((-0.5, math.log(0.1)), (0.45, math.log(2.0)), (count, 2)):
+        fields = solve(scene_of(loading, nu, math.exp(log_chi)), rtol=1e-6).profile.fields
+        edges, unknowns = edges_of(fields.factors, fields.zones)
+        grid = first_stage(fields.factors, fields.load)
+        seen, guess = edges_on_grid(fields.factors, grid, fields.load.critical)
+        if seen == edges:
+            errors.append(np.abs(guess - unknowns))
+    return np.concatenate(errors)
 
 
 def near_rayleigh_rows(nu: float) -> list[StudyRow]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -35,9 +38,9 @@ def regimes(
     from compare.regimes import write_regimes
 
     directory = output or Path("results", "regimes")
-    with terminal.progress_bar(Console(stderr=True), quiet, "mapping") as progress:
+    with _progress(quiet, "mapping") as progress:
         write_regimes(directory, size, loading, quick, progress)
-    Console().print(f"Written to {directory}/", highlight=False)
+    _written(f"{directory}/")
 
 
 def stability(
@@ -56,22 +59,23 @@ def stability(
     if not (solver or fem or space_time):
         raise SceneError("say what to study: --solver, --fem, --space-time or several.")
     directory = output or Path("results", "stability")
+    chosen: list[Callable[..., object]] = []
     if solver:
         from compare.solver_stability import write_solver_stability
 
-        with terminal.progress_bar(Console(stderr=True), quiet, "studying") as progress:
-            write_solver_stability(directory, quick, progress)
+        chosen.append(write_solver_stability)
     if fem:
         from compare.fem_stability import fem_stability
 
-        with terminal.progress_bar(Console(stderr=True), quiet, "studying") as progress:
-            fem_stability(directory, quick, progress)
+        chosen.append(fem_stability)
     if space_time:
         from compare.spacetime_study import write_stability
 
-        with terminal.progress_bar(Console(stderr=True), quiet, "studying") as progress:
-            write_stability(directory, quick, progress)
-    Console().print(f"Written to {directory}/", highlight=False)
+        chosen.append(write_stability)
+    for study in chosen:
+        with _progress(quiet, "studying") as progress:
+            study(directory, quick, progress)
+    _written(f"{directory}/")
 
 
 def article(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> None:
@@ -79,14 +83,9 @@ def article(output: Output = None, quick: Quick = False, quiet: Quiet = False) -
     from compare.article import claims_table, write_article
 
     directory = output or Path("results", "article")
-    notes = Console(stderr=True)
-
-    def tell(line: str) -> None:
-        notes.print(line, highlight=False)
-
-    found = write_article(directory, quick, None if quiet else tell)
+    found = write_article(directory, quick, _teller(Console(stderr=True), quiet))
     Console().print(claims_table(found.claims), highlight=False, markup=False)
-    Console().print(f"Written to {directory}/", highlight=False)
+    _written(f"{directory}/")
 
 
 def chart(
@@ -108,10 +107,6 @@ def chart(
 
     directory = output or Path("results", "chart-quick" if quick else "chart")
     notes = Console(stderr=True)
-
-    def tell(line: str) -> None:
-        notes.print(line, highlight=False)
-
     with terminal.progress_bar(notes, quiet, "measuring") as progress:
         points = measure_all(
             directory / FILE_NAME,
@@ -119,12 +114,12 @@ def chart(
             quick=quick,
             fresh=fresh,
             progress=progress,
-            tell=None if quiet else tell,
+            tell=_teller(notes, quiet),
         )
     text = write_chart(directory, points)
     Console().print(text, highlight=False, markup=False, soft_wrap=True)
     Console().print(slopes_table(points), highlight=False, markup=False)
-    Console().print(f"Written to {directory}/", highlight=False)
+    _written(f"{directory}/")
 
 
 def wear(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> None:
@@ -132,7 +127,7 @@ def wear(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> N
     from compare.wear import LOADS, POISSON_RATIOS, most_wear, write_wear
 
     directory = output or Path("results", "wear")
-    with terminal.progress_bar(Console(stderr=True), quiet, "sweeping") as progress:
+    with _progress(quiet, "sweeping") as progress:
         rows = write_wear(directory, quick, progress)
     for poisson_ratio in POISSON_RATIOS:
         for load in LOADS:
@@ -142,7 +137,7 @@ def wear(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> N
                 f"chi = {chi:.3g}",
                 highlight=False,
             )
-    Console().print(f"Written to {directory}/", highlight=False)
+    _written(f"{directory}/")
 
 
 def evidence(
@@ -166,7 +161,20 @@ def evidence(
     from compare.evidence import write_evidence
 
     path = output or Path("results", "evidence.html")
-    with terminal.progress_bar(Console(stderr=True), quiet, "collecting") as progress:
+    with _progress(quiet, "collecting") as progress:
         found = write_evidence(path, scenes or (), quick=quick, progress=progress)
-    Console().print(f"Written to {path}", highlight=False)
+    _written(path)
     raise typer.Exit(0 if found.passed else 1)
+
+
+def _progress(quiet: bool, doing: str) -> AbstractContextManager[Callable[[int, int], None]]:
+    return terminal.progress_bar(Console(stderr=True), quiet, doing)
+
+
+def _teller(notes: Console, quiet: bool) -> Callable[[str], None] | None:
+    """What prints lines that say how far a study is; none if quiet."""
+    return None if quiet else partial(notes.print, highlight=False)
+
+
+def _written(path: str | Path) -> None:
+    Console().print(f"Written to {path}", highlight=False)

@@ -22,11 +22,11 @@ from rich.progress import (
 from rich.table import Table
 from rich.text import Text
 
-from compare.report import Report, edge_state
+from compare.report import Report, edge_state, march_document
 from compare.rows import Row
 from compare.scales import speed_regime
 from compare.scenes import NAMED_SCENES
-from semianalytic import Solution
+from semianalytic import Marched, Solution
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -91,6 +91,29 @@ def facts_table(solution: Solution) -> Table:
     }
     for name, value in facts.items():
         table.add_row(name, value)
+    return table
+
+
+def march_table(marched: Marched, title: str) -> Table:
+    """What `report.march_document` says of a march, in the units of the scene."""
+    document = march_document(marched)
+    statistics = document.pop("statistics")
+    table = Table("quantity", "value", title=title)
+    for onset in document.pop("onset"):
+        time = "never" if onset["time"] is None else f"{onset['time']:.6g}"
+        table.add_row(f"slip starts at x = {onset['x']:.4g}", time)
+    for name, value in document.pop("stress_intensity_of_a_stuck_edge").items():
+        table.add_row(f"{name} of a stuck edge", f"{value:.6g}")
+    for name, value in document.items():
+        if name != "scene":
+            text = value if isinstance(value, str) else f"{value:.6g}"
+            table.add_row(name.replace("_", " "), text)
+    seconds = sum(statistics["seconds"].values())
+    table.add_row(
+        "cost",
+        f"{statistics['steps']} steps of {statistics['nodes']} nodes, {statistics['poles']} "
+        f"poles (error {statistics['memory_error']:.0e}), {seconds:.2g} s",
+    )
     return table
 
 

@@ -6,7 +6,7 @@ on constant pressure, against chi = f P_b / Q_0.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +14,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from compare.figures import save_figure
-from compare.regime_points import write_rows
+from compare.files import write_rows
+from compare.workers import Progress, counted
 from semianalytic import History, Material, Pulse, Ramp, Scene, Step, Tractions, march
 
 LOADS: dict[str, History] = {"step": Step(), "ramp": Ramp(0.5), "pulse": Pulse(0.4)}
@@ -78,7 +79,7 @@ def wear_rows(chis: Sequence[float], nodes: int) -> Iterator[WearRow]:
 
 
 def write_wear(
-    output: Path, quick: bool = False, progress: Callable[[int, int], None] | None = None
+    output: Path, quick: bool = False, progress: Progress | None = None
 ) -> list[WearRow]:
     """Sweep friction; write wear.csv and wear.png into a folder, and return the rows.
 
@@ -99,11 +100,7 @@ def write_wear(
     output.mkdir(parents=True, exist_ok=True)
     chis = np.concatenate([[0.0], np.geomspace(0.01, 2.0, 12 if quick else 40)])
     count = len(chis) * len(LOADS) * len(POISSON_RATIOS)
-    rows = []
-    for row in wear_rows(chis.tolist(), 150 if quick else 600):
-        rows.append(row)
-        if progress is not None:
-            progress(len(rows), count)
+    rows = list(counted(wear_rows(chis.tolist(), 150 if quick else 600), count, progress))
     write_rows(output / "wear.csv", rows)
     save_figure(wear_figure(rows), output / "wear.png")
     return rows

@@ -5,14 +5,24 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from typing import Any
+from typing import Any, TypeVar
 
 Progress = Callable[[int, int], None]
 Task = tuple[Callable[..., Any], tuple[Any, ...]]
+Item = TypeVar("Item")
 
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""What the environment of a process of one linear-algebra thread holds."""
+
+
+def counted(items: Iterable[Item], count: int, progress: Progress | None) -> Iterator[Item]:
+    """The items as they are made; `progress` is told how many of the count there are."""
+    for done, item in enumerate(items, 1):
+        if progress is not None:
+            progress(done, count)
+        yield item
 
 
 def run_tasks(
@@ -30,10 +40,7 @@ def run_tasks(
     """
     count = min(workers or os.cpu_count() or 1, len(tasks))
     results = _in_order(tasks) if count <= 1 else _in_processes(tasks, count)
-    for done, result in enumerate(results, 1):
-        if progress is not None:
-            progress(done, len(tasks))
-        yield result
+    yield from counted(results, len(tasks), progress)
 
 
 def _in_order(tasks: Sequence[Task]) -> Iterator[tuple[int, Any]]:
@@ -42,8 +49,8 @@ def _in_order(tasks: Sequence[Task]) -> Iterator[tuple[int, Any]]:
 
 
 def _in_processes(tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Any]]:
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(ONE_THREAD)
     pool = ProcessPoolExecutor(
         count, multiprocessing.get_context("spawn"), initializer=_leave_interrupts_to_parent
     )

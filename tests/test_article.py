@@ -9,10 +9,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.article import claims_table, judge_claims, readings_table, slot_table, write_article
+from compare.article import (
+    claims_table,
+    figure_2,
+    figure_5,
+    figure_6,
+    judge_claims,
+    readings_table,
+    slot_figure,
+    slot_table,
+    write_article,
+)
 from compare.article_cases import Cases, article_material, article_scene, check_slot, run_cases
 from compare.article_claims import FAILS, METHODS
-from compare.article_figures import figure_2, figure_5, figure_6, slot_figure
 from semianalytic.errors import SceneError
 from semianalytic.published import DEFAULT_READING, Reading, examine_reading
 

@@ -25,8 +25,8 @@ from compare.chart import (
 from compare.chart_figure import FAILS, LEVELS, STYLES, chart_text, cheapest, slope, slopes_table
 from compare.chart_methods import METHODS, PLACES, answer, measured, sampled
 from compare.cli import main
+from compare.files import write_rows
 from compare.measures import relative_error
-from compare.regime_points import write_rows
 from compare.scenes import find_scene
 from fem.run import peak_memory
 from semianalytic import SlipZone

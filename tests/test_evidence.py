@@ -27,6 +27,7 @@ from compare.evidence import (
     worst_row,
 )
 from compare.evidence_figures import FRAMES, LARGEST, profiles
+from compare.evidence_scene import FAIL, scene_section
 from compare.rows import Row
 from compare.scenes import NAMED_SCENES
 from semianalytic.errors import SceneError
@@ -111,7 +112,7 @@ def test_every_scene_row_and_claim_is_on_the_page(found, text):
         assert f"Scene: {scene.label}" in plain
         for _, row in scene.rows:
             assert row.quantity.replace("<", "&lt;").replace(">", "&gt;") in plain
-        marked = text.count(f">{evidence_page.FAIL}<")
+        marked = text.count(f">{FAIL}<")
         assert (marked > 0) == (not found.passed)
     assert sum(len(scene.rows) for scene in found.scenes) > 30
     for claim in found.claims:
@@ -144,7 +145,7 @@ def test_a_scene_from_a_file_that_slips_everywhere(tmp_path):
     scene = collect_scene(str(path), resolution=20)
     assert scene.label == "all & more"
     assert scene.summary == f"from {path}"
-    shown = evidence_page._scene(0, scene, quick=True)
+    shown = scene_section("scene-1", scene, quick=True)
     assert shown.count("∞") == 2  # outer edge of the zone, and frictional work
     assert f"slipfront compare '{path}'".replace("&", "&amp;").replace("'", "&#x27;") in shown
     parser = Outline()

@@ -16,13 +16,6 @@ FOLDER = Path(compare.examples.__file__).parent
 EXAMPLES = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem != "__init__")
 
 
-@pytest.fixture(autouse=True, scope="module")
-def mesh_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory, mesh_cache):
     """What each example returns and prints, and the folder it writes to."""

@@ -31,13 +31,6 @@ SCENES = {
 any_scene = pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES.keys())
 
 
-@pytest.fixture(autouse=True, scope="module")
-def mesh_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 @cache
 def run(scene, resolution=48, **options):
     return simulate(scene, resolution=resolution, **options)

@@ -12,13 +12,6 @@ from semianalytic.scene import Material
 UNIT = Material(1.0, 1.0, 1 / 3)
 
 
-@pytest.fixture(autouse=True, scope="module")
-def mesh_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 MESHES = [
     ("P1", "squares"),
     ("P1", "triangles"),

@@ -52,13 +52,6 @@ simulate(
 """
 
 
-@pytest.fixture(autouse=True, scope="module")
-def mesh_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 def assert_same(one, other):
     """Equal to the last bit, but for what the clock says."""
     for field in dataclasses.fields(one):

@@ -20,13 +20,6 @@ MIXED = Scene(UNIT, 0.5, Tractions(1.0, 0.2), Tractions(0.5, 0.5))
 OPENING = Scene(UNIT, 0.5, Tractions(1.0, 0.0), Tractions(-1.0, 0.5))
 
 
-@pytest.fixture(autouse=True, scope="module")
-def mesh_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 @pytest.fixture(scope="module")
 def simulation(mesh_cache):
     return simulate(MIXED, resolution=12, every=3)

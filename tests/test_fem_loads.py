@@ -35,13 +35,6 @@ any_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 
 
-@pytest.fixture(autouse=True, scope="module")
-def mesh_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 def sheared(history=Step(), law=CoulombFriction()):  # noqa: B008
     """Shear alone, under constant pressure."""
     return Scene(

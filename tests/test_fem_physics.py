@@ -23,13 +23,6 @@ UNLOADED = Scene(UNIT, 0.5, Tractions(1.0, 0.0), Tractions(-1.0, 0.5))
 RECLOSING = Scene(UNIT, 0.5, Tractions(0.02, 0.0), Tractions(1.0, 0.5))
 
 
-@pytest.fixture(autouse=True, scope="module")
-def mesh_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 @cache
 def exact(scene):
     return solve(scene, rtol=1e-8)

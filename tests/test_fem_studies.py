@@ -38,13 +38,6 @@ from semianalytic.history import InterfaceHistory
 from semianalytic.loads import Ramp
 
 
-@pytest.fixture(autouse=True, scope="module")
-def mesh_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 def test_errors_of_the_exact_profile_are_zero():
     solution = solve(NAMED_SCENES["preloaded"].scene)
     exact = solution.slip_rate(PROFILE, 1.0)

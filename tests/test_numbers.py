@@ -2,13 +2,14 @@
 
 import ast
 import importlib
+import inspect
 import re
 from functools import cache
 from pathlib import Path
 
 import pytest
 
-from compare import numbers
+from compare import number_functions, numbers
 from compare.numbers import Entry, Quoted, check, main, read_list
 
 ROOT = Path(__file__).parent.parent
@@ -20,13 +21,6 @@ SLOW = [entry for entry in ENTRIES if entry.slow]
 
 def name(part):
     return part.id if isinstance(part, Entry) else part.name
-
-
-@pytest.fixture(autouse=True, scope="module")
-def mesh_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
 
 
 @pytest.mark.parametrize("entry", ENTRIES, ids=name)
@@ -48,7 +42,12 @@ def test_expensive_number_is_what_the_code_computes(entry):
 
 def test_entries_are_told_apart_and_every_function_is_used():
     assert len({entry.id for entry in ENTRIES}) == len(ENTRIES)
-    assert {entry.function for entry in ENTRIES} == set(numbers.FUNCTIONS)
+    own = {
+        name
+        for name, function in inspect.getmembers(number_functions, inspect.isfunction)
+        if function.__module__ == number_functions.__name__ and not name.startswith("_")
+    }
+    assert {entry.function for entry in ENTRIES if "." not in entry.function} == own
 
 
 @pytest.mark.parametrize(
@@ -78,8 +77,8 @@ def test_what_is_no_number_is_refused():
             _ = Quoted(written).value
 
 
-def entry(text, agreement, tolerance, function="published_limit"):
-    return Entry("some", ("README.md",), text, function, (), agreement, tolerance, False)
+def entry(text, agreement, tolerance):
+    return Entry("some", ("README.md",), text, "published_limit", agreement, tolerance)
 
 
 @pytest.mark.parametrize(
@@ -111,6 +110,23 @@ def test_findings_name_the_page_and_the_number():
     assert finding.change == "not the published 0.0575"
     wrong = check(entry("from «1» to «2»", "relative", 1e-9))
     assert "2 numbers quoted, 1 found" in wrong.problem
+
+
+def test_a_function_is_called_for_each_and_its_values_multiplied():
+    rows = Entry(
+        "some",
+        ("README.md",),
+        "«93.3», «77.4», «77.4»",
+        "rayleigh_speed",
+        "units",
+        0.6,
+        each=(1 / 3, [-0.5], -0.5),
+        times=100,
+    )
+    assert rows.computed() == pytest.approx([93.25, 77.43, 77.43], rel=1e-4)
+    assert check(rows).change == ""
+    named = Entry("some", (), "«1»", "regime_boundaries.edge_threshold_alone", "units", 1, (0.0,))
+    assert named.computed() == pytest.approx([2**0.25])
 
 
 def test_command_fails_where_a_number_is_off(monkeypatch, capsys):

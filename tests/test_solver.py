@@ -118,9 +118,9 @@ def test_error_estimate_bounds_the_true_error(name):
         assert error <= solution.error_estimate
 
 
-@pytest.mark.parametrize("nu, friction", [(0.25, 0.05), (1 / 3, 0.04), (-0.5, 0.05)])
+@pytest.mark.parametrize(("nu", "friction"), [(0.25, 0.05), (1 / 3, 0.04), (-0.5, 0.05)])
 def test_critical_base_slips_from_the_longitudinal_front_against_the_step(nu, friction):
-    """Where friction is reached ahead of all waves a zone starts at c_l, however little it slips."""
+    """Where friction is reached ahead of all waves a zone starts at c_l, however little it is."""
     solution = solve(scene(nu, friction, (1.0, friction), (0.6, -1.3)), rtol=1e-9)
     ahead = solution.zones[-1]
     assert solution.status == "converged"
