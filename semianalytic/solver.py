@@ -8,7 +8,7 @@ from time import perf_counter
 
 import numpy as np
 
-from semianalytic.collocation import slip_on_grid
+from semianalytic.collocation import GridSlip, slip_on_grid
 from semianalytic.coulomb import across_shear_front, corrected, violations, without_vanished
 from semianalytic.edges import Edges, edge_shift, edges_on_grid, locate_edges, moves
 from semianalytic.errors import SceneError, TensionError
@@ -124,20 +124,25 @@ def _profile(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> Profile:
     return Profile(ZoneFields(edges.factors, load, edges.zones(unknowns), rule))
 
 
+def first_stage(factors: RayleighFactors, load: Load, size: int = _GRIDS[0]) -> GridSlip:
+    """Slip rate on a grid of about `size` nodes: which zones there are, and about where."""
+    return slip_on_grid(
+        factors.poisson_ratio,
+        float(load.friction),
+        (load.base_pressure, load.base_shear),
+        (load.step_pressure, load.step_shear),
+        float(load.far_slip_rate),
+        size,
+    )
+
+
 def _find_zones(factors: RayleighFactors, load: Load, rtol: float) -> tuple[_Found, int]:
     """Zones from complementarity on finer and finer grids, and the pivots it took."""
     pivots = steps = sets = 0
     loose = loose_tolerance(rtol)
     checking, shift = rule_for(loose), max(_SHIFT * rtol, _LEAST_SHIFT)
     for size in _GRIDS:
-        grid = slip_on_grid(
-            factors.poisson_ratio,
-            float(load.friction),
-            (load.base_pressure, load.base_shear),
-            (load.step_pressure, load.step_shear),
-            float(load.far_slip_rate),
-            size,
-        )
+        grid = first_stage(factors, load, size)
         start = edges_on_grid(factors, grid, load.critical)
         locating = rule_for(_COARSE * loose) if size == _GRIDS[0] else checking
         found = _settled(*start, load, _Search(locating, shift, checking, 30 * loose))
