@@ -20,9 +20,10 @@ from scipy.optimize import brentq, root
 
 from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.errors import ComputationError
-from semianalytic.panels import Zone, rule_for
+from semianalytic.layout import Zone
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.rules import rule_for
 from semianalytic.stuck import stuck_traction
 from semianalytic.zones import Load, ZoneFields
 

@@ -26,7 +26,7 @@ from compare.regime_boundaries import (
     scene_of,
 )
 from semianalytic import solve
-from semianalytic.panels import Zone
+from semianalytic.layout import Zone
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array, rayleigh_factors
 from semianalytic.zones import ZoneFields

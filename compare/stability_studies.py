@@ -25,9 +25,10 @@ from compare.stability_methods import (
 from semianalytic import Solution, solve
 from semianalytic.edges import edges_of, edges_on_grid
 from semianalytic.errors import ComputationError
-from semianalytic.panels import Zone, rule_for
+from semianalytic.layout import Zone
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import gauss, rayleigh_factors
+from semianalytic.rules import rule_for
 from semianalytic.solver import first_stage
 from semianalytic.zones import Load, ZoneFields
 

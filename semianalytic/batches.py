@@ -9,9 +9,9 @@ import numpy as np
 
 from semianalytic.coulomb import admissible
 from semianalytic.edges import NUDGE, Edges, moves
-from semianalytic.panels import Rule, rule_for
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array
+from semianalytic.rules import Rule, rule_for
 from semianalytic.scene import Scene
 from semianalytic.solver import SAFETY, difference, loose_tolerance
 from semianalytic.zones import Load, ZoneFields

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from semianalytic.edges import Edges, edges_of, place_edges
-from semianalytic.panels import Zone
+from semianalytic.layout import Zone
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array, CutPoints
 from semianalytic.zones import Load, per_set

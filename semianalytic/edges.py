@@ -10,8 +10,9 @@ from itertools import pairwise
 import numpy as np
 
 from semianalytic.collocation import GridSlip
-from semianalytic.panels import Rule, Zone
+from semianalytic.layout import Zone
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.rules import Rule
 from semianalytic.zones import Load, ZoneFields
 
 _MOST_STEPS = 40

@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike
 
 from semianalytic.coulomb import admissible
 from semianalytic.edges import FARTHEST, Edges, edge_shift, moves
-from semianalytic.panels import rule_for
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array
+from semianalytic.rules import rule_for
 from semianalytic.scene import Scene
 from semianalytic.solver import SAFETY, scaled_load
 from semianalytic.zones import Load, ZoneFields

@@ -12,326 +12,17 @@ once; node arrays are then (p, n) or (p, k, n), panel first, node last.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from itertools import groupby
+from functools import cached_property
 
 import numpy as np
 
+from semianalytic.layout import Layout, Pairs, Zone, outline
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.rules import Rule, finer_rule
 
 _CACHED = 50_000  # kernel values formed at once, so that they stay in the processor's cache
 _MANY = 100  # nodes from which it pays to leave some out
 _NEGLIGIBLE = 1e-6  # of what the reach of a rule leaves out
-_STEPS = 32  # per power of two: fitted rules come in steps, so that their tables are met again
-
-
-@dataclass(frozen=True)
-class Zone:
-    """A slip zone in slowness: left < v < right, sense +1 or -1.
-
-    left None: slip from the longitudinal front on, or ahead of all waves; right None: slip up to
-    the contact edge.
-    """
-
-    left: CutPoints | None
-    right: CutPoints | None
-    sense: int
-
-
-@dataclass(frozen=True)
-class Rule:
-    """Uniform grid in y: spacing h, from -reach to reach, and `further` on either side."""
-
-    spacing: float
-    reach: float
-    further: int = 0
-
-    @cached_property
-    def y(self) -> Array:
-        count = int(np.ceil((self.reach + self.further) / self.spacing))
-        return np.arange(-count, count + 1.0) * self.spacing
-
-    @cached_property
-    def core(self) -> slice:
-        """Nodes without those that are further out than `reach`."""
-        extra = int(self.further / self.spacing)
-        return slice(extra, len(self.y) - extra)
-
-    @property
-    def tolerance(self) -> float:
-        """The tolerance for which `rule_for` has this spacing."""
-        return float(np.exp(2 - np.pi**2 / self.spacing))
-
-    @cached_property
-    def decay(self) -> Array:
-        """exp(-y)."""
-        return np.exp(-self.y)
-
-    @cached_property
-    def share(self) -> Array:
-        """1 / (1 + exp(-y)), the share of a panel to the left of a node."""
-        return 1 / (1 + self.decay)
-
-    @cached_property
-    def bell(self) -> Array:
-        """Slope of `share`."""
-        return self.share * self.share[::-1]
-
-    def running(self, density: Array) -> Array:
-        """Integrals from -inf to each node of the sinc interpolant of `density` (..., n)."""
-        return self.spacing * (density @ _running(len(self.y)))
-
-    def halved(self, density: Array) -> Array:
-        """Its integrals from -inf to the middle node, (...)."""
-        n = len(self.y)
-        return self.spacing * (density @ _running(n)[:, n // 2])
-
-    @property
-    def alternate(self) -> Array:
-        """1 / sinh((y_i - y_j) / 2) where i - j is odd, 0 elsewhere."""
-        return _alternate(len(self.y), self.spacing)
-
-    def interpolate_running(self, y: Array, density: Array) -> Array:
-        """Integral from -inf to y of the sinc interpolant of `density` ((n,) or (k, n))."""
-        return self.spacing * _sinc_step((y[:, None] - self.y) / self.spacing) @ density.T
-
-
-def _sinc_step(x: Array) -> Array:
-    """Integral of sinc from -inf to x."""
-    from scipy.special import sici  # here, for `import semianalytic` is to be quick
-
-    return np.asarray(0.5 + sici(np.pi * x)[0] / np.pi)
-
-
-@lru_cache(maxsize=32)
-def _running(n: int) -> Array:
-    step = _sinc_step(np.arange(1.0 - n, n))
-    order = np.arange(n)
-    return step[order - order[:, None] + n - 1]
-
-
-@lru_cache(maxsize=32)
-def _alternate(n: int, spacing: float) -> Array:
-    steps = np.arange(1 - n, n)
-    inverse = np.zeros(len(steps))
-    inverse[steps % 2 != 0] = 1 / np.sinh(steps[steps % 2 != 0] * (spacing / 2))
-    order = np.arange(n)
-    return inverse[order[:, None] - order + n - 1]
-
-
-@lru_cache(maxsize=64)
-def rule_for(tolerance: float) -> Rule:
-    """Grid on which end exponents of at least 1/2 are integrated to about `tolerance`."""
-    digits = np.log(1 / tolerance)
-    return Rule(float(np.pi**2 / (digits + 2)), float(2 * digits + 2))
-
-
-@lru_cache(maxsize=64)
-def _finer_rule(rule: Rule, refinements: int, further: int) -> Rule:
-    """A rule of 2^(-refinements / _STEPS) the spacing that goes `further`."""
-    return Rule(rule.spacing * 2.0 ** (-refinements / _STEPS), rule.reach, further)
-
-
-@dataclass(frozen=True)
-class Pairs:
-    """Source and target panels of Cauchy integrals; sources behind their targets come first.
-
-    Attributes
-    ----------
-    source, target : (r,) arrays of panels
-    near : (r,) array, the panel end between the two
-    behind : int, how many sources lie behind (at larger slowness than) their target
-    onto : (p, r) array, weights with which pairs add up at every panel
-    """
-
-    source: np.ndarray
-    target: np.ndarray
-    near: np.ndarray
-    behind: int
-    onto: Array
-
-    def collect(self, values: Array) -> Array:
-        """Weighted sums at all panels, (p, ..., n), of what pairs give, (r, ..., n)."""
-        return (self.onto @ values.reshape(len(values), int(np.prod(values.shape[1:])))).reshape(
-            -1, *values.shape[1:]
-        )
-
-
-def _paired(count: int, weights: dict[tuple[int, int], float]) -> Pairs:
-    """Pairs of `count` panels from {(source, target): weight}."""
-    chosen = sorted(weights, key=lambda pair: (pair[0] < pair[1], *pair))
-    source, target = np.array(chosen, dtype=int).reshape(-1, 2).T
-    onto = np.zeros((count, len(chosen)))
-    onto[target, np.arange(len(chosen))] = [weights[pair] for pair in chosen]
-    after = source < target
-    return Pairs(source, target, source + after, int(np.sum(~after)), onto)
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Which panels there are, wherever exactly they end.
-
-    Attributes
-    ----------
-    sense : per panel, 0 where the interface sticks
-    zone : per panel, index of the slip zone, on stick of the one that follows inward
-    ahead : int, number of panels ahead of the shear front
-    slips_at_b, slips_at_c : bool, whether a zone covers the shear front, the Rayleigh front
-    over_c : int, the panel that covers c; -1 if it is left out
-    gap : bool, whether that panel sticks between two zones
-    roots : (end, exponent) of the zone edges slower than c_t, with the exponent X has there
-    """
-
-    sense: tuple[int, ...]
-    zone: tuple[int, ...]
-    ahead: int
-    slips_at_b: bool
-    slips_at_c: bool
-    over_c: int
-    gap: bool
-    roots: tuple[tuple[int, float], ...]
-
-    @property
-    def pole(self) -> int:
-        """The panel that slips across c, where dV/dv has a pole; -1 if there is none."""
-        return self.over_c if self.slips_at_c else -1
-
-    @cached_property
-    def slipping(self) -> np.ndarray:
-        """(p,) whether a panel slips."""
-        return np.array(self.sense) != 0
-
-    @cached_property
-    def stick(self) -> np.ndarray:
-        """Panels that stick."""
-        return np.flatnonzero(~self.slipping)
-
-    @cached_property
-    def slip(self) -> np.ndarray:
-        """Panels that slip."""
-        return np.flatnonzero(self.slipping)
-
-    @cached_property
-    def stick_ahead(self) -> np.ndarray:
-        """Panels ahead of the shear front that stick."""
-        return self.stick[self.stick < self.ahead]
-
-    @cached_property
-    def slip_ahead(self) -> np.ndarray:
-        """Panels ahead of the shear front that slip."""
-        return self.slip[self.slip < self.ahead]
-
-    @cached_property
-    def weights_ahead(self) -> Array:
-        """Of the panels ahead of the shear front: 1 on slip, 2 on stick."""
-        return 2.0 - self.slipping[: self.ahead]
-
-    @cached_property
-    def slip_behind(self) -> np.ndarray:
-        """Panels behind the shear front that slip."""
-        return self.slip[self.slip >= self.ahead]
-
-    @cached_property
-    def sign(self) -> Array:
-        """(p,) sign of X, from the square roots it is made of."""
-        panels = np.arange(len(self.sense))
-        phase = np.zeros(len(panels))  # over pi
-        for end, exponent in self.roots:
-            phase += exponent * (panels >= end)
-        at_b = 0.5 * (~self.slipping if self.slips_at_b else -1.0 * self.slipping)
-        return np.asarray(np.cos(np.pi * (phase + at_b * (panels >= self.ahead))).round())
-
-    @cached_property
-    def phase_pairs(self) -> Pairs:
-        """From the panels ahead of the shear front to those that see their phase in ln X.
-
-        What slips ahead of the shear front or is joined to it by slip sees the phase of what
-        sticks, all else that of what slips.
-        """
-        count = len(self.sense)
-        by_stick = self.slipping & ((np.arange(count) < self.ahead) | self.slips_at_b)
-        weights = {
-            (source, target): 1.0 if self.sense[source] else -1.0
-            for source in range(self.ahead)
-            for target in range(count)
-            if bool(self.sense[source]) != by_stick[target]
-        }
-        return _paired(count, weights)
-
-    def pairs_from(self, sources: tuple[int, ...]) -> Pairs:
-        """From some panels to all others."""
-        return _pairs_from(len(self.sense), sources)
-
-    @cached_property
-    def regions(self) -> list[list[int]]:
-        """Panels of each stretch of stick and of each zone, from the front inward."""
-        keys = zip(self.slipping, self.zone, strict=True)
-        groups = groupby(enumerate(keys), key=lambda item: item[1])
-        return [[index for index, _ in group] for _, group in groups]
-
-
-@lru_cache(maxsize=64)
-def _pairs_from(count: int, sources: tuple[int, ...]) -> Pairs:
-    return _paired(count, {(s, t): 1.0 for s in sources for t in range(count) if s != t})
-
-
-_layout = lru_cache(maxsize=256)(Layout)
-
-
-def _outline(
-    factors: RayleighFactors, zones: tuple[Zone, ...], tail: bool
-) -> tuple[list[CutPoints], Layout]:
-    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root."""
-    ends, senses, owners = [factors.front_a], [], []
-
-    def extend(right: CutPoints | None, sense: int, zone: int) -> None:
-        for end in (*factors.cuts, right):
-            if end is right or (end and lies_between(ends[-1], end, right)):
-                senses.append(sense)
-                owners.append(zone)
-                if end:
-                    ends.append(end)
-
-    for index, zone in enumerate(zones):
-        if zone.left is not None:
-            extend(zone.left, 0, index)
-        extend(zone.right, zone.sense, index)
-    if not zones or zones[-1].right is not None:
-        extend(None, 0, len(zones))
-    slips_at_b, slips_at_c = (
-        any(lies_between(zone.left, front, zone.right) for zone in zones)
-        for front in (factors.front_b, factors.front_c)
-    )
-    if not tail and len(senses) > 1:
-        del senses[-1], owners[-1]
-    place = {id(end): index for index, end in enumerate(ends)}
-    over_c = sum(end.first[3] < 0 for end in ends) - 1  # the last panel that begins before c
-    if over_c >= len(senses):
-        over_c = -1
-    roots = []
-    for zone in zones:
-        for edge, opening in ((zone.left, True), (zone.right, False)):
-            if edge is not None and edge.first[2] > 0:
-                smooth = opening == (edge.first[3] < 0)
-                roots.append((place[id(edge)], 0.5 if smooth else -0.5))
-    layout = _layout(
-        tuple(senses),
-        tuple(owners),
-        min(place[id(factors.front_b)], len(senses)),
-        slips_at_b,
-        slips_at_c,
-        over_c,
-        not slips_at_c and over_c >= 0 and 0 < owners[over_c] < len(zones),
-        tuple(roots),
-    )
-    return ends, layout
-
-
-def lies_between(left: CutPoints | None, point: CutPoints, right: CutPoints | None) -> bool:
-    """Whether a point lies between two others (None: no bound), judged on the first set."""
-    if left is not None and not left.first_below(point):
-        return False
-    return right is None or point.first_below(right)
 
 
 @dataclass(frozen=True)
@@ -491,7 +182,7 @@ def _fitted_rule(factors: RayleighFactors, layout: Layout, ends: Array, rule: Ru
     if hidden.imag and layout.ahead:
         v = ends[0, : layout.ahead + 1]
         angle = np.abs(np.angle((hidden - v[:-1]) / (v[1:] - hidden))).reshape(layout.ahead, -1)
-        strip = min(1.0, float((angle.min(axis=1) * layout.weights_ahead).min()) / np.pi)
+        strip = min(1.0, float((angle.min(axis=1) * layout.clearance_ahead).min()) / np.pi)
     if layout.over_c >= 0:
         before, *after = np.abs(ends[3, layout.over_c : layout.over_c + 2])
         if layout.pole >= 0:
@@ -499,8 +190,7 @@ def _fitted_rule(factors: RayleighFactors, layout: Layout, ends: Array, rule: Ru
             further = float(np.abs(np.log(other / before)).max())
         elif layout.gap:
             further = max(0.0, -float(np.log((before + after[0]).min())))
-    refinements = int(np.ceil(-_STEPS * np.log2(strip)))
-    return _finer_rule(rule, refinements, int(np.ceil(further)))
+    return finer_rule(rule, strip, further)
 
 
 def lay_panels(
@@ -515,7 +205,7 @@ def lay_panels(
     `sets` is (k, 1) if k sets of zones are wanted whatever the shape of their edges.  Without
     `tail` an unbounded panel after others is left out.
     """
-    points, layout = _outline(factors, zones, tail)
+    points, layout = outline(factors, zones, tail)
     batch = max((sets, *(point.v.shape for point in points)), key=len)
     ends = np.empty((4, len(points), *batch))
     for i, point in enumerate(points):

@@ -8,7 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.panels import Panels, Zone, lay_panels
+from semianalytic.layout import Zone
+from semianalytic.panels import Panels, lay_panels
 from semianalytic.rayleigh import Array, CutPoints, Mode
 from semianalytic.running import RunningIntegral
 from semianalytic.stuck import StuckTraction, stuck_traction

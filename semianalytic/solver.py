@@ -12,9 +12,9 @@ from semianalytic.collocation import GridSlip, slip_on_grid
 from semianalytic.coulomb import across_shear_front, corrected, violations, without_vanished
 from semianalytic.edges import Edges, edge_shift, edges_on_grid, locate_edges, moves
 from semianalytic.errors import SceneError, TensionError
-from semianalytic.panels import Rule, rule_for
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array, RayleighFactors, rayleigh_factors
+from semianalytic.rules import Rule, rule_for
 from semianalytic.running import RunningIntegral
 from semianalytic.scene import Scene
 from semianalytic.solution import SlipZone, Solution, Statistics

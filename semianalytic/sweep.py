@@ -30,9 +30,9 @@ from semianalytic.batches import (
 from semianalytic.edges import FARTHEST, NUDGE, Edges, edges_of, moves
 from semianalytic.errors import SceneError
 from semianalytic.interpolation import confirmed, fits, interpolated, lagrange
-from semianalytic.panels import rule_for
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array
+from semianalytic.rules import rule_for
 from semianalytic.scene import Scene
 from semianalytic.solution import Solution, Statistics
 from semianalytic.solver import (

@@ -25,8 +25,10 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
-from semianalytic.panels import Layout, Panels, Rule, Zone, lay_panels
+from semianalytic.layout import Layout, Zone
+from semianalytic.panels import Panels, lay_panels
 from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.rules import Rule
 from semianalytic.stuck import stuck_traction
 
 _SMALL = 1 / np.arange(2.0, 11.0)  # -(1 + ln(1 - s) / s) / s in powers of s
