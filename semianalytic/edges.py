@@ -76,6 +76,13 @@ class Edges:
         size = np.exp(unknowns)
         return np.asarray(start + width * size / (1 + bend * size))
 
+    def log_from_c(self, unknowns: Array) -> Array:
+        """Logarithm of the distance from c, but for a constant, of edges slower than c_t; 0 of
+        others; (e,) or (e, k)."""
+        segments = np.array(self.segments).reshape(-1, *[1] * (unknowns.ndim - 1))
+        between = np.where(segments == 1, -np.logaddexp(0.0, unknowns), 0.0)
+        return np.where(segments == 2, unknowns, between)
+
     def zones(self, unknowns: Array) -> tuple[Zone, ...]:
         """The zones of given unknowns."""
         points: list[CutPoints | None] = list(self.points(unknowns))
@@ -176,8 +183,8 @@ def moves(inverse: Array, values: Array) -> Array:
 def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     """Largest shift of edges over the lesser of themselves and c_t, () or (k,).
 
-    At least a tenth of the largest change of the unknowns: the slip rate beside a narrow stick gap
-    follows the logarithm of its width.
+    At least a tenth of what the logarithms of their distances from c change: the slip rate beside a
+    narrow stick gap follows that of its width.
 
     Parameters
     ----------
@@ -185,7 +192,8 @@ def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     """
     before, after = edges.slowness(unknowns), edges.slowness(moved)
     shifts = np.abs(before / after - 1) * np.maximum(1.0, 1 / before)
-    return np.asarray(np.maximum(shifts, 0.1 * np.abs(moved - unknowns)).max(axis=0, initial=0.0))
+    scales = np.abs(edges.log_from_c(moved) - edges.log_from_c(unknowns))
+    return np.asarray(np.maximum(shifts, 0.1 * scales).max(axis=0, initial=0.0))
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ _MOST_POLISHINGS = 8
 _COARSE = 3.0  # rules are much better than their tolerance as far as edges go
 _SHIFT, _LEAST_SHIFT = 0.1, 1e-7  # of edges when zones are looked for, over rtol and at least
 _LEFT = 0.02  # shift of edges left in the end, over rtol
+_BETWEEN = 0.3  # error between nodes, over the tolerance of a rule
 SAFETY = 5.0  # slip rates near edges and fronts change more than the quantities compared
 
 
@@ -225,19 +226,43 @@ def difference(
     unknowns, moved : (e,) or (e, k) arrays, edges that are right on the fine and the coarse rule
     fine, coarse : ZoneFields of the same zones on two rules
     """
-    worst = edge_shift(edges, unknowns, moved) if len(unknowns) else 0.0
-    compared, scale = [], np.ones(())
+    compared, scale, peaks = [], np.ones(()), np.zeros(())
     for fields in (coarse, fine):
         panels = fields.panels
         rate = RunningIntegral(panels, fields.slip_rate_slope, fields.factors.c)
         halves = panels.rule.halved(rate.density * panels.jacobian)
         ends = np.cumsum(rate.totals, axis=0) + per_set(fields.load.far_slip_rate)
-        scale = np.abs(np.concatenate([ends, ends - rate.totals + halves])).max(axis=0)
+        peaks = np.maximum(np.abs(ends), np.abs(ends - rate.totals + halves))
+        scale = peaks.max(axis=0)
         halves[rate.residues != 0] = 0.0  # the middle of such a panel depends on the rule
         compared.append(np.concatenate([rate.totals, halves, rate.residues]))
-    rates = np.abs(compared[0] - compared[1]).max(axis=0) / np.where(scale > 0, scale, 1.0)
-    least = 0.1 * fine.rule.tolerance if fine.zones else 0.0  # between the nodes
-    return 1e-14 + least + SAFETY * np.maximum(worst, rates)
+    scale = np.where(scale > 0, scale, 1.0)
+    rates = np.abs(compared[0] - compared[1]).max(axis=0) / scale
+    least = _BETWEEN * fine.rule.tolerance if fine.zones else 0.0
+    if len(unknowns):
+        by_width = _share_of_width(edges, unknowns, moved, fine, peaks) / scale
+        rates = np.maximum(np.maximum(rates, by_width), edge_shift(edges, unknowns, moved))
+    return 1e-14 + least + SAFETY * rates
+
+
+def _share_of_width(
+    edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields, peaks: Array
+) -> Array:
+    """How much slip rates change with the width of zones that end on both sides, () or (k,).
+
+    `peaks` (p, ...) are the largest slip rates in panels.
+    """
+    v = edges.slowness(unknowns)
+    change, slipping = np.abs(edges.slowness(moved) - v), fields.layout.slipping
+    worst, edge = np.zeros(unknowns.shape[1:]), 0
+    for index, zone in enumerate(fields.zones):
+        ends = (zone.left is not None) + (zone.right is not None)
+        if ends == 2:
+            here = slipping & (np.array(fields.layout.zone) == index)
+            share = 2 * (change[edge] + change[edge + 1]) / (v[edge + 1] - v[edge])
+            worst = np.maximum(worst, peaks[here].max(axis=0) * share)
+        edge += ends
+    return worst
 
 
 def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
