@@ -80,8 +80,8 @@ class Edges:
         """Logarithm of the distance from c, but for a constant, of edges slower than c_t; 0 of
         others; (e,) or (e, k)."""
         segments = np.array(self.segments).reshape(-1, *[1] * (unknowns.ndim - 1))
-        between = np.where(segments == 1, -np.logaddexp(0.0, unknowns), 0.0)
-        return np.where(segments == 2, unknowns, between)
+        below_c = -np.maximum(unknowns, 0.0) - np.log1p(np.exp(-np.abs(unknowns)))
+        return np.where(segments == 2, unknowns, np.where(segments == 1, below_c, 0.0))
 
     def zones(self, unknowns: Array) -> tuple[Zone, ...]:
         """The zones of given unknowns."""
