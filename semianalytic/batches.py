@@ -13,7 +13,7 @@ from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array
 from semianalytic.rules import Rule, rule_for
 from semianalytic.scene import Scene
-from semianalytic.solver import SAFETY, difference, loose_tolerance
+from semianalytic.solver import SAFETY, difference, loose_tolerance, missed_slip
 from semianalytic.zones import Load, ZoneFields
 
 AT_ONCE = 24  # sets of zones in one batch: more leave the processor's cache
@@ -24,7 +24,6 @@ _SLOW = 0.5  # Newton moves that shrink less are given up
 _CONTRACTION, _LEAST_CONTRACTION = 20.0, 1e-3  # of chord steps, by the doubt of a prediction
 TRUSTED = 1e-3  # doubt of a prediction that needs no Newton's method
 _MOST_REFINEMENTS = 3
-_STRICTNESS = 10  # of the check of Coulomb's law; `solve`, which is asked next, uses 100
 _LOOSEST = 1e-4  # tolerance of that check: neighbours lend zones where a new one just begins
 _CLOSE = 1e-3  # to a front, in slowness: differences are then formed there
 _PREDICTED = 0.2  # doubt of a prediction that needs no full Newton's method
@@ -297,13 +296,14 @@ def followed(edges: Edges, predicted: list[Predicted], load: Load, rtol: float) 
         unknowns[:, kept], wanted[kept] = polished.unknowns, finest
         fields = polished.fields
         nodes = fields.panels.jacobian[:, 0].size
-        lawful = polished.settled & admissible(Profile(fields), min(_STRICTNESS * rtol, _LOOSEST))
+        profile = Profile(fields)
+        lawful = polished.settled & admissible(profile, min(rtol, _LOOSEST))
         coarse = ZoneFields(edges.factors, fields.load, fields.zones, rule_for(5 * finest))
         moved = polished.beside
         if size:
             moved = moved - np.clip(moves(inverse[kept], coarse.mismatch()), -1.0, 1.0)
         estimate[kept] = difference(edges, polished.unknowns, moved, fields, coarse)
-        estimate[kept] += SAFETY * polished.left
+        estimate[kept] += SAFETY * polished.left + missed_slip(profile)
         sound[kept] = lawful & (estimate[kept] <= rtol)
         kept = kept[lawful & ~sound[kept]]
         wanted[kept] *= np.maximum(0.1 * rtol / estimate[kept], 1e-3)

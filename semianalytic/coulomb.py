@@ -31,25 +31,21 @@ class Violation:
     touches_right: bool
 
 
+def largest_excess(profile: Profile) -> Array:
+    """Largest traction over friction where it sticks, as `violations` see it, 0 or more; () or
+    (k,)."""
+    return np.asarray(np.maximum(profile.excess_at_nodes.max(axis=(0, -1)), 0.0))
+
+
 def _misses(profile: Profile, tolerance: float) -> Array:
     """(p, ..., n): at the nodes, the sense in which Coulomb's law is missed: of V in a zone, of the
     traction where it sticks; 0 where it is kept."""
-    panels, load, layout = profile.panels, profile.fields.load, profile.panels.layout
-    rate = profile.slip_rate_at_nodes
-    sense = np.array(panels.sense).reshape(-1, *[1] * (rate.ndim - 1))
+    rate, stick = profile.slip_rate_at_nodes, profile.panels.layout.stick
+    sense = np.array(profile.panels.sense).reshape(-1, *[1] * (rate.ndim - 1))
     largest = np.abs(rate).max(axis=(0, -1))[..., None]
     misses = -sense * (sense * rate < -tolerance * largest).astype(float)
-    for region in (part for part in layout.regions if not panels.sense[part[0]]):
-        pressure = load.base_pressure + profile.pressure_change(panels.at.v[region])
-        bound, right = load.friction * pressure, panels.right[region[-1]]
-        if right is None:
-            scale = 1 + bound
-        else:
-            # In a gap between zones the traction starts from strength and moves with its width.
-            width = right.minus(panels.left[region[0]]) if region[0] else np.ones(1)
-            scale = np.minimum(1.0, width) + bound.max(axis=(0, -1))[..., None]
-        traction = profile.traction_at_nodes[region]
-        misses[region] = np.sign(traction) * (np.abs(traction) > bound + tolerance * scale)
+    too_much = profile.excess_at_nodes[stick] > tolerance
+    misses[stick] = np.sign(profile.traction_at_nodes[stick]) * too_much
     return misses
 
 

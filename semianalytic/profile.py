@@ -128,6 +128,24 @@ class Profile:
             traction[-1] += self._edge_traction(len(traction) - 1, self.panels.at.v[-1])
         return traction
 
+    @cached_property
+    def excess_at_nodes(self) -> Array:
+        """(p, ..., n): |tau| - f p at the nodes where it sticks, relative to strength plus load, in
+        a narrow gap plus its share of the load; -1 where it slips."""
+        panels, load = self.panels, self._load
+        result = np.full(panels.jacobian.shape, -1.0)
+        for region in (part for part in panels.layout.regions if not panels.sense[part[0]]):
+            pressure = load.base_pressure + self.pressure_change(panels.at.v[region])
+            strength, right = load.friction * pressure, panels.right[region[-1]]
+            if right is None:
+                scale = 1 + strength
+            else:
+                # In a gap between zones the traction starts from strength and moves with its width.
+                width = right.minus(panels.left[region[0]]) if region[0] else np.ones(1)
+                scale = np.minimum(1.0, width) + strength.max(axis=(0, -1))[..., None]
+            result[region] = (np.abs(self.traction_at_nodes[region]) - strength) / scale
+        return result
+
     def residues(self, panel: int) -> Array:
         """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
         return np.asarray(self._slip_rate.residues[panel])

@@ -9,7 +9,13 @@ from time import perf_counter
 import numpy as np
 
 from semianalytic.collocation import GridSlip, slip_on_grid
-from semianalytic.coulomb import across_shear_front, corrected, violations, without_vanished
+from semianalytic.coulomb import (
+    across_shear_front,
+    corrected,
+    largest_excess,
+    violations,
+    without_vanished,
+)
 from semianalytic.edges import Edges, edge_shift, edges_on_grid, locate_edges, moves
 from semianalytic.errors import SceneError, TensionError
 from semianalytic.profile import Profile
@@ -28,6 +34,8 @@ _MOST_POLISHINGS = 8
 _COARSE = 3.0  # rules are much better than their tolerance as far as edges go
 _SHIFT, _LEAST_SHIFT = 0.1, 1e-7  # of edges when zones are looked for, over rtol and at least
 _LEFT = 0.02  # shift of edges left in the end, over rtol
+_STRICTNESS = 10  # of the check of Coulomb's law, over the tolerance of a rule: noise is below 1
+_MISSED = 0.3  # slip rate over the traction that exceeds friction; 0.1 was seen
 _BETWEEN = 0.3  # error between nodes, over the tolerance of a rule
 SAFETY = 5.0  # slip rates near edges and fronts change more than the quantities compared
 
@@ -86,13 +94,11 @@ class _Found:
 
 @dataclass(frozen=True)
 class _Search:
-    """On which rule edges are located and to what shift, on which rule and how strictly Coulomb's
-    law is checked."""
+    """On which rule edges are located and to what shift, on which Coulomb's law is checked."""
 
     locating: Rule
     shift: float
     checking: Rule
-    tolerance: float
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
@@ -111,7 +117,7 @@ def _settled(edges: Edges, unknowns: Array, load: Load, search: _Search) -> _Fou
                 edges, unknowns = other
                 continue
         profile = _profile(edges, unknowns, load, search.checking)
-        wrong = violations(profile, search.tolerance)
+        wrong = violations(profile, _STRICTNESS * search.checking.tolerance)
         if wrong is None:
             break
         if not wrong:
@@ -146,7 +152,7 @@ def _find_zones(factors: RayleighFactors, load: Load, rtol: float) -> tuple[_Fou
         grid = first_stage(factors, load, size)
         start = edges_on_grid(factors, grid, load.critical)
         locating = rule_for(_COARSE * loose) if size == _GRIDS[0] else checking
-        found = _settled(*start, load, _Search(locating, shift, checking, 30 * loose))
+        found = _settled(*start, load, _Search(locating, shift, checking))
         pivots, steps, sets = pivots + grid.pivots, steps + found.steps, sets + found.sets
         if found.sound:
             break
@@ -179,6 +185,7 @@ def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
             moved = unknowns - moves(found.inverse, coarse.mismatch())
         estimate = float(difference(found.edges, unknowns, moved, fields, coarse))
         estimate += 4 * SAFETY * left  # slip rates change fastest beside edges
+        estimate += float(missed_slip(found.profile))
         if not estimate < np.inf:
             estimate = np.inf  # zones that shrink to nothing on the finer rule
             break
@@ -186,6 +193,17 @@ def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
             break
         wanted *= max(0.1 * rtol / estimate, 1e-3)
     return _Refined(found.unknowns, found.profile, estimate, steps)
+
+
+def _largest_rate(profile: Profile) -> float:
+    return float(np.abs(profile.slip_rate_at_nodes).max())
+
+
+def missed_slip(profile: Profile) -> Array:
+    """About how much slip is missed, over the largest slip rate, where traction exceeds friction by
+    no more than is tolerated; () or (k,)."""
+    largest = np.abs(profile.slip_rate_at_nodes).max(axis=(0, -1))
+    return _MISSED * largest_excess(profile) / np.where(largest > 0, largest, np.inf)
 
 
 def _polished(found: _Found, load: Load, rule: Rule, target: float) -> tuple[_Found, float]:
@@ -307,13 +325,14 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     refined = _refined(found, load, rtol)
     clock.append(perf_counter())
     checked = frictionless(scene) or refined.profile.fields.rule is found.profile.fields.rule
-    wrong = [] if checked else violations(refined.profile, 100 * rtol)
+    strictness = min(max(_largest_rate(refined.profile), 1 / _STRICTNESS), 1.0)
+    wrong = [] if checked else violations(refined.profile, strictness * rtol)
     if wrong is None:
         found = replace(found, sound=False)
     elif found.sound and wrong:
         start = corrected(found.edges, refined.unknowns, wrong, load)
-        rule = rule_for(rtol)
-        search = _Search(rule, max(_SHIFT * rtol, _LEAST_SHIFT), rule, 100 * rtol)
+        rule = rule_for(rtol / 10)
+        search = _Search(rule, max(_SHIFT * rtol, _LEAST_SHIFT), rule)
         again = _settled(*start, load, search)
         found = replace(again, steps=found.steps + again.steps, sets=found.sets + again.sets)
         refined = _refined(found, load, rtol)

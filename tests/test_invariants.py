@@ -78,3 +78,49 @@ def check_invariants(scene):
     np.testing.assert_allclose(
         solution.shear_traction(3 * XI, 3.0), traction, rtol=1e-9, atol=1e-9 * load
     )
+
+
+def random_scenes(count):
+    """Scenes of any load, a third of them with a base at friction; always the same ones."""
+    random = np.random.default_rng(11)
+    while count:
+        nu = float(random.choice([1 / 3, 0.25, 0.0, 0.45, -0.5, random.uniform(-0.9, 0.49)]))
+        friction = float(np.exp(random.uniform(np.log(0.02), np.log(3))))
+        base = float(random.choice([0, 1, random.lognormal()]))
+        share = float(random.choice([0, random.uniform(-1, 1), 1.0]))
+        step = Tractions(float(random.choice([0, 1, random.lognormal()])), float(random.normal()))
+        scene = Scene(
+            Material(1.0, 1.0, nu), friction, Tractions(base, share * friction * base), step
+        )
+        try:
+            exact = solve(scene, rtol=1e-12)
+        except SceneError:
+            continue  # tension
+        if exact.status == "converged":  # rounding may not leave twelve digits
+            count -= 1
+            yield exact
+
+
+def check_estimates(count):
+    x = np.linspace(0.01, 2.2, 400)
+    for exact in random_scenes(count):
+        rate = exact.slip_rate(x, 1.0)
+        for rtol in (1e-3, 1e-6, 1e-9):
+            solution = solve(exact.scene, rtol=rtol)
+            assert solution.status == "converged", exact.scene
+            error = np.abs(solution.slip_rate(x, 1.0) - rate).sum() / max(
+                np.abs(rate).sum(), 1e-300
+            )
+            if len(solution.zones) == len(exact.zones):  # else one that hardly slips is missing
+                edges = np.abs(solution.front_speeds - exact.front_speeds)
+                error = max(error, edges[np.isfinite(edges)].max(initial=0.0))
+            assert error <= solution.error_estimate <= rtol, exact.scene
+
+
+def test_error_estimates_bound_errors_in_random_scenes():
+    check_estimates(60)
+
+
+@pytest.mark.slow
+def test_error_estimates_bound_errors_in_a_thousand_scenes():
+    check_estimates(1000)
