@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from semianalytic.between import doubtful, hidden
 from semianalytic.edges import Edges, edges_of, place_edges
 from semianalytic.layout import Zone
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array, CutPoints
-from semianalytic.zones import Load, per_set
+from semianalytic.zones import Load, ZoneFields, per_set
 
 _APART = (False, False)
 _NARROWEST_GAP = 1e-14  # a stick gap around c_R narrower than x/t can resolve is left out
@@ -34,23 +35,25 @@ class Violation:
 def largest_excess(profile: Profile) -> Array:
     """Largest traction over friction where it sticks, as `violations` see it, 0 or more; () or
     (k,)."""
-    return np.asarray(np.maximum(profile.excess_at_nodes.max(axis=(0, -1)), 0.0))
+    stick = profile.wrong_at_nodes[profile.panels.layout.stick]
+    return np.asarray(stick.max(axis=(0, -1), initial=0.0))
 
 
 def _misses(profile: Profile, tolerance: float) -> Array:
     """(p, ..., n): at the nodes, the sense in which Coulomb's law is missed: of V in a zone, of the
     traction where it sticks; 0 where it is kept."""
-    rate, stick = profile.slip_rate_at_nodes, profile.panels.layout.stick
-    sense = np.array(profile.panels.sense).reshape(-1, *[1] * (rate.ndim - 1))
-    largest = np.abs(rate).max(axis=(0, -1))[..., None]
-    misses = -sense * (sense * rate < -tolerance * largest).astype(float)
-    too_much = profile.excess_at_nodes[stick] > tolerance
-    misses[stick] = np.sign(profile.traction_at_nodes[stick]) * too_much
+    rate, stick, wrong = (
+        profile.slip_rate_at_nodes,
+        profile.panels.layout.stick,
+        profile.wrong_at_nodes,
+    )
+    misses = np.sign(rate) * (wrong > tolerance)
+    misses[stick] = np.sign(profile.traction_at_nodes[stick]) * (wrong[stick] > tolerance)
     return misses
 
 
 def admissible(profile: Profile, tolerance: float) -> np.ndarray:
-    """Whether Coulomb's law holds at all nodes, () or (k,): whether there are no `violations`.
+    """Whether Coulomb's law holds for sets of zones, (k,): whether there are no `violations`.
 
     Nor may a stick gap around c_R be narrower than those that are left out.
     """
@@ -66,7 +69,22 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
         reverses = panels.sense[pole] * profile.residues(pole) > 0
         if reverses.any():
             sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= _NARROWEST_GAP)
+    for j in np.flatnonzero(sound & doubtful(profile).any(axis=(0, -1))):
+        sound[j] = not hidden(_one_of(profile, int(j)), tolerance)
     return sound
+
+
+def _one_of(profile: Profile, j: int) -> Profile:
+    """The profile of one of k sets of zones."""
+    fields, load = profile.fields, profile.fields.load
+
+    def edge(points: CutPoints | None) -> CutPoints | None:
+        return points[j] if points is not None and points.v.ndim == 2 else points
+
+    zones = tuple(Zone(edge(one.left), edge(one.right), one.sense) for one in fields.zones)
+    friction, far = (float(np.ravel(x)[j]) for x in (load.friction, load.far_slip_rate))
+    load = replace(load, friction=friction, far_slip_rate=far)
+    return Profile(ZoneFields(fields.factors, load, zones, fields.rule))
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # told by None
@@ -85,20 +103,18 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
     for region in panels.layout.regions:
         sense, misses = panels.sense[region[0]], every[region].ravel()
         unbounded, pole = panels.right[region[-1]] is None, panels.layout.pole
-        at = CutPoints(panels.at.parts[:, region].reshape(4, -1))
-        wrong = misses != 0
-        wrong[1:-1] |= wrong[:-2] & wrong[2:]
-        bounds = np.zeros(0, dtype=int)
-        if wrong.any():
-            bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
-        last = len(at.v) - 1
         zone = panels.layout.zone[region[0]] if sense else -1
-        for start, stop in zip(bounds[::2], bounds[1::2], strict=True):
-            to_edge = bool(stop > last) and unbounded
-            left = at[[max(start - 1, 0)]]
-            right = None if to_edge else at[[min(stop, last)]]
-            touches = (bool(start == 0), bool(stop > last) and not unbounded)
-            found.append(Violation(zone, sense or int(misses[start]), left, right, *touches))
+        wrong = misses != 0
+        if wrong.any():
+            at, last = CutPoints(panels.at.parts[:, region].reshape(4, -1)), len(wrong) - 1
+            wrong[1:-1] |= wrong[:-2] & wrong[2:]
+            bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
+            for start, stop in zip(bounds[::2], bounds[1::2], strict=True):
+                to_edge = bool(stop > last) and unbounded
+                left = at[[max(start - 1, 0)]]
+                right = None if to_edge else at[[min(stop, last)]]
+                touches = (bool(start == 0), bool(stop > last) and not unbounded)
+                found.append(Violation(zone, sense or int(misses[start]), left, right, *touches))
         excess = float(_excess_intensity(profile)) if unbounded and not sense else 0.0
         if not wrong[-1] and excess > _intensity_tolerance(profile, tolerance):
             begin = profile.fields.factors.cut([1 / (4 * min(excess, 0.02))])
@@ -108,6 +124,18 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
             if width > _NARROWEST_GAP:
                 ends = profile.fields.factors.beside("c", [-width, width])
                 found.append(Violation(zone, sense, ends[[0]], ends[[1]], *_APART))
+    return found or _hidden_violations(profile, tolerance)
+
+
+def _hidden_violations(profile: Profile, tolerance: float) -> list[Violation]:
+    """Violations between nodes, where there are none at them."""
+    found, panels = [], profile.panels
+    for one in hidden(profile, tolerance):
+        sense, zone = panels.sense[one.panel], panels.layout.zone[one.panel]
+        if not sense:
+            nearest = np.argmin(np.abs(panels.at.v[one.panel] - one.left.v))
+            sense, zone = int(np.sign(profile.traction_at_nodes[one.panel, nearest])), -1
+        found.append(Violation(zone, sense, one.left, one.right, *_APART))
     return found
 
 

@@ -94,6 +94,13 @@ class Panels:
             to_right = np.maximum(-at.minus(right), 0.0)
             return np.log(from_left) - np.log(to_right) + np.log(self.skew[panel])
 
+    def inside(self, panel: int, y: Array) -> CutPoints:
+        """Points (m,) at given y inside a panel of a single set of zones."""
+        skew, left = self.skew[panel], self.left[panel]
+        if self.right[panel] is None:
+            return CutPoints(left.parts + skew * np.exp(y))
+        return CutPoints(left.parts + self.widths[panel] / (1 + skew * np.exp(-y)))
+
     def cauchy(self, pairs: Pairs, weights: Array) -> Array:
         """Integrals of weights / (w - v) over the sources of pairs at the nodes v of the targets.
 

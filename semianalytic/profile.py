@@ -128,23 +128,50 @@ class Profile:
             traction[-1] += self._edge_traction(len(traction) - 1, self.panels.at.v[-1])
         return traction
 
-    @cached_property
-    def excess_at_nodes(self) -> Array:
-        """(p, ..., n): |tau| - f p at the nodes where it sticks, relative to strength plus load, in
-        a narrow gap plus its share of the load; -1 where it slips."""
+    def _excess(self, region: list[int], v: Array, traction: Array) -> Array:
+        """|tau| - f p in a stretch of stick, relative to strength plus load, in a narrow gap plus
+        its share of the load; v and tau of (p, ..., n)."""
         panels, load = self.panels, self._load
-        result = np.full(panels.jacobian.shape, -1.0)
+        strength = load.friction * (load.base_pressure + self.pressure_change(v))
+        right = panels.right[region[-1]]
+        if right is None:
+            return (np.abs(traction) - strength) / (1 + strength)
+        # In a gap between zones the traction starts from strength and moves with its width.
+        width = right.minus(panels.left[region[0]]) if region[0] else np.ones(1)
+        scale = np.minimum(1.0, width) + strength.max(axis=(0, -1))[..., None]
+        return np.asarray((np.abs(traction) - strength) / scale)
+
+    @cached_property
+    def largest_rate(self) -> Array:
+        """Largest |V| at the nodes, () or (k,)."""
+        return np.asarray(np.abs(self.slip_rate_at_nodes).max(axis=(0, -1)))
+
+    @cached_property
+    def wrong_at_nodes(self) -> Array:
+        """(p, ..., n): what Coulomb's law wants to be 0 or less.
+
+        Where it slips slip rate against the sense of the zone, over the largest; where it sticks
+        |tau| - f p, relative to strength plus load, in a narrow gap plus its share of the load.
+        """
+        panels, rate = self.panels, self.slip_rate_at_nodes
+        sense = np.array(panels.sense).reshape(-1, *[1] * (rate.ndim - 1))
+        largest = self.largest_rate[..., None]
+        result = np.asarray(-sense * rate / np.where(largest > 0, largest, 1.0))
         for region in (part for part in panels.layout.regions if not panels.sense[part[0]]):
-            pressure = load.base_pressure + self.pressure_change(panels.at.v[region])
-            strength, right = load.friction * pressure, panels.right[region[-1]]
-            if right is None:
-                scale = 1 + strength
-            else:
-                # In a gap between zones the traction starts from strength and moves with its width.
-                width = right.minus(panels.left[region[0]]) if region[0] else np.ones(1)
-                scale = np.minimum(1.0, width) + strength.max(axis=(0, -1))[..., None]
-            result[region] = (np.abs(self.traction_at_nodes[region]) - strength) / scale
+            traction = self.traction_at_nodes[region]
+            result[region] = self._excess(region, panels.at.v[region], traction)
         return result
+
+    def wrong(self, panel: int, at: CutPoints) -> Array:
+        """The same at points (m,) inside a panel, of one set of zones."""
+        sense = self.panels.sense[panel]
+        if sense:
+            rate = self._starts[0][panel] + self._slip_rate(panel, at)
+            return np.asarray(-sense * rate / self.largest_rate)
+        traction = self._starts[1][panel] + self._traction(panel, at)
+        traction = traction + self._edge_traction(panel, at.v)
+        region = next(part for part in self.panels.layout.regions if panel in part)
+        return self._excess(region, at.v[None], traction[None])[0]
 
     def residues(self, panel: int) -> Array:
         """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""

@@ -195,14 +195,10 @@ def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
     return _Refined(found.unknowns, found.profile, estimate, steps)
 
 
-def _largest_rate(profile: Profile) -> float:
-    return float(np.abs(profile.slip_rate_at_nodes).max())
-
-
 def missed_slip(profile: Profile) -> Array:
     """About how much slip is missed, over the largest slip rate, where traction exceeds friction by
     no more than is tolerated; () or (k,)."""
-    largest = np.abs(profile.slip_rate_at_nodes).max(axis=(0, -1))
+    largest = profile.largest_rate
     return _MISSED * largest_excess(profile) / np.where(largest > 0, largest, np.inf)
 
 
@@ -325,7 +321,7 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     refined = _refined(found, load, rtol)
     clock.append(perf_counter())
     checked = frictionless(scene) or refined.profile.fields.rule is found.profile.fields.rule
-    strictness = min(max(_largest_rate(refined.profile), 1 / _STRICTNESS), 1.0)
+    strictness = min(max(float(refined.profile.largest_rate), 1 / _STRICTNESS), 1.0)
     wrong = [] if checked else violations(refined.profile, strictness * rtol)
     if wrong is None:
         found = replace(found, sound=False)
