@@ -128,6 +128,18 @@ def test_critical_base_slips_from_the_longitudinal_front_against_the_step(nu, fr
     assert solution.zones[0].sense == -1
 
 
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])
+def test_strip_between_two_nodes_is_seen(rtol):
+    """0.011 c_t wide, in a gap that sticks by all nodes of the rules for 1e-6 and 1e-8."""
+    solution = solve(scene(-0.586, 0.0626, (1.0, -0.0361828), (0.0, -1.75)), rtol=rtol)
+    assert solution.status == "converged"
+    assert [zone.sense for zone in solution.zones] == [-1, 1, -1]
+    strip = solution.zones[1]
+    np.testing.assert_allclose(
+        [strip.inner, strip.outer], [0.75249524, 0.76381973], atol=rtol + 1e-8
+    )
+
+
 def test_second_zone_runs_ahead_of_the_shear_wave():
     inner, outer = solve(PRELOADED).zones
     speed = PRELOADED.material.rayleigh_speed
