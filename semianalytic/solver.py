@@ -36,7 +36,7 @@ _SHIFT, _LEAST_SHIFT = 0.1, 1e-7  # of edges when zones are looked for, over rto
 _LEFT = 0.02  # shift of edges left in the end, over rtol
 _STRICTNESS = 10  # of the check of Coulomb's law, over the tolerance of a rule: noise is below 1
 _MISSED = 0.3  # slip rate over the traction that exceeds friction; 0.1 was seen
-_BETWEEN = 0.3  # error between nodes, over the tolerance of a rule
+_BETWEEN, _BESIDE_POLE = 0.3, 3.0  # error between nodes, over the tolerance of a rule
 SAFETY = 5.0  # slip rates near edges and fronts change more than the quantities compared
 
 
@@ -252,7 +252,8 @@ def difference(
         compared.append(np.concatenate([rate.totals, halves, rate.residues]))
     scale = np.where(scale > 0, scale, 1.0)
     rates = np.abs(compared[0] - compared[1]).max(axis=0) / scale
-    least = _BETWEEN * fine.rule.tolerance if fine.zones else 0.0
+    least = (_BESIDE_POLE if fine.layout.pole >= 0 else _BETWEEN) * fine.rule.tolerance
+    least = least if fine.zones else 0.0
     if len(unknowns):
         by_width = _share_of_width(edges, unknowns, moved, fine, peaks) / scale
         rates = np.maximum(np.maximum(rates, by_width), edge_shift(edges, unknowns, moved))
