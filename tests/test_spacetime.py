@@ -184,6 +184,8 @@ def test_edge_of_the_grid_is_where_the_stuck_traction_says(history):
 
 # --- other histories: superposition and invariants -------------------------------------------
 
+# Loads of 5e-324 have no digits left for two per cent of a slip rate to mean anything.
+LEVELS = st.floats(-1.0, 1.0).map(lambda value: round(value, 6))
 HISTORIES = st.one_of(
     st.builds(Ramp, st.one_of(st.just(0.0), st.floats(1e-3, 2.0))),
     st.builds(
@@ -192,7 +194,7 @@ HISTORIES = st.one_of(
         st.sampled_from(["rectangle", "triangle", "half-sine", "haversine"]),
     ),
     st.builds(Harmonic, st.floats(0.3, 4.0)),
-    st.lists(st.tuples(st.floats(0.0, 1.0), st.floats(-1.0, 1.0)), min_size=1, max_size=5).map(
+    st.lists(st.tuples(st.floats(0.0, 1.0), LEVELS), min_size=1, max_size=5).map(
         lambda pairs: Tabulated(
             tuple(np.cumsum([step + 0.01 for step, _ in pairs])), tuple(v for _, v in pairs)
         )
