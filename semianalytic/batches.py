@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from semianalytic.coulomb import admissible
-from semianalytic.edges import NUDGE, Edges, moves
+from semianalytic.edges import NUDGE, Edges, broyden, moves
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array
 from semianalytic.rules import Rule, rule_for
@@ -24,7 +24,7 @@ _SLOW = 0.5  # Newton moves that shrink less are given up
 _CONTRACTION, _LEAST_CONTRACTION = 20.0, 1e-3  # of chord steps, by the doubt of a prediction
 TRUSTED = 1e-3  # doubt of a prediction that needs no Newton's method
 _MOST_REFINEMENTS = 3
-_LOOSEST = 1e-4  # tolerance of that check: neighbours lend zones where a new one just begins
+_LOOSEST = 1e-4  # check of Coulomb's law: neighbours lend zones where a new one just begins
 _CLOSE = 1e-3  # to a front, in slowness: differences are then formed there
 _PREDICTED = 0.2  # doubt of a prediction that needs no full Newton's method
 _CHORDS = 4  # steps with lent Jacobians before they are formed anew
@@ -162,7 +162,7 @@ def _approached(
     while len(waiting) and step < _CHORDS:
         values = edges.mismatch(unknowns[:, waiting], _chosen(load, waiting), rule)
         if step:
-            inverse[waiting] = _updated(inverse[waiting], move, values - before)
+            inverse[waiting] = broyden(inverse[waiting], move, values - before)
         step += 1
         move = -moves(inverse[waiting], values)
         largest = np.abs(move).max(axis=0)
@@ -177,16 +177,6 @@ def _approached(
     failed = ~(left < np.inf)
     unknowns[:, failed] = start[:, failed]
     return unknowns, inverse, left, step
-
-
-def _updated(inverse: Array, move: Array, change: Array) -> Array:
-    """Inverse Jacobians (k, e, e) after moves (e, k) that changed the mismatch by (e, k)."""
-    image = moves(inverse, change)
-    denominator = np.einsum("ek,ek->k", move, image)
-    rows = (
-        np.einsum("ek,kef->kf", move, inverse) / np.where(denominator, denominator, np.inf)[:, None]
-    )
-    return np.asarray(inverse + (move - image).T[:, :, None] * rows[:, None, :])
 
 
 def _located(

@@ -93,7 +93,7 @@ def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
     by_node = np.zeros((len(own), n + 1))
     by_node[:, 1:] += gradient / width
     by_node[:, :-1] -= gradient / width
-    far = by_node[:, -1] + impedance.imag / (np.pi * density) * factors.m_plus(0.0)
+    far = by_node[:, -1] + impedance.imag / (np.pi * density) * factors.m_plus_at_zero["II"]
 
     # Test with hats: int hat tau dxi = tau(c_l) int hat - int (dtau/dxi) (int_0^xi hat) dxi.
     local = (point - xi[:-1, None]) / width[:, None]

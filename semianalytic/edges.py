@@ -55,33 +55,24 @@ class Edges:
         width[bounded], bend[bounded] = np.diff(fronts)[1 + segments[bounded]], 1.0
         return fronts[1 + segments] - fronts[:, None], width, bend
 
-    def points(self, unknowns: Array) -> list[CutPoints]:
-        """Edges in slowness; the unknown is a logit in a bounded segment, a logarithm beyond c.
+    def parts(self, unknowns: Array) -> Array:
+        """Slowness of the edges and their distances from a, b and c, as in `CutPoints`.
 
-        `unknowns` (e,) give points of shape (1,), (e, k) give (k, 1).
+        The unknown is a logit in a bounded segment, a logarithm beyond c.  (4, e) or (4, e, k) for
+        `unknowns` (e,) or (e, k).
         """
-        shift, width, bend = (part[(...,) + (None,) * unknowns.ndim] for part in self._segments)
-        size = np.exp(unknowns)[..., None]
-        parts = shift + width * size / (1 + bend * size)
+        axes = (...,) + (None,) * (unknowns.ndim - 1)
+        shift, width, bend = (part[axes] for part in self._segments)
+        size = np.exp(unknowns)
+        parts = np.asarray(shift + width * size / (1 + bend * size))
         for edge in self._bounded:
             parts[2 + self.segments[edge], edge] = -width[edge] / (1 + size[edge])
+        return parts
+
+    def points(self, unknowns: Array) -> list[CutPoints]:
+        """Edges in slowness; `unknowns` (e,) give points of shape (1,), (e, k) give (k, 1)."""
+        parts = self.parts(unknowns)[..., None]
         return [CutPoints(parts[:, edge]) for edge in range(len(self.segments))]
-
-    def slowness(self, unknowns: Array) -> Array:
-        """Slowness v of the edges, (e,) or (e, k) as `unknowns`."""
-        start, width, bend = (
-            part.reshape(-1, *[1] * (unknowns.ndim - 1))
-            for part in (self._segments[0][0], *self._segments[1:])
-        )
-        size = np.exp(unknowns)
-        return np.asarray(start + width * size / (1 + bend * size))
-
-    def log_from_c(self, unknowns: Array) -> Array:
-        """Logarithm of the distance from c, but for a constant, of edges slower than c_t; 0 of
-        others; (e,) or (e, k)."""
-        segments = np.array(self.segments).reshape(-1, *[1] * (unknowns.ndim - 1))
-        below_c = -np.maximum(unknowns, 0.0) - np.log1p(np.exp(-np.abs(unknowns)))
-        return np.where(segments == 2, unknowns, np.where(segments == 1, below_c, 0.0))
 
     def zones(self, unknowns: Array) -> tuple[Zone, ...]:
         """The zones of given unknowns."""
@@ -180,19 +171,29 @@ def moves(inverse: Array, values: Array) -> Array:
     return (inverse @ values.T[..., None])[..., 0].T
 
 
+def broyden(inverse: Array, move: Array, change: Array) -> Array:
+    """Inverse Jacobians (e, e) or (k, e, e) after moves (e,) or (e, k) that changed the mismatch by
+    as much as `change`."""
+    image = moves(inverse, change)
+    denominator = (move * image).sum(axis=0)
+    rows = moves(np.swapaxes(inverse, -1, -2), move) / np.where(denominator, denominator, np.inf)
+    return np.asarray(inverse + (move - image).T[..., :, None] * rows.T[..., None, :])
+
+
 def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     """Largest shift of edges over the lesser of themselves and c_t, () or (k,).
 
-    At least a tenth of what the logarithms of their distances from c change: the slip rate beside a
-    narrow stick gap follows that of its width.
+    Of those slower than c_t at least a tenth of what the logarithms of their distances from c
+    change: the slip rate beside a narrow stick gap follows that of its width.
 
     Parameters
     ----------
     unknowns, moved : (e,) or (e, k) arrays
     """
-    before, after = edges.slowness(unknowns), edges.slowness(moved)
-    shifts = np.abs(before / after - 1) * np.maximum(1.0, 1 / before)
-    scales = np.abs(edges.log_from_c(moved) - edges.log_from_c(unknowns))
+    before, after = edges.parts(unknowns), edges.parts(moved)
+    shifts = np.abs(before[0] / after[0] - 1) * np.maximum(1.0, 1 / before[0])
+    scales = np.abs(np.log(after[3] / before[3]))
+    scales[np.flatnonzero(np.array(edges.segments) == 0)] = 0.0
     return np.asarray(np.maximum(shifts, 0.1 * scales).max(axis=0, initial=0.0))
 
 

@@ -331,5 +331,5 @@ def self_similar_transform(
     u = 1 / np.asarray(velocity, dtype=float)
     density = factors.m_plus(u, mode) * np.asarray(rise, dtype=float)
     cauchy = (density / (u + k[..., None])).sum(axis=-1)
-    at_rest = factors.m_plus(0.0, mode)
+    at_rest = factors.m_plus_at_zero[mode]
     return factors.kappa * factors.m_plus(k, mode) * (k * cauchy - at_rest * far)

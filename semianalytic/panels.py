@@ -34,6 +34,7 @@ class Panels:
     layout : Layout
     left, right : tuple of CutPoints (right None on an unbounded last panel)
     ends : CutPoints of (m, ..., 1), all their ends
+    widths : (m - 1, ..., 1) array, distances between consecutive ends
     from_left, from_right, jacobian : (p, ..., n) arrays, v - left, right - v and dv/dy
     at : CutPoints of (p, ..., n)
     skew : (p, ..., 1) array, rho of the maps
@@ -44,6 +45,7 @@ class Panels:
     left: tuple[CutPoints, ...]
     right: tuple[CutPoints | None, ...]
     ends: CutPoints
+    widths: Array
     from_left: Array
     from_right: Array
     jacobian: Array
@@ -55,11 +57,6 @@ class Panels:
     def sense(self) -> tuple[int, ...]:
         """Per panel, 0 where the interface sticks."""
         return self.layout.sense
-
-    @cached_property
-    def widths(self) -> Array:
-        """(m - 1, ..., 1) distances between consecutive ends."""
-        return _steps(self.ends.parts, self._nearest)
 
     @cached_property
     def _nearest(self) -> np.ndarray:
@@ -252,6 +249,7 @@ def lay_panels(
         tuple(points[: shape[0]]),
         (*points[1:], *[None] * (shape[0] - bounded)),
         CutPoints(ends),
+        width,
         from_left,
         from_right,
         jacobian,

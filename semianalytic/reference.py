@@ -42,7 +42,7 @@ def slip_rate_under_shear_step(
         return float(2 * density / (1 - s) ** 2)
 
     unit = 2 * step_shear / material.shear_impedance
-    scale = unit * np.sqrt(start) / (np.pi * factors.kappa * float(factors.m_plus(0.0)))
+    scale = unit * np.sqrt(start) / (np.pi * factors.kappa * factors.m_plus_at_zero["II"])
     xi = np.asarray(velocity, dtype=float) / material.shear_speed
     result = np.zeros(xi.shape)
     for index in np.ndindex(xi.shape):

@@ -16,7 +16,7 @@ from semianalytic.coulomb import (
     violations,
     without_vanished,
 )
-from semianalytic.edges import Edges, edge_shift, edges_on_grid, locate_edges, moves
+from semianalytic.edges import Edges, broyden, edge_shift, edges_on_grid, locate_edges, moves
 from semianalytic.errors import SceneError, TensionError
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array, RayleighFactors, rayleigh_factors
@@ -103,7 +103,7 @@ class _Search:
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
 def _settled(edges: Edges, unknowns: Array, load: Load, search: _Search) -> _Found:
-    """Zones corrected from a start until Coulomb's law holds at all nodes."""
+    """Zones corrected from a start until Coulomb's law holds."""
     steps, inverse = 0, np.zeros((0, 0))
     for sets in range(1, _MOST_ZONE_SETS + 1):
         if len(unknowns):
@@ -159,21 +159,14 @@ def _find_zones(factors: RayleighFactors, load: Load, rtol: float) -> tuple[_Fou
     return replace(found, steps=steps, sets=sets), pivots
 
 
-@dataclass(frozen=True)
-class _Refined:
-    """Profile on the finest rule used, its error estimate, steps taken."""
-
-    unknowns: Array
-    profile: Profile
-    estimate: float
-    steps: int
-
-
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
-def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
-    """Polish the edges on finer and finer rules until a coarser companion agrees to rtol."""
+def _refined(found: _Found, load: Load, rtol: float) -> tuple[_Found, float]:
+    """Polish the edges on finer and finer rules until a coarser companion agrees to rtol.
+
+    With the steps this took, and the error estimate.
+    """
     if not found.sound:
-        return _Refined(found.unknowns, found.profile, np.inf, 0)
+        return replace(found, steps=0), np.inf
     wanted, steps = rtol / 10, 0
     for _ in range(_MOST_REFINEMENTS):
         found, left = _polished(found, load, rule_for(wanted), max(_LEFT * rtol, 1e-13))
@@ -192,7 +185,7 @@ def _refined(found: _Found, load: Load, rtol: float) -> _Refined:
         if estimate <= rtol:
             break
         wanted *= max(0.1 * rtol / estimate, 1e-3)
-    return _Refined(found.unknowns, found.profile, estimate, steps)
+    return replace(found, steps=steps), estimate
 
 
 def missed_slip(profile: Profile) -> Array:
@@ -218,10 +211,8 @@ def _polished(found: _Found, load: Load, rule: Rule, target: float) -> tuple[_Fo
         steps, unknowns, before = steps + 1, unknowns + move, value
         profile = _profile(edges, unknowns, load, rule)
         value = profile.fields.mismatch()
-        image = inverse @ (value - before)
-        denominator = move @ image
-        if denominator and not (other_rule and steps == 1):  # the first value is of that rule
-            inverse = inverse + np.outer(move - image, move @ inverse) / denominator
+        if steps > 1 or not other_rule:  # else the value before is of that rule
+            inverse = broyden(inverse, move, value - before)
         move = -inverse @ value
         shift = float(edge_shift(edges, unknowns, unknowns + move))
     return replace(found, unknowns=unknowns, profile=profile, inverse=inverse, steps=steps), shift
@@ -233,7 +224,8 @@ def difference(
     """Error estimate from the difference of two rules, () or (k,).
 
     Of edges over the lesser of themselves and c_t, and of slip rates over the largest, which move
-    with them: compared in the middle and at the end of every panel, and by their residues.
+    with them: compared in the middle and at the end of every panel, by their residues, and by the
+    widths of zones.
 
     Parameters
     ----------
@@ -252,8 +244,9 @@ def difference(
         compared.append(np.concatenate([rate.totals, halves, rate.residues]))
     scale = np.where(scale > 0, scale, 1.0)
     rates = np.abs(compared[0] - compared[1]).max(axis=0) / scale
-    least = (_BESIDE_POLE if fine.layout.pole >= 0 else _BETWEEN) * fine.rule.tolerance
-    least = least if fine.zones else 0.0
+    least = 0.0
+    if fine.zones:
+        least = (_BESIDE_POLE if fine.layout.pole >= 0 else _BETWEEN) * fine.rule.tolerance
     if len(unknowns):
         by_width = _share_of_width(edges, unknowns, moved, fine, peaks) / scale
         rates = np.maximum(np.maximum(rates, by_width), edge_shift(edges, unknowns, moved))
@@ -267,8 +260,8 @@ def _share_of_width(
 
     `peaks` (p, ...) are the largest slip rates in panels.
     """
-    v = edges.slowness(unknowns)
-    change, slipping = np.abs(edges.slowness(moved) - v), fields.layout.slipping
+    v = edges.parts(unknowns)[0]
+    change, slipping = np.abs(edges.parts(moved)[0] - v), fields.layout.slipping
     worst, edge = np.zeros(unknowns.shape[1:]), 0
     for index, zone in enumerate(fields.zones):
         ends = (zone.left is not None) + (zone.right is not None)
@@ -294,7 +287,7 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     -------
     Solution
         Its `status` is "converged" if the error estimate is below rtol and Coulomb's law holds
-        at every node.
+        to rtol at the nodes and between them.
 
     Raises
     ------
@@ -319,7 +312,7 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     else:
         found, pivots = _find_zones(factors, load, rtol)
     clock.append(perf_counter())
-    refined = _refined(found, load, rtol)
+    refined, estimate = _refined(found, load, rtol)
     clock.append(perf_counter())
     checked = frictionless(scene) or refined.profile.fields.rule is found.profile.fields.rule
     strictness = min(max(float(refined.profile.largest_rate), 1 / _STRICTNESS), 1.0)
@@ -332,12 +325,12 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
         search = _Search(rule, max(_SHIFT * rtol, _LEAST_SHIFT), rule)
         again = _settled(*start, load, search)
         found = replace(again, steps=found.steps + again.steps, sets=found.sets + again.sets)
-        refined = _refined(found, load, rtol)
+        refined, estimate = _refined(found, load, rtol)
     status = "converged"
     if not found.sound:
         status = "no set of slip zones was found that fulfils Coulomb's law everywhere"
-    elif refined.estimate > rtol:
-        status = f"the error estimate {refined.estimate:.1e} exceeds rtol {rtol:.1e}"
+    elif estimate > rtol:
+        status = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
     clock.append(perf_counter())
     stages = dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True))
     statistics = Statistics(
@@ -348,9 +341,8 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
         nodes=int(refined.profile.panels.jacobian.size),
         seconds=stages,
     )
-    profile, estimate = refined.profile, refined.estimate
-    zones = slip_zones(scene, profile)
-    return Solution(scene, zones, status, estimate, statistics, profile, stress)
+    zones = slip_zones(scene, refined.profile)
+    return Solution(scene, zones, status, estimate, statistics, refined.profile, stress)
 
 
 def loose_tolerance(rtol: float) -> float:

@@ -57,7 +57,7 @@ class StuckTraction:
     @cached_property
     def _scale(self) -> float:
         """1 / (pi kappa M_+(0)), the constant of (3.11), (3.15)."""
-        return float(1 / (np.pi * self.factors.kappa * self.factors.m_plus(0.0, self.mode)))
+        return float(1 / (np.pi * self.factors.kappa * self.factors.m_plus_at_zero[self.mode]))
 
     def derivative(self, u: ArrayLike) -> Array:
         """d/du of the traction: Im M(-u + i0) / (pi kappa M_+(0) u M_+(u)); 0 for u < a."""

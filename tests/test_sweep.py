@@ -49,6 +49,14 @@ def test_sweep_agrees_with_single_solutions_across_thresholds(start, low, high):
     check_against_single(swept, 1e-7)
 
 
+def start_of(nu, remote, low):
+    """A shear step or a remote load, and where a sweep over friction may start: under the second
+    above 1, its base being at friction there."""
+    load = (1.0, 1.0) if remote else (0.0, 1.0)
+    start = scene(nu, friction=2.0, base=(1.0, load[0] * load[1]), step=load)
+    return start, 1.001 + low / 4 if remote else low
+
+
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     nu=st.floats(-0.8, 0.48).map(lambda value: round(value, 3)),
@@ -57,9 +65,7 @@ def test_sweep_agrees_with_single_solutions_across_thresholds(start, low, high):
     width=st.floats(0.05, 1.5),
 )
 def test_sweeps_of_any_material(nu, remote, low, width):
-    load = (1.0, 1.0) if remote else (0.0, 1.0)
-    start = scene(nu, friction=2.0, base=(1.0, load[0] * load[1]), step=load)
-    low = 1.001 + low / 4 if remote else low
+    start, low = start_of(nu, remote, low)
     swept = sweep(start, low + width * np.linspace(0, 1, 12), 1e-6)
     for one in swept.solutions:
         other = solve(one.scene, rtol=1e-6)
@@ -128,9 +134,7 @@ def test_interpolated_frictions_are_as_good_as_their_estimates_say():
     rtol=st.sampled_from([1e-3, 1e-5, 1e-8]),
 )
 def test_interpolated_frictions_agree_with_single_solutions(nu, remote, low, width, rtol):
-    load = (1.0, 1.0) if remote else (0.0, 1.0)
-    start = scene(nu, friction=2.0, base=(1.0, load[0] * load[1]), step=load)
-    low = 1.001 + low / 4 if remote else low
+    start, low = start_of(nu, remote, low)
     swept = sweep(start, low + width * np.linspace(0, 1, 120), rtol)
     assert set(swept.origin) <= {FROM_SCRATCH, COMPUTED, INTERPOLATED}
     between = [i for i, origin in enumerate(swept.origin) if origin == INTERPOLATED]
