@@ -177,7 +177,7 @@ def smooth_slip() -> SlipHistory:
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SlotCheck:
     """Tractions under a prescribed pulse of slip, by finite elements and by both kernels.
 

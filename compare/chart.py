@@ -26,10 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.chart_methods import METHODS, PLACES, scaled_zones
-from compare.files import write_rows
+from compare.files import are_sound, checksum_heading, write_rows
 from compare.measures import relative_error
 from compare.scenes import NAMED_SCENES
-from compare.workers import ONE_THREAD, Progress
+from compare.workers import LIFELINE, ONE_THREAD, Progress, lifeline
 from semianalytic import Scene, SlipZone, solve
 from semianalytic.errors import ComputationError, DataFileError, SceneError
 from semianalytic.reference import (
@@ -115,7 +115,7 @@ class Point:
         return f"{METHODS[self.method].parameter} {self.setting:g}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reference:
     """What the methods are measured against.
 
@@ -175,12 +175,14 @@ def run_task(task: Task, runs: int) -> dict[str, Any]:
         If the process does not end well, as when memory runs out.
     """
     command = [sys.executable, "-m", "compare.chart_methods", task.scene, task.method]
-    process = subprocess.run(
-        [*command, repr(task.setting), str(runs)],
-        env={**os.environ, **ONE_THREAD},
-        capture_output=True,
-        text=True,
-    )
+    with lifeline() as stdin:
+        process = subprocess.run(
+            [*command, repr(task.setting), str(runs), LIFELINE],
+            env={**os.environ, **ONE_THREAD},
+            stdin=stdin,
+            capture_output=True,
+            text=True,
+        )
     if process.returncode:
         last = (process.stderr.strip().splitlines() or ["no message"])[-1]
         raise ComputationError(
@@ -340,13 +342,16 @@ def read_points(path: Path) -> list[Point]:
     try:
         with path.open(newline="", encoding="utf-8") as stream:
             header, *rows = csv.reader(stream, strict=True)
-        if header != [field.name for field in fields(Point)]:
-            raise ValueError("unknown columns")
+        if header != [*(field.name for field in fields(Point)), checksum_heading(len(rows))]:
+            raise ValueError("unknown columns or lost rows")
+        damaged = [number for number, row in enumerate(rows, start=2) if not are_sound(row)]
+        if damaged:
+            raise ValueError(f"row {damaged[0]} does not fit its checksum")
         points = [
             Point(
                 *(
                     kinds[str(field.type)](cell)
-                    for field, cell in zip(fields(Point), row, strict=True)
+                    for field, cell in zip(fields(Point), row[:-1], strict=True)
                 )
             )
             for row in rows
@@ -447,7 +452,7 @@ def measure_all(
     points = [point for point in points if same_machine(point)]
     for done, point in enumerate(_measured(todo, quick), start=len(wanted) - len(todo) + 1):
         points = _ordered([*points, point])
-        write_rows(path, points)
+        write_rows(path, points, checked=True)
         if progress is not None:
             progress(done, len(wanted))
     return points

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Mapping, Sequence
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +13,8 @@ import typer
 from rich.console import Console
 
 from compare import studies, terminal
+from compare.interruption import INTERRUPTED, INTERRUPTION
+from compare.leftovers import forget_figures, forget_other_runs
 from compare.options import (
     CHECKPOINT_OPTIONS,
     MARCH_OPTIONS,
@@ -18,6 +22,7 @@ from compare.options import (
     SCENE_OPTIONS,
     with_options,
 )
+from compare.places import check_file, save_somewhere, working_folder
 from compare.predictions import check_predictable, predict
 from compare.report import (
     Report,
@@ -27,19 +32,27 @@ from compare.report import (
     solution_document,
     write_report,
 )
-from compare.scenes import DEFAULT_SCENE, find_scene, override_scene, scene_label
+from compare.scenes import (
+    DEFAULT_SCENE,
+    find_scene,
+    override_scene,
+    scene_folder,
+    scene_label,
+)
 from compare.snapshots import last_snapshot
-from semianalytic import Marched, Scene, march, march_on, solve
-from semianalytic.errors import DataFileError, SceneError, SlipfrontError
+from semianalytic import Marched, Scene, Solution, march, march_on, solve
+from semianalytic.errors import ComputationError, DataFileError, SceneError, SlipfrontError
+from semianalytic.memory import GIGABYTE
 from semianalytic.predict import chosen_method
 from semianalytic.scene import scene_document
 
 if TYPE_CHECKING:
     from fem import Simulation
 
-INTERRUPTED = 130
 SNAPSHOTS = "snapshots"
 CHECKPOINT = "checkpoint.h5"
+WORTH_SAYING = 60.0
+"""Predicted time of a simulation from which on it is said before it starts [s]."""
 
 app = typer.Typer(
     help="Where, when, how fast and which way a frictional interface slips after a sudden load.",
@@ -55,7 +68,10 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results only, n
 NoSnapshots = Annotated[bool, typer.Option("--no-snapshots", help="Write no field snapshots.")]
 Output = Annotated[
     Path | None,
-    typer.Option(metavar="DIR", help="Folder to write to, results/SCENE unless given."),
+    typer.Option(
+        metavar="DIR",
+        help="Folder to write to; results/SCENE unless given, as in results/SCENE-friction-0.2.",
+    ),
 ]
 Method = Annotated[
     str, typer.Option(help="self-similar, space-time, or auto: the one the scene calls for.")
@@ -87,37 +103,37 @@ def compare(
 ) -> None:
     """Solve and simulate a scene; write figures and a report on how well the two agree.
 
-    The exit code is 0 if every quantity is within its tolerance, 1 if one is not.
+    The exit code is 0 if every quantity is within its tolerance, 1 if one is not, and 4 if the
+    prediction has not converged.
     """
-    console = Console()
     if from_ is None:
         source = scene or DEFAULT_SCENE
         label = scene_label(source)
-        directory = output or Path("results", label)
+        directory = output or scene_folder(source, overrides)
         wanted = override_scene(find_scene(source), **overrides)
         check_predictable(wanted, method)
-        simulation = _simulate(
-            wanted,
-            label,
-            directory,
-            settings,
-            no_snapshots=no_snapshots,
-            quiet=quiet,
-        )
     else:
         simulation = _earlier_simulation(from_, scene, overrides, settings)
         directory = output or from_
         label = scene_label(scene) if scene else from_.resolve().name
-    snapshots = (from_ or directory) / SNAPSHOTS
-    written = snapshots.is_dir() and not no_snapshots
-    snapshot = last_snapshot(snapshots) if written else None
-    with terminal.progress_bar(Console(stderr=True), quiet, "marching") as progress:
-        prediction = predict(simulation, method, progress)
-    report = build_report(label, prediction, simulation, snapshot)
-    _write_comparison(report, directory)
+    with working_folder(directory):
+        if from_ is None:
+            simulation = _simulate(
+                wanted, label, directory, settings, no_snapshots=no_snapshots, quiet=quiet
+            )
+        snapshots = (from_ or directory) / SNAPSHOTS
+        written = snapshots.is_dir() and not no_snapshots
+        snapshot = last_snapshot(snapshots, simulation.run) if written else None
+        with terminal.progress_bar(Console(stderr=True), quiet, "marching") as progress:
+            prediction = predict(simulation, method, progress)
+        report = build_report(label, prediction, simulation, snapshot)
+        _write_comparison(report, directory)
+    console = Console()
     console.print(terminal.report_table(report))
     console.print("Tolerances:\n" + terminal.reasons_text(report), highlight=False)
     console.print(f"Written to {directory}/", highlight=False)
+    if prediction.solution is not None:
+        _check_converged(prediction.solution, label)
     raise typer.Exit(0 if report.passed else 1)
 
 
@@ -136,9 +152,15 @@ def solve_command(
 ) -> None:
     """Solve a scene: zones and edge velocities, or what happens until an end time.
 
-    Step loads are self-similar and solved exactly; other load histories are marched in time.
+    Step loads are self-similar and solved exactly; other load histories are marched in time.  The
+    exit code is 4 if the solution has not converged; the best answer is printed all the same.
     """
     wanted = override_scene(find_scene(scene), **overrides)
+    if plot is not None:
+        from compare.figures import figure_format
+
+        figure_format(plot)
+        check_file(plot)
     if chosen_method(wanted, method) == "space-time":
         _march(wanted, scene_label(scene), march, as_json=as_json, plot=plot, quiet=quiet)
         return
@@ -153,12 +175,13 @@ def solve_command(
         save_figure(prediction_figure(solution), plot)
     if as_json:
         sys.stdout.write(json_text(solution_document(solution)))
-        return
-    console = Console()
-    console.print(terminal.zones_table(solution, title=scene_label(scene)))
-    console.print(terminal.facts_table(solution))
-    if plot is not None:
-        console.print(f"Drawn in {plot}", highlight=False)
+    else:
+        console = Console()
+        console.print(terminal.zones_table(solution, title=scene_label(scene)))
+        console.print(terminal.facts_table(solution))
+        if plot is not None:
+            console.print(f"Drawn in {plot}", highlight=False)
+    _check_converged(solution, scene_label(scene))
 
 
 @app.command()
@@ -179,16 +202,18 @@ def simulate(
     run removes its checkpoint.
     """
     label = scene_label(scene)
-    directory = output or Path("results", label)
-    _simulate(
-        override_scene(find_scene(scene), **overrides),
-        label,
-        directory,
-        settings,
-        no_snapshots=no_snapshots,
-        quiet=quiet,
-        **checkpoints,
-    )
+    directory = output or scene_folder(scene, overrides)
+    wanted = override_scene(find_scene(scene), **overrides)
+    with working_folder(directory):
+        _simulate(
+            wanted,
+            label,
+            directory,
+            settings,
+            no_snapshots=no_snapshots,
+            quiet=quiet,
+            **checkpoints,
+        )
     Console().print(f"Written to {directory}/", highlight=False)
 
 
@@ -222,21 +247,45 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         0 if all went well, 1 if a comparison is outside its tolerance, 2 for a usage or scene
         error, 3 for a damaged file, 4 for a failed computation, 5 for a missing library, 130
-        when interrupted.
+        when interrupted (the program itself returns 143 if that was by SIGTERM).
     """
+    _make_streams_lenient()
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files; no other backend need exist
     try:
         app(args=arguments, prog_name="slipfront")
     except SlipfrontError as error:
-        print(error, file=sys.stderr)
+        print(_printed(error), file=sys.stderr)
         return error.exit_code
     except OSError as error:
-        print(f"Cannot use {error.filename or 'a file'}: {error.strerror}.", file=sys.stderr)
+        reason = f"Cannot use {error.filename or 'a file'}: {error.strerror or error}."
+        print(_printed(reason), file=sys.stderr)
         return DataFileError.exit_code
     except SystemExit as end:
         if end.code == INTERRUPTED:
-            print("Interrupted; files not yet complete were not written.", file=sys.stderr)
+            print(INTERRUPTION, file=sys.stderr)
         return int(end.code or 0)
     return 0
+
+
+def _check_converged(solution: Solution, label: str) -> None:
+    """Raise ComputationError, when all is shown, unless a solution has converged."""
+    if solution.status != "converged":
+        raise ComputationError(
+            f"{label} has not converged: {solution.status}; do not rely on this answer, "
+            "change friction a little or simulate the scene."
+        )
+
+
+def _printed(message: object) -> str:
+    """A message on one line that a terminal shows as it is, whatever names it quotes."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(message))
+
+
+def _make_streams_lenient() -> None:
+    """Characters that a terminal cannot show are replaced instead of refused."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="replace")
 
 
 def _first_of(options: Mapping[str, Any]) -> str:
@@ -257,8 +306,22 @@ def _simulate(
     resume: bool = False,
 ) -> Simulation:
     """Run the finite-element model and keep its history, and snapshots if wanted, on disk."""
+    from fem import cost
     from fem import simulate as run_simulation
+    from fem.checkpoint import forget_checkpoint
+    from fem.room import check_room
 
+    settings = dict(settings)
+    memory = settings.pop("memory", None)
+    limit = None if memory is None else memory * GIGABYTE
+    predicted = cost(
+        scene,
+        **settings,
+        snapshots=not no_snapshots,
+        checkpoint=bool(checkpoint_every or checkpoint_seconds is not None or resume),
+        memory=limit,
+    )
+    check_room(directory / "simulation.h5", predicted.history, "simulate: the histories")
     path = directory / CHECKPOINT
     if checkpoint_every or checkpoint_seconds is not None or resume:
         settings = {
@@ -270,18 +333,24 @@ def _simulate(
         }
 
     console = Console(stderr=True)
+    if not quiet and predicted.seconds > WORTH_SAYING:
+        console.print(f"{label}: {predicted}.", highlight=False, soft_wrap=True)
     with terminal.progress_bar(console, quiet) as progress:
         simulation = run_simulation(
             scene,
             **settings,
             snapshots=None if no_snapshots else directory / SNAPSHOTS,
             progress=progress,
+            memory=limit,
+            tell=lambda sentence: console.print(sentence, highlight=False, soft_wrap=True),
         )
-    directory.mkdir(parents=True, exist_ok=True)
-    simulation.save(directory)
-    path.unlink(missing_ok=True)
+    save_somewhere(simulation.save, directory)
+    forget_other_runs(directory, simulation.run)
+    forget_checkpoint(path, simulation.run)
     if not quiet:
         console.print(f"{label}: {terminal.simulation_line(simulation)}", highlight=False)
+    if simulation.unwritten:
+        raise DataFileError(f"{simulation.unwritten} The histories are in {directory}.")
     return simulation
 
 
@@ -299,6 +368,10 @@ def _march(
 
     options = dict(options)
     save, earlier = options.pop("save", None), options.pop("go_on", None)
+    if save is not None:
+        check_file(save)
+    memory = options.pop("memory", None)
+    memory = None if memory is None else memory * GIGABYTE
     console = Console(stderr=True)
     bar = terminal.progress_bar(console, quiet or as_json, "marching")
     with bar as show, deferred_interrupt() as interruption:
@@ -308,7 +381,7 @@ def _march(
             return interruption.pressed
 
         if earlier is None:
-            marched = march(scene, **options, progress=progress)
+            marched = march(scene, **options, memory=memory, progress=progress)
         else:
             saved = Marched.load(earlier)
             if saved.scene != scene:
@@ -318,15 +391,21 @@ def _march(
                 raise SceneError(
                     f"{_first_of(options)} has no effect with --go-on; leave one of the two out."
                 )
-            marched = march_on(saved, end_time, progress)
+            marched = march_on(saved, end_time, progress, memory=memory)
     if save is not None:
-        marched.save(save)
+        save_somewhere(marched.save, save, save.name)
     if interruption.pressed:
         if save is not None:
             console.print(
                 f"{save} holds the march until t = {marched.end_time:.6g}.", highlight=False
             )
         raise typer.Exit(INTERRUPTED)
+    wanted = options.get("every", 1) if earlier is None else saved.every
+    if marched.every > wanted and not quiet:
+        console.print(
+            f"Every {marched.every}th level is stored: more would not have fitted into the memory.",
+            highlight=False,
+        )
     if plot is not None:
         from compare.figures import save_figure
         from compare.history_figures import march_figure
@@ -369,6 +448,8 @@ def _write_comparison(report: Report, directory: Path) -> None:
     from compare.figures import save_figure
     from compare.history_figures import comparison_figures
 
-    for name, draw in comparison_figures(report).items():
+    drawn = comparison_figures(report)
+    for name, draw in drawn.items():
         save_figure(draw(report), directory / name)
+    forget_figures(directory, drawn)
     write_report(report, directory / "report.json")

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from compare.chart_methods import published_obstacle
 from compare.files import write_text
 from compare.measures import in_profile, relative_error
+from compare.places import check_file
 from compare.predictions import contact_nodes, predict
 from compare.report import Report, build_report
 from compare.rows import Row
@@ -389,8 +390,7 @@ def write_evidence(
     """
     from compare.evidence_page import page
 
-    if path.is_dir():
-        raise SceneError(f"{path} is a folder; give the name of a file that ends in .html.")
+    check_file(path)
     found = collect(sources, quick=quick, progress=progress)
     write_text(path, page(found))
     return found

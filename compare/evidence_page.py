@@ -211,7 +211,7 @@ def _earlier(study: Earlier) -> str:
         image(
             path.read_bytes(),
             f"{study.title}: {path.stem.replace('_', ' ')}",
-            f"{path.name}, a file of {datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}",
+            f"{path.name}, a file of {file_date(path)}",
             wide=True,
         )
         for path in found
@@ -221,6 +221,14 @@ def _earlier(study: Earlier) -> str:
         + code([study.command])
         + drawn
     )
+
+
+def file_date(path: Path) -> str:
+    """Day on which a file was written, as far as a clock may be believed."""
+    try:
+        return f"{datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
+    except (ValueError, OverflowError):  # thousands of years from now
+        return "unknown date"
 
 
 def _earlier_files(patterns: Iterable[str]) -> Iterator[Path]:

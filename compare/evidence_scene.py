@@ -21,10 +21,12 @@ from compare.evidence_figures import (
 )
 from compare.figures import fronts_figure
 from compare.history_figures import history_figure, sense_figure, wear_figure
+from compare.history_rows import slips
 from compare.html import Cell, code, drawn_figure, figures, number, paragraph, table, words
 from compare.measures import slip_zones
 from compare.predictions import FINER
 from compare.report import edge_state
+from compare.rows import shown_number
 from compare.scales import front_speeds, slip_rate_scale, speed_regime, stress_scale
 from semianalytic.scene import scene_document
 
@@ -199,21 +201,21 @@ def _energy(scene: SceneEvidence) -> str:
         )
     ]
     parts.append(("largest imbalance over the work", number(f"{energy.residual:.1e}")))
+    inside = scene.simulation.interface.x > 0
+    nodes, end = scene.simulation.interface.x[inside], scene.simulation.end_time
     work = []
     for report in scene.reports:
         prediction = report.prediction
-        x, taken = prediction.interface.x, prediction.friction_work
-        sampled = float(np.trapezoid(taken, x)) / unit
-        exact = DASH
-        if prediction.solution is not None:
-            end = scene.simulation.end_time
-            power = float(prediction.solution.frictional_power(end))
-            exact = "∞" if math.isinf(power) else f"{power * end / 2 / unit:.6f}"
-        work.append((prediction.method, number(f"{sampled:.6f}"), number(exact)))
-    inside = scene.simulation.interface.x > 0
-    nodes = scene.simulation.interface.x[inside]
-    seen = float(np.trapezoid(scene.simulation.friction_work[inside], nodes)) / unit
-    work.append((FEM, number(f"{seen:.6f}"), parts[3][1]))
+        if prediction.solution is None:
+            x, taken = prediction.interface.x, prediction.friction_work
+            part, whole = float(np.trapezoid(taken, x)), math.nan
+        else:
+            heat = prediction.solution.heat
+            part, whole = float(heat(end, nodes[0], nodes[-1])), float(heat(end))
+        shown = number(_work(part / unit)), number(_work(whole / unit))
+        work.append((prediction.method, *shown))
+    seen = float(np.trapezoid(scene.simulation.friction_work[inside], nodes))
+    work.append((FEM, number(_work(seen / unit)), parts[3][1]))
     return table(
         ("finite elements at T", "over τ₀ V₀ c_t T²"),
         parts,
@@ -225,6 +227,13 @@ def _energy(scene: SceneEvidence) -> str:
     )
 
 
+def _work(value: float) -> str:
+    """Frictional work to six places; infinite where it slips ahead of all waves, NaN if unknown."""
+    if math.isnan(value):
+        return DASH
+    return "∞" if math.isinf(value) else f"{value:.6f}"
+
+
 def _rows(scene: SceneEvidence, method: str) -> str:
     rows = [row for name, row in scene.rows if name == method]
     passed = sum(row.passed for row in rows)
@@ -232,7 +241,7 @@ def _rows(scene: SceneEvidence, method: str) -> str:
         (
             words(row.quantity),
             *(
-                number(DASH if value is None else f"{value:.4f}")
+                number(DASH if value is None else shown_number(value))
                 for value in (row.prediction, row.simulation, row.difference, row.tolerance)
             ),
             verdict(row.passed),
@@ -275,7 +284,7 @@ def _figures(scene: SceneEvidence, quick: bool) -> str:
             ),
         ]
     for report in scene.reports:
-        if not report.prediction.interface.slip_rate.any():
+        if not slips(report.prediction, report.simulation):
             continue
         method = report.prediction.method
         drawn.append(

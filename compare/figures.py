@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.colors import Normalize, PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -20,10 +21,10 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 from PIL import Image
 
-from compare.files import write_whole
 from compare.scales import front_speeds, slip_rate_scale, stress_scale
 from semianalytic import Scene, SlipZone, Solution
 from semianalytic.errors import SceneError
+from semianalytic.files import write_bytes
 from semianalytic.history import InterfaceHistory
 
 Array = NDArray[np.float64]
@@ -217,6 +218,23 @@ def prediction_figure(solution: Solution, *, axes: tuple[Axes, Axes] | None = No
     return _figure(upper)
 
 
+def figure_format(path: str | Path) -> str:
+    """The format that the name of a figure asks for.
+
+    Raises
+    ------
+    SceneError
+        If matplotlib knows no such format.
+    """
+    path = Path(path)
+    form = path.suffix.removeprefix(".").lower()
+    if form not in FigureCanvasBase.get_supported_filetypes():
+        raise SceneError(
+            f"Figures cannot be written as {path.name!r}; end the name in .png, .pdf or .svg."
+        )
+    return form
+
+
 def save_figure(figure: Figure, path: str | Path) -> None:
     """Write a figure in the format its name asks for, whole or not at all.
 
@@ -227,14 +245,9 @@ def save_figure(figure: Figure, path: str | Path) -> None:
     DataFileError
         If the file cannot be written.
     """
-    path = Path(path)
-    form = path.suffix.removeprefix(".").lower()
-    known = figure.canvas.get_supported_filetypes()
-    if form not in known:
-        raise SceneError(
-            f"Figures cannot be written as {path.name!r}; end the name in .png, .pdf or .svg."
-        )
-    write_whole(path, lambda part: figure.savefig(part, format=form, dpi=200))
+    drawn = BytesIO()
+    figure.savefig(drawn, format=figure_format(path), dpi=200)
+    write_bytes(path, drawn.getbuffer())
 
 
 def figure_png(figure: Figure, dpi: int = 110, colours: int = 256) -> bytes:

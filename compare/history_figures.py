@@ -19,7 +19,7 @@ from compare.figures import (
     slip_rate_figure,
     tractions_figure,
 )
-from compare.history_rows import sense_maps
+from compare.history_rows import sense_maps, slips
 from compare.predictions import contact_nodes
 from compare.report import Report
 from compare.scales import front_speeds, slip_rate_scale, stress_scale
@@ -41,7 +41,7 @@ def comparison_figures(report: Report) -> dict[str, Callable[[Report], Figure]]:
             "tractions.png": lambda r: tractions_figure(solution, r.simulation.interface),
             "fronts.png": lambda r: fronts_figure(solution, r.simulation.interface),
         }
-    if report.prediction.interface.slip_rate.any():
+    if slips(report.prediction, report.simulation):
         figures |= {"sense.png": sense_figure, "history.png": history_figure}
         figures |= {"wear.png": wear_figure}
     return figures

@@ -12,6 +12,8 @@ from semianalytic import SlipZone
 Array = NDArray[np.float64]
 
 EDGE_NODES = 2
+NOTHING = 1e-6
+"""What is less than that of its unit counts as nothing."""
 
 
 def in_profile(velocity: Array) -> NDArray[np.bool_]:
@@ -44,6 +46,14 @@ def relative_error(values: Array, prediction: Array, position: Array, order: int
     """
     size = norm(prediction, position, order)
     return norm(values - prediction, position, order) / size if size > 0 else math.inf
+
+
+def is_nothing(values: Array, unit: float) -> bool:
+    """Whether all of a field is below 1e-6 of its unit, so that errors relative to it say nothing.
+
+    Also of no values at all.
+    """
+    return bool(np.abs(values).max(initial=0.0) <= NOTHING * unit)
 
 
 def slip_zones(velocity: Array, slip_rate: Array, threshold: float) -> tuple[SlipZone, ...]:

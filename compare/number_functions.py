@@ -33,7 +33,7 @@ from compare.regime_boundaries import Loading, scene_of
 from compare.report import default_report
 from compare.scenes import NAMED_SCENES, override_scene
 from compare.solver_stability import ESTIMATE_SCENES
-from semianalytic import Material, Solution, march, solve
+from semianalytic import Harmonic, Material, Scene, Solution, march, solve
 from semianalytic.edge_factors import edge_offset_and_factors
 from semianalytic.published import (
     DEFAULT_READING,
@@ -48,6 +48,7 @@ from semianalytic.reference import (
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,
 )
+from semianalytic.resolution import zone_at_edge
 from semianalytic.stuck import stuck_traction
 
 Array = NDArray[np.float64]
@@ -352,6 +353,29 @@ def march_error(nodes: int, scene: str) -> float:
     """Relative L1 error of the slip rate at T on 0.02 < x/(c_t T) < 1.9."""
     described = NAMED_SCENES[scene].scene
     return spacetime_study.step_error(described, spacetime_study.last_march(described, nodes))
+
+
+def march_wave_error(steps: float) -> float:
+    """Error of frictional work under ten cycles of shear with so many steps a period."""
+    scene = replace(NAMED_SCENES["harmonic"].scene, shear_history=Harmonic(10.0))
+    return _work_error(scene, round(10 * steps), 4096)
+
+
+def march_zone_error(nodes: float) -> float:
+    """Error of frictional work of a step at high friction with so many nodes in the slip zone."""
+    scene = replace(NAMED_SCENES["preloaded"].scene, friction=5.0)
+    return _work_error(scene, round(2 * nodes / zone_at_edge(scene, 1.0)), 4096)
+
+
+def _work_error(scene: Scene, nodes: int, finest: int) -> float:
+    return abs(_march_work(scene, nodes) / _march_work(scene, finest) - 1)
+
+
+@cache
+def _march_work(scene: Scene, nodes: int) -> float:
+    """Frictional work of a march to T = 1 on a length of 2, per unit thickness."""
+    marched = march(scene, 1.0, nodes, length=2.0, every=10**9)
+    return float(marched.friction_work.sum() * marched.grid.spacing)
 
 
 def march_trouble(nu: float, friction: float, step_ratio: float, damping: float) -> float:

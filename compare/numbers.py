@@ -27,6 +27,7 @@ from compare.figures import figure_png
 from compare.history_figures import comparison_figures
 from compare.report import default_report
 from semianalytic.errors import SlipfrontError
+from semianalytic.files import write_bytes
 
 ROOT = Path(__file__).resolve().parents[1]
 LIST = ROOT / "docs" / "numbers.toml"
@@ -283,7 +284,7 @@ def write_figures() -> None:
     for scene, name in FIGURES.items():
         path = ROOT / "docs" / "figures" / f"scene_{scene}.png"
         report = default_report(scene)
-        path.write_bytes(figure_png(comparison_figures(report)[name](report), 100, 64))
+        write_bytes(path, figure_png(comparison_figures(report)[name](report), 100, 64))
         print(f"{path} {path.stat().st_size / 1000:.0f} kB")
 
 

@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.markup import escape
 
 
 def _option(type_: type, panel: str, text: str) -> Any:
-    return Annotated[type_ | None, typer.Option(help=text, rich_help_panel=panel)]
+    # units are in brackets, which would be taken for markup
+    return Annotated[type_ | None, typer.Option(help=escape(text), rich_help_panel=panel)]
 
 
 SCENE_OPTIONS: Mapping[str, Any] = {
@@ -40,6 +42,7 @@ MESH_OPTIONS: Mapping[str, Any] = {
         "element": (str, "P1, Q1 or Q2; Q1 unless given."),
         "mesh": (str, "squares, graded, or triangles for P1; squares unless given."),
         "frames": (int, "Number of field snapshots, 20 unless given."),
+        "memory": (float, "Most memory to take [GB], 70 % of what is free unless given."),
     }.items()
 }
 
@@ -47,11 +50,12 @@ MARCH_OPTIONS: Mapping[str, Any] = {
     name: _option(type_, "Space-time solver", text)
     for name, (type_, text) in {
         "end_time": (float, "Time T at which the march ends."),
-        "nodes": (int, "Contact nodes, 1000 unless given."),
+        "nodes": (int, "Contact nodes; 1000, or what the loads need, unless given."),
         "length": (float, "Length of the contact that is observed, c_l T unless given."),
         "step_ratio": (float, "c_t times the step over the node distance, 0.5 unless given."),
         "every": (int, "Store every n-th step."),
         "latest": (float, "Time to which a saved march may go on, T unless given."),
+        "memory": (float, "Most memory to take [GB], 70 % of what is free unless given."),
         "save": (Path, "File to keep the march in (.h5)."),
         "go_on": (Path, "File of a saved march to go on with."),
     }.items()

@@ -12,6 +12,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from semianalytic import InterfaceHistory, Scene, Solution, march, solve
 from semianalytic.predict import chosen_method
+from semianalytic.resolution import MOST_NODES, check_loads
 from semianalytic.solver import check_pressure
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ FINER = 4
 """Nodes of a march per element of the simulation."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prediction:
     """What a semi-analytic solver says of the contact nodes of a simulation, x > 0.
 
@@ -41,6 +42,8 @@ class Prediction:
         Work per area taken by friction until the end [stress length].
     seconds : float
         What it took to compute.
+    caution : str
+        What a march was too coarse for; "" if nothing is known.
     """
 
     method: str
@@ -49,6 +52,7 @@ class Prediction:
     path: Array
     friction_work: Array
     seconds: float
+    caution: str = ""
 
 
 def check_predictable(scene: Scene, method: str = "auto") -> None:
@@ -84,7 +88,7 @@ def predict(
     Raises
     ------
     SceneError
-        If the method does not apply to the scene.
+        If the method does not apply to the scene, or a march cannot follow its loads.
     TensionError
         If the pressure turns tensile, so that neither solver applies.
     ComputationError
@@ -97,12 +101,13 @@ def predict(
         solution = solve(simulation.scene)
         whole = solution.history(x, t)
         seconds = sum(solution.statistics.seconds.values())
-        return Prediction(chosen, solution, whole, *wear(whole), seconds)
+        worn = solution.path(x, t[-1]), solution.friction_work(x, t[-1])
+        return Prediction(chosen, solution, whole, *worn, seconds)
     spacing = simulation.element_size / FINER
     nodes = int(np.ceil(x[-1] / spacing)) + 1
-    marched = march(
-        simulation.scene, float(t[-1]), nodes, length=nodes * spacing, progress=progress
-    )
+    length = nodes * spacing
+    nodes = check_loads(simulation.scene, float(t[-1]), length, nodes, max(nodes, MOST_NODES))
+    marched = march(simulation.scene, float(t[-1]), nodes, length=length, progress=progress)
     own = marched.interface
     at = tuple(np.meshgrid(t, np.clip(x, own.x[0], None), indexing="ij"))
     names = ("slip", "slip_rate", "shear_traction", "pressure")
@@ -114,17 +119,8 @@ def predict(
         np.interp(x, own.x, marched.path),
         np.interp(x, own.x, marched.friction_work),
         sum(marched.statistics.seconds.values()),
+        marched.caution,
     )
-
-
-def wear(history: InterfaceHistory) -> tuple[Array, Array]:
-    """Accumulated |slip| [length] and frictional work per area [stress length], (n,) each.
-
-    By the trapezoidal rule over the stored times.
-    """
-    path = np.trapezoid(np.abs(history.slip_rate), history.t, axis=0)
-    work = np.trapezoid(history.slip_rate * history.shear_traction, history.t, axis=0)
-    return np.asarray(path), np.asarray(work)
 
 
 def contact_nodes(simulation: Simulation) -> InterfaceHistory:

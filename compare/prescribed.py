@@ -25,7 +25,7 @@ Field = Callable[[Array, Array], Array]
 _STEP_RATIO = 0.9  # of h / c_l; squares are stable up to 0.98
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SurfaceMotion:
     """Surface y = 0 of the half-plane y > 0 at the end time.
 

@@ -5,10 +5,9 @@ Loadings and units are those of `compare.regime_boundaries`.
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from compare import regime_boundaries as boundaries
 from compare import reverse_slip
+from compare.files import append_text, are_sound, checked_cells, write_text
 from compare.regime_boundaries import Loading, scene_of
 from semianalytic import Solution, solve
 from semianalytic.errors import ComputationError
@@ -205,29 +205,29 @@ def sorted_points(points: Iterable[MapPoint]) -> list[MapPoint]:
 
 def append_points(path: Path, points: Sequence[MapPoint]) -> None:
     """Append points to an unfinished table."""
-    with path.open("a", newline="", encoding="utf-8") as stream:
-        csv.writer(stream).writerows(astuple(point) for point in points)
+    append_text(path, _table(points))
 
 
 def kept_columns(path: Path, loading: Loading, count: int) -> dict[float, list[MapPoint]]:
     """Columns of a map that an unfinished table holds whole, by Poisson ratio.
 
-    Whatever was cut short is dropped from the table.
+    Whatever was cut short or damaged is dropped from the table.
     """
     if not path.exists():
         return {}
     columns: dict[float, list[MapPoint]] = {}
-    with path.open(newline="", encoding="utf-8") as stream:
-        for row in csv.reader(stream):
-            if len(row) == len(fields(MapPoint)) and row[0] == loading:
-                _, nu, chi, name, zones, status, estimate = row
-                point = MapPoint(
-                    loading, float(nu), float(chi), name, zones, status, float(estimate)
-                )
-                columns.setdefault(point.poisson_ratio, []).append(point)
+    for line in path.read_bytes().decode("utf-8", "replace").splitlines():
+        row = line.split(",")  # no cell holds a comma
+        if are_sound(row) and row[0] == loading:
+            _, nu, chi, name, zones, status, estimate, _ = row
+            point = MapPoint(loading, float(nu), float(chi), name, zones, status, float(estimate))
+            columns.setdefault(point.poisson_ratio, []).append(point)
     wanted = set(poisson_ratios(count).tolist())
     whole = {nu: rows for nu, rows in columns.items() if nu in wanted and len(rows) == count}
-    path.unlink()
-    for rows in whole.values():
-        append_points(path, rows)
+    write_text(path, "".join(map(_table, whole.values())))
     return whole
+
+
+def _table(points: Sequence[MapPoint]) -> str:
+    """Rows with their checksums, without a heading."""
+    return "".join(",".join(checked_cells(point)) + "\n" for point in points)

@@ -30,6 +30,7 @@ from compare.regime_points import (
 )
 from compare.reverse_slip import reverse_threshold
 from compare.workers import Progress, Task, run_tasks
+from semianalytic.checks import checked_count
 from semianalytic.errors import SceneError
 
 FRONT_POISSON_RATIOS = (-0.5, 0.0, 1 / 3)
@@ -89,8 +90,7 @@ def write_regimes(
     known = get_args(Loading)
     if loading not in (*known, "both"):
         raise SceneError(f"loading must be one of both, {', '.join(known)}, got {loading!r}.")
-    if size < 2:
-        raise SceneError(f"size must be at least 2, got {size}.")
+    size = checked_count("regimes: size", size, 2, "a whole number from")
     count = min(size, _QUICK_SIZE) if quick else size
     loadings: list[Loading] = [name for name in known if loading in (name, "both")]
     output.mkdir(parents=True, exist_ok=True)

@@ -6,6 +6,7 @@ import json
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,13 +14,13 @@ import numpy as np
 from compare.files import write_text
 from compare.history_rows import (
     PROBES,
+    SENSE_THRESHOLD,
     event_rows,
     rate_rows,
     sense_rows,
-    slip_sense,
+    slips,
     wear_rows,
 )
-from compare.measures import onset_time
 from compare.predictions import Prediction, predict
 from compare.rows import (
     Row,
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Report:
     """All rows of one comparison."""
 
@@ -64,8 +65,8 @@ def build_report(
 ) -> Report:
     """Compare a prediction and a simulation of the same scene, quantity by quantity.
 
-    Fronts, zones and tractions at the end are compared where the prediction is self-similar; what
-    happens over space and time always is.
+    Fronts, zones and tractions at the end are compared where the prediction is self-similar; the
+    slip rate over space and time always is, and what slip does where any is predicted.
 
     Parameters
     ----------
@@ -90,9 +91,9 @@ def build_report(
         ]
         if snapshot is not None:
             rows += snapshot_rows(solution, simulation, snapshot)
-    if prediction.interface.slip_rate.any():
+    rows += rate_rows(prediction, simulation)
+    if slips(prediction, simulation):
         rows += [
-            *rate_rows(prediction, simulation),
             *sense_rows(prediction, simulation),
             *event_rows(prediction, simulation),
             *wear_rows(prediction, simulation),
@@ -116,8 +117,10 @@ def report_document(report: Report) -> dict[str, Any]:
         "passed": report.passed,
         "parameters": scene_document(simulation.scene),
         "method": report.prediction.method,
+        "caution": report.prediction.caution,
         "semianalytic": None if solution is None else solution_document(solution),
         "finite_elements": {
+            "run": simulation.run,
             "end_time": simulation.end_time,
             "resolution": simulation.resolution,
             "element_size": simulation.element_size,
@@ -173,10 +176,10 @@ def solution_document(solution: Solution) -> dict[str, Any]:
 
 def march_document(marched: Marched) -> dict[str, Any]:
     """A march as plain dictionaries, lists, strings and finite numbers, for JSON."""
-    scene, fields, spacing = marched.scene, marched.interface, marched.grid.spacing
-    largest = float(np.abs(fields.slip_rate).max())
+    scene, seen, x, spacing = marched.scene, marched.seen, marched.grid.x, marched.grid.spacing
+    largest = float(seen.slip_rate.max())
     length = scene.material.shear_speed * marched.end_time
-    sense = slip_sense(fields.slip_rate, largest)
+    threshold = SENSE_THRESHOLD * largest
     mode_one, mode_two = (
         intensity_history(history, scene.step, scene.material, marched.end_time)[mode]
         for mode, history in enumerate((scene.pressure_history, scene.shear_history))
@@ -184,23 +187,24 @@ def march_document(marched: Marched) -> dict[str, Any]:
     return {
         "scene": scene_document(scene),
         "method": "space-time",
+        "status": marched.status,
+        "caution": marched.caution,
         "end_time": marched.end_time,
         "largest_slip_rate": largest,
-        "largest_slip": float(np.abs(fields.slip).max()),
-        "reach_of_slip": float(fields.x[sense.any(axis=0)].max(initial=0.0)),
-        "reach_of_reverse_slip": float(fields.x[(sense < 0).any(axis=0)].max(initial=0.0)),
+        "largest_slip": float(seen.slip.max()),
+        "reach_of_slip": float(x[seen.slip_rate > threshold].max(initial=0.0)),
+        "reach_of_reverse_slip": float(x[-seen.reverse > threshold].max(initial=0.0)),
         "onset": [
             {
-                "x": float(fields.x[node]),
-                "time": onset_time(fields.t, fields.slip_rate[:, node], 0.01 * largest)
-                if largest
-                else None,
+                "x": float(x[node]),
+                "time": float(seen.onset[node]) if math.isfinite(seen.onset[node]) else None,
             }
-            for node in (int(np.argmin(np.abs(fields.x - probe * length))) for probe in PROBES)
+            for node in (int(np.argmin(np.abs(x - probe * length))) for probe in PROBES)
         ],
         "accumulated_slip": float(marched.path.sum() * spacing),
         "friction_work": float(marched.friction_work.sum() * spacing),
         "stress_intensity_of_a_stuck_edge": {"K_I": float(mode_one), "K_II": float(mode_two)},
+        "stored_levels": len(marched.interface.t),
         "statistics": {
             name: getattr(marched.statistics, name)
             for name in ("nodes", "steps", "poles", "memory_error", "seconds")
@@ -214,8 +218,19 @@ def edge_state(solution: Solution) -> str:
 
 
 def json_text(document: dict[str, Any]) -> str:
-    """JSON of a document, numbers of numpy included, refusing infinities."""
-    return json.dumps(document, indent=2, allow_nan=False, default=float) + "\n"
+    """JSON of a document, numbers of numpy included; null for what is not a finite number."""
+    return json.dumps(_finite(document), indent=2, allow_nan=False) + "\n"
+
+
+def _finite(part: Any) -> Any:
+    """Part of a document with None in place of infinities and what is not a number."""
+    if isinstance(part, dict):
+        return {key: _finite(value) for key, value in part.items()}
+    if isinstance(part, (list, tuple)):
+        return [_finite(value) for value in part]
+    if isinstance(part, (str, int, NoneType)):
+        return part
+    return float(part) if math.isfinite(part) else None
 
 
 def write_report(report: Report, path: Path) -> None:

@@ -28,15 +28,11 @@ def slip_rate_scale(scene: Scene) -> float:
 def load_time(scene: Scene, end_time: float) -> float:
     """Shortest time in which the loads change before end_time [time]; end_time for steps."""
     times = [end_time]
-    for amplitude, history in (
-        (scene.step.pressure, scene.pressure_history),
-        (scene.step.shear, scene.shear_history),
-    ):
-        if amplitude:
-            pieces = history.pieces
-            breaks = [at for at in pieces.breaks if at < end_time]
-            times += [after - before for before, after in pairwise(breaks)]
-            times += [0.5 / wave.frequency for wave in pieces.waves]
+    for history in scene.acting_histories.values():
+        pieces = history.pieces
+        breaks = [at for at in pieces.breaks if at < end_time]
+        times += [after - before for before, after in pairwise(breaks)]
+        times += [0.5 / wave.frequency for wave in pieces.waves]
     return min(times)
 
 

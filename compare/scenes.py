@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from semianalytic import Harmonic, Material, Pulse, Ramp, Scene, Tractions
+from semianalytic.checks import finite, shown
 from semianalytic.errors import SceneError
 from semianalytic.scene import scene_from_document
 
@@ -102,8 +103,25 @@ def find_scene(source: str) -> Scene:
 
 
 def scene_label(source: str) -> str:
-    """Short name of a scene for folders and titles: its name, or the stem of its file."""
+    """Short name of a scene for titles: its name, or the stem of its file."""
     return source if source in NAMED_SCENES else Path(source).stem
+
+
+def scene_folder(source: str, overrides: Mapping[str, float]) -> Path:
+    """Folder for the results of a scene, as results/preloaded or results/preloaded-friction-0.31.
+
+    Parameters
+    ----------
+    source : str
+        As for `find_scene`.
+    overrides : mapping
+        What is put in place of the scene's own values, as for `override_scene`.
+    """
+    changes = (
+        f"{name.replace('_', '-')}-{str(value).removesuffix('.0')}"
+        for name, value in overrides.items()
+    )
+    return Path("results", "-".join((scene_label(source), *changes)))
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -127,10 +145,10 @@ def read_scene(path: str | Path) -> Scene:
         raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
     except ValueError as error:  # TOML syntax and UTF-8 errors alike
         raise SceneError(f"{path} is not a valid TOML file: {error}.") from error
+    except RecursionError as error:
+        raise SceneError(f"{path} nests brackets too deeply; give a scene file.") from error
     _check_keys(path, "", document, ("friction", *TABLES), OPTIONAL_TABLES)
     for table, keys in TABLES.items():
-        if not isinstance(document[table], dict):
-            raise SceneError(f"{path}: {table} must be a table, [{table}], not a value.")
         _check_keys(path, f"{table}.", document[table], keys)
     try:
         return scene_from_document(document)
@@ -189,9 +207,11 @@ def _check_keys(
             close = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
             hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
             raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
-        number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not number and not isinstance(value, dict):
-            raise SceneError(f"{path}: {prefix}{key} must be a number, got {value!r}.")
+        if key in (*TABLES, *OPTIONAL_TABLES):
+            if not isinstance(value, dict):
+                raise SceneError(f"{path}: {key} must be a table, [{key}], got {shown(value)}.")
+        elif finite(value) is None:
+            raise SceneError(f"{path}: {prefix}{key} must be a number, got {shown(value)}.")
     for key in expected:
         if key not in table:
             raise SceneError(f"{path}: {prefix}{key} is missing.")

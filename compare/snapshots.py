@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.errors import DataFileError
+from semianalytic.files import check_seal
 
 INDEX = "fields.pvd"
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SlipRateProfile:
     """Relative slip rate along the contact at one time.
 
@@ -36,30 +37,42 @@ class SlipRateProfile:
     slip_rate: Array
 
 
-def last_snapshot(folder: Path) -> SlipRateProfile:
+def last_snapshot(folder: Path, run: str | None = None) -> SlipRateProfile:
     """Slip rate from the velocities of both faces in the last frame of a folder of snapshots.
 
     Parameters
     ----------
     folder : Path
         Holds ``fields.pvd`` and the frames it lists.
+    run : str, optional
+        Identity of the simulation the frame must be of; any unless given.
 
     Raises
     ------
     DataFileError
-        If the index or its last frame is missing, damaged or not of two blocks in contact.
+        If the index or its last frame is missing, damaged, of another run, or not of two blocks
+        in contact.
     """
     import meshio
 
+    from fem.snapshots import frame_run, index_run
+
     index = folder / INDEX
     try:
+        check_seal(index)
         entry = list(ElementTree.parse(index).getroot().iter("DataSet"))[-1]
         time, path = float(entry.attrib["timestep"]), folder / entry.attrib["file"]
     except (OSError, ElementTree.ParseError, IndexError, KeyError, ValueError) as error:
         raise DataFileError(
             f"{index} lists no snapshot that can be read; simulate again."
         ) from error
+    if run is not None and not index_run(folder) == run == frame_run(path):
+        raise DataFileError(
+            f"the snapshots in {folder} are not of the simulation beside them but of another run; "
+            "simulate again, or leave them out with --no-snapshots."
+        )
     try:
+        check_seal(path)
         frame = meshio.read(path)
         quads = frame.cells_dict["quad"]
         velocity = frame.point_data["velocity"][:, 0]

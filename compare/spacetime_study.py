@@ -28,6 +28,7 @@ from semianalytic import Marched, Material, Ramp, Scene, Tractions, march, solve
 from semianalytic.errors import SlipfrontError
 from semianalytic.histories import intensity_history, stuck_shear
 from semianalytic.loads import Step
+from semianalytic.march_memory import state_bytes
 
 Array = NDArray[np.float64]
 
@@ -101,7 +102,7 @@ def cost() -> Table:
         seconds, marched = _timed(partial(last_march, scene, nodes), 3 if nodes < 4096 else 1)
         used = marched.statistics
         growth = "" if before is None else f"{seconds / before:.2f}"
-        state = 64 * used.poles * used.nodes / 1e6
+        state = state_bytes(used.nodes, used.poles) / 1e6
         past = 8 * used.steps * used.nodes / 1e6
         table.add_row(
             str(nodes),

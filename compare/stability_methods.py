@@ -25,7 +25,7 @@ _GAUSS = 6
 _MOST_ROUNDS = 200
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GridProblem:
     """w = q + M V, V >= 0, w >= 0, V w = 0 for slip of one sense.
 
@@ -41,7 +41,7 @@ class GridProblem:
     q: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GridAnswer:
     """Nodal slip rates (n + 1,), what finding them took, and how it ended.
 

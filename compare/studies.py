@@ -12,6 +12,7 @@ import typer
 from rich.console import Console
 
 from compare import terminal
+from compare.places import working_folder
 from semianalytic.errors import SceneError
 
 Output = Annotated[
@@ -38,7 +39,7 @@ def regimes(
     from compare.regimes import write_regimes
 
     directory = output or Path("results", "regimes")
-    with _progress(quiet, "mapping") as progress:
+    with working_folder(directory), _progress(quiet, "mapping") as progress:
         write_regimes(directory, size, loading, quick, progress)
     _written(f"{directory}/")
 
@@ -72,9 +73,10 @@ def stability(
         from compare.spacetime_study import write_stability
 
         chosen.append(write_stability)
-    for study in chosen:
-        with _progress(quiet, "studying") as progress:
-            study(directory, quick, progress)
+    with working_folder(directory):
+        for study in chosen:
+            with _progress(quiet, "studying") as progress:
+                study(directory, quick, progress)
     _written(f"{directory}/")
 
 
@@ -83,7 +85,8 @@ def article(output: Output = None, quick: Quick = False, quiet: Quiet = False) -
     from compare.article import claims_table, write_article
 
     directory = output or Path("results", "article")
-    found = write_article(directory, quick, _teller(Console(stderr=True), quiet))
+    with working_folder(directory):
+        found = write_article(directory, quick, _teller(Console(stderr=True), quiet))
     Console().print(claims_table(found.claims), highlight=False, markup=False)
     _written(f"{directory}/")
 
@@ -107,16 +110,17 @@ def chart(
 
     directory = output or Path("results", "chart-quick" if quick else "chart")
     notes = Console(stderr=True)
-    with terminal.progress_bar(notes, quiet, "measuring") as progress:
-        points = measure_all(
-            directory / FILE_NAME,
-            scenes or SCENES,
-            quick=quick,
-            fresh=fresh,
-            progress=progress,
-            tell=_teller(notes, quiet),
-        )
-    text = write_chart(directory, points)
+    with working_folder(directory):
+        with terminal.progress_bar(notes, quiet, "measuring") as progress:
+            points = measure_all(
+                directory / FILE_NAME,
+                scenes or SCENES,
+                quick=quick,
+                fresh=fresh,
+                progress=progress,
+                tell=_teller(notes, quiet),
+            )
+        text = write_chart(directory, points)
     Console().print(text, highlight=False, markup=False, soft_wrap=True)
     Console().print(slopes_table(points), highlight=False, markup=False)
     _written(f"{directory}/")
@@ -127,7 +131,7 @@ def wear(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> N
     from compare.wear import LOADS, POISSON_RATIOS, most_wear, write_wear
 
     directory = output or Path("results", "wear")
-    with _progress(quiet, "sweeping") as progress:
+    with working_folder(directory), _progress(quiet, "sweeping") as progress:
         rows = write_wear(directory, quick, progress)
     for poisson_ratio in POISSON_RATIOS:
         for load in LOADS:

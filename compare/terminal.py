@@ -23,7 +23,7 @@ from rich.table import Table
 from rich.text import Text
 
 from compare.report import Report, edge_state, march_document
-from compare.rows import Row
+from compare.rows import Row, shown_number
 from compare.scales import speed_regime
 from compare.scenes import NAMED_SCENES
 from semianalytic import Marched, Solution
@@ -105,7 +105,7 @@ def march_table(marched: Marched, title: str) -> Table:
     for name, value in document.pop("stress_intensity_of_a_stuck_edge").items():
         table.add_row(f"{name} of a stuck edge", f"{value:.6g}")
     for name, value in document.items():
-        if name != "scene":
+        if name != "scene" and value != "":
             text = value if isinstance(value, str) else f"{value:.6g}"
             table.add_row(name.replace("_", " "), text)
     seconds = sum(statistics["seconds"].values())
@@ -138,19 +138,20 @@ def report_table(report: Report) -> Table:
     for row in report.rows:
         table.add_row(
             row.quantity,
-            _number(row.prediction),
-            _number(row.simulation),
-            _number(row.difference),
-            f"{row.tolerance:.4f}",
+            shown_number(row.prediction),
+            shown_number(row.simulation),
+            shown_number(row.difference),
+            shown_number(row.tolerance),
             _verdict(row),
         )
     return table
 
 
 def reasons_text(report: Report) -> str:
-    """The distinct reasons behind the tolerances of a report, one a line."""
+    """The distinct reasons behind the tolerances of a report, one a line; what a march misses."""
     reasons = dict.fromkeys(row.reason for row in report.rows if row.present)
-    return "\n".join(f"  · {reason}" for reason in reasons)
+    cautions = [f"The march is unresolved: {text}." for text in [report.prediction.caution] if text]
+    return "\n".join([*(f"  · {reason}" for reason in reasons), *cautions])
 
 
 class StepRateColumn(ProgressColumn):
@@ -192,10 +193,6 @@ def progress_bar(
 
 def _velocity(speed: float) -> str:
     return "∞" if math.isinf(speed) else f"{speed:.6f}"
-
-
-def _number(value: float | None) -> str:
-    return "—" if value is None else f"{value:.4f}"
 
 
 def _plain(value: object) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import signal
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -23,9 +22,10 @@ from fem.record import Record
 from fem.settings import Pace, Settings
 from fem.stepping import BodyState
 from semianalytic.errors import DataFileError
+from semianalytic.files import sealed_hdf5, whole_hdf5
 from semianalytic.scene import Material, Scene, scene_document
 
-FORMAT = "slipfront checkpoint 2"
+FORMAT = "slipfront checkpoint 3"
 
 
 @dataclass(frozen=True)
@@ -108,9 +108,17 @@ def run_identity(
     return plain
 
 
+def run_name(identity: Mapping[str, Any]) -> str:
+    """A short name for an identity, which files of the run carry."""
+    return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
+
+
 @dataclass
 class Keeper:
     """Writes and reads the checkpoints of one run.
+
+    A checkpoint that cannot be written is no reason to stop: the run goes on, the checkpoint
+    before stays, and the next one is tried when it is due.
 
     Parameters
     ----------
@@ -122,6 +130,11 @@ class Keeper:
         From `run_identity`.
     clock : callable
         Wall-clock time [s]; seconds count from when the keeper is made.
+
+    Attributes
+    ----------
+    missing : str
+        Why the last checkpoint that was due is missing, as a sentence; empty if it is not.
     """
 
     path: Path | None
@@ -131,6 +144,7 @@ class Keeper:
 
     def __post_init__(self) -> None:
         self._last = self.clock()
+        self.missing = ""
 
     def resume(self, model: Model, record: Record) -> tuple[int, list[tuple[float, str]]]:
         """Restore the checkpoint, if there is one: first level to compute, snapshots written."""
@@ -148,17 +162,52 @@ class Keeper:
         frames: list[tuple[float, str]],
         now: bool,
     ) -> None:
-        """Write a checkpoint if one is due after this step, or wanted now."""
+        """Write a checkpoint if one is due after this step, or wanted now.
+
+        Raises
+        ------
+        DataFileError
+            If one is wanted now and cannot be written.
+        """
         due = 0 < step < model.steps and self._is_due(step)
-        if self.path is not None and (due or now):
+        if self.path is None or not (due or now):
+            return
+        self._last = self.clock()
+        self.missing = ""
+        try:
             write_checkpoint(self.path, self.identity, take_checkpoint(step, model, record, frames))
-            self._last = self.clock()
+        except DataFileError as error:
+            if now:
+                raise
+            self.missing = str(error)
 
     def _is_due(self, step: int) -> bool:
         steps, seconds = self.pace.steps, self.pace.seconds
         if steps is not None and step % steps == 0:
             return True
         return seconds is not None and self.clock() - self._last >= seconds
+
+
+def forget_checkpoint(path: Path, run: str) -> None:
+    """Remove a checkpoint of a finished run; one of another run stays.
+
+    Parameters
+    ----------
+    path : Path
+    run : str
+        From `run_name`.
+    """
+    import h5py
+
+    if not path.is_file():
+        return
+    try:
+        with h5py.File(path, "r") as file:
+            ours = run_name(json.loads(file.attrs["identity"])) == run
+    except (OSError, LookupError, ValueError, TypeError, RuntimeError):
+        return
+    if ours:
+        path.unlink(missing_ok=True)
 
 
 def write_checkpoint(path: Path, identity: Mapping[str, Any], checkpoint: Checkpoint) -> None:
@@ -169,26 +218,12 @@ def write_checkpoint(path: Path, identity: Mapping[str, Any], checkpoint: Checkp
     DataFileError
         If the file or its folder cannot be written.
     """
-    import h5py
-
-    part = path.with_name(f"{path.name}.part")
-    facts = json.dumps({"step": checkpoint.step, "frames": checkpoint.frames})
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with h5py.File(part, "w") as file:
-            file.attrs["format"] = FORMAT
-            file.attrs["identity"] = json.dumps(identity)
-            file.attrs["facts"] = facts
-            file.attrs["digest"] = _digest(facts, checkpoint.arrays)
-            for name, array in checkpoint.arrays.items():
-                file[name] = array
-        with part.open("rb") as written:
-            os.fsync(written.fileno())
-        os.replace(part, path)
-    except OSError as error:
-        raise DataFileError(
-            f"the checkpoint {path} cannot be written ({error}); choose another folder."
-        ) from error
+    with whole_hdf5(path) as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["identity"] = json.dumps(identity)
+        file.attrs["facts"] = json.dumps({"step": checkpoint.step, "frames": checkpoint.frames})
+        for name, array in checkpoint.arrays.items():
+            file[name] = array
 
 
 def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
@@ -203,11 +238,11 @@ def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
     import h5py
 
     try:
-        with h5py.File(path, "r") as file:
+        with sealed_hdf5(path) as file:
             written_as = file.attrs.get("format")
             if written_as == FORMAT:
                 theirs = json.loads(file.attrs["identity"])
-                facts, digest = file.attrs["facts"], file.attrs["digest"]
+                known = json.loads(file.attrs["facts"])
                 arrays: dict[str, NDArray[Any]] = {}
                 file.visititems(
                     lambda name, item: (
@@ -221,25 +256,13 @@ def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
         ) from error
     if written_as != FORMAT:
         raise DataFileError(f"{path} is not a checkpoint of this version; delete it.")
-    if digest != _digest(facts, arrays):
-        raise DataFileError(f"{path} is damaged; delete it and simulate again.")
     for name in (*identity, *theirs):
         if theirs.get(name) != identity.get(name):
             raise DataFileError(
                 f"{path} is of another run: its {name.replace('_', ' ')} is {theirs.get(name)}, "
                 f"not {identity.get(name)}; repeat those options or delete it."
             )
-    known = json.loads(facts)
     return Checkpoint(known["step"], arrays, [(time, name) for time, name in known["frames"]])
-
-
-def _digest(facts: str, arrays: Mapping[str, NDArray[Any]]) -> str:
-    digest = hashlib.sha256(facts.encode())
-    for name in sorted(arrays):
-        array = np.ascontiguousarray(arrays[name])
-        digest.update(f"{name} {array.dtype} {array.shape}".encode())
-        digest.update(array.tobytes())
-    return digest.hexdigest()
 
 
 class Interruption:

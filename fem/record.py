@@ -20,7 +20,7 @@ class Record:
     ----------
     model : Model
     every : int
-        Store every n-th time level, and the last one.
+        Store every n-th time level, and the last one; the energies are those of every step.
     slot_length : float
         Length of slot next to the edge that is stored [length].
     """
@@ -28,12 +28,12 @@ class Record:
     def __init__(self, model: Model, every: int, slot_length: float) -> None:
         self.model = model
         self._levels = np.union1d(np.arange(0, model.steps + 1, every), model.steps)
-        self._row = 0
+        self._row = self._level = 0
         stored = model.slot_x >= -slot_length
         self._slot, self._slot_x = model.slot[:, stored], model.slot_x[stored]
         self._interface = np.zeros((4, len(self._levels), len(model.contact_x)))
         self._velocity = np.zeros((2, len(self._levels), len(self._slot_x)))
-        self._energy = np.zeros((6, len(self._levels)))
+        self._energy = np.zeros((6, model.steps + 1))
         self._state = np.zeros((len(self._levels), len(model.contact_x)), dtype=np.int8)
 
     def level(self, step: int) -> None:
@@ -41,6 +41,9 @@ class Record:
 
         Rates are means over the steps before and after the level; at t = 0 all is at rest.
         """
+        if step:
+            self._energy[:, step] = self._energies()
+        self._level = step
         if step != self._levels[self._row]:
             return
         interface, row, dt = self.model.interface, self._row, self.model.time_step
@@ -54,7 +57,6 @@ class Record:
             for body in self.model.bodies:
                 increments = body.before[self._slot] + body.increment[self._slot]
                 self._velocity[:, row] += increments / (2 * dt * self.model.root[self._slot])
-            self._energy[:, row] = self._energies()
         self._row += 1
 
     def _energies(self) -> NDArray[np.float64]:
@@ -70,7 +72,7 @@ class Record:
         return {
             "interface": self._interface[:, :rows],
             "slot": self._velocity[:, :rows],
-            "energy": self._energy[:, :rows],
+            "energy": self._energy[:, : self._level + 1],
             "state": self._state[:rows],
         }
 
@@ -79,7 +81,8 @@ class Record:
         self._row = rows = len(stored["state"])
         self._interface[:, :rows] = stored["interface"]
         self._velocity[:, :rows] = stored["slot"]
-        self._energy[:, :rows] = stored["energy"]
+        self._level = stored["energy"].shape[1] - 1
+        self._energy[:, : self._level + 1] = stored["energy"]
         self._state[:rows] = stored["state"]
 
     @property
@@ -93,5 +96,8 @@ class Record:
         return (
             InterfaceHistory(self.model.contact_x, t, *self._interface),
             SlotHistory(self._slot_x, t, *self._velocity),
-            EnergyHistory(t[1:] - self.model.time_step / 2, *self._energy[:, 1:]),
+            EnergyHistory(
+                np.arange(0.5, self.model.steps) * self.model.time_step,
+                *self._energy[:, 1:],
+            ),
         )

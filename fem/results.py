@@ -10,16 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.errors import DataFileError
-from semianalytic.history import InterfaceHistory, whole_hdf5
+from semianalytic.files import sealed_hdf5, whole_hdf5
+from semianalytic.history import InterfaceHistory
 from semianalytic.scene import Material, Scene, scene_document, scene_from_document
 
-FORMAT = "slipfront simulation 3"
+FORMAT = "slipfront simulation 4"
 FILE_NAME = "simulation.h5"
 ARRAYS = ("state", "path", "friction_work")
 HISTORIES = ("interface", "slot", "energy")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SlotHistory:
     """How the upper slot face moves.
 
@@ -39,12 +40,12 @@ class SlotHistory:
     velocity_y: NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EnergyHistory:
     """Energies of both blocks per unit thickness [stress length^2], from the scheme itself.
 
-    In the middle of each step central differences balance exactly: kinetic + strain +
-    friction + damping + impact = external.
+    They are those of every step, stored or not.  In the middle of each step central differences
+    balance exactly: kinetic + strain + friction + damping + impact = external.
 
     Attributes
     ----------
@@ -74,14 +75,14 @@ class EnergyHistory:
 
     @property
     def residual(self) -> float:
-        """Largest imbalance over the run, relative to the largest external work."""
+        """Largest imbalance over all steps, relative to the largest external work."""
         taken = self.kinetic + self.strain + self.friction + self.damping + self.impact
         scale = float(np.abs(self.external).max(initial=0.0))
         imbalance = float(np.abs(taken - self.external).max(initial=0.0))
         return imbalance / scale if scale > 0 else imbalance
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Simulation:
     """Result of one finite-element simulation.
 
@@ -128,6 +129,11 @@ class Simulation:
         "snapshots".
     peak_memory : int
         Largest memory the process has held so far [bytes].
+    run : str
+        Identity of the run: the same for the same scene, options, mesh and versions.  Field
+        snapshots carry it too.
+    unwritten : str
+        What could not be written during the run, as a sentence; empty if nothing.
     """
 
     scene: Scene
@@ -151,6 +157,8 @@ class Simulation:
     energy: EnergyHistory
     seconds: dict[str, float]
     peak_memory: int
+    run: str
+    unwritten: str
 
     def save(self, directory: str | Path) -> None:
         """Write `simulation.h5` into a folder; it appears under its name only when complete.
@@ -198,13 +206,11 @@ def load_simulation(directory: str | Path) -> Simulation:
     DataFileError
         If the file is missing, damaged or not a simulation.
     """
-    import h5py
-
     path = Path(directory) / FILE_NAME
     if not path.is_file():
         raise DataFileError(f"{path} does not exist; give the folder of a finished simulation.")
     try:
-        with h5py.File(path, "r") as file:
+        with sealed_hdf5(path) as file:
             if file.attrs.get("format") != FORMAT:
                 raise DataFileError(
                     f"{path} is not a slipfront simulation; "

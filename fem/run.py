@@ -5,21 +5,26 @@ from __future__ import annotations
 import math
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
-from fem.assembly import find_family, make_space
-from fem.checkpoint import Keeper, deferred_interrupt, run_identity
-from fem.model import TWO_BLOCKS, TWO_MATERIALS, Model, build_model, choose_model
+from fem.assembly import make_space
+from fem.budget import Cost, check_fits, predict_cost
+from fem.checkpoint import Keeper, deferred_interrupt, run_identity, run_name
+from fem.model import Model, build_model
+from fem.plan import Plan
 from fem.record import Record
+from fem.resolution import check_resolved
 from fem.results import Simulation
+from fem.room import check_room
 from fem.settings import Pace, Settings
 from fem.snapshots import Snapshots
-from meshes import cached_mesh, causal_blocks
-from meshes.blocks import causal_margin, observed_slot
+from meshes import cached_mesh
+from meshes.blocks import causal_margin
 from semianalytic.errors import ComputationError, SceneError
 from semianalytic.scene import Material, Scene
 
@@ -47,6 +52,8 @@ def simulate(
     checkpoint_seconds: float | None = None,
     resume: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    memory: float | None = None,
+    tell: Callable[[str], None] | None = None,
 ) -> Simulation:
     """Simulate a scene with finite elements and central differences.
 
@@ -92,6 +99,11 @@ def simulate(
         Go on from the checkpoint file if it is there; the result is the same to the last bit.
     progress : callable, optional
         Called with (step, steps) after each step.
+    memory : float, optional
+        Most that the run may take [bytes], 70 % of what is available if not given; see `fem.cost`.
+    tell : callable, optional
+        Called with a sentence when a snapshot or checkpoint cannot be written, while the run goes
+        on; unless given, that is a warning.
 
     Returns
     -------
@@ -100,13 +112,15 @@ def simulate(
     Raises
     ------
     SceneError
-        If an option is out of range, different materials slide ahead of all waves, or friction
-        falls with slip rate faster than the interface can radiate.
+        If an option is out of range, a load swings faster than the mesh can follow, the run would
+        take too much memory, different materials slide ahead of all waves, or friction falls with
+        slip rate faster than the interface can radiate.
     MissingLibraryError
         If a mesh has to be built and gmsh cannot be loaded.
     DataFileError
-        If the mesh cache cannot be used, or the checkpoint cannot be written, is damaged or of
-        another run.
+        If the mesh cache cannot be used, the folder of snapshots or checkpoints cannot be written
+        or has no room for them, or the checkpoint is damaged or of another run.  A disk that gets
+        full later ends no run: see `Simulation.unwritten`.
     ComputationError
         If the run goes unstable or values are no longer finite; what was written stays.
     KeyboardInterrupt
@@ -116,64 +130,59 @@ def simulate(
     settings = Settings(
         end_time, resolution, damping, step_ratio, model, element, mesh, every, frames
     )
+    resolution, every, frames = settings.resolution, settings.every, settings.frames
+    damping, step_ratio = settings.damping, settings.step_ratio
+    check_resolved(scene, lower_material, settings.end_time, resolution)
     pace = Pace(checkpoint_every, checkpoint_seconds)
     if resume and checkpoint is None:
         raise SceneError("simulate: there is nothing to resume from; give a checkpoint file.")
-    size = scene.material.shear_speed * settings.end_time / resolution
-    damping_time = damping * size / scene.material.shear_speed
-    name = choose_model(scene, model, lower_material)
-    if name == TWO_MATERIALS and scene.far_slip_rate:
-        raise SceneError(
-            "simulate: blocks of different materials cannot slide ahead of all waves; "
-            "raise friction or lower the base shear."
-        )
+    full = snapshots is not None
+    plan = Plan(scene, settings, lower_material, full)
+    cost = predict_cost(plan, checkpoints=checkpoint is not None)
+    check_fits(plan, cost, memory, checkpoints=checkpoint is not None)
+    kept = None if checkpoint is None else Path(checkpoint)
+    folder = None if snapshots is None else Path(snapshots)
+    _check_places(kept, folder, cost)
     seconds: dict[str, float] = {}
 
     with _timed(seconds, "mesh"):
-        family = find_family(element, mesh)
-        blocks = causal_blocks(
-            _fastest(scene, lower_material),
-            settings.end_time,
-            size * family.spacing,
-            damping_time=damping_time,
-            full=snapshots is not None,
-            lower=name in (TWO_BLOCKS, TWO_MATERIALS),
-            free_walls=name == TWO_MATERIALS,
-            pattern=mesh,
-        )
-        space = make_space(cached_mesh(blocks), family)
+        space = make_space(cached_mesh(plan.blocks), plan.family)
     with _timed(seconds, "assembly"):
         built = build_model(
             scene,
             space,
-            name=name,
-            size=size,
+            name=plan.name,
+            size=plan.size,
             end_time=float(settings.end_time),
-            damping_time=damping_time,
+            damping_time=plan.damping_time,
             step_ratio=step_ratio,
             lower_material=lower_material,
         )
     with _timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
-        fastest = _fastest(scene, lower_material)
-        full = snapshots is not None
-        record = Record(built, every, observed_slot(fastest, settings.end_time, full=full))
-        keeper = Keeper(
-            None if checkpoint is None else Path(checkpoint),
-            pace,
-            run_identity(scene, lower_material, settings, full, built),
-        )
+        fastest = plan.fastest
+        record = Record(built, every, plan.slot_length)
+        identity = run_identity(scene, lower_material, settings, full, built)
+        run = run_name(identity)
+        keeper = Keeper(kept, pace, identity)
         started, written = keeper.resume(built, record) if resume else (0, [])
-        pictures = None if snapshots is None else Snapshots(snapshots, built, scene, written)
-        forerun = causal_margin(fastest, settings.end_time, size, damping_time)
-        framed = set(np.rint(np.linspace(0, built.steps, frames + 1)[1:]).astype(int).tolist())
+        framed = np.unique(
+            np.rint(np.linspace(0, built.steps, frames + 1)[1:]).astype(int)
+        ).tolist()
+        pictures = None
+        if folder is not None:
+            due = sum(step < started for step in framed)
+            pictures = Snapshots(folder, built, scene, run, written, due, cost.history)
+        complaints = _Complaints(tell)
+        forerun = causal_margin(fastest, settings.end_time, plan.size, plan.damping_time)
         with deferred_interrupt() as interruption:
             for step in _march(built, record, started, fastest.longitudinal_speed, forerun):
-                if pictures is not None and step in framed:
+                if pictures is not None and step in framed and not pictures.failed:
                     with _timed(seconds, "snapshots"):
-                        pictures.write(step * built.time_step)
+                        pictures.write(step * built.time_step, framed.index(step) + 1)
                 _drift(built, step)
                 listed = [] if pictures is None else pictures.frames
                 keeper.step_done(step, built, record, listed, interruption.pressed)
+                complaints.hear(pictures.missing if pictures else "", keeper.missing)
                 if interruption.pressed:
                     raise KeyboardInterrupt
                 if progress is not None and step:
@@ -182,12 +191,12 @@ def simulate(
     return Simulation(
         scene=scene,
         end_time=float(settings.end_time),
-        resolution=int(resolution),
-        element_size=size,
-        damping=float(damping),
+        resolution=resolution,
+        element_size=plan.size,
+        damping=damping,
         element=element,
         mesh=mesh,
-        model=name,
+        model=plan.name,
         lower_material=lower_material,
         time_step=built.time_step,
         critical_step=built.critical_step,
@@ -201,13 +210,39 @@ def simulate(
         energy=energy,
         seconds=seconds,
         peak_memory=peak_memory(),
+        run=run,
+        unwritten=pictures.missing if pictures else "",
     )
 
 
-def _fastest(scene: Scene, lower_material: Material | None) -> Material:
-    """The material whose waves are faster."""
-    materials = (scene.material, lower_material or scene.material)
-    return max(materials, key=lambda material: material.longitudinal_speed)
+def _check_places(checkpoint: Path | None, snapshots: Path | None, cost: Cost) -> None:
+    """Raise DataFileError if snapshots or checkpoints cannot be written, or find no room."""
+    if snapshots is not None:
+        there = sum(frame.stat().st_size for frame in snapshots.glob("fields-*.vtu"))
+        check_room(snapshots / "fields.pvd", cost.frames, "simulate: field snapshots", there)
+    if checkpoint is not None:
+        # the one before stays until the next one is complete
+        there = checkpoint.stat().st_size if checkpoint.is_file() else 0
+        check_room(checkpoint, 2 * cost.checkpoint, "simulate: checkpoints", there)
+
+
+class _Complaints:
+    """Passes on each sentence about what could not be written, once."""
+
+    def __init__(self, tell: Callable[[str], None] | None) -> None:
+        self._tell = tell or self._warn
+        self._heard: tuple[str, ...] = ()
+
+    def hear(self, *sentences: str) -> None:
+        """Pass on sentences that are new."""
+        for sentence in sentences:
+            if sentence and sentence not in self._heard:
+                self._tell(sentence)
+        self._heard = sentences
+
+    @staticmethod
+    def _warn(sentence: str) -> None:
+        warnings.warn(sentence, stacklevel=4)
 
 
 def _march(

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-import numpy as np
-
+from semianalytic.checks import checked_count, checked_number, checked_size
 from semianalytic.errors import SceneError
 
+LEAST_RESOLUTION = 8
 STABLE_RATIO = 1.0
 LARGEST_RATIO = 1.5
+LARGEST_DAMPING = 100.0
 DEFAULT_PACE = 100
 """Steps between checkpoints."""
 
@@ -36,19 +36,20 @@ class Settings:
     frames: int
 
     def __post_init__(self) -> None:
-        for name in ("end_time", "damping", "step_ratio"):
-            _check_number(name, getattr(self, name))
-        if self.end_time <= 0:
-            raise SceneError(f"simulate: end_time must be positive, got {self.end_time}.")
-        if self.damping < 0:
-            raise SceneError(f"simulate: damping must not be negative, got {self.damping}.")
+        object.__setattr__(self, "end_time", checked_size("simulate: end_time", self.end_time))
+        for name in ("damping", "step_ratio"):
+            object.__setattr__(self, name, checked_number(f"simulate: {name}", getattr(self, name)))
+        if not 0 <= self.damping <= LARGEST_DAMPING:
+            raise SceneError(
+                f"simulate: damping must lie between 0 and {LARGEST_DAMPING:g}, got {self.damping}."
+            )
         if not 0 < self.step_ratio <= LARGEST_RATIO:
             raise SceneError(
                 f"simulate: step_ratio must be above 0 and at most {LARGEST_RATIO} "
                 f"(above {STABLE_RATIO} it is unstable), got {self.step_ratio}."
             )
-        for name, least in (("resolution", 8), ("every", 1), ("frames", 1)):
-            check_count(name, getattr(self, name), least)
+        for name, least in (("resolution", LEAST_RESOLUTION), ("every", 1), ("frames", 1)):
+            object.__setattr__(self, name, check_count(name, getattr(self, name), least))
         if self.model not in ("auto", "two-blocks"):
             raise SceneError(f"simulate: model must be 'auto' or 'two-blocks', got {self.model!r}.")
 
@@ -68,23 +69,14 @@ class Pace:
 
     def __post_init__(self) -> None:
         if self.steps is not None:
-            check_count("checkpoint_every", self.steps, 1)
+            object.__setattr__(self, "steps", check_count("checkpoint_every", self.steps, 1))
         elif self.seconds is None:
             object.__setattr__(self, "steps", DEFAULT_PACE)
         if self.seconds is not None:
-            _check_number("checkpoint_seconds", self.seconds)
-            if self.seconds <= 0:
-                raise SceneError(
-                    f"simulate: checkpoint_seconds must be positive, got {self.seconds}."
-                )
+            seconds = checked_size("simulate: checkpoint_seconds", self.seconds)
+            object.__setattr__(self, "seconds", seconds)
 
 
-def _check_number(name: str, value: float) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise SceneError(f"simulate: {name} must be a finite number, got {value!r}.")
-
-
-def check_count(name: str, value: int, least: int) -> None:
-    """Raise a SceneError unless an option is an integer of at least `least`."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise SceneError(f"simulate: {name} must be an integer of at least {least}, got {value!r}.")
+def check_count(name: str, value: int, least: int) -> int:
+    """An option as int; SceneError unless it is an integer of at least `least`."""
+    return checked_count(f"simulate: {name}", value, least, "an integer of at least")

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-import os
+import re
 from collections.abc import Iterable
 from pathlib import Path
+from xml.etree import ElementTree
 
 import meshio
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.model import Model
+from fem.room import free_space
+from semianalytic.errors import DataFileError
+from semianalytic.files import Seal, new_file, write_bytes
 from semianalytic.scene import Scene
 
 INDEX = "fields.pvd"
@@ -19,6 +23,8 @@ CELLS = {"P1": "triangle", "Q1": "quad", "Q2": "quad9"}
 
 MIRRORED = {"P1": [0, 2, 1], "Q1": [0, 3, 2, 1], "Q2": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 """Order of the nodes of an element that turns its mirror image counter-clockwise again."""
+
+_RUN = re.compile(rb"<!-- slipfront run ([0-9a-f]+) -->")
 
 
 class Snapshots:
@@ -34,16 +40,31 @@ class Snapshots:
     Parameters
     ----------
     directory : path
-        Made if it is not there; frames of the same number are replaced.
+        Made if it is not there.  Frames and index of another run are removed.
     model : Model
     scene : Scene
+    run : str
+        Identity of the run, which index and frames carry.
     frames : iterable of (time, name)
-        Frames of an interrupted run to go on from.
+        Frames of an interrupted run to go on from, as far as they are still there.
+    due : int
+        How many the interrupted run should have written.
+    reserve : int
+        Room that frames must leave on the disk for the histories [bytes].
 
     Attributes
     ----------
     frames : list of (time, name)
         What the index lists.
+    missing : str
+        Why frames are missing, as a sentence; empty as long as none are.
+    failed : bool
+        Whether one could not be written; no more are tried then.
+
+    Raises
+    ------
+    DataFileError
+        If the folder or its index cannot be written.
     """
 
     def __init__(
@@ -51,24 +72,64 @@ class Snapshots:
         directory: str | Path,
         model: Model,
         scene: Scene,
+        run: str,
         frames: Iterable[tuple[float, str]] = (),
+        due: int = 0,
+        reserve: int = 0,
     ) -> None:
-        self.directory = Path(directory)
-        self.directory.mkdir(parents=True, exist_ok=True)
+        self.directory, self.run, self.reserve = Path(directory), run, reserve
+        forget_other_frames(self.directory, run)
         self.model, self.scene = model, scene
         points, cells = both_blocks(model)
         self._points = np.pad(points.T, ((0, 0), (0, 1)))
         self._cells = [(CELLS[model.space.family.name], cells.T)]
-        self.frames = [(time, name) for time, name in frames if (self.directory / name).is_file()]
+        self.frames = [entry for entry in frames if frame_run(self.directory / entry[1]) == run]
+        self.missing, self.failed = "", False
+        if len(self.frames) < due:
+            self.missing = (
+                f"{due - len(self.frames)} of the {due} snapshots due before the interruption are "
+                f"not in {self.directory}."
+            )
         self._write_index()
 
-    def write(self, time: float) -> None:
-        """Add a frame at a time level whose kick is done and whose drift is not."""
+    def write(self, time: float, number: int) -> None:
+        """Add a frame at a time level whose kick is done and whose drift is not.
+
+        Parameters
+        ----------
+        time : float
+            [time].
+        number : int
+            Of the frame, from 1 on.
+        """
+        name = f"fields-{number:04d}.vtu"
+        path = self.directory / name
+        try:
+            with new_file(path, seal=Seal.XML) as part:
+                meshio.write(part, self._frame(), file_format="vtu")
+                with part.open("ab") as stream:
+                    stream.write(f"<!-- slipfront run {self.run} -->\n".encode())
+                if free_space(self.directory) < self.reserve:
+                    raise DataFileError(
+                        f"{path} would leave no room on the disk for the histories."
+                    )
+            self.frames.append((time, name))
+            self._write_index()
+        except DataFileError as error:
+            self.frames = [entry for entry in self.frames if entry[1] != name]
+            self.failed = True
+            path.unlink(missing_ok=True)
+            self.missing = (
+                f"{str(error).rstrip('.')}; snapshots from t = {time:.6g} on are missing."
+            )
+
+    def _frame(self) -> meshio.Mesh:
+        """The fields at a time level whose kick is done and whose drift is not."""
         bodies, step = self.model.bodies, self.model.time_step
         displacement = spread(self.model, [body.displacement for body in bodies])
         velocity = spread(self.model, [(b.before + b.increment) / (2 * step) for b in bodies])
         sxx, syy, sxy = self._stress(displacement)
-        frame = meshio.Mesh(
+        return meshio.Mesh(
             self._points,
             self._cells,
             point_data={
@@ -77,12 +138,6 @@ class Snapshots:
             },
             cell_data={"sigma_xx": [sxx], "sigma_yy": [syy], "sigma_xy": [sxy]},
         )
-        name = f"fields-{len(self.frames) + 1:04d}.vtu"
-        part = self.directory / f"{name}.part"
-        meshio.write(part, frame, file_format="vtu")
-        os.replace(part, self.directory / name)
-        self.frames.append((time, name))
-        self._write_index()
 
     def _stress(self, displacement: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         materials, base = self.model.materials, self.scene.base
@@ -118,13 +173,78 @@ class Snapshots:
             f'    <DataSet timestep="{time!r}" part="0" file="{name}"/>\n'
             for time, name in self.frames
         )
-        part = self.directory / f"{INDEX}.part"
-        part.write_text(
+        text = (
             '<?xml version="1.0"?>\n'
             '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
-            f"  <Collection>\n{entries}  </Collection>\n</VTKFile>\n"
+            f'  <Collection run="{self.run}">\n'
+            f"{entries}  </Collection>\n</VTKFile>\n"
         )
-        os.replace(part, self.directory / INDEX)
+        write_bytes(self.directory / INDEX, text.encode(), Seal.XML)
+
+
+def frame_run(path: Path) -> str | None:
+    """Identity of the run that wrote a frame; None if there is no such frame, or none known.
+
+    Parameters
+    ----------
+    path : Path
+    """
+    try:
+        with path.open("rb") as stream:
+            stream.seek(max(stream.seek(0, 2) - 400, 0))
+            found = _RUN.findall(stream.read())
+    except OSError:
+        return None
+    return found[-1].decode() if found else None
+
+
+def index_run(directory: Path) -> str | None:
+    """Identity of the run that wrote the index of a folder; None if it is not known."""
+    try:
+        collection = ElementTree.parse(directory / INDEX).getroot().find("Collection")
+    except (OSError, ElementTree.ParseError):
+        return None
+    return None if collection is None else collection.get("run")
+
+
+def _listed(directory: Path) -> list[str]:
+    """Names of the frames that the index of a folder lists; none if there is none."""
+    try:
+        entries = ElementTree.parse(directory / INDEX).getroot().iter("DataSet")
+        return [entry.get("file", "") for entry in entries]
+    except (OSError, ElementTree.ParseError):
+        return []
+
+
+def forget_other_frames(directory: Path, run: str) -> None:
+    """Remove index and frames of other runs from a folder of snapshots, and nothing else.
+
+    Parameters
+    ----------
+    directory : Path
+        Need not be there.
+    run : str
+        Whose frames stay.
+
+    Raises
+    ------
+    DataFileError
+        If they cannot be removed.
+    """
+    listed = _listed(directory)
+    try:
+        for path in sorted(directory.glob("fields-*.vtu")):
+            owner = frame_run(path)
+            if owner != run and (owner is not None or path.name in listed):
+                path.unlink(missing_ok=True)
+        owner = index_run(directory)
+        if owner != run and (owner is not None or listed):
+            (directory / INDEX).unlink(missing_ok=True)
+    except OSError as error:
+        raise DataFileError(
+            f"the snapshots of another run in {directory} cannot be removed ({error.strerror}); "
+            "choose another folder."
+        ) from error
 
 
 def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import signal
+import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from meshes.blocks import GROWTH, Blocks
 from semianalytic.errors import MissingLibraryError
+from semianalytic.files import Seal, new_file
 
 APT_PACKAGES = (
     "libglu1-mesa libgl1 libxrender1 libxcursor1 libxfixes3 libxext6 libxft2 libfontconfig1 "
     "libxinerama1 libx11-6 libgomp1"
 )
 """Debian packages of the shared libraries that libgmsh is linked against."""
+
+LAST_LINE = b"$EndElements\n"
+"""Of a mesh file that gmsh could write to its end."""
 
 
 def build_mesh(blocks: Blocks, path: str | Path) -> None:
@@ -34,24 +41,47 @@ def build_mesh(blocks: Blocks, path: str | Path) -> None:
     ------
     MissingLibraryError
         If gmsh cannot be loaded because a system library is missing.
-    OSError
-        If the folder cannot be written.
+    DataFileError
+        If the file cannot be written.
     """
-    path = Path(path)
-    part = path.with_name(f".{path.stem}.{os.getpid()}.msh")
-    part.touch()  # a folder that cannot be written is found out at once
-    try:
-        with _gmsh_model() as gmsh:
-            for block in blocks.names:
-                _add_block(gmsh, blocks, block)
-            gmsh.option.setNumber("Mesh.Algorithm", 6)  # frontal Delaunay, for triangles
-            gmsh.model.mesh.generate(2)
-            gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
-            gmsh.option.setNumber("Mesh.Binary", 1)
-            gmsh.write(str(part))
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+    with new_mesh_file(blocks, path) as part:
+        write_mesh(blocks, part)
+
+
+def new_mesh_file(blocks: Blocks, path: str | Path) -> AbstractContextManager[Path]:
+    """A sealed file for the mesh of these blocks, as `semianalytic.files.new_file`."""
+    return new_file(path, _size(blocks), Seal.MSH, suffix=".msh")
+
+
+def write_mesh(blocks: Blocks, part: Path) -> None:
+    """Mesh the blocks into a file that is there.
+
+    Raises
+    ------
+    MissingLibraryError
+        If gmsh cannot be loaded because a system library is missing.
+    OSError
+        If the file cannot be written.
+    """
+    with _gmsh_model() as gmsh:
+        for block in blocks.names:
+            _add_block(gmsh, blocks, block)
+        gmsh.option.setNumber("Mesh.Algorithm", 6)  # frontal Delaunay, for triangles
+        gmsh.model.mesh.generate(2)
+        gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+        gmsh.option.setNumber("Mesh.Binary", 1)
+        part.stat()  # a folder that has gone meanwhile is found out here
+        gmsh.write(str(part))
+    # gmsh goes on without a word when the disk is full
+    with part.open("rb") as stream:
+        stream.seek(-min(len(LAST_LINE), stream.seek(0, os.SEEK_END)), os.SEEK_END)
+        if stream.read() != LAST_LINE:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def _size(blocks: Blocks) -> int:
+    """About how large the file of a mesh gets [bytes]: nodes of 32 and elements of 40."""
+    return 32 * blocks.nodes + 40 * blocks.elements
 
 
 def _add_block(gmsh: Any, blocks: Blocks, block: str) -> None:
@@ -88,6 +118,21 @@ def _add_block(gmsh: Any, blocks: Blocks, block: str) -> None:
 
 
 @contextmanager
+def _signals_kept() -> Iterator[None]:
+    """Put back what is done on signals, SIGTERM and SIGPIPE among them, which gmsh forgets.
+
+    Only the main thread can; elsewhere it is left to gmsh.
+    """
+    before = {number: signal.getsignal(number) for number in signal.valid_signals()}
+    yield
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for number, done in before.items():
+        if done is not None and done is not signal.SIG_DFL:
+            signal.signal(number, done)
+
+
+@contextmanager
 def _gmsh_model() -> Iterator[Any]:
     """An empty gmsh model; gmsh is silent and leaves Ctrl-C and its configuration alone."""
     try:
@@ -100,7 +145,8 @@ def _gmsh_model() -> Iterator[Any]:
 
     ours = not gmsh.isInitialized()
     if ours:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
+        with _signals_kept():
+            gmsh.initialize(readConfigFiles=False, interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.model.add("slipfront")
     try:

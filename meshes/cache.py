@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 
@@ -11,9 +12,10 @@ from platformdirs import user_cache_dir
 from skfem import MeshQuad, MeshTri
 
 from meshes.blocks import Blocks
-from meshes.build import build_mesh
+from meshes.build import new_mesh_file, write_mesh
 from meshes.read import read_mesh
 from semianalytic.errors import DataFileError
+from semianalytic.files import check_seal
 
 FORMAT = "slipfront blocks 2"
 
@@ -52,16 +54,17 @@ def cached_mesh(blocks: Blocks) -> MeshQuad | MeshTri:
     """
     path = cache_path(blocks)
     if path.is_file():
-        try:
+        # what is damaged is replaced
+        with suppress(DataFileError, OSError, ValueError):
+            check_seal(path)
             return read_mesh(path, blocks)
-        except DataFileError:
-            path.unlink(missing_ok=True)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        build_mesh(blocks, path)
-    except OSError as error:
+        with new_mesh_file(blocks, path) as part:
+            write_mesh(blocks, part)
+            mesh = read_mesh(part, blocks)
+    except DataFileError as error:
         raise DataFileError(
-            f"the mesh cache {path.parent} cannot be written ({error}); "
-            "set SLIPFRONT_CACHE to a folder of your own."
+            f"the mesh cache {path.parent} cannot be used ({str(error).rstrip('.')}); "
+            "set SLIPFRONT_CACHE to a folder of your own with room for it."
         ) from error
-    return read_mesh(path, blocks)
+    return mesh

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from semianalytic.coulomb import admissible
-from semianalytic.edges import NUDGE, Edges, broyden, moves
+from semianalytic.edges import Edges, broyden, moves
 from semianalytic.profile import Profile
 from semianalytic.rayleigh import Array
 from semianalytic.rules import Rule, rule_for
@@ -106,12 +106,13 @@ def _chosen(load: Load, which: np.ndarray) -> Load:
 def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, Array]:
     """Inverse Jacobians (k, e, e) and mismatches (e, k) at unknowns (e, k); NaN if singular."""
     size, count = unknowns.shape
-    nudges = np.concatenate([np.zeros((size, 1)), NUDGE * np.eye(size)], axis=1)
-    neighbours = unknowns[:, :, None] + nudges[:, None, :]
+    nudges = edges.nudges(unknowns)
+    neighbours = np.repeat(unknowns[:, :, None], size + 1, axis=2)
+    neighbours[np.arange(size), :, np.arange(1, size + 1)] += nudges
     repeated = _chosen(load, np.repeat(np.arange(count), size + 1))
     values = edges.mismatch(neighbours.reshape(size, -1), repeated, rule)
     values = values.reshape(neighbours.shape)
-    jacobian = np.moveaxis(values[..., 1:] - values[..., :1], 0, 1) / NUDGE
+    jacobian = np.moveaxis(values[..., 1:] - values[..., :1], 0, 1) / nudges.T[:, None, :]
     try:
         inverse = np.asarray(np.linalg.inv(jacobian))
     except np.linalg.LinAlgError:

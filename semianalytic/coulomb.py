@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -14,7 +15,11 @@ from semianalytic.rayleigh import Array, CutPoints
 from semianalytic.zones import Load, ZoneFields, per_set
 
 _APART = (False, False)
-_NARROWEST_GAP = 1e-14  # a stick gap around c_R narrower than x/t can resolve is left out
+NARROWEST_GAP = 1e-14  # a stick gap around c_R narrower than x/t can resolve is left out
+
+ELSEWHERE = 0.3  # slip rate over the traction that exceeds friction, 0.1 was seen
+_LEAST_IMPEDANCE = 1e-3  # times that, over rho c_t; at the longitudinal front for nu near 0
+_NARROW = 0.1  # gap over slowness between zones that may have met
 
 
 @dataclass(frozen=True)
@@ -33,10 +38,16 @@ class Violation:
 
 
 def largest_excess(profile: Profile) -> Array:
-    """Largest traction over friction where it sticks, as `violations` see it, 0 or more; () or
-    (k,)."""
-    stick = profile.wrong_at_nodes[profile.panels.layout.stick]
-    return np.asarray(stick.max(axis=(0, -1), initial=0.0))
+    """Largest traction over friction on stick, as `violations` see it, 0 or more; () or (k,).
+
+    Ahead of the shear front as much more as there slips more than elsewhere: by the impedance.
+    """
+    panels, layout = profile.panels, profile.panels.layout
+    excess = profile.wrong_at_nodes[layout.stick]
+    ahead = layout.stick_ahead
+    real, imag = profile.fields.factors.impedance_ahead(panels.at[ahead])
+    excess[: len(ahead)] /= np.clip(ELSEWHERE * np.hypot(real, imag), _LEAST_IMPEDANCE, 1.0)
+    return np.asarray(excess.max(axis=(0, -1), initial=0.0))
 
 
 def _misses(profile: Profile, tolerance: float) -> Array:
@@ -62,13 +73,13 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
     for inward, outward in zip(profile.fields.zones[1:], profile.fields.zones[:-1], strict=True):
         if inward.left is not None and outward.right is not None:
             width = inward.left.minus(outward.right)[..., 0]
-            sound &= (width > 4 * _NARROWEST_GAP) | (inward.left.from_c.flat[0] < 0)
+            sound &= (width > 4 * NARROWEST_GAP) | (inward.left.from_c.flat[0] < 0)
     if not profile.edge_slips:
         sound &= _excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
     if (pole := panels.layout.pole) >= 0:
         reverses = panels.sense[pole] * profile.residues(pole) > 0
         if reverses.any():
-            sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= _NARROWEST_GAP)
+            sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= NARROWEST_GAP)
     for j in np.flatnonzero(sound & doubtful(profile).any(axis=(0, -1))):
         sound[j] = not hidden(_one_of(profile, int(j)), tolerance)
     return sound
@@ -121,7 +132,7 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
             found.append(Violation(-1, int(np.sign(profile.edge_intensity)), begin, None, *_APART))
         if pole in region and not wrong.any() and sense * profile.residue(pole) > 0:
             width = float(reversal_at_rayleigh_front(profile, pole))
-            if width > _NARROWEST_GAP:
+            if width > NARROWEST_GAP:
                 ends = profile.fields.factors.beside("c", [-width, width])
                 found.append(Violation(zone, sense, ends[[0]], ends[[1]], *_APART))
     return found or _hidden_violations(profile, tolerance)
@@ -212,6 +223,26 @@ def across_shear_front(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | N
         for p, stopped in zip(points, at_front, strict=True)
     ]
     return place_edges(factors, edges.senses, edges.open_ends, moved)
+
+
+def joined(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | None:
+    """The zones with those two made one that slip alike on both sides of the narrowest stick gap;
+    None if no gap off c is narrow.
+
+    Newton's method closes a gap where the zones have just met.
+    """
+    zones, gaps = edges.zones(unknowns), {}
+    for i, (outer, inner) in enumerate(pairwise(zones)):
+        if outer.sense == inner.sense and outer.right is not None and inner.left is not None:
+            off_c = bool(outer.right.from_c[0] * inner.left.from_c[0] > 0)
+            width = float(inner.left.minus(outer.right)[0] / outer.right.v[0])
+            if off_c and width < _NARROW:
+                gaps[i] = width
+    if not gaps:
+        return None
+    i = min(gaps, key=lambda i: gaps[i])
+    one = replace(zones[i], right=zones[i + 1].right)
+    return edges_of(edges.factors, [*zones[:i], one, *zones[i + 2 :]])
 
 
 def without_vanished(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | None:

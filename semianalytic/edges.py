@@ -19,7 +19,8 @@ _MOST_STEPS = 40
 _LONGEST_MOVE = 1.5
 FARTHEST = 300.0  # unknowns beyond put an edge on a wave front or at the contact edge
 NUDGE = 1e-6
-_LEAST_WIDTH = 1e-10  # in slowness; a narrower zone slips less than rounding shows
+_ROUNDING, _LONGEST_NUDGE = 1e-13, 0.3
+_LEAST_WIDTH = 1e-10  # over the distance from a front; of a narrower zone rounding leaves little
 
 
 @dataclass(frozen=True)
@@ -58,16 +59,28 @@ class Edges:
     def parts(self, unknowns: Array) -> Array:
         """Slowness of the edges and their distances from a, b and c, as in `CutPoints`.
 
-        The unknown is a logit in a bounded segment, a logarithm beyond c.  (4, e) or (4, e, k) for
-        `unknowns` (e,) or (e, k).
+        The unknown is a logit in a bounded segment, a logarithm beyond c; that of an edge which
+        closes a stick gap within a segment counts from the edge that opens the gap, so that gaps
+        may be as narrow as they like.  (4, e) or (4, e, k) for `unknowns` (e,) or (e, k).
         """
         axes = (...,) + (None,) * (unknowns.ndim - 1)
         shift, width, bend = (part[axes] for part in self._segments)
         size = np.exp(unknowns)
         parts = np.asarray(shift + width * size / (1 + bend * size))
-        for edge in self._bounded:
-            parts[2 + self.segments[edge], edge] = -width[edge] / (1 + size[edge])
+        for edge, (segment, behind_gap) in enumerate(zip(self.segments, self._gaps, strict=True)):
+            rest = width[edge]
+            if behind_gap:
+                rest = np.abs(parts[_far_front(segment), edge - 1])
+                gap = rest * size[edge] / (1 + bend[edge] * size[edge])
+                parts[:, edge] = parts[:, edge - 1] + gap
+            if segment < 2:
+                parts[2 + segment, edge] = -rest / (1 + size[edge])
         return parts
+
+    @cached_property
+    def _gaps(self) -> tuple[bool, ...]:
+        """Per edge, whether it closes a stick gap that lies within its segment."""
+        return _closing_gaps(self.segments, self.open_ends[0])
 
     def points(self, unknowns: Array) -> list[CutPoints]:
         """Edges in slowness; `unknowns` (e,) give points of shape (1,), (e, k) give (k, 1)."""
@@ -94,8 +107,24 @@ class Edges:
         opens = self.open_ends[0]
         for index, (p, q) in enumerate(pairwise(self.points(np.where(near, unknowns, 0.0)))):
             inside = (index % 2 == 0) != opens  # between the edges of one zone
-            near &= q.minus(p)[..., 0] > (_LEAST_WIDTH if inside else 0.0)
+            least = _LEAST_WIDTH * np.abs(p.parts[p.nearest]) if inside else np.zeros(1)
+            near &= (q.minus(p) > least)[..., 0]
         return near
+
+    def nudges(self, unknowns: Array) -> Array:
+        """Changes of the unknowns, (e,) or (e, k), that show how the mismatch depends on them.
+
+        A narrow stick gap is the difference of two distances from a front: a nudge has to change
+        it by more than their rounding.
+        """
+        result = np.full(unknowns.shape, NUDGE)
+        points = self.points(unknowns)
+        for edge in np.flatnonzero(self._gaps):
+            outward = points[edge - 1]
+            gap = points[edge].minus(outward)[..., 0]
+            rounding = _ROUNDING * np.abs(outward.parts[outward.nearest])[..., 0]
+            result[edge] = np.clip(rounding / gap, NUDGE, _LONGEST_NUDGE)
+        return result
 
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
         """What the edges leave unfulfilled, (e,) or (e, k) as `unknowns`."""
@@ -109,19 +138,34 @@ def place_edges(
     points: list[CutPoints],
 ) -> tuple[Edges, Array]:
     """Edges and unknowns from points (1,) on the cut."""
-    segments, unknowns = [], []
-    for p in points:
-        _, from_a, from_b, from_c = p.parts[:, 0]
-        if from_c > 0:
-            segments.append(2)
-            unknowns.append(np.log(from_c))
-        elif from_b > 0:
-            segments.append(1)
-            unknowns.append(np.log(from_b) - np.log(-from_c))
-        else:
-            segments.append(0)
-            unknowns.append(np.log(from_a) - np.log(-from_b))
-    return Edges(factors, senses, open_ends, tuple(segments)), np.array(unknowns, dtype=float)
+    segments = tuple(int(p.parts[3, 0] > 0) + int(p.parts[2, 0] > 0) for p in points)
+    unknowns = np.empty(len(points))
+    for edge, behind_gap in enumerate(_closing_gaps(segments, open_ends[0])):
+        p, segment = points[edge], segments[edge]
+        start, end = p.parts[1 + segment], p.parts[_far_front(segment)]
+        if behind_gap:
+            start = p.minus(points[edge - 1])
+        size = start / -end if segment < 2 else start
+        if behind_gap and segment == 2:
+            size = start / points[edge - 1].from_c
+        unknowns[edge] = np.log(size[0])
+    return Edges(factors, senses, open_ends, segments), unknowns
+
+
+def _far_front(segment: int) -> int:
+    """The front, as a part of `CutPoints`, that bounds a segment inward, or c beyond it."""
+    return min(2 + segment, 3)
+
+
+def _closing_gaps(segments: Sequence[int], opens: bool) -> tuple[bool, ...]:
+    """Per edge, whether it closes a stick gap that lies within its segment.
+
+    `opens`: the first zone starts ahead of all waves, so that the first edge ends it.
+    """
+    return tuple(
+        edge > 0 and (edge % 2 == 0) != opens and segments[edge] == segments[edge - 1]
+        for edge in range(len(segments))
+    )
 
 
 def edges_of(factors: RayleighFactors, zones: Sequence[Zone]) -> tuple[Edges, Array]:
@@ -180,6 +224,7 @@ def broyden(inverse: Array, move: Array, change: Array) -> Array:
     return np.asarray(inverse + (move - image).T[..., :, None] * rows.T[..., None, :])
 
 
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")  # edges moved onto a front
 def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     """Largest shift of edges over the lesser of themselves and c_t, () or (k,).
 
@@ -215,11 +260,12 @@ def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: 
     """
     unknowns, size = start, len(start)
     inverse: Array = np.zeros((size, size))
-    nudges = np.concatenate([np.zeros((size, 1)), NUDGE * np.eye(size)], axis=1)
     for step in range(1, _MOST_STEPS + 1):
-        values = edges.mismatch(unknowns[:, None] + nudges, load, rule)
+        nudges = edges.nudges(unknowns)
+        beside = np.concatenate([np.zeros((size, 1)), np.diag(nudges)], axis=1)
+        values = edges.mismatch(unknowns[:, None] + beside, load, rule)
         try:
-            inverse = np.asarray(np.linalg.inv((values[:, 1:] - values[:, :1]) / NUDGE))
+            inverse = np.asarray(np.linalg.inv((values[:, 1:] - values[:, :1]) / nudges))
         except np.linalg.LinAlgError:
             return Located(unknowns, False, inverse, step)
         move = -inverse @ values[:, 0]

@@ -32,7 +32,7 @@ _SHORTEST = 0.1
 """Smallest distance of samples to the branch points, over 1 / horizon."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Memory:
     """h(x) = static + Re sum residues exp(poles x), for 0 <= x <= horizon.
 

@@ -6,25 +6,27 @@ only the space-time solver and the finite elements know them.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.errors import SceneError
+from semianalytic.checks import checked_number, checked_size
 
 Array = NDArray[np.float64]
 
 
-def _check(owner: str, reduction: float, scale_name: str, scale: float) -> None:
-    for name, value in (("reduction", reduction), (scale_name, scale)):
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise SceneError(f"{owner}: {name} must be a number, got {value!r}.")
-    if not 0 <= reduction <= 1:
-        raise SceneError(f"{owner}: reduction must lie between 0 and 1, got {reduction}.")
-    if not (scale > 0 and math.isfinite(scale)):
-        raise SceneError(f"{owner}: {scale_name} must be positive and finite, got {scale}.")
+def _check(owner: str, law: RateWeakening | SlipWeakening, scale_name: str) -> None:
+    """Keep the parameters of a law as floats; raise a SceneError if one is out of range."""
+    reduction = checked_number(
+        f"{owner}: reduction",
+        law.reduction,
+        "be a number between 0 and 1",
+        lambda given: 0 <= given <= 1,
+    )
+    object.__setattr__(law, "reduction", reduction)
+    scale = checked_size(f"{owner}: {scale_name}", getattr(law, scale_name))
+    object.__setattr__(law, scale_name, scale)
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class RateWeakening:
     rate: float
 
     def __post_init__(self) -> None:
-        _check("rate weakening", self.reduction, "rate", self.rate)
+        _check("rate weakening", self, "rate")
 
     def factor(self, slip_rate: ArrayLike, path: ArrayLike) -> Array:
         """Friction over the scene's coefficient; parameters as `CoulombFriction.factor`."""
@@ -93,7 +95,7 @@ class SlipWeakening:
     distance: float
 
     def __post_init__(self) -> None:
-        _check("slip weakening", self.reduction, "distance", self.distance)
+        _check("slip weakening", self, "distance")
 
     def factor(self, slip_rate: ArrayLike, path: ArrayLike) -> Array:
         """Friction over the scene's coefficient; parameters as `CoulombFriction.factor`."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,15 +16,29 @@ from semianalytic.stuck import stuck_traction
 Array = NDArray[np.float64]
 
 _ROWS = 64
-_WAVE_SAMPLES = 2
+_TABLE_SAMPLES = 2
+_EXACT_KINKS = 4
+_BLOCK = 1 << 16
+_TABLE_BYTES = 8
+
+
+def table_bytes(scene: Scene, count: int, steps: float) -> float:
+    """What `GridPressure` keeps for `count` nodes and a number of time steps [bytes]."""
+    return _TABLE_SAMPLES * steps * count * _TABLE_BYTES if _needs_table(scene) else 0.0
+
+
+def _needs_table(scene: Scene) -> bool:
+    pieces = scene.pressure_history.pieces
+    return bool(scene.step.pressure and (pieces.waves or len(pieces.kinks) > _EXACT_KINKS))
 
 
 class GridPressure:
     """Pressure at grid nodes, with the grid's own edge (see `edge_factors`).
 
-    Jumps and kinks of the history are exact: p* and its primitive in slowness.  Waves are replaced
-    by their interpolant on half time steps, and convolved with the primitive by FFT; that table
-    takes 16 bytes per node and step.
+    Jumps of the history are exact, and so are kinks if they are few: p* and its primitive in
+    slowness.  Waves, and the kinks of tables, are replaced by what is linear between half time
+    steps: waves by their interpolant, each kink by two beside it with its sum and moment.  That is
+    convolved with the primitive by FFT; the table takes 16 bytes per node and step.
 
     Parameters
     ----------
@@ -50,49 +66,84 @@ class GridPressure:
         self._stuck, self._primitive = stuck_traction(nu, "I"), stuck_primitive(nu, "I")
         self._base = np.full(count, float(scene.base.pressure))
         self._table = np.zeros((0, count))
-        if self._pieces.waves:
-            self._rows = _WAVE_SAMPLES * int(np.ceil(end_time / time_step))
+        self._kinks = self._pieces.kinks
+        if _needs_table(scene):
+            self._kinks = self._kinks if len(self._kinks) <= _EXACT_KINKS else ()
+            self._rows = _TABLE_SAMPLES * int(np.ceil(end_time / time_step))
             self._interval = end_time / self._rows
-            self._table = self._wave_table(count)
+            self._table = self._response_table(count)
 
     def __call__(self, t: float) -> Array:
         """Pressure at time t, (n,) [stress], compressive positive."""
+        return next(self.over(np.array([t])))
+
+    def over(self, times: Array) -> Iterator[Array]:
+        """Pressure at one time after the other, (n,) each [stress]."""
+        rows = max(1, _BLOCK // len(self._x))
+        for first in range(0, len(times), rows):
+            yield from self._block(times[first : first + rows])
+
+    def _block(self, times: Array) -> Iterator[Array]:
         scene = self._scene
         if scene.step.pressure == 0:
-            return self._base
-        response = np.zeros(len(self._x))
-        for start, height in self._pieces.jumps:
-            reached = self._reached(t - start)
-            response[reached] += height * self._stuck((t - start) / self._per[reached])
-        for start, slope in self._pieces.kinks:
-            reached = self._reached(t - start)
-            per = self._per[reached]
-            response[reached] += slope * per * self._primitive((t - start) / per)
+            yield from (self._base for _ in times)
+            return
+        response = np.zeros((len(times), len(self._x)))
+        self._add(response, times, self._pieces.jumps, lambda u, per: self._stuck(u))
+        self._add(response, times, self._kinks, lambda u, per: per * self._primitive(u))
         if len(self._table):
-            at = t / self._interval
-            low = min(int(at), self._rows - 1)
-            response += self._table[low] + (at - low) * (self._table[low + 1] - self._table[low])
+            at = times / self._interval
+            low = np.minimum(at.astype(int), self._rows - 1)
+            step = self._table[low + 1] - self._table[low]
+            response += self._table[low] + (at - low)[:, None] * step
         # what is singular at the edge is the response together with the load itself
-        load = float(scene.pressure_history.value(t))
-        return self._base + scene.step.pressure * ((response + load) * self._factor - load)
+        load = scene.pressure_history.value(times)[:, None]
+        yield from self._base + scene.step.pressure * ((response + load) * self._factor - load)
 
-    def _reached(self, lag: float) -> slice:
-        return slice(0, int(np.searchsorted(self._arrival, lag)))
+    def _add(
+        self,
+        response: Array,
+        times: Array,
+        pieces: tuple[tuple[float, float], ...],
+        unit: Callable[[Array, Array], Array],
+    ) -> None:
+        """Add to (m, n) responses those to jumps or kinks, of which `unit` is one of height 1."""
+        for start, amplitude in pieces:
+            lag = times - start
+            reached = lag[:, None] > self._arrival
+            if reached.any():
+                per = np.broadcast_to(self._per, reached.shape)[reached]
+                u = np.broadcast_to(lag[:, None], reached.shape)[reached] / per
+                response[reached] += amplitude * unit(u, per)
 
-    def _wave_table(self, count: int) -> Array:
-        """Response to the waves, (rows + 1, n): kinks of their interpolant times the primitive."""
+    def _response_table(self, count: int) -> Array:
+        """Response to waves and many kinks, (rows + 1, n)."""
         from scipy.fft import irfft, next_fast_len, rfft
 
-        t = self._interval * np.arange(self._rows + 1)
-        samples = np.sum([wave.value(t) for wave in self._pieces.waves], axis=0)
-        kinks = np.diff(samples, prepend=0.0, append=samples[-1])[1:] / self._interval
-        kinks[1:] -= kinks[:-1].copy()
+        t: Array = self._interval * np.arange(self._rows + 1, dtype=float)
+        kinks = self._grid_kinks(t)
         size = next_fast_len(2 * len(t), real=True)
         transform = rfft(kinks, size)
         table = np.empty((len(t), count))
         for first in range(0, count, _ROWS):
             per = self._per[first : first + _ROWS, None]
-            ramps = per * self._primitive(t / per)
+            ramps = np.zeros((len(per), len(t)))
+            reached = t > self._arrival[first : first + _ROWS, None]
+            u = (t / per)[reached]
+            ramps[reached] = np.broadcast_to(per, reached.shape)[reached] * self._primitive(u)
             full = irfft(transform * rfft(ramps, size, axis=1), size, axis=1)
             table[:, first : first + _ROWS] = full[:, : len(t)].T
         return table
+
+    def _grid_kinks(self, t: Array) -> Array:
+        """Changes of slope at the table's times that stand for waves and kinks, (rows + 1,)."""
+        samples = np.sum([wave.value(t) for wave in self._pieces.waves], axis=0) + 0 * t
+        kinks = np.diff(samples, prepend=0.0, append=samples[-1])[1:] / self._interval
+        kinks[1:] -= kinks[:-1].copy()
+        if not self._kinks:
+            at, slope = np.array(self._pieces.kinks).reshape(-1, 2).T
+            at, slope = at[at < t[-1]] / self._interval, slope[at < t[-1]]
+            low = np.minimum(at.astype(int), self._rows - 1)
+            np.add.at(kinks, low, slope * (low + 1 - at))
+            np.add.at(kinks, low + 1, slope * (at - low))
+        return kinks

@@ -48,7 +48,7 @@ def _superposed(pieces: tuple[tuple[float, float], ...], response: Response, t: 
     return total
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StuckHistory:
     """Stuck traction at positions and times [stress], and an estimate of its largest error.
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -13,26 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.errors import DataFileError, MissingLibraryError
+from semianalytic.files import sealed_hdf5, whole_hdf5
 
 FORMAT = "slipfront interface history 1"
 
 
-@contextmanager
-def whole_hdf5(path: str | Path) -> Iterator[Any]:
-    """A new HDF5 file to fill, which appears under its name only when it is complete."""
-    import h5py
-
-    path = Path(path)
-    part = path.with_name(f".{path.name}.part")
-    try:
-        with h5py.File(part, "w") as file:
-            yield file
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class InterfaceHistory:
     """What happens on the contact x > 0, sampled at positions x and times t.
 
@@ -98,10 +81,8 @@ class InterfaceHistory:
         DataFileError
             If the file is missing, damaged or not an interface history.
         """
-        import h5py
-
         try:
-            with h5py.File(path, "r") as file:
+            with sealed_hdf5(path) as file:
                 if file.attrs.get("format") != FORMAT:
                     raise DataFileError(
                         f"{path} is not a slipfront interface history; "

@@ -42,7 +42,7 @@ _ORDER = 12
 _MOST_PANELS = 16
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class KernelTerms:
     """The two terms of a kernel, the one with (b^2 - 2 u^2)^2 and the one with 4 u^2.
 
@@ -163,7 +163,7 @@ class SlipHistory:
     acceleration: Field
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class InterfaceTraction:
     """Traction at positions and times [stress] and an estimate of its largest error."""
 

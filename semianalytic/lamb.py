@@ -100,7 +100,7 @@ def rayleigh_pulse(material: Material) -> float:
     return _pulse(rayleigh_factors(material.poisson_ratio)) / material.shear_modulus
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LambFunction:
     """One of G_ij at positions and times [1 / (stress time)].
 
@@ -149,7 +149,7 @@ def lamb_functions(material: Material, x: ArrayLike, t: ArrayLike) -> dict[str, 
     }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SurfaceDisplacement:
     """Displacement of the surface of y > 0 [length] and an estimate of its largest error."""
 

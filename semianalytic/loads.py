@@ -7,6 +7,7 @@ worked out by the solvers.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -14,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from semianalytic.checks import LARGEST, checked_number, checked_size, finite, shown
 from semianalytic.errors import SceneError
 
 Array = NDArray[np.float64]
@@ -82,15 +84,22 @@ class Pieces(NamedTuple):
         return tuple(sorted(set(starts)))
 
 
-def _check(owner: str, name: str, value: float, *, zero: bool = False) -> None:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not (number and math.isfinite(value) and (value > 0 or (zero and value == 0))):
-        wanted = "a number, 0 or more" if zero else "a positive number"
-        raise SceneError(f"{owner}: {name} must be {wanted}, got {value!r}.")
-
-
 class _Summed:
     """What all histories share: f is the sum of its pieces."""
+
+    def turn(self, width: float, until: float) -> float:
+        """How far f goes up and down again (or down and up) within `width`, over its largest value.
+
+        0 where it only rises or falls: jumps are no turns.  What a march has to resolve.
+
+        Parameters
+        ----------
+        width : float
+            [time].
+        until : float
+            Time up to which f matters [time].
+        """
+        raise NotImplementedError
 
     @cached_property
     def pieces(self) -> Pieces:
@@ -119,6 +128,10 @@ class Step(_Summed):
         """One jump."""
         return Pieces(jumps=((0.0, 1.0),))
 
+    def turn(self, width: float, until: float) -> float:
+        """0: it stays."""
+        return 0.0
+
 
 @dataclass(frozen=True)
 class Ramp(_Summed):
@@ -133,7 +146,10 @@ class Ramp(_Summed):
     rise_time: float
 
     def __post_init__(self) -> None:
-        _check("ramp", "rise_time", self.rise_time, zero=True)
+        rise_time = checked_number(
+            "ramp: rise_time", self.rise_time, "be a number, 0 or more", lambda given: given >= 0
+        )
+        object.__setattr__(self, "rise_time", rise_time)
 
     @property
     def _sudden(self) -> bool:
@@ -161,6 +177,10 @@ class Ramp(_Summed):
         rising = np.minimum(t, self.rise_time)
         return rising * (rising / self.rise_time) / 2 + (t - rising)
 
+    def turn(self, width: float, until: float) -> float:
+        """0: it only rises."""
+        return 0.0
+
 
 @dataclass(frozen=True)
 class Pulse(_Summed):
@@ -182,10 +202,11 @@ class Pulse(_Summed):
     shape: str = "rectangle"
 
     def __post_init__(self) -> None:
-        _check("pulse", "duration", self.duration)
-        if self.shape not in PULSE_SHAPES:
+        duration = checked_size("pulse: duration", self.duration, "be a positive number")
+        object.__setattr__(self, "duration", duration)
+        if not isinstance(self.shape, str) or self.shape not in PULSE_SHAPES:
             raise SceneError(
-                f"pulse: shape must be one of {', '.join(PULSE_SHAPES)}, got {self.shape!r}."
+                f"pulse: shape must be one of {', '.join(PULSE_SHAPES)}, got {shown(self.shape)}."
             )
 
     @cached_property
@@ -202,6 +223,20 @@ class Pulse(_Summed):
             return Pieces(waves=(Wave(0.0, 1.0, per, False), Wave(end, 1.0, per, False)))
         return Pieces(waves=(Wave(0.0, 0.5, 1 / end, True), Wave(end, -0.5, 1 / end, True)))
 
+    def turn(self, width: float, until: float) -> float:
+        """Around its middle; a rectangle turns where it is no longer than `width`."""
+        share = min(width / self.duration, 1.0)
+        if self.shape == "rectangle":
+            return float(share == 1 and self.duration < until)
+        if until <= self.duration / 2:
+            return 0.0
+        if self.shape == "triangle":
+            return share
+        angle = np.pi * share
+        return float(
+            (1 - np.cos(angle)) / 2 if self.shape == "haversine" else 1 - np.cos(angle / 2)
+        )
+
 
 @dataclass(frozen=True)
 class Harmonic(_Summed):
@@ -216,12 +251,37 @@ class Harmonic(_Summed):
     frequency: float
 
     def __post_init__(self) -> None:
-        _check("harmonic", "frequency", self.frequency)
+        frequency = checked_size("harmonic: frequency", self.frequency, "be a positive number")
+        object.__setattr__(self, "frequency", frequency)
 
     @cached_property
     def pieces(self) -> Pieces:
         """One wave."""
         return Pieces(waves=(Wave(0.0, 1.0, float(self.frequency), False),))
+
+    def turn(self, width: float, until: float) -> float:
+        """Around its crests."""
+        if until * self.frequency <= 0.25:
+            return 0.0
+        return float(1 - np.cos(np.pi * min(width * self.frequency, 1.0)))
+
+
+def _samples(given: Iterable[float]) -> Array:
+    """Samples of a table (n,); SceneError unless all are finite numbers."""
+    try:
+        listed = list(given)
+    except TypeError as error:
+        raise SceneError("tabulated: times and values must be lists of numbers.") from error
+    numbers = [finite(value) for value in listed]
+    if None in numbers:
+        value = listed[numbers.index(None)]
+        raise SceneError(
+            f"tabulated: times and values must be lists of numbers, all finite, got {shown(value)}."
+        )
+    samples = np.array(numbers, dtype=float)
+    if np.any(np.abs(samples) > LARGEST):
+        raise SceneError(f"tabulated: times and values must not exceed {LARGEST:g}.")
+    return samples
 
 
 @dataclass(frozen=True)
@@ -236,26 +296,28 @@ class Tabulated(_Summed):
     Raises
     ------
     SceneError
-        If the samples are not finite, not of one length, or not in order.
+        If the samples are not finite numbers, not of one length, or not in order.
     """
 
     t: tuple[float, ...]
     value_at_t: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        try:
-            times, values = (np.asarray(part, dtype=float) for part in (self.t, self.value_at_t))
-        except (TypeError, ValueError) as error:
-            raise SceneError("tabulated: times and values must be lists of numbers.") from error
-        if times.ndim != 1 or times.shape != values.shape or not len(times):
+        times, values = _samples(self.t), _samples(self.value_at_t)
+        if times.shape != values.shape or not len(times):
             raise SceneError("tabulated: give as many values as times, and at least one.")
-        if not (np.all(np.isfinite(times)) and np.all(np.isfinite(values))):
-            raise SceneError("tabulated: times and values must be finite.")
         if times[0] < 0 or np.any(np.diff(times) < 0):
             raise SceneError("tabulated: times must start at 0 or later and not decrease.")
         if np.any((times[2:] == times[1:-1]) & (times[1:-1] == times[:-2])):
             raise SceneError(
                 "tabulated: a time may be given twice, for a jump, but not more often."
+            )
+        with np.errstate(over="ignore"):
+            steepest = np.divide(*(np.diff(part)[np.diff(times) > 0] for part in (values, times)))
+        if np.any(np.abs(steepest) > LARGEST):
+            raise SceneError(
+                f"tabulated: values rise faster than {LARGEST:g} per time; "
+                "give the same time twice for a jump."
             )
         object.__setattr__(self, "t", tuple(times.tolist()))
         object.__setattr__(self, "value_at_t", tuple(values.tolist()))
@@ -287,6 +349,67 @@ class Tabulated(_Summed):
         share = np.where(width > 0, (t - times[left]) / np.where(width > 0, width, 1.0), 0.0)
         inside = values[left] + share * (values[right] - values[left])
         return np.where(t <= times[0], 0.0, inside)
+
+    def integral(self, t: ArrayLike) -> Array:
+        """int_0^t f [time], any shape; from the areas between samples, not summed over all."""
+        t = np.asarray(t, dtype=float)
+        times, values = np.array(self.t), np.array(self.value_at_t)
+        areas = np.concatenate([[0.0], np.cumsum(np.diff(times) * (values[1:] + values[:-1]) / 2)])
+        left = np.maximum(np.searchsorted(times, t, "left") - 1, 0)
+        lag = np.maximum(t - times[left], 0.0)
+        # beyond the last sample f stays what it was; before the first it is 0
+        here = np.where(t > times[-1], values[-1], self.value(t))
+        return areas[left] + lag * (values[left] + here) / 2
+
+    def turn(self, width: float, until: float) -> float:
+        """Around every sample, and half-way between, by windows that lie before and behind it."""
+        times, values = np.array(self.t), np.array(self.value_at_t)
+        seen = times < until
+        times = np.concatenate([times[:1], times[seen], [until]])
+        values = np.concatenate([[0.0], values[seen], np.atleast_1d(self.value(until))])
+        times = np.insert(times, slice(1, None), (times[1:] + times[:-1]) / 2)
+        values = np.insert(values, slice(1, None), (values[1:] + values[:-1]) / 2)
+        largest = float(np.abs(values).max())
+        if len(times) < 3 or not largest:
+            return 0.0
+        highest = 0.0
+        for sign in (1, -1):
+            least = _Least(times, sign * values)
+            for before in width * np.linspace(0, 1, 9):
+                lower = np.maximum(least(-before, 0.0), least(0.0, width - before))
+                highest = max(highest, float((sign * values - lower).max()))
+        return highest / largest
+
+
+class _Least:
+    """Least value of a piecewise linear function in windows around its own samples."""
+
+    def __init__(self, times: Array, values: Array) -> None:
+        self._times, self._values = times, values
+        # rows[k][i] is the least of the 2^k values from i on
+        self._rows = [values]
+        while (reach := 1 << (len(self._rows) - 1)) * 2 <= len(values):
+            last = self._rows[-1]
+            self._rows.append(np.minimum(last[:-reach], last[reach:]))
+
+    def __call__(self, start: float, end: float) -> Array:
+        """Over start <= t - times <= end, with start <= 0 <= end, (n,).
+
+        Of samples at one time those before, or behind, where the window ends there.
+        """
+        times, values = self._times, self._values
+        own = np.arange(len(times))
+        first = np.searchsorted(times, times + start, "left") if start else own
+        stop = np.searchsorted(times, times + end, "right") if end else own + 1
+        power = np.frexp(stop - first)[1] - 1
+        least = np.empty(len(times))
+        for k, row in enumerate(self._rows):
+            at = power == k
+            least[at] = np.minimum(row[first[at]], row[stop[at] - (1 << k)])
+        for lag in (start, end):
+            if lag:
+                least = np.minimum(least, np.interp(times + lag, times, values))
+        return least
 
 
 History = Step | Ramp | Pulse | Harmonic | Tabulated

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, fields
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +12,16 @@ from numpy.typing import NDArray
 
 from semianalytic.errors import DataFileError, SceneError
 from semianalytic.exponentials import Memory
-from semianalytic.history import InterfaceHistory, whole_hdf5
+from semianalytic.files import sealed_hdf5, whole_hdf5
+from semianalytic.history import InterfaceHistory
+from semianalytic.resolution import unresolved_zone
 from semianalytic.scene import Scene, scene_document, scene_from_document
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront march 1"
+FORMAT = "slipfront march 2"
+ONSET_SHARE = 0.01
+"""Part of the largest slip rate so far that counts as the beginning of slip."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +52,52 @@ class Grid:
         return np.asarray(np.pi * np.arange(self.size) / (self.size * self.spacing))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class Extremes:
+    """What every step of a march adds to, stored or not; (n,) arrays at the observed nodes.
+
+    Attributes
+    ----------
+    forward, reverse : largest and least slip rate so far, 0 or beyond [length / time].
+    slip : largest |slip| so far [length].
+    onset : when slip began [time], inf where it did not: when |V| passed 1 % of the largest |V|
+        that there had been anywhere until then, linear between the two levels around it.
+    """
+
+    forward: Array
+    reverse: Array
+    slip: Array
+    onset: Array
+
+    @classmethod
+    def at_rest(cls, nodes: int) -> Extremes:
+        """Before anything happens."""
+        rest = np.zeros(nodes)
+        return cls(rest, rest, rest, np.full(nodes, np.inf))
+
+    @property
+    def slip_rate(self) -> Array:
+        """Largest |slip rate| (n,) [length / time]."""
+        return np.maximum(self.forward, np.abs(self.reverse))
+
+    def with_level(
+        self, before: float, now: float, old: Array, new: Array, slip: Array
+    ) -> Extremes:
+        """With one more level: slip rates at it and at the level before it, and slip."""
+        forward, reverse = np.maximum(self.forward, new), np.minimum(self.reverse, new)
+        threshold = ONSET_SHARE * max(float(forward.max()), -float(reverse.min()))
+        late, speed = np.abs(old), np.abs(new)
+        begins = (speed > threshold) & np.isinf(self.onset)
+        onset = self.onset
+        if begins.any():
+            onset, late, speed = onset.copy(), late[begins], speed[begins]
+            rise = np.where(speed > late, speed - late, 1.0)
+            share = np.where(speed > late, (threshold - late) / rise, 0.0)
+            onset[begins] = before + (now - before) * np.clip(share, 0.0, 1.0)
+        return Extremes(forward, reverse, np.maximum(self.slip, np.abs(slip)), onset)
+
+
+@dataclass(frozen=True, eq=False)
 class MarchState:
     """Where a march is.
 
@@ -110,7 +160,7 @@ class MarchStatistics:
     seconds: dict[str, float]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Marched:
     """Slip history of the interface by the space-time solver.
 
@@ -126,6 +176,8 @@ class Marched:
     statistics : MarchStatistics
     grid, memory, state
         What a continuation starts from.
+    seen : Extremes
+        Largest values and beginnings of slip over all steps, stored or not.
     """
 
     scene: Scene
@@ -138,11 +190,27 @@ class Marched:
     grid: Grid
     memory: Memory
     state: MarchState
+    seen: Extremes
 
     @property
     def end_time(self) -> float:
         """Time reached [time]."""
         return self.state.time
+
+    @cached_property
+    def caution(self) -> str:
+        """What the grid is too coarse for, as a sentence; "" if nothing is known to be missed.
+
+        Told where the edge slips over less than four nodes: in place of an answer of "no slip".
+        """
+        slips = self.seen.slip_rate > 0
+        reach = float(self.grid.x[slips].max(initial=0.0))
+        return unresolved_zone(self.scene, self.end_time, self.grid.spacing, reach)
+
+    @property
+    def status(self) -> str:
+        """ "resolved", or "unresolved" where there is a `caution`."""
+        return "unresolved" if self.caution else "resolved"
 
     @property
     def path(self) -> Array:
@@ -176,10 +244,8 @@ class Marched:
         DataFileError
             If the file is missing, damaged or not a march.
         """
-        import h5py
-
         try:
-            with h5py.File(path, "r") as file:
+            with sealed_hdf5(path) as file:
                 if file.attrs.get("format") != FORMAT:
                     raise DataFileError(f"{path} is not a slipfront march; give a file of one.")
                 parts = {
@@ -203,4 +269,10 @@ class Marched:
 
 
 _OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}
-_GROUPS = {"interface": InterfaceHistory, "grid": Grid, "memory": Memory, "state": MarchState}
+_GROUPS = {
+    "interface": InterfaceHistory,
+    "grid": Grid,
+    "memory": Memory,
+    "state": MarchState,
+    "seen": Extremes,
+}

@@ -21,6 +21,7 @@ from semianalytic.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.rules import Rule, finer_rule
 
 _CACHED = 50_000  # kernel values formed at once, so that they stay in the processor's cache
+_STRIP = 0.01  # width in slowness of a zone around c that is narrow
 _MANY = 100  # nodes from which it pays to leave some out
 _NEGLIGIBLE = 1e-6  # of what the reach of a rule leaves out
 
@@ -132,9 +133,14 @@ class Panels:
     def _long(self) -> tuple[int, ...]:
         """Panels on which fields vary out to where the rule ends, not only to its `reach`: those
         around c and the unbounded one."""
-        over_c = self.layout.over_c
-        beside = range(over_c - 1, over_c + 2) if over_c >= 0 else ()
-        return (*beside, *[i for i, right in enumerate(self.right) if right is None])
+        over_c, last = self.layout.over_c, len(self.right) - 1
+        unbounded = [i for i, right in enumerate(self.right) if right is None]
+        if over_c < 0:
+            return tuple(unbounded)
+        # what slips beside a strip around c begins beyond the stick gaps on either side of it
+        strip = 0 <= self.layout.pole < last and bool(np.all(self.widths[over_c] < _STRIP))
+        near = 2 if strip else 1
+        return (*range(max(over_c - near, 0), min(over_c + near, last) + 1), *unbounded)
 
     def principal_values(self, sources: np.ndarray, weights: Array) -> Array:
         """The same at the own nodes of panels (s,), as principal values (nodes of other parity).
@@ -192,6 +198,8 @@ def _fitted_rule(factors: RayleighFactors, layout: Layout, ends: Array, rule: Ru
         if layout.pole >= 0:
             other = after[0] if after else ends[0, layout.over_c]
             further = float(np.abs(np.log(other / before)).max())
+            if after:
+                further = max(further, -float(np.log((before + after[0]).min())))
         elif layout.gap:
             further = max(0.0, -float(np.log((before + after[0]).min())))
     return finer_rule(rule, strip, further)

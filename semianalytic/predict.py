@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from semianalytic.checks import checked_count, checked_size, shown
 from semianalytic.errors import SceneError
 from semianalytic.history import InterfaceHistory
 from semianalytic.scene import Scene
@@ -14,6 +15,7 @@ from semianalytic.spacetime import march
 
 METHODS = ("auto", "self-similar", "space-time")
 _LEVELS = 200
+_NODES = 1000
 
 
 def chosen_method(scene: Scene, method: str = "auto") -> str:
@@ -25,7 +27,7 @@ def chosen_method(scene: Scene, method: str = "auto") -> str:
         If the method is unknown, or the self-similar one is asked for a scene that is not.
     """
     if method not in METHODS:
-        raise SceneError(f"method must be one of {', '.join(METHODS)}, got {method!r}.")
+        raise SceneError(f"method must be one of {', '.join(METHODS)}, got {shown(method)}.")
     if method == "auto":
         return "self-similar" if scene.is_self_similar else "space-time"
     if method == "self-similar":
@@ -36,7 +38,7 @@ def chosen_method(scene: Scene, method: str = "auto") -> str:
 def slip_history(
     scene: Scene,
     end_time: float | None = None,
-    nodes: int = 1000,
+    nodes: int | None = None,
     *,
     length: float | None = None,
     method: str = "auto",
@@ -49,8 +51,9 @@ def slip_history(
     scene : Scene
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
-    nodes : int
-        Positions, evenly spaced on 0 < x < length, the first half a spacing from the edge.
+    nodes : int, optional
+        Positions, evenly spaced on 0 < x < length, the first half a spacing from the edge; 1000
+        unless given, more where a march needs them to follow the loads.
     length : float, optional
         Of the contact that is observed [length]; c_l T unless given.
     method : str
@@ -71,8 +74,12 @@ def slip_history(
     if chosen_method(scene, method) == "space-time":
         return march(scene, end_time, nodes, length=length, progress=progress).interface
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
+    end_time = checked_size("slip_history: end_time", end_time)
     length = scene.material.longitudinal_speed * end_time if length is None else length
+    length = checked_size("slip_history: length", length)
+    nodes = checked_count("slip_history: nodes", nodes, 1, "a whole number from")
     solution = solve(scene)
+    nodes = _NODES if nodes is None else nodes
     x = (np.arange(nodes) + 0.5) * length / nodes
     t = end_time * np.arange(1, _LEVELS + 1) / _LEVELS
     return solution.history(x, t)

@@ -71,9 +71,12 @@ class StuckPrimitive:
     def __call__(self, u: ArrayLike) -> Array:
         """Primitive at slowness u [1/b], any shape; 0 ahead of the longitudinal front."""
         u = np.asarray(u, dtype=float)
-        s = np.sqrt(np.maximum(u - 1, 0))
-        behind = (s + 1) ** 3 * chebyshev.chebval((s - 1) / (s + 1), self._behind_shear_front)
-        return np.where(u > 1, behind, self._near(np.clip(u, self.factors.a, 1)))
+        result, behind = np.empty(u.shape), u > 1
+        s = np.sqrt(u[behind] - 1)
+        series = chebyshev.chebval((s - 1) / (s + 1), self._behind_shear_front)
+        result[behind] = (s + 1) ** 3 * series
+        result[~behind] = self._near(np.clip(u[~behind], self.factors.a, 1))
+        return result
 
 
 @lru_cache(maxsize=64)

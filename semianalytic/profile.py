@@ -131,14 +131,15 @@ class Profile:
     def _excess(self, region: list[int], v: Array, traction: Array) -> Array:
         """|tau| - f p in a stretch of stick, relative to strength plus load, in a narrow gap plus
         its share of the load; v and tau of (p, ..., n)."""
-        panels, load = self.panels, self._load
-        strength = load.friction * (load.base_pressure + self.pressure_change(v))
+        panels, strength = self.panels, self.strength(v)
         right = panels.right[region[-1]]
         if right is None:
             return (np.abs(traction) - strength) / (1 + strength)
-        # In a gap between zones the traction starts from strength and moves with its width.
-        width = right.minus(panels.left[region[0]]) if region[0] else np.ones(1)
-        scale = np.minimum(1.0, width) + strength.max(axis=(0, -1))[..., None]
+        # In a gap between zones the traction starts from strength, and what slip would radiate it
+        # falls, like the impedance, with the distance from c.
+        left = panels.left[region[0]]
+        reach = np.maximum(np.abs(left.from_c), np.abs(right.from_c)) if region[0] else 1.0
+        scale = np.minimum(1.0, reach) + strength.max(axis=(0, -1))[..., None]
         return np.asarray((np.abs(traction) - strength) / scale)
 
     @cached_property
@@ -189,22 +190,31 @@ class Profile:
     def _piecewise(
         self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
-        result = np.full(u.shape, ahead)
-        panel = np.searchsorted([left.v[0] for left in self.panels.left], u, "right") - 1
+        return self._piecewise_at(self.fields.factors.cut(u), ahead, inside)
+
+    def _piecewise_at(
+        self, at: CutPoints, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
+    ) -> Array:
+        result = np.full(at.v.shape, ahead)
+        panel = np.searchsorted([left.v[0] for left in self.panels.left], at.v, "right") - 1
         for i in np.unique(panel[panel >= 0]):
             here = panel == i
-            result[here] = inside(int(i), self.fields.factors.cut(u[here]))
+            result[here] = inside(int(i), at[here])
         return result
+
+    def slip_rate_inside(self, panel: int, at: CutPoints) -> Array:
+        """V at points (m,) inside a panel."""
+        if not self.panels.sense[panel]:
+            return np.zeros(at.v.shape)
+        return np.asarray(self._starts[0][panel] + self._slip_rate(panel, at))
 
     def slip_rate(self, u: Array) -> Array:
         """V at slownesses u."""
+        return self.slip_rate_at(self.fields.factors.cut(u))
 
-        def inside(i: int, at: CutPoints) -> Array:
-            if not self.panels.sense[i]:
-                return np.zeros(at.v.shape)
-            return self._starts[0][i] + self._slip_rate(i, at)
-
-        return self._piecewise(u, self._load.far_slip_rate, inside)
+    def slip_rate_at(self, at: CutPoints) -> Array:
+        """V at points of exact distances from the fronts, also where those are minute."""
+        return self._piecewise_at(at, self._load.far_slip_rate, self.slip_rate_inside)
 
     def slip_over_time(self, u: Array) -> Array:
         """Slip / t at slownesses u: the mean of V over slownesses up to u."""
@@ -226,6 +236,11 @@ class Profile:
         mode_one = stuck_traction(self.fields.factors.poisson_ratio, "I")
         return self._load.step_pressure * mode_one(u)
 
+    def strength(self, u: Array) -> Array:
+        """Friction bound f p at slownesses u."""
+        load = self._load
+        return np.asarray(load.friction * (load.base_pressure + self.pressure_change(u)))
+
     def shear_change(self, u: Array) -> Array:
         """tau - Q_b at slownesses u."""
         load = self._load
@@ -233,8 +248,7 @@ class Profile:
         def inside(i: int, at: CutPoints) -> Array:
             sense = self.panels.sense[i]
             if sense:
-                pressure = load.base_pressure + self.pressure_change(at.v)
-                return sense * load.friction * pressure - load.base_shear
+                return sense * self.strength(at.v) - load.base_shear
             bounded = self._starts[1][i] + self._traction(i, at) - load.base_shear
             return bounded + self._edge_traction(i, at.v)
 
@@ -242,13 +256,18 @@ class Profile:
 
     @cached_property
     def frictional_power(self) -> float:
-        """Integral of tau V over xi, one-sided slip rate."""
-        panels, load, power = self.panels, self._load, 0.0
+        """Integral of tau V over xi, one-sided slip rate, without slip ahead of all waves.
+
+        By parts: V is unbounded at c, but its slope has a principal value there, which the rule
+        of the panels knows.
+        """
+        panels, rate, power = self.panels, self._slip_rate, 0.0
+        weight = self.strength(panels.at.v) / np.square(panels.at.v)
+        passed = panels.rule.running(weight * panels.jacobian)
+        whole, lost = panels.integrals(weight), panels.integrals(passed * rate.density)
         for i in panels.layout.slip:
-            v = panels.at.v[i]
-            strength = load.friction * (load.base_pressure + self.pressure_change(v))
-            density = panels.sense[i] * strength * self.slip_rate_at_nodes[i] / v**2
-            power += panels.rule.spacing * float(np.sum(density * panels.jacobian[i]))
+            end = self._starts[0][i] + rate.totals[i]
+            power += panels.sense[i] * float(end * whole[i] - lost[i])
         return power
 
     @cached_property

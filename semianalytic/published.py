@@ -102,7 +102,7 @@ def kernel_primitives(
     return first, (4 / 3 * root**3 + factor * np.arctan(root)) * (u > 1)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PublishedGrid:
     """Collocation points, nodes and matrix of a reading.
 
@@ -172,7 +172,7 @@ def published_grid(
     return PublishedGrid(edges, points, matrix, condition)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PublishedSlip:
     """What the algorithm yields.
 

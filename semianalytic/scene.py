@@ -9,11 +9,13 @@ set of units will do.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
+from semianalytic.checks import checked_number, checked_size, shown
 from semianalytic.errors import SceneError
 from semianalytic.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
 from semianalytic.loads import Harmonic, History, Pulse, Ramp, Step, Tabulated
@@ -30,14 +32,6 @@ FRICTION_LAWS: Mapping[str, type] = {
     "rate-weakening": RateWeakening,
     "slip-weakening": SlipWeakening,
 }
-
-
-def _finite(owner: str, **values: float) -> None:
-    for name, value in values.items():
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise SceneError(f"{owner}: {name} must be a number, got {value!r}.")
-        if not math.isfinite(value):
-            raise SceneError(f"{owner}: {name} must be finite, got {value!r}.")
 
 
 @dataclass(frozen=True)
@@ -64,21 +58,15 @@ class Material:
     poisson_ratio: float
 
     def __post_init__(self) -> None:
-        _finite(
-            "material",
-            shear_modulus=self.shear_modulus,
-            density=self.density,
-            poisson_ratio=self.poisson_ratio,
+        for name in ("shear_modulus", "density"):
+            object.__setattr__(self, name, checked_size(f"material: {name}", getattr(self, name)))
+        poisson_ratio = checked_number(
+            "material: poisson_ratio",
+            self.poisson_ratio,
+            "lie strictly between -1 and 0.5",
+            lambda given: -1 < given < 0.5,
         )
-        if self.shear_modulus <= 0:
-            raise SceneError(f"material: shear_modulus must be positive, got {self.shear_modulus}.")
-        if self.density <= 0:
-            raise SceneError(f"material: density must be positive, got {self.density}.")
-        if not -1 < self.poisson_ratio < 0.5:
-            raise SceneError(
-                "material: poisson_ratio must lie strictly between -1 and 0.5, "
-                f"got {self.poisson_ratio}."
-            )
+        object.__setattr__(self, "poisson_ratio", poisson_ratio)
 
     @cached_property
     def shear_speed(self) -> float:
@@ -121,7 +109,10 @@ class Tractions:
     shear: float
 
     def __post_init__(self) -> None:
-        _finite("tractions", pressure=self.pressure, shear=self.shear)
+        for name in ("pressure", "shear"):
+            object.__setattr__(
+                self, name, checked_number(f"tractions: {name}", getattr(self, name))
+            )
 
 
 @dataclass(frozen=True)
@@ -162,7 +153,12 @@ class Scene:
     friction_law: FrictionLaw = field(default_factory=CoulombFriction)
 
     def __post_init__(self) -> None:
-        _finite("scene", friction=self.friction)
+        for name, kind in (("material", Material), ("base", Tractions), ("step", Tractions)):
+            if not isinstance(getattr(self, name), kind):
+                raise SceneError(
+                    f"scene: {name} must be a {kind.__name__}, got {shown(getattr(self, name))}."
+                )
+        object.__setattr__(self, "friction", checked_number("scene: friction", self.friction))
         for name, kinds in (
             ("pressure_history", HISTORY_KINDS),
             ("shear_history", HISTORY_KINDS),
@@ -171,7 +167,7 @@ class Scene:
             part = getattr(self, name)
             if type(part) not in kinds.values():
                 known = ", ".join(kind.__name__ for kind in kinds.values())
-                raise SceneError(f"scene: {name} must be one of {known}, got {part!r}.")
+                raise SceneError(f"scene: {name} must be one of {known}, got {shown(part)}.")
         if self.friction < 0:
             raise SceneError(f"scene: friction must not be negative, got {self.friction}.")
         if self.base.pressure < 0:
@@ -209,10 +205,15 @@ class Scene:
         return tractions.pressure >= 0 and abs(tractions.shear) <= strength * (1 + 1e-12)
 
     @property
+    def acting_histories(self) -> dict[str, History]:
+        """Histories of the loads that are not zero, by name: pressure, shear."""
+        histories = {"pressure": self.pressure_history, "shear": self.shear_history}
+        return {name: one for name, one in histories.items() if getattr(self.step, name)}
+
+    @property
     def is_step(self) -> bool:
         """Whether every load that is not zero is a step."""
-        loads = (self.step.pressure, self.pressure_history), (self.step.shear, self.shear_history)
-        return all(amplitude == 0 or history == Step() for amplitude, history in loads)
+        return all(history == Step() for history in self.acting_histories.values())
 
     @property
     def is_self_similar(self) -> bool:
@@ -231,9 +232,12 @@ class Scene:
     def far_slip_rate(self) -> float:
         """Relative slip rate far ahead of all waves [length / time], 2 V(inf).
 
-        Zero unless a sudden remote load exceeds friction everywhere.
+        Zero unless a sudden remote load exceeds friction everywhere, by more than rounding.
         """
-        excess = abs(self.base.shear) - self.friction * self.base.pressure
+        strength = self.friction * self.base.pressure
+        excess = abs(self.base.shear) - strength
+        if excess <= 4 * sys.float_info.epsilon * strength:
+            return 0.0
         return 2 * math.copysign(max(excess, 0.0), self.base.shear) / self.material.shear_impedance
 
 
@@ -292,14 +296,15 @@ def _named(name: str, kinds: Mapping[str, type], table: Any) -> Any:
     """The history or friction law that a table with a kind and parameters describes."""
     kind = table.get("kind") if isinstance(table, Mapping) else None
     if not isinstance(kind, str) or kind not in kinds:
-        raise SceneError(f"{name}: kind must be one of {', '.join(kinds)}, got {kind!r}.")
+        raise SceneError(f"{name}: kind must be one of {', '.join(kinds)}, got {shown(kind)}.")
     description = kinds[kind]
     given = {key: value for key, value in table.items() if key != "kind"}
     known = [part.name for part in fields(description)]
     unknown = [key for key in given if key not in known]
     if unknown:
         raise SceneError(
-            f"{name}: a {kind} has no {unknown[0]!r}; it takes {', '.join(known) or 'nothing'}."
+            f"{name}: a {kind} has no {shown(unknown[0])}; "
+            f"it takes {', '.join(known) or 'nothing'}."
         )
     try:
         return description(**given)

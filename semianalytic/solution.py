@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.dissipation import dissipation
 from semianalytic.errors import SceneError
 from semianalytic.history import InterfaceHistory
 from semianalytic.profile import Profile
@@ -57,12 +58,13 @@ class Statistics:
     seconds: dict[str, float]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """Self-similar slip on the interface of a scene.
 
     All fields broadcast over positions x > 0 [length] and times t [time]; before t = 0 they are
-    the base state.  Slip and slip rate are relative, upper minus lower side.
+    the base state.  Slip and slip rate are relative, upper minus lower side.  As all results that
+    hold arrays, a solution equals only itself; compare fields.
 
     Attributes
     ----------
@@ -71,8 +73,18 @@ class Solution:
     status : str
         "converged", or a sentence saying what to distrust.
     error_estimate : float
-        Estimate, meant as a bound, of the error of zone edges (relative to c_t) and of the slip
-        rate (relative to its largest value).
+        Estimate, meant as a bound, of the errors of
+
+        - zone edges, relative to c_t; a zone that slips less than this, relative to the largest
+          slip rate, may be missing;
+        - the slip rate over all positions, in L1 relative to its own L1 norm;
+        - the slip rate at every point further than 0.03 c_t from zone edges and from c_R,
+          relative to its largest value there, and the shear traction there, relative to itself
+          plus the largest load.  Nearer the error may be larger: a shift e of an edge changes
+          the square root at it by up to e^(1/2), and the logarithm at c_R has no largest value;
+        - slip, path and work of friction at every point, relative to their largest value;
+        - frictional power of the whole contact or of a part, relative to that of the whole;
+        - slip rate and stress intensity at the contact edge, relative to themselves.
     statistics : Statistics
     profile : Profile
         The fields over slowness, in units b = mu = 1 and `stress`.
@@ -161,16 +173,67 @@ class Solution:
             return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one
         return mode_one, self.stress * self.profile.edge_intensity * mode_two
 
-    def frictional_power(self, t: ArrayLike) -> Array:
+    def path(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Accumulated |slip| [length], the time integral of |slip rate|; raises as `slip_rate`."""
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        total = np.abs(self.slip(x, np.minimum(t, 0.0)))
+        for zone in self.zones:
+            starts = np.minimum(t, x / zone.outer)
+            stops = np.minimum(t, x / zone.inner) if zone.inner else t
+            total = total + np.abs(self.slip(x, stops) - self.slip(x, starts))
+        return total
+
+    def friction_work(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Work per area taken by friction at x until t [stress length]; raises as `slip_rate`."""
+        unit = self._rate_unit * self.stress / self.scene.material.shear_speed
+
+        def over_slowness(u: Array) -> Array:
+            return np.asarray(dissipation(self.profile, u)[1])
+
+        return unit * np.asarray(x, dtype=float) * self._evaluate(x, t, over_slowness)
+
+    def frictional_power(
+        self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf
+    ) -> Array:
         """Power turned to heat on the contact per unit depth at times t [stress length^2 / time].
 
-        Grows linearly in time; infinite when the interface slips ahead of all waves.
+        Of all positions between inner and outer [length], which broadcast with t.  Over the whole
+        contact it grows linearly in time; it is infinite when the interface slips ahead of all
+        waves.
+
+        Raises
+        ------
+        SceneError
+            If inner is negative, infinite or above outer, or t is not finite.
         """
-        time = np.maximum(np.asarray(t, dtype=float), 0.0)
-        if self.scene.far_slip_rate:
-            return np.where(time > 0, np.inf, 0.0)
-        unit = self._rate_unit * self.stress * self.scene.material.shear_speed
-        return unit * self.profile.frictional_power * time
+        t, inner, outer = _intervals(t, inner, outer)
+        time = np.maximum(t, 0.0)
+        per_time = self._power_per_time(inner, time) - self._power_per_time(outer, time)
+        power = self._rate_unit * self.stress * self.scene.material.shear_speed * per_time
+        return np.asarray(np.multiply(power, time, out=np.zeros(t.shape), where=time > 0))
+
+    def _power_per_time(self, x: Array, time: Array) -> Array:
+        """Power beyond x over time, in units of `profile`; slip ahead of all waves counts from the
+        longitudinal front."""
+        value = np.full(x.shape, self.profile.frictional_power)
+        value[np.isinf(x)] = -np.inf if self.scene.far_slip_rate else 0.0
+        part = (x > 0) & np.isfinite(x) & (time > 0)
+        u = time[part] * self.scene.material.shear_speed / x[part]
+        value[part] = dissipation(self.profile, u)[0]
+        return value
+
+    def heat(self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf) -> Array:
+        """Energy turned to heat between inner and outer per unit depth until t [stress length^2].
+
+        The time integral of `frictional_power`; raises as it.
+        """
+        t, inner, outer = _intervals(t, inner, outer)
+        heat = np.asarray(t * self.frictional_power(t, inner, outer))
+        # By self-similarity the power beyond x is t F(x/t), and the work at x follows from F.
+        for x, sign in ((inner, -1), (outer, 1)):
+            part = (x > 0) & np.isfinite(x)
+            heat[part] += sign * x[part] * self.friction_work(x[part], t[part])
+        return heat / 2
 
     def energy_flux(self, t: ArrayLike) -> Array:
         """Power that leaves the solids through the contact, per unit depth, at times t.
@@ -208,3 +271,15 @@ class Solution:
         both = self._evaluate(-x, t, lambda v: np.stack(self.profile.slot_velocity(v)))
         tangential, normal = both
         return unit * tangential, unit * normal
+
+
+def _intervals(t: ArrayLike, inner: ArrayLike, outer: ArrayLike) -> tuple[Array, Array, Array]:
+    """Times and the ends of intervals of the contact, broadcast and checked."""
+    t, inner, outer = np.broadcast_arrays(
+        *(np.asarray(one, dtype=float) for one in (t, inner, outer))
+    )
+    if not np.all(np.isfinite(t)):
+        raise SceneError("times must be finite numbers.")
+    if not np.all((inner >= 0) & (inner <= outer) & np.isfinite(inner)):
+        raise SceneError("the contact is x > 0; ask for an interval with 0 <= inner <= outer.")
+    return t, inner, outer

@@ -11,7 +11,9 @@ converges while that of the shortest wave stays below the local term (`feedback`
 are damped by raising their feedback: by (q/q_max)^4, so that what is resolved is left alone.
 
 Cosines about both ends of the grid mirror the scene: nothing that starts at x = 0 comes back from
-the mirrors to the observed length before the latest time.  Jumps of the loads fall on time levels.
+the mirrors to the observed length before the latest time.  Jumps of the loads fall on time levels;
+between them a level takes the load at its time, or the exact mean over a step that holds several
+samples of a table.  What turns faster than the grid follows is refused (`resolution`).
 """
 
 from __future__ import annotations
@@ -21,26 +23,29 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from numbers import Integral
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.errors import ComputationError, SceneError, TensionError
-from semianalytic.exponentials import Memory, fit_memory
+from semianalytic.exponentials import fit_memory
 from semianalytic.friction import CoulombFriction, RateWeakening, SlipWeakening
-from semianalytic.grid_pressure import GridPressure
+from semianalytic.grid_pressure import GridPressure, table_bytes
 from semianalytic.history import InterfaceHistory
-from semianalytic.marched import Grid, Marched, MarchState, MarchStatistics
+from semianalytic.march_memory import Stored, affordable_every, check_size
+from semianalytic.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
+from semianalytic.recursion import LARGEST_FEEDBACK, Recursion, exerted
+from semianalytic.resolution import MOST_NODES, check_loads, nodes_for_zone
 from semianalytic.scene import Scene
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 _SWEEPS = 2
 _LARGEST_STEP_RATIO = 2.0
-_LARGEST_FEEDBACK = 0.95
 _MARGIN = 8
+_NODES = 1000
+_SEVERAL = 2
 _CELLS_PER_WEAKENING = 2.0
 
 
@@ -54,63 +59,6 @@ def causal_grid(scene: Scene, latest: float, length: float, nodes: int) -> Grid:
     slot = math.ceil(reach / 2 / spacing) + _MARGIN
     size = next_fast_len(contact + slot, real=True)
     return Grid(spacing, size - contact, nodes, size)
-
-
-class _Recursion:
-    """What the past exerts, carried over steps of one length by one number per pole and cosine.
-
-    Between `enter` and `leave` the end value of the last step is left out of the numbers, so that
-    a step costs one multiplication and one addition each.
-    """
-
-    def __init__(self, memory: Memory, phase: Array, damping: float) -> None:
-        z = np.multiply.outer(memory.poles, phase)
-        first, second = _phi(z)
-        weight = memory.residues[:, None] * phase
-        self._decay, self._end = np.exp(z), weight * second
-        self._gain = weight * (first - second) + self._decay * self._end
-        self._half = memory.static * phase / 2
-        self._scratch = np.empty_like(z)
-        feedback = self._end.real.sum(axis=0) + self._half
-        shortest = float(feedback[-1])
-        if shortest >= _LARGEST_FEEDBACK:
-            raise SceneError(
-                "march: step_ratio is beyond the stable range for this Poisson ratio; lower it by "
-                f"{math.ceil(100 * (1 - math.sqrt(_LARGEST_FEEDBACK / shortest)))} %."
-            )
-        self.feedback = feedback + max(damping - shortest, 0.0) * (phase / phase[-1]) ** 4
-
-    def enter(self, modes: Complex, lasting: Array, rate: Array) -> None:
-        """Begin steps of this length at a rate (size,), in place."""
-        modes -= self._end * rate
-        lasting -= self._half * rate
-
-    def step(self, modes: Complex, lasting: Array, rate: Array) -> None:
-        """Step on in place, all but the end value; rate is that of the start, (size,)."""
-        modes *= self._decay
-        np.multiply(self._gain, rate, out=self._scratch)
-        modes += self._scratch
-        lasting += 2 * self._half * rate
-
-    def leave(self, modes: Complex, lasting: Array, rate: Array) -> None:
-        """Add the end value in place."""
-        modes += self._end * rate
-        lasting += self._half * rate
-
-
-def _exerted(modes: Complex, lasting: Array) -> Array:
-    """What the past exerts, per cosine (size,), over rho c_t / 2."""
-    return np.asarray(modes.real.sum(axis=0) + lasting)
-
-
-def _phi(z: Complex) -> tuple[Complex, Complex]:
-    """(e^z - 1)/z and (e^z - 1 - z)/z^2."""
-    small = np.abs(z) < 1e-2
-    large = np.where(small, 1.0, z)
-    first = (np.exp(large) - 1) / large
-    second = (first - 1) / large
-    series = 0.5 + z / 6 * (1 + z / 4 * (1 + z / 5))
-    return np.where(small, 1 + z * series, first), np.where(small, series, second)
 
 
 @dataclass(frozen=True)
@@ -160,7 +108,7 @@ class _Interface:
 def march(
     scene: Scene,
     end_time: float | None = None,
-    nodes: int = 1000,
+    nodes: int | None = None,
     *,
     length: float | None = None,
     latest: float | None = None,
@@ -168,11 +116,12 @@ def march(
     damping: float = 0.7,
     every: int = 1,
     tolerance: float = 1e-6,
+    memory: float | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Marched:
     """March the interface of a scene in time, under any load history and friction law.
 
-    Memory is 64 bytes per pole (about 25) and grid node (about 1.5 per contact node), and 32
+    Memory is 80 bytes per pole (about 25) and grid node (about 1.5 per contact node), and 32
     bytes per stored node and level (see `GridPressure` for pressure that oscillates); time grows
     like nodes^2.
 
@@ -181,8 +130,9 @@ def march(
     scene : Scene
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
-    nodes : int
-        Contact nodes on 0 < x < length, at least 16.
+    nodes : int, optional
+        Contact nodes on 0 < x < length, at least 16.  1000 unless given, or up to 8000 where that
+        lets the grid follow the loads, or resolve the slip zone at the edge.
     length : float, optional
         Length of the contact that is observed [length]; c_l T unless given.
     latest : float, optional
@@ -193,9 +143,12 @@ def march(
     damping : float
         Least feedback of the shortest wave, 0 (none) ... 0.95.
     every : int
-        Store every n-th time level; the last is always stored.
+        Store every n-th time level; the last is always stored.  Raised if all that is stored does
+        not fit into the memory: see `Marched.every`.
     tolerance : float
         Relative error of the memory's transform, above 1e-11 and up to 1e-2.
+    memory : float, optional
+        What the march may take [bytes]; 70 % of what the machine has available unless given.
     progress : callable, optional
         Called with (step, steps) after each step; if it returns True the march ends there, and
         can go on with `march_on`.
@@ -204,7 +157,8 @@ def march(
     ------
     SceneError
         If an option is out of range, the step is beyond the stable range, rate weakening is ill
-        posed at a pressure that arises, or the grid does not resolve slip weakening.
+        posed at a pressure that arises, the grid does not resolve the loads or slip weakening, or
+        the march would take more memory than it may.
     TensionError
         If the pressure turns tensile at a node.
     ComputationError
@@ -212,64 +166,83 @@ def march(
     """
     material = scene.material
     end_time = 1 / material.shear_speed if end_time is None else end_time
-    _check_range("end_time", end_time, 0.0, math.inf)
+    end_time = checked_size("march: end_time", end_time, "be above 0")
     length = material.longitudinal_speed * end_time if length is None else length
-    _check_range("length", length, 0.0, math.inf)
+    length = checked_size("march: length", length, "be above 0")
     latest = end_time if latest is None else latest
-    _check_range("latest", latest, math.nextafter(end_time, 0.0), math.inf)
-    _check_range("step_ratio", step_ratio, 0.0, _LARGEST_STEP_RATIO)
-    if not (isinstance(damping, (int, float)) and 0 <= damping <= _LARGEST_FEEDBACK):
-        raise SceneError(f"march: damping must lie between 0 and 0.95, got {damping!r}.")
-    _check_range("tolerance", tolerance, 1e-11, 1e-2)
-    _check_count("nodes", nodes, 16)
-    _check_count("every", every, 1)
+    latest = _check_range("latest", latest, math.nextafter(end_time, 0.0))
+    step_ratio = _check_range("step_ratio", step_ratio, 0.0, _LARGEST_STEP_RATIO)
+    damping = checked_number(
+        "march: damping",
+        damping,
+        "lie between 0 and 0.95",
+        lambda given: 0 <= given <= LARGEST_FEEDBACK,
+    )
+    tolerance = _check_range("tolerance", tolerance, 1e-11, 1e-2)
+    if nodes is not None:
+        nodes = _check_count("nodes", nodes, 16)
+    every = _check_count("every", every, 1)
     started = time.perf_counter()
+    check_size(scene, latest, length, nodes or _NODES, memory)
+    most = MOST_NODES if nodes is None else nodes
+    if nodes is None:
+        zone = nodes_for_zone(scene, end_time, length)
+        nodes = max(_NODES, zone if zone <= MOST_NODES else 0)
+    nodes = check_loads(scene, latest, length, nodes, most, step_ratio)
     grid = causal_grid(scene, latest, length, nodes)
+    check_size(scene, latest, length, nodes, memory)
     _check_resolved(scene, grid.spacing)
     horizon = grid.wavenumbers[-1] * material.shear_speed * latest
-    memory = fit_memory(material.shear_speed / material.longitudinal_speed, horizon, tolerance)
+    past = fit_memory(material.shear_speed / material.longitudinal_speed, horizon, tolerance)
     empty = np.zeros((0, grid.observed))
     at_rest = Marched(
         scene=scene,
         interface=InterfaceHistory(grid.x, np.zeros(0), empty, empty, empty, empty),
-        latest=float(latest),
-        step_ratio=float(step_ratio),
-        damping=float(damping),
-        every=int(every),
+        latest=latest,
+        step_ratio=step_ratio,
+        damping=damping,
+        every=every,
         statistics=MarchStatistics(
-            0, grid.size, len(memory.poles), memory.error, {"setup": 0.0, "steps": 0.0}
+            0, grid.size, len(past.poles), past.error, {"setup": 0.0, "steps": 0.0}
         ),
         grid=grid,
-        memory=memory,
-        state=MarchState.at_rest(len(memory.poles), grid),
+        memory=past,
+        state=MarchState.at_rest(len(past.poles), grid),
+        seen=Extremes.at_rest(grid.observed),
     )
-    return _advance(at_rest, float(end_time), time.perf_counter() - started, progress)
+    return _advance(at_rest, end_time, memory, time.perf_counter() - started, progress)
 
 
 def march_on(
-    marched: Marched, end_time: float, progress: Callable[[int, int], object] | None = None
+    marched: Marched,
+    end_time: float,
+    progress: Callable[[int, int], object] | None = None,
+    *,
+    memory: float | None = None,
 ) -> Marched:
-    """Continue a march to a later time, without recomputing anything.
+    """Continue a march to a later time, without recomputing anything; `memory` as in `march`.
 
     Raises
     ------
     SceneError
-        If the end time is not later, or beyond the `latest` of the first run.
+        If the end time is not later, or beyond the `latest` of the first run, or the march would
+        take more memory than it may.
     TensionError, ComputationError
         As `march`.
     """
-    _check_range("end_time", end_time, marched.end_time, math.inf)
+    end_time = _check_range("end_time", end_time, marched.end_time)
     if end_time > marched.latest:
         raise SceneError(
             f"march: this run can go on to {marched.latest:.6g}; for more, start again with a "
             "later `latest`."
         )
-    return _advance(marched, float(end_time), 0.0, progress)
+    return _advance(marched, end_time, memory, 0.0, progress)
 
 
 def _advance(
     marched: Marched,
     end_time: float,
+    memory: float | None,
     setup: float,
     progress: Callable[[int, int], object] | None,
 ) -> Marched:
@@ -280,48 +253,54 @@ def _advance(
     shear_speed = scene.material.shear_speed
     impedance = scene.material.shear_impedance / 2
     contact = slice(grid.slot, grid.size)
+    observed = slice(grid.slot, grid.slot + grid.observed)
     interface = _Interface(scene, grid.slot, impedance)
     segments = _segments(scene, start.time, end_time, marched.step_ratio * grid.spacing)
     steps = sum(count for _, _, count in segments)
     finest = min((end - begin) / count for begin, end, count in segments)
-    pressure_at = GridPressure(scene, grid.size - grid.slot, grid.spacing, end_time, finest)
+    contact_nodes = grid.size - grid.slot
+    every = affordable_every(
+        marched, memory, steps, table_bytes(scene, contact_nodes, end_time / finest)
+    )
+    pressure_at = GridPressure(scene, contact_nodes, grid.spacing, end_time, finest)
+    stored = Stored(marched.interface, grid, marched.statistics.steps, steps, every)
     modes, lasting = start.modes.copy(), start.lasting.copy()
     rate, traction = start.rate, start.traction
     slip, path, work = start.slip, start.path, start.work
-    levels: list[float] = []
-    rows: list[list[Array]] = []
+    seen, breaks = marched.seen, np.array(scene.shear_history.pieces.breaks)
+    recursion: Recursion | None = None
     began, done, stopped = time.perf_counter(), 0, False
 
     def stopping(past: Array) -> Array:
         """Traction that would stop every node, (size,) [stress]."""
         return np.asarray(scene.base.shear - impedance * idct(past, type=2))
 
-    def store(now: float) -> None:
-        fields = (slip, rate[contact], traction, pressure)
-        levels.append(now)
-        rows.append([field[: grid.observed].copy() for field in fields])
-
     for begin, end, count in segments:
         if stopped:
             break
-        dt = (end - begin) / count
-        recursion = _Recursion(marched.memory, grid.wavenumbers * shear_speed * dt, marched.damping)
-        pressure = pressure_at(begin)
+        dt, recursion = (end - begin) / count, None  # two of them would take twice the memory
+        recursion = Recursion(marched.memory, grid.wavenumbers * shear_speed * dt, marched.damping)
+        levels = np.append(begin + dt * np.arange(count), end)
+        loads, pressures = _shear_loads(scene, levels, breaks), pressure_at.over(levels)
+        pressure = next(pressures)
         if begin == 0 or begin in _jumps(scene):
             # a jump of the loads acts at once
-            stop = stopping(_exerted(modes, lasting))
-            rate = interface.slip_rate(stop, _shear_load(scene, begin, after=True), pressure, path)
+            stop = stopping(exerted(modes, lasting))
+            load = scene.step.shear * float(
+                scene.shear_history.value(math.nextafter(begin, math.inf))
+            )
+            rate = interface.slip_rate(stop, load, pressure, path)
             traction = stop[contact] - impedance * rate[contact]
+            seen = seen.with_level(begin, begin, *(rate[observed],) * 2, slip[: grid.observed])
         transform = dct(rate, type=2)
         recursion.enter(modes, lasting, transform)
         if begin == 0:
-            store(0.0)
-        for step in range(1, count + 1):
-            now = begin + step * dt if step < count else end
-            load, pressure = _shear_load(scene, now), pressure_at(now)
+            stored.add(0.0, slip, rate[contact], traction, pressure)
+        reached = begin
+        for now, load, pressure in zip(levels[1:].tolist(), loads[1:], pressures, strict=True):
             _check_pressure(scene, pressure, grid.spacing, now)
             recursion.step(modes, lasting, transform)
-            past = _exerted(modes, lasting)
+            past = exerted(modes, lasting)
             before, power, walked = rate[contact], traction * rate[contact], path
             for _ in range(_SWEEPS):
                 stop = stopping(past + recursion.feedback * transform)
@@ -335,28 +314,20 @@ def _advance(
                 raise ComputationError(
                     f"the march lost its finite values at t = {now:.4g}; lower step_ratio."
                 )
-            done += 1
+            seen = seen.with_level(
+                reached, now, before[: grid.observed], rate[observed], slip[: grid.observed]
+            )
+            reached, done = now, done + 1
             stopped = progress is not None and progress(done, steps) is True
-            if (marched.statistics.steps + done) % marched.every == 0 or done == steps or stopped:
-                store(now)
+            if (marched.statistics.steps + done) % every == 0 or done == steps or stopped:
+                stored.add(now, slip, rate[contact], traction, pressure)
             if stopped:
                 break
         recursion.leave(modes, lasting, transform)
-    earlier = marched.interface
     return replace(
         marched,
-        interface=InterfaceHistory(
-            grid.x,
-            np.concatenate([earlier.t, levels]),
-            *(
-                np.concatenate([old, new])
-                for old, new in zip(
-                    (earlier.slip, earlier.slip_rate, earlier.shear_traction, earlier.pressure),
-                    np.swapaxes(rows, 0, 1),
-                    strict=True,
-                )
-            ),
-        ),
+        interface=stored.history(),
+        every=every,
         statistics=replace(
             marched.statistics,
             steps=marched.statistics.steps + done,
@@ -367,6 +338,7 @@ def _advance(
             },
         ),
         state=MarchState(now, modes, lasting, rate, traction, slip, path, work),
+        seen=seen,
     )
 
 
@@ -387,14 +359,23 @@ def _segments(
 
 def _jumps(scene: Scene) -> list[float]:
     """Times at which a load jumps, in order [time]."""
-    loads = (scene.step.pressure, scene.pressure_history), (scene.step.shear, scene.shear_history)
-    return sorted({at for load, history in loads if load for at, _ in history.pieces.jumps})
+    histories = scene.acting_histories.values()
+    return sorted({at for history in histories for at, _ in history.pieces.jumps})
 
 
-def _shear_load(scene: Scene, t: float, *, after: bool = False) -> float:
-    """Q_0 f(t) [stress], at a jump before or after it."""
-    t = math.nextafter(t, math.inf) if after else t
-    return scene.step.shear * float(scene.shear_history.value(t))
+def _shear_loads(scene: Scene, levels: Array, breaks: Array) -> Array:
+    """Q_0 f at evenly spaced levels [stress], at a jump the value before it.
+
+    Where several of the breaks of the history lie within the step around a level, its exact mean.
+    """
+    history = scene.shear_history
+    loads = history.value(levels)
+    half = (levels[-1] - levels[0]) / (2 * (len(levels) - 1))
+    inner = levels[1:-1]
+    held = np.searchsorted(breaks, inner + half) - np.searchsorted(breaks, inner - half)
+    means = history.mean(inner - half, inner + half)
+    loads[1:-1] = np.where(held >= _SEVERAL, means, loads[1:-1])
+    return np.asarray(scene.step.shear * loads)
 
 
 def _check_pressure(scene: Scene, pressure: Array, spacing: float, t: float) -> None:
@@ -426,14 +407,13 @@ def _check_resolved(scene: Scene, spacing: float) -> None:
         )
 
 
-def _check_range(name: str, value: float, low: float, high: float) -> None:
-    """Raise SceneError unless low < value <= high, and finite."""
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not (number and math.isfinite(value) and low < value <= high):
-        limit = f" and at most {high:g}" if math.isfinite(high) else ""
-        raise SceneError(f"march: {name} must be above {low:g}{limit}, got {value!r}.")
+def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> float:
+    """A number low < value <= high as float; SceneError if it is not."""
+    limit = f" and at most {high:g}" if high < LARGEST else ""
+    return checked_number(
+        f"march: {name}", value, f"be above {low:g}{limit}", lambda given: low < given <= high
+    )
 
 
-def _check_count(name: str, value: int, least: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
-        raise SceneError(f"march: {name} must be a whole number from {least}, got {value!r}.")
+def _check_count(name: str, value: int, least: int) -> int:
+    return checked_count(f"march: {name}", value, least, "a whole number from")

@@ -27,6 +27,7 @@ from semianalytic.batches import (
     followed,
     linearised,
 )
+from semianalytic.checks import checked_number
 from semianalytic.edges import FARTHEST, NUDGE, Edges, edges_of, moves
 from semianalytic.errors import SceneError
 from semianalytic.interpolation import confirmed, fits, interpolated, lagrange
@@ -55,7 +56,7 @@ _BESIDE = 4  # frictions tried at once from either side of a change
 _WIDEST, _NARROWEST = 8, 5  # known frictions to interpolate through
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sweep:
     """Solutions of one scene with different friction coefficients.
 
@@ -139,14 +140,15 @@ def sweep(scene: Scene, friction: ArrayLike, rtol: float = 1e-8) -> Sweep:
     Raises
     ------
     SceneError
-        If friction is not one-dimensional, a value of it does not make a scene, or rtol is out
-        of range.
+        If friction is not one-dimensional or not of numbers, a value of it does not make a scene,
+        or rtol is out of range.
     TensionError
         If the contact pressure would turn tensile.
     """
-    values = np.array(friction, dtype=float)
-    if values.ndim != 1:
-        raise SceneError(f"friction must be one-dimensional, got the shape {values.shape}.")
+    given = np.asarray(friction, dtype=object)
+    if given.ndim != 1:
+        raise SceneError(f"friction must be one-dimensional, got the shape {given.shape}.")
+    values = np.array([checked_number("sweep: friction", value) for value in given], dtype=float)
     different, place = np.unique(values, return_inverse=True)
     followed = _Sweeping([replace(scene, friction=float(f)) for f in different], rtol)
     followed.run()

@@ -403,4 +403,4 @@ class ZoneFields:
             if zone.right is not None:
                 rows.append(next(gains) + (far_slip_rate if zone.left is None else 0.0))
             outward = zone
-        return np.stack(rows)
+        return np.stack(rows) if rows else np.zeros(0)

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from compare.predictions import wear
 from compare.scenes import NAMED_SCENES
 from semianalytic.history import InterfaceHistory
 
@@ -35,7 +34,6 @@ def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, g
         shear_traction=gain * solution.shear_traction(*seen_at),
         pressure=gain * solution.pressure(*seen_at),
     )
-    path, work = wear(history)
     return SimpleNamespace(
         scene=scene,
         end_time=end_time,
@@ -43,13 +41,14 @@ def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, g
         element_size=cell,
         damping=0.0,
         model="sampled",
+        run="sampled",
         time_step=t[0],
         critical_step=t[0],
         steps=len(t),
         unknowns=0,
         seconds={},
         interface=history,
-        path=path,
-        friction_work=work,
+        path=gain * solution.path(x / stretch, end_time),
+        friction_work=gain**2 * solution.friction_work(x / stretch, end_time),
         slot=SimpleNamespace(x=-x, t=t, velocity_x=velocity_x, velocity_y=velocity_y),
     )

@@ -9,3 +9,12 @@ def mesh_cache(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SLIPFRONT_CACHE", str(tmp_path_factory.mktemp("cache")))
         yield
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Figures are made, and their files, but not drawn: most of the time of a comparison.
+
+    For tests that look at other results; those of figures are in test_compare_figures.py.
+    """
+    monkeypatch.setattr("compare.figures.save_figure", lambda figure, path: path.touch())

@@ -232,7 +232,7 @@ def test_points_of_another_machine_do_not_count(points):
 def test_quick_and_full_charts_do_not_mix(points, tmp_path):
     path = tmp_path / "ramp.csv"
     other = replace(points[-1], scene="ramp", reference="another")
-    write_rows(path, [other])
+    write_rows(path, [other], checked=True)
     with pytest.raises(SceneError, match="another reference"):
         measure_all(path, ["ramp"])
 

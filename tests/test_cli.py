@@ -1,13 +1,19 @@
 """The command line through its entry point."""
 
 import json
+import os
+import re
 import subprocess
 import sys
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import compare.cli
+import compare.predictions
 from compare.cli import main
+from semianalytic import solve
 from semianalytic.errors import ComputationError, MissingLibraryError
 
 COARSE = ("--resolution", "40", "--frames", "2")
@@ -32,11 +38,13 @@ def simulated(tmp_path_factory):
     return folder
 
 
-def run_apart(*arguments):
-    """Run the command in a process of its own."""
+def run_apart(*arguments, **variables):
+    """Run the command in a process of its own, with environment variables."""
     code = "import sys; from compare.cli import main; sys.exit(main())"
     command = [sys.executable, "-c", code, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, env=os.environ | variables
+    )
 
 
 def one_sentence(captured):
@@ -154,6 +162,91 @@ def test_other_errors_have_exit_codes_of_their_own(error, code, monkeypatch, cap
     assert one_sentence(capsys.readouterr()) == f"{error}\n"
 
 
+UNCONVERGED = "no set of slip zones was found that fulfils Coulomb's law everywhere"
+
+
+@pytest.fixture
+def unconverged(monkeypatch):
+    """A solver that does not converge."""
+
+    def fail(scene):
+        return replace(solve(scene), status=UNCONVERGED, error_estimate=np.inf)
+
+    for module in (compare.cli, compare.predictions):
+        monkeypatch.setattr(module, "solve", fail)
+
+
+def test_solve_prints_an_answer_that_has_not_converged_and_exits_with_four(unconverged, capsys):
+    assert main(["solve", "preloaded"]) == 4
+    captured = capsys.readouterr()
+    assert "sub-Rayleigh" in captured.out
+    assert captured.err.startswith(f"preloaded has not converged: {UNCONVERGED};")
+    assert captured.err.count("\n") == 1
+    assert main(["solve", "preloaded", "--json"]) == 4
+    captured = capsys.readouterr()
+    document = json.loads(captured.out, parse_constant=pytest.fail)
+    assert document["status"] == UNCONVERGED
+    assert document["error_estimate"] is None
+    assert document["zones"]
+    assert captured.err.count("\n") == 1
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_compare_with_an_answer_that_has_not_converged_writes_and_exits_with_four(
+    unconverged, simulated, tmp_path, capsys
+):
+    command = ["compare", "--from", str(simulated), "--no-snapshots", "--output", str(tmp_path)]
+    assert main(command) == 4
+    assert "has not converged" in capsys.readouterr().err
+    document = json.loads((tmp_path / "report.json").read_text(), parse_constant=pytest.fail)
+    assert document["semianalytic"]["error_estimate"] is None
+
+
+@pytest.mark.parametrize(
+    "arguments", [["scenes"], ["solve", "remote-shock", "--friction", "0.5"], ["solve", "--help"]]
+)
+def test_a_terminal_of_ascii_is_no_obstacle(arguments):
+    run = run_apart(*arguments, PYTHONIOENCODING="ascii")
+    assert (run.returncode, run.stderr) == (0, "")
+    assert run.stdout.isascii()
+
+
+def test_names_that_cannot_be_printed_are_escaped(capsys):
+    assert main(["solve", "\udcff\n\x1b[31mß"]) == 2
+    assert r"called '\udcff\n\x1b[31mß'" in one_sentence(capsys.readouterr())
+    run = run_apart("solve", "ß", PYTHONIOENCODING="ascii")
+    assert run.returncode == 2
+    assert run.stderr.startswith(r"There is no scene called '\xdf'")
+
+
+def test_a_drawing_library_set_up_for_windows_that_do_not_exist_draws(tmp_path):
+    path = tmp_path / "plot.png"
+    run = run_apart("solve", "stuck", "--plot", str(path), MPLBACKEND="nonsense")
+    assert (run.returncode, run.stderr) == (0, "")
+    assert path.is_file()
+
+
+def test_huge_numbers_are_refused_in_one_sentence(tmp_path, capsys):
+    many = "1" * 400
+    path = tmp_path / "huge.toml"
+    path.write_text(
+        f"friction = {many}\nmaterial = {{shear_modulus = 1, density = 1, poisson_ratio = 0.3}}\n"
+        "base = {pressure = 1, shear = 0}\nstep = {pressure = 0, shear = 1}\n"
+    )
+    for arguments in (
+        ["solve", str(path)],
+        ["solve", "preloaded", "--friction", many],
+        ["solve", "preloaded", "--density", "1e300"],
+        ["solve", "ramp", "--end-time", "1e300"],
+        ["solve", "ramp", "--nodes", many],
+        ["simulate", "ramp", "--end-time", "1e300"],
+        ["simulate", "ramp", "--resolution", many],
+        ["compare", "ramp", "--end-time", "1e300"],
+    ):
+        assert main(arguments) == 2
+        assert len(one_sentence(capsys.readouterr())) < 400
+
+
 def test_interrupt_is_a_short_sentence_and_130(monkeypatch, capsys):
     def interrupt(scene):
         raise KeyboardInterrupt
@@ -200,6 +293,7 @@ def test_compare_with_an_earlier_simulation(simulated, tmp_path, capsys):
         assert row["quantity"] in out
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_compare_reads_the_snapshots_too(simulated, tmp_path, capsys):
     command = ["compare", "--from", str(simulated), "--output", str(tmp_path)]
     main(command)
@@ -211,6 +305,7 @@ def test_compare_reads_the_snapshots_too(simulated, tmp_path, capsys):
     assert "last snapshot" not in (tmp_path / "report.json").read_text()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_compare_without_output_writes_beside_the_simulation(simulated):
     main(["compare", "--from", str(simulated)])
     document = json.loads((simulated / "report.json").read_text())
@@ -232,17 +327,18 @@ def test_compare_from_a_damaged_or_absent_simulation_exits_with_three(tmp_path, 
 
 def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys):
     code = main(["compare", "--resolution", "30", "--frames", "2", "--friction", "1"])
-    folder = tmp_path / "results" / "preloaded"
+    folder = tmp_path / "results" / "preloaded-friction-1"
     names = {path.name for path in folder.iterdir()}
     assert names == COMPARISON_FIGURES | {"report.json", "simulation.h5", "snapshots"}
     captured = capsys.readouterr()
-    assert "results/preloaded" in captured.out
+    assert "results/preloaded-friction-1/" in captured.out
     assert "mesh size" in captured.err
     document = json.loads((folder / "report.json").read_text())
     assert code == (0 if document["passed"] else 1)
     assert document["parameters"]["friction"] == 1.0
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_comparison_outside_its_tolerance_exits_with_one(
     simulated, monkeypatch, tmp_path, capsys
 ):
@@ -250,3 +346,43 @@ def test_a_comparison_outside_its_tolerance_exits_with_one(
     arguments = ["compare", "--from", str(simulated), "--output", str(tmp_path / "out")]
     assert main(arguments) == 1
     assert "FAIL" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_long_simulations_say_what_they_will_cost(quiet, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("compare.cli.WORTH_SAYING", 0.0)
+    options = ["--resolution", "16", "--no-snapshots", "--output", str(tmp_path / "out")]
+    assert main(["simulate", "preloaded", *options, *["--quiet"] * quiet]) == 0
+    first, *_ = (capsys.readouterr().err or "\n").splitlines()
+    cost = r"preloaded: [\d,]+ unknowns and 36 steps will take about 1 minute and 0\.\d GB\."
+    assert bool(re.fullmatch(cost, first)) == (not quiet)
+
+
+def test_short_simulations_do_not(tmp_path, capsys):
+    options = ["--resolution", "16", "--no-snapshots", "--output", str(tmp_path / "out")]
+    assert main(["simulate", "preloaded", *options]) == 0
+    assert "will take" not in capsys.readouterr().err
+
+
+def test_too_much_memory_is_refused_before_anything_is_built(tmp_path, capsys):
+    options = ["--poisson-ratio", "0.4999", "--resolution", "40", "--no-snapshots"]
+    folder = tmp_path / "out"
+    arguments = ["simulate", "preloaded", *options, "--memory", "2", "--output", str(folder)]
+    assert main(arguments) == 2
+    told = one_sentence(capsys.readouterr())
+    assert "and 2 GB are allowed; lower the resolution to" in told
+    assert not folder.exists()
+
+
+def test_loads_too_fast_for_the_mesh_are_refused(tmp_path, capsys):
+    assert main(["simulate", "harmonic", "--resolution", "30", "--output", str(tmp_path)]) == 2
+    assert "at least 36" in one_sentence(capsys.readouterr())
+
+
+def test_help_shows_units(capsys):
+    """In brackets, which the help would otherwise take for markup."""
+    assert main(["solve", "--help"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "Shear modulus [stress]." in shown
+    assert "[mass / length³]" in shown
+    assert "[GB]" in shown

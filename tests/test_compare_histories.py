@@ -12,7 +12,7 @@ import pytest
 
 from compare.cli import main
 from compare.history_rows import beside_edges, slip_sense
-from compare.predictions import predict, wear
+from compare.predictions import predict
 from compare.report import build_report
 from compare.scales import load_time
 from compare.scenes import NAMED_SCENES, find_scene
@@ -41,6 +41,7 @@ def test_both_methods_agree_within_the_tolerances(name, tmp_path, capsys):
     assert "slip reversal" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_space_time_can_be_forced_where_the_exact_solver_applies(tmp_path):
     folder = tmp_path / "forced"
     command = ["compare", "preloaded", "--method", "space-time", "--resolution", "40", "-q"]
@@ -84,15 +85,6 @@ def test_sense_and_what_lies_beside_its_edges():
     np.testing.assert_array_equal(slip_sense(rate, 1.0), [[0, 0, 1, -1, 1, 1]])
     beside = beside_edges(np.array([[0, 0, 0, 0, 1, 1, 1, 1]], dtype=np.int8))
     np.testing.assert_array_equal(beside, [[0, 0, 1, 1, 1, 0, 0, 0]])
-
-
-def test_wear_of_a_steady_slide():
-    t = np.linspace(0, 2, 5)
-    ones = np.ones((5, 3))
-    fields = SimpleNamespace(t=t, slip_rate=-2 * ones, shear_traction=-0.5 * ones)
-    path, work = wear(fields)
-    np.testing.assert_allclose(path, 4.0)
-    np.testing.assert_allclose(work, 2.0)
 
 
 def test_time_of_the_load():

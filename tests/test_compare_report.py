@@ -28,6 +28,7 @@ from compare.rows import (
 )
 from compare.scenes import NAMED_SCENES, find_scene, override_scene
 from compare.snapshots import SlipRateProfile
+from compare.terminal import reasons_text
 from semianalytic import solve
 
 
@@ -46,6 +47,16 @@ def faultless(preloaded):
 @pytest.fixture(scope="module")
 def stuck():
     return solve(find_scene("stuck"))
+
+
+def test_report_tells_what_the_march_misses(faultless):
+    report = faultless[1]
+    assert report_document(report)["caution"] == ""
+    assert "unresolved" not in reasons_text(report)
+    prediction = replace(report.prediction, caution="the edge slips over a length of 0.001")
+    told = replace(report, prediction=prediction)
+    assert report_document(told)["caution"] == prediction.caution
+    assert "The march is unresolved: the edge slips over a length of 0.001." in reasons_text(told)
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import pytest
 
 from compare.snapshots import last_snapshot
 from semianalytic.errors import DataFileError
+from semianalytic.files import Seal, new_file, write_bytes
 
 PVD = """<?xml version="1.0"?>
 <VTKFile type="Collection" version="0.1" byte_order="LittleEndian">
@@ -28,9 +29,14 @@ def folder(tmp_path):
     velocity = np.column_stack([along, 0 * along, 0 * along])
     cells = [("quad", np.concatenate([quads, quads + 8]))]
     frame = meshio.Mesh(points, cells, point_data={"velocity": velocity})
-    frame.write(tmp_path / "last.vtu")
-    (tmp_path / "fields.pvd").write_text(PVD.format("last.vtu"))
+    write_sealed(tmp_path / "last.vtu", frame)
+    write_bytes(tmp_path / "fields.pvd", PVD.format("last.vtu").encode(), Seal.XML)
     return tmp_path
+
+
+def write_sealed(path, frame):
+    with new_file(path, seal=Seal.XML) as part:
+        meshio.write(part, frame, file_format="vtu")
 
 
 def test_slip_rate_is_upper_minus_lower_velocity_on_the_contact(folder):
@@ -42,7 +48,7 @@ def test_slip_rate_is_upper_minus_lower_velocity_on_the_contact(folder):
 
 @pytest.mark.parametrize("text", ["", "<VTKFile/>", PVD.replace("1.5", "soon")])
 def test_a_damaged_index_is_named(folder, text):
-    (folder / "fields.pvd").write_text(text)
+    write_bytes(folder / "fields.pvd", text.encode(), Seal.XML)
     with pytest.raises(DataFileError, match=r"fields\.pvd lists no snapshot"):
         last_snapshot(folder)
 
@@ -57,7 +63,7 @@ def test_a_damaged_or_missing_frame_is_named(folder, content):
     frame = folder / "last.vtu"
     frame.unlink()
     if content is not None:
-        frame.write_bytes(content)
+        write_bytes(frame, content, Seal.XML)
     with pytest.raises(DataFileError, match=r"last\.vtu cannot be read"):
         last_snapshot(folder)
 
@@ -65,6 +71,6 @@ def test_a_damaged_or_missing_frame_is_named(folder, content):
 def test_values_that_are_not_finite_are_refused(folder):
     frame = meshio.read(folder / "last.vtu")
     frame.point_data["velocity"][:] = np.nan
-    frame.write(folder / "last.vtu")
+    write_sealed(folder / "last.vtu", frame)
     with pytest.raises(DataFileError, match="not finite"):
         last_snapshot(folder)

@@ -26,10 +26,11 @@ from compare.evidence import (
     excess,
     worst_row,
 )
-from compare.evidence_figures import FRAMES, LARGEST, profiles
+from compare.evidence_figures import FRAMES, LARGEST, energy_unit, profiles
 from compare.evidence_scene import FAIL, scene_section
 from compare.rows import Row
 from compare.scenes import NAMED_SCENES
+from semianalytic import solve
 from semianalytic.errors import SceneError
 
 VOID = {"meta", "link", "img", "input", "br", "hr"}
@@ -428,3 +429,15 @@ def test_sliders_and_boxes_redraw_the_profiles(browser, whole_page):
         browser.press(" ", 32)
         assert len(browser.value(POINTS)) == drawn - 4
     assert browser.complaints() == []
+
+
+@pytest.mark.parametrize("name", ["pressure-drop", "auxetic"])
+def test_all_of_the_contact_takes_more_than_a_part_of_it(name):
+    scene = collect_scene(name, resolution=20)
+    shown = scene_section("scene-1", scene, quick=True)
+    work = shown[shown.index("Frictional work until T") :]
+    row = re.search(r"self-similar.*?(\d\.\d{6}).*?(\d\.\d{6})", work, re.DOTALL)
+    part, whole = map(float, row.groups())
+    assert 0 < part <= whole
+    heat = solve(scene.scene, rtol=1e-10).heat(scene.simulation.end_time)
+    assert whole == pytest.approx(float(heat) / energy_unit(scene), abs=1e-6)

@@ -39,11 +39,11 @@ def test_saved_simulation_comes_back_equal(simulation, tmp_path):
 def test_saved_simulation_knows_its_loads_and_law(law, mesh_cache, tmp_path):
     scene = dataclasses.replace(
         MIXED,
-        pressure_history=Tabulated((0.1, 0.3, 0.3), (0.0, 1.0, 0.5)),
+        pressure_history=Tabulated((0.1, 0.4, 0.6, 0.6), (0.0, 1.0, 1.0, 0.5)),
         shear_history=Pulse(0.4, "haversine"),
         friction_law=law,
     )
-    assert_comes_back(simulate(scene, resolution=12), tmp_path)
+    assert_comes_back(simulate(scene, resolution=20), tmp_path)
 
 
 def assert_comes_back(simulation, tmp_path):

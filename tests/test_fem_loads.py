@@ -23,7 +23,7 @@ HISTORIES = {
     "rectangle": Pulse(0.37),
     "triangle": Pulse(0.5, "triangle"),
     "harmonic": Harmonic(2.0),
-    "jumps": Tabulated((0.1, 0.2, 0.2, 0.6), (0.0, 1.0, -1.0, 0.5)),
+    "jumps": Tabulated((0.05, 0.25, 0.25, 0.6), (0.0, 1.0, -1.0, 0.5)),
 }
 LAWS = {
     "coulomb": CoulombFriction(),
@@ -262,3 +262,12 @@ def test_nothing_rubs_where_symmetry_forbids_slip():
     sim = run(dataclasses.replace(scene, pressure_history=Ramp(0.2)), 20)
     assert not sim.path.any()
     assert not sim.friction_work.any()
+
+
+def test_energies_are_those_of_every_step():
+    whole, thinned = run(sheared(), 24), run(sheared(), 24, every=10**6)
+    for part in dataclasses.fields(whole.energy):
+        one, other = getattr(whole.energy, part.name), getattr(thinned.energy, part.name)
+        np.testing.assert_array_equal(one, other)
+    assert len(thinned.energy.t) == thinned.steps
+    assert len(thinned.interface.t) == 2

@@ -61,7 +61,7 @@ def test_peak_table_has_a_row_per_setting(monkeypatch):
 
 def test_history_tables_say_how_stuck_tractions_and_slip_converge(monkeypatch):
     monkeypatch.setattr(compare.fem_study, "LOADS", {"ramp": Ramp(0.5)})
-    stuck, slip = history_tables((16, 32))
+    stuck, slip = history_tables((20, 40))
     assert stuck.row_count == 2
     assert slip.row_count == len(VARIANTS)
     errors = stuck_errors(Ramp(0.5), 32)

@@ -80,7 +80,7 @@ def check_invariants(scene):
     )
 
 
-def random_scenes(count):
+def random_scenes(count, rtol=1e-12):
     """Scenes of any load, a third of them with a base at friction; always the same ones."""
     random = np.random.default_rng(11)
     while count:
@@ -93,7 +93,7 @@ def random_scenes(count):
             Material(1.0, 1.0, nu), friction, Tractions(base, share * friction * base), step
         )
         try:
-            exact = solve(scene, rtol=1e-12)
+            exact = solve(scene, rtol=rtol)
         except SceneError:
             continue  # tension
         if exact.status == "converged":  # rounding may not leave twelve digits
@@ -101,9 +101,17 @@ def random_scenes(count):
             yield exact
 
 
-def check_estimates(count):
+CLEAR = 0.03
+"""Distance from zone edges and c_R, over c_t, beyond which the estimate holds at every point."""
+
+
+def check_estimates(count, thorough):
+    """Senses in which `Solution.error_estimate` is documented to bound an error.
+
+    Edges and slip rate in L1; of the first scenes also those at every point and of integrals.
+    """
     x = np.linspace(0.01, 2.2, 400)
-    for exact in random_scenes(count):
+    for index, exact in enumerate(random_scenes(count)):
         rate = exact.slip_rate(x, 1.0)
         for rtol in (1e-3, 1e-6, 1e-9):
             solution = solve(exact.scene, rtol=rtol)
@@ -115,12 +123,52 @@ def check_estimates(count):
                 edges = np.abs(solution.front_speeds - exact.front_speeds)
                 error = max(error, edges[np.isfinite(edges)].max(initial=0.0))
             assert error <= solution.error_estimate <= rtol, exact.scene
+            if index >= thorough:
+                continue
+            bound = solution.error_estimate + exact.error_estimate
+            assert max(pointwise_errors(solution, exact)) <= bound, exact.scene
+            for name, integral in errors_of_integrals(solution, exact).items():
+                assert integral <= bound, (name, exact.scene)
+
+
+def pointwise_errors(solution, exact):
+    """Largest errors of slip rate and shear traction away from zone edges and c_R."""
+    material = exact.scene.material
+    edges = exact.front_speeds[np.isfinite(exact.front_speeds)]
+    marks = np.array([material.rayleigh_speed, *edges[edges > 0]])
+    steps = CLEAR * np.array([1.0, 1.1, 1.5, 3.0])
+    x = np.linspace(0.002, 1.1 * material.longitudinal_speed, 300)
+    x = np.concatenate([x, (marks[:, None] + steps).ravel(), (marks[:, None] - steps).ravel()])
+    x = x[(x > 0) & (np.abs(x[:, None] - marks).min(axis=1) >= 0.999 * CLEAR)]
+    rate, traction = exact.slip_rate(x, 1.0), exact.shear_traction(x, 1.0)
+    rates = np.abs(solution.slip_rate(x, 1.0) - rate) / max(np.abs(rate).max(), 1e-300)
+    tractions = np.abs(solution.shear_traction(x, 1.0) - traction)
+    return rates.max(), (tractions / (exact.stress + np.abs(traction))).max()
+
+
+def errors_of_integrals(solution, exact):
+    """Errors of what is integrated over the contact or over time, and of the state of its edge."""
+    x = np.concatenate([np.geomspace(1e-3, 0.05, 4), np.linspace(0.06, 2.2, 40)])
+    power = float(exact.frictional_power(1.0))
+    errors = {"power": 0.0}
+    if np.isfinite(power) and power:
+        errors["power"] = abs(float(solution.frictional_power(1.0)) / power - 1)
+        part = solution.frictional_power(1.0, x) - exact.frictional_power(1.0, x)
+        errors["power of a part"] = np.abs(part).max() / power
+    for name in ("slip", "path", "friction_work"):
+        wanted, found = (getattr(one, name)(x, 1.0) for one in (exact, solution))
+        errors[name] = np.abs(found - wanted).max() / max(np.abs(wanted).max(), 1e-300)
+    wanted, found = exact.edge_slip_rate, solution.edge_slip_rate
+    errors["edge slip rate"] = abs(found - wanted) / max(abs(wanted), 1e-300)
+    wanted, found = exact.stress_intensity(1.0)[1], solution.stress_intensity(1.0)[1]
+    errors["stress intensity"] = abs(found - wanted) / max(abs(wanted), 1e-300)
+    return errors
 
 
 def test_error_estimates_bound_errors_in_random_scenes():
-    check_estimates(60)
+    check_estimates(60, thorough=4)
 
 
 @pytest.mark.slow
 def test_error_estimates_bound_errors_in_a_thousand_scenes():
-    check_estimates(1000)
+    check_estimates(1000, thorough=200)

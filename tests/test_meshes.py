@@ -220,6 +220,19 @@ def test_building_leaves_ctrl_c_alone(tmp_path):
     assert signal.getsignal(signal.SIGINT) is before
 
 
+def test_building_leaves_other_signals_alone(tmp_path):
+    """gmsh sets SIGTERM and SIGPIPE back to what ends a process, behind the back of Python."""
+    heard = []
+    before = signal.signal(signal.SIGTERM, lambda number, frame: heard.append(number))
+    try:
+        build_mesh(BLOCKS, tmp_path / "blocks.msh")
+        signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGPIPE)  # which Python ignores
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert heard == [signal.SIGTERM]
+
+
 def test_building_leaves_an_open_gmsh_session_alone(tmp_path):
     import gmsh
 

@@ -184,19 +184,20 @@ def test_edge_of_the_grid_is_where_the_stuck_traction_says(history):
 
 # --- other histories: superposition and invariants -------------------------------------------
 
+# What turns faster than 120 nodes on a length of 1 follow is refused: see test_resolution.py.
 # Loads of 5e-324 have no digits left for two per cent of a slip rate to mean anything.
 LEVELS = st.floats(-1.0, 1.0).map(lambda value: round(value, 6))
 HISTORIES = st.one_of(
     st.builds(Ramp, st.one_of(st.just(0.0), st.floats(1e-3, 2.0))),
     st.builds(
         Pulse,
-        st.floats(0.1, 1.5),
+        st.floats(0.14, 1.5),
         st.sampled_from(["rectangle", "triangle", "half-sine", "haversine"]),
     ),
     st.builds(Harmonic, st.floats(0.3, 4.0)),
     st.lists(st.tuples(st.floats(0.0, 1.0), LEVELS), min_size=1, max_size=5).map(
         lambda pairs: Tabulated(
-            tuple(np.cumsum([step + 0.01 for step, _ in pairs])), tuple(v for _, v in pairs)
+            tuple(np.cumsum([step + 0.14 for step, _ in pairs])), tuple(v for _, v in pairs)
         )
     ),
 )
@@ -227,7 +228,7 @@ def test_invariants(history, friction, share, nu):
         Tractions(0.0, 1.0),
         shear_history=history,
     )
-    marched = march(scene, nodes=120, length=2.5)
+    marched = march(scene, nodes=240, length=2.5)
     fields = marched.interface
     strength = friction * fields.pressure
     assert (np.abs(fields.shear_traction) <= strength + 1e-12).all()

@@ -1,0 +1,217 @@
+"""What a simulation is going to take: unknowns, steps, memory, time and room on the disk."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from fem.plan import Plan
+from fem.settings import LEAST_RESOLUTION, Settings
+from semianalytic.memory import check_memory, memory_limit
+from semianalytic.scene import Material, Scene
+
+LIBRARIES = 30_000_000
+"""Memory that gmsh and small things take, whatever the mesh [bytes]."""
+
+ASSEMBLY = {"P1": 1200, "Q1": 1720, "Q2": 2500}
+"""Memory per displacement unknown of the mesh while its matrix is put together [bytes]."""
+
+STEPPING = {"P1": 560, "Q1": 560, "Q2": 760}
+"""The same while the bodies march, without histories [bytes]."""
+
+BODY = 56
+"""Memory per unknown of each body [bytes]."""
+
+STEP_TIME = {"P1": 9e-9, "Q1": 11e-9, "Q2": 18e-9}
+"""Time per unknown and step, of all unknowns, though not all of them move from the start [s]."""
+
+STEP_OVERHEAD = 0.3e-3
+"""Time per step whatever the mesh [s]."""
+
+SETUP_TIME = {"P1": 12e-6, "Q1": 14e-6, "Q2": 14e-6}
+"""Time to mesh and to assemble, per unknown of the mesh [s]."""
+
+FRAME_TIME = 6e-6
+"""Time per node of both blocks to write a frame [s]."""
+
+FRAME_SIZE = {"P1": (42, 67), "Q1": (22, 53), "Q2": (21, 31)}
+"""Size of a frame per node of both blocks [bytes], at t = 0 and what (t/T)^2 adds to it."""
+
+HISTORY_SIZE = 0.5
+"""Size of `simulation.h5` over that of the histories in memory; they are compressed."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Prediction of what a simulation takes.
+
+    Attributes
+    ----------
+    nodes : int
+        Of the mesh.
+    unknowns : int
+        Displacement unknowns of all bodies.
+    steps : int
+        Time steps.
+    memory : int
+        Peak on top of what the process holds already [bytes], within 30 %; below some 30,000
+        unknowns up to half too much.
+    seconds : float
+        Wall-clock time [s], rough: that of an idle core of 2024.
+    history, frames, checkpoint : int
+        Sizes of `simulation.h5`, of all field snapshots, and of a checkpoint near the end [bytes].
+    """
+
+    nodes: int
+    unknowns: int
+    steps: int
+    memory: int
+    seconds: float
+    history: int
+    frames: int
+    checkpoint: int
+
+    def __str__(self) -> str:
+        minutes = max(round(self.seconds / 60), 1)
+        time = f"{minutes} minute{'s' * (minutes > 1)}"
+        if minutes > 90:
+            time = f"{minutes / 60:.1f} hours"
+        return (
+            f"{self.unknowns:,} unknowns and {self.steps:,} steps will take about {time} "
+            f"and {self.memory / 1e9:.1f} GB"
+        )
+
+
+def cost(
+    scene: Scene,
+    end_time: float | None = None,
+    resolution: int = 100,
+    *,
+    damping: float = 0.02,
+    step_ratio: float = 0.95,
+    model: str = "auto",
+    element: str = "Q1",
+    mesh: str = "squares",
+    lower_material: Material | None = None,
+    every: int = 1,
+    snapshots: bool = False,
+    frames: int = 20,
+    checkpoint: bool = False,
+    memory: float | None = math.inf,
+) -> Cost:
+    """What `simulate` would take with these options; nothing is built.
+
+    Parameters
+    ----------
+    scene : Scene
+    end_time, resolution, damping, step_ratio, model, element, mesh, lower_material, every, frames
+        As in `simulate`.
+    snapshots, checkpoint : bool
+        Whether they would be written.
+    memory : float, optional
+        Refuse what takes more than this, as `simulate` does [bytes]; None for its own limit.
+
+    Returns
+    -------
+    Cost
+
+    Raises
+    ------
+    SceneError
+        As in `simulate`.
+    """
+    end_time = 1 / scene.material.shear_speed if end_time is None else end_time
+    settings = Settings(
+        end_time, resolution, damping, step_ratio, model, element, mesh, every, frames
+    )
+    plan = Plan(scene, settings, lower_material, snapshots)
+    predicted = predict_cost(plan, checkpoints=checkpoint)
+    if memory != math.inf:
+        check_fits(plan, predicted, memory, checkpoints=checkpoint)
+    return predicted
+
+
+def predict_cost(plan: Plan, *, checkpoints: bool = False) -> Cost:
+    """What a plan takes; see `Cost`.
+
+    Parameters
+    ----------
+    plan : Plan
+    checkpoints : bool
+        Whether checkpoints are written, which pass through memory.
+    """
+    return _cost(plan, plan.steps(), plan.settings.every, checkpoints)
+
+
+def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
+    element, frames = plan.settings.element, plan.settings.frames if plan.full else 0
+    mesh = 2 * plan.nodes
+    unknowns = mesh * plan.bodies
+    shown = plan.nodes * (1 if plan.blocks.lower else 2)
+    contact = plan.blocks.right * plan.family.spacing + 1
+    slot = min(round(plan.slot_length / plan.size), plan.blocks.left * plan.family.spacing)
+    levels = math.ceil(steps / every) + 1
+    record = levels * (33 * contact + 16 * slot) + 48 * steps
+    checkpoint = 16 * unknowns + record
+    least, growing = FRAME_SIZE[element]
+    grown = (frames + 1) * (2 * frames + 1) / (6 * frames) if frames else 0.0
+    written = max(HISTORY_SIZE * record, checkpoint if checkpoints else 0)
+    stepping = STEPPING[element] * mesh + BODY * unknowns + record + written
+    return Cost(
+        nodes=plan.nodes,
+        unknowns=unknowns,
+        steps=steps,
+        memory=int(LIBRARIES + max(ASSEMBLY[element] * mesh, stepping)),
+        seconds=(STEP_TIME[element] * unknowns + STEP_OVERHEAD) * steps
+        + SETUP_TIME[element] * mesh
+        + FRAME_TIME * shown * frames,
+        history=int(HISTORY_SIZE * record),
+        frames=int(shown * (least * frames + growing * grown)),
+        checkpoint=checkpoint,
+    )
+
+
+def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool = False) -> None:
+    """Refuse what takes more memory than it may; say which resolution or `every` would not.
+
+    Parameters
+    ----------
+    plan : Plan
+    cost : Cost
+        Of that plan.
+    limit : float or None
+        [bytes]; 70 % of what is available if None.
+    checkpoints : bool
+        Whether checkpoints are written.
+
+    Raises
+    ------
+    SceneError
+        If it takes more, or the limit is not a positive number.
+    """
+    allowed = memory_limit(limit)
+    if cost.memory <= allowed:
+        return
+    settings = plan.settings
+
+    def memory(resolution: int, every: int) -> int:
+        other = replace(plan, settings=replace(settings, resolution=resolution))
+        steps = math.ceil(cost.steps * resolution / settings.resolution)
+        return _cost(other, steps, every, checkpoints).memory
+
+    low, high = LEAST_RESOLUTION - 1, settings.resolution
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if memory(middle, settings.every) <= allowed else (low, middle)
+    advice = [f"lower the resolution to {low}"] if low >= LEAST_RESOLUTION else []
+    if memory(settings.resolution, cost.steps) <= allowed:
+        every = settings.every
+        while memory(settings.resolution, every) > allowed:
+            every *= 2
+        advice.insert(0, f"store every {every}th step only")
+    check_memory(
+        cost.memory,
+        limit,
+        f"simulate: {cost.unknowns:,} unknowns and {cost.steps:,} steps",
+        " or ".join(advice) or "shorten the end time or raise the limit",
+    )

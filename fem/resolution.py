@@ -1,0 +1,95 @@
+"""What a mesh resolves of a load.
+
+The mean of a load over a step keeps its impulse, whatever happens within the step.  A load that
+only rises, or only falls, is right to first order however suddenly it does so.  One that rises
+and falls again within the time in which a shear wave crosses a few elements is not: the mesh
+spreads it and lowers its peak, and it is the peak that friction answers to.
+"""
+
+from __future__ import annotations
+
+from semianalytic.errors import SceneError
+from semianalytic.loads import History
+from semianalytic.scene import Material, Scene
+
+LARGEST_TURN = {1.5: 0.2, 4.0: 0.5}
+"""How far a load may go up and down again, over its largest value, while a shear wave covers so
+many node distances.  That is 12 of them in a period of a harmonic, 8 in a triangle, 4 in a
+rectangle, with friction work within 6 % (docs/fem.md); the shorter time is for ripples."""
+
+MOST = 2**60
+ROUNDING = 1e-9
+
+
+def resolves(history: History, crossing: float, end_time: float) -> bool:
+    """Whether a mesh follows a history until the end time.
+
+    Parameters
+    ----------
+    history : History
+    crossing : float
+        Time in which the slowest shear wave covers a node distance [time].
+    end_time : float
+        [time].
+    """
+    return all(
+        history.turn(nodes * crossing, end_time) <= allowed + ROUNDING
+        for nodes, allowed in LARGEST_TURN.items()
+    )
+
+
+def needed_resolution(history: History, crossing: float, end_time: float) -> int | None:
+    """Least number of node distances per c_t T that follows a history; None if none does.
+
+    Parameters
+    ----------
+    history : History
+    crossing : float
+        Time in which the slowest shear wave covers c_t T [time].
+    end_time : float
+        T [time].
+    """
+    if resolves(history, crossing, end_time):
+        return 1
+    low, high = 1, 2
+    while not resolves(history, crossing / high, end_time):
+        low, high = high, 4 * high
+        if high > MOST:
+            return None
+    while high - low > 1:
+        middle = (low + high) // 2
+        follows = resolves(history, crossing / middle, end_time)
+        low, high = (low, middle) if follows else (middle, high)
+    return high
+
+
+def check_resolved(
+    scene: Scene, lower_material: Material | None, end_time: float, resolution: int
+) -> None:
+    """Raise SceneError if a load turns back faster than the mesh can follow.
+
+    Parameters
+    ----------
+    scene : Scene
+    lower_material : Material or None
+        Of the lower block, if it is another one.
+    end_time : float
+        T [time].
+    resolution : int
+        Node distances per c_t T.
+    """
+    slowest = min(m.shear_speed for m in (scene.material, lower_material or scene.material))
+    crossing = scene.material.shear_speed * end_time / slowest
+    for name, history in scene.acting_histories.items():
+        if resolves(history, crossing / resolution, end_time):
+            continue
+        needed = needed_resolution(history, crossing, end_time)
+        if needed is None:
+            raise SceneError(
+                f"simulate: the {name} history turns back within no time at all; smooth it, or "
+                "take out samples that lie beside each other."
+            )
+        raise SceneError(
+            f"simulate: the {name} history turns back faster than this mesh can follow; raise the "
+            f"resolution from {resolution} to at least {needed}, or shorten the end time."
+        )

@@ -1,0 +1,24 @@
+"""What other processes do in the tests of faults; light, since each of them imports it."""
+
+import os
+import signal
+import time
+
+import numpy as np
+
+from semianalytic.history import InterfaceHistory
+
+
+def history():
+    """Always the same, of 64 kB."""
+    values = np.random.default_rng(1).normal(size=(4, 40, 50))
+    return InterfaceHistory(np.linspace(0, 1, 50), np.linspace(0, 1, 40), *values)
+
+
+def say_and_sleep(seconds):
+    print(os.getpid(), flush=True)
+    time.sleep(seconds)
+
+
+def kill_me():
+    os.kill(os.getpid(), signal.SIGKILL)

@@ -1,0 +1,248 @@
+"""Disks that are full, rights that are missing, and one of every kind of file that is read back."""
+
+import os
+import random
+import resource
+import subprocess
+import sys
+import tempfile
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+from fault_tasks import history
+
+from compare.chart import read_points
+from compare.files import write_rows
+from compare.regime_points import MapPoint, append_points, kept_columns, poisson_ratios
+from compare.scenes import NAMED_SCENES
+from compare.snapshots import last_snapshot
+from fem import load_simulation, simulate
+from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
+from meshes import Blocks, cached_mesh
+from meshes.cache import cache_path
+from semianalytic import InterfaceHistory, Marched, march
+from semianalytic.files import Seal, new_file, write_bytes
+
+ROOT = Path(__file__).parent.parent
+ROOM = 8192
+"""What a full disk has left, or how long a file may get [bytes]; less than any kind needs."""
+
+NOBODY = 65534
+BLOCKS = Blocks(size=0.1, left=20, right=20, height=10)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file: how one is written into a folder, and what is read back from it."""
+
+    path: Any
+    write: Any
+    read: Any
+
+
+def identity_of(thing):
+    """All that a thing holds, to be compared to the last bit."""
+    if isinstance(thing, np.ndarray):
+        return (thing.shape, thing.dtype.str, thing.tobytes())
+    if is_dataclass(thing):
+        return tuple((f.name, identity_of(getattr(thing, f.name))) for f in fields(thing))
+    if isinstance(thing, dict):
+        return tuple((key, identity_of(value)) for key, value in sorted(thing.items()))
+    if isinstance(thing, (list, tuple)):
+        return tuple(map(identity_of, thing))
+    return repr(thing)
+
+
+def write_frame(folder):
+    """A snapshot of two blocks and its index."""
+    x, y = np.meshgrid(np.arange(-20.0, 21.0), np.arange(0.0, 11.0))
+    upper = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()])
+    quads = np.array([[i, i + 1, i + 42, i + 41] for i in range(410) if i % 41 != 40])
+    velocity = np.random.default_rng(2).normal(size=(2 * len(upper), 3))
+    frame = meshio.Mesh(
+        np.concatenate([upper, upper * [1, -1, 1]]),
+        [("quad", np.concatenate([quads, quads + len(upper)]))],
+        point_data={"velocity": velocity},
+    )
+    with new_file(folder / "last.vtu", seal=Seal.XML) as part:
+        meshio.write(part, frame, file_format="vtu")
+    write_index(folder)
+
+
+def write_index(folder):
+    text = '<VTKFile><Collection><DataSet timestep="1.5" file="last.vtu"/></Collection></VTKFile>'
+    write_bytes(folder / "fields.pvd", text.encode(), Seal.XML)
+
+
+def columns():
+    return [
+        MapPoint("preload", nu, chi, "slow", "0.0:0.5:1", "converged", 1e-9)
+        for nu in poisson_ratios(20).tolist()
+        for chi in np.geomspace(0.001, 1, 20).tolist()
+    ]
+
+
+def read_mesh_again(path):
+    with os_environment(SLIPFRONT_CACHE=str(path.parent)):
+        mesh = cached_mesh(BLOCKS)
+    return (mesh.p, mesh.t, dict(mesh.boundaries), dict(mesh.subdomains))
+
+
+def all_kinds():
+    """Every kind of file that is read back, by name; computes a small march and simulation."""
+    marched = march(NAMED_SCENES["ramp"].scene, end_time=0.3, nodes=40)
+    simulation = simulate(NAMED_SCENES["preloaded"].scene, resolution=16)
+    points = read_points(ROOT / "docs" / "chart.csv")
+    arrays = {"body 0/displacement": np.random.default_rng(3).normal(size=4000)}
+    checkpoint = Checkpoint(7, arrays, [(0.5, "fields-0001.vtu")])
+    who = {"scene": "some"}
+    return {
+        "history": Kind(
+            "history.h5",
+            lambda folder: history().save(folder / "history.h5"),
+            InterfaceHistory.load,
+        ),
+        "march": Kind("march.h5", lambda folder: marched.save(folder / "march.h5"), Marched.load),
+        "simulation": Kind(
+            "simulation.h5", simulation.save, lambda path: load_simulation(path.parent)
+        ),
+        "checkpoint": Kind(
+            "checkpoint.h5",
+            lambda folder: write_checkpoint(folder / "checkpoint.h5", who, checkpoint),
+            lambda path: read_checkpoint(path, who),
+        ),
+        "mesh": Kind(
+            cache_path(BLOCKS).name,
+            lambda folder: read_mesh_again(folder / "any"),
+            read_mesh_again,
+        ),
+        "snapshot": Kind("last.vtu", write_frame, lambda path: last_snapshot(path.parent)),
+        "index": Kind("fields.pvd", write_frame, lambda path: last_snapshot(path.parent)),
+        "chart": Kind(
+            "chart.csv",
+            lambda folder: write_rows(folder / "chart.csv", points, checked=True),
+            read_points,
+        ),
+    }
+
+
+def write_columns(folder):
+    append_points(folder / "columns.part", columns())
+
+
+def read_columns(path):
+    return kept_columns(path, "preload", 20)
+
+
+def flip_bits(data, number, rng):
+    """The data with some bits of it, at random places, turned over."""
+    damaged = bytearray(data)
+    for place in rng.sample(range(8 * len(damaged)), number):
+        damaged[place // 8] ^= 1 << place % 8
+    return bytes(damaged)
+
+
+def randomness(seed):
+    return random.Random(seed)
+
+
+@contextmanager
+def os_environment(**values):
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextmanager
+def small_disk(size):
+    """A file system of its own, of that many bytes; for root."""
+    folder = Path(tempfile.mkdtemp())
+    options = ["-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
+    subprocess.run(["mount", *options], check=True, capture_output=True)
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", str(folder)], check=True)
+        folder.rmdir()
+
+
+def can_mount():
+    if os.geteuid() != 0 or not sys.platform.startswith("linux"):
+        return False
+    with suppress(OSError, subprocess.CalledProcessError), small_disk(65536):
+        return True
+    return False
+
+
+@contextmanager
+def full_disk(how, folder):
+    """A folder in which a file can still be opened and not much be written.
+
+    Either a file system that is full ("disk"), or a limit on the length of files ("limit").
+    """
+    if how == "disk":
+        with small_disk(1 << 20) as place:
+            (place / "filler").write_bytes(bytes((1 << 20) - ROOM))
+            yield place, (place / "filler").unlink
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def lift():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+    resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, hard))
+    try:
+        yield folder, lift
+    finally:
+        lift()
+
+
+FULL = ("limit", "disk") if can_mount() else ("limit",)
+
+
+@contextmanager
+def open_folder():
+    """A folder that anyone can reach."""
+    folder = Path(tempfile.mkdtemp())
+    folder.chmod(0o755)
+    try:
+        yield folder
+    finally:
+        subprocess.run(["rm", "-rf", str(folder)], check=True)
+
+
+@contextmanager
+def as_nobody():
+    """Without the rights of root; an ordinary user stays who he is."""
+    root = os.geteuid() == 0
+    if root:
+        os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        if root:
+            os.seteuid(0)
+
+
+def start(code, *arguments, **options):
+    """A Python process that runs some code in the folder of the project."""
+    return subprocess.Popen(
+        [sys.executable, "-c", code, *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=options.pop("cwd", ROOT),
+        start_new_session=True,
+        **options,
+    )
