@@ -1,0 +1,1 @@
+"""On top of the solvers: command line, judgement, figures, studies."""

@@ -16,40 +16,38 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from compare import (
-    article_cases,
-    article_claims,
-    fem_stability,
-    fem_study,
-    regime_boundaries,
-    reverse_slip,
-    solver_benchmark,
-    spacetime_study,
-    wear,
-)
-from compare import stability_studies as studies
-from compare.predictions import contact_nodes
-from compare.regime_boundaries import Loading, scene_of
-from compare.report import default_report
-from compare.scenes import NAMED_SCENES, override_scene
-from compare.solver_stability import ESTIMATE_SCENES
+from compare.comparison.predictions import contact_nodes
+from compare.comparison.report import default_report
+from compare.studies import wear
+from compare.studies.accuracy import fem as fem_study
+from compare.studies.accuracy import spacetime as spacetime_study
+from compare.studies.article import cases as article_cases
+from compare.studies.article import claims as article_claims
+from compare.studies.chart import benchmark as solver_benchmark
+from compare.studies.stability import fem as fem_stability
+from compare.studies.stability import sweeps as studies
+from compare.studies.stability.solver import ESTIMATE_SCENES
 from semianalytic import Harmonic, Material, Scene, Solution, march, solve
-from semianalytic.edge_factors import edge_offset_and_factors
-from semianalytic.published import (
+from semianalytic.halfplane.edge_factors import edge_offset_and_factors
+from semianalytic.halfplane.rayleigh import Mode, rayleigh_factors
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.reference.closed_forms import (
+    edge_speed_under_shear_step,
+    slip_rate_under_remote_shock,
+    slip_rate_under_shear_step,
+)
+from semianalytic.reference.published import (
     DEFAULT_READING,
     REVERSE_LIMIT,
     examine_all,
     examine_reading,
     readings,
 )
-from semianalytic.rayleigh import Mode, rayleigh_factors
-from semianalytic.reference import (
-    edge_speed_under_shear_step,
-    slip_rate_under_remote_shock,
-    slip_rate_under_shear_step,
-)
-from semianalytic.resolution import zone_at_edge
-from semianalytic.stuck import stuck_traction
+from semianalytic.regimes import reverse_slip
+from semianalytic.regimes import thresholds as regime_boundaries
+from semianalytic.regimes.thresholds import Loading, scene_of
+from semianalytic.scene.named import NAMED_SCENES, override_scene
+from semianalytic.spacetime.resolution import zone_at_edge
 
 Array = NDArray[np.float64]
 Numbers = Sequence[float] | Array

@@ -23,11 +23,11 @@ from typing import Any
 import numpy as np
 
 from compare import number_functions
-from compare.figures import figure_png
-from compare.history_figures import comparison_figures
-from compare.report import default_report
-from semianalytic.errors import SlipfrontError
-from semianalytic.files import write_bytes
+from compare.comparison.report import default_report
+from compare.figures.histories import comparison_figures
+from compare.figures.interface import figure_png
+from semianalytic.results.files import write_bytes
+from semianalytic.scene.errors import SlipfrontError
 
 ROOT = Path(__file__).resolve().parents[1]
 LIST = ROOT / "docs" / "numbers.toml"

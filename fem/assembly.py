@@ -25,8 +25,8 @@ from skfem import (
 from skfem.element import Element
 from skfem.mesh import Mesh
 
-from semianalytic.errors import SceneError
-from semianalytic.scene import Material
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Material
 
 
 @dataclass(frozen=True)

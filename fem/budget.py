@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from fem.plan import Plan
 from fem.settings import LEAST_RESOLUTION, Settings
-from semianalytic.memory import check_memory, memory_limit
-from semianalytic.scene import Material, Scene
+from semianalytic.results.memory import check_memory, memory_limit
+from semianalytic.scene.scene import Material, Scene
 
 LIBRARIES = 30_000_000
 """Memory that gmsh and small things take, whatever the mesh [bytes]."""

@@ -21,9 +21,9 @@ from fem.model import Model
 from fem.record import Record
 from fem.settings import Pace, Settings
 from fem.stepping import BodyState
-from semianalytic.errors import DataFileError
-from semianalytic.files import sealed_hdf5, whole_hdf5
-from semianalytic.scene import Material, Scene, scene_document
+from semianalytic.results.files import sealed_hdf5, whole_hdf5
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.scene import Material, Scene, scene_document
 
 FORMAT = "slipfront checkpoint 3"
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from fem.stepping import Body
 from fem.strength import strength
-from semianalytic.scene import Scene
+from semianalytic.scene.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import Body
-from semianalytic.loads import History, Step
-from semianalytic.scene import Scene
+from semianalytic.scene.loads import History, Step
+from semianalytic.scene.scene import Scene
 
 
 def kick_means(history: History, step: float, steps: int) -> NDArray[np.float64]:

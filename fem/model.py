@@ -12,7 +12,7 @@ from fem.assembly import Space, lumped_mass, stiffness, tributary_length
 from fem.interface import Faces, Interface
 from fem.loading import SlotLoad, slot_loads
 from fem.stepping import Body, critical_step, highest_frequency, normalised
-from semianalytic.scene import Material, Scene
+from semianalytic.scene.scene import Material, Scene
 
 ANTISYMMETRIC = "antisymmetric half"
 SYMMETRIC = "symmetric half"

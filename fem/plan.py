@@ -14,8 +14,8 @@ from fem.settings import Settings
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, causal_blocks
 from meshes.blocks import observed_slot
-from semianalytic.errors import SceneError
-from semianalytic.scene import Material, Scene
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Material, Scene
 
 PATCH = 8
 """Elements along a side of the patch on which the fastest mode is looked for."""

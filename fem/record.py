@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fem.model import Model
 from fem.results import EnergyHistory, SlotHistory
-from semianalytic.history import InterfaceHistory
+from semianalytic.results.interface_history import InterfaceHistory
 
 
 class Record:

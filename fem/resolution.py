@@ -8,9 +8,9 @@ spreads it and lowers its peak, and it is the peak that friction answers to.
 
 from __future__ import annotations
 
-from semianalytic.errors import SceneError
-from semianalytic.loads import History
-from semianalytic.scene import Material, Scene
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loads import History
+from semianalytic.scene.scene import Material, Scene
 
 LARGEST_TURN = {1.5: 0.2, 4.0: 0.5}
 """How far a load may go up and down again, over its largest value, while a shear wave covers so

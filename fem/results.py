@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.errors import DataFileError
-from semianalytic.files import sealed_hdf5, whole_hdf5
-from semianalytic.history import InterfaceHistory
-from semianalytic.scene import Material, Scene, scene_document, scene_from_document
+from semianalytic.results.files import sealed_hdf5, whole_hdf5
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.scene import Material, Scene, scene_document, scene_from_document
 
 FORMAT = "slipfront simulation 4"
 FILE_NAME = "simulation.h5"

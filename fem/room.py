@@ -6,8 +6,8 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from semianalytic.errors import DataFileError
-from semianalytic.files import make_folder, refusal, remove_empty
+from semianalytic.results.files import make_folder, refusal, remove_empty
+from semianalytic.scene.errors import DataFileError
 
 
 def free_space(folder: Path) -> int:

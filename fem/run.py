@@ -25,8 +25,8 @@ from fem.settings import Pace, Settings
 from fem.snapshots import Snapshots
 from meshes import cached_mesh
 from meshes.blocks import causal_margin
-from semianalytic.errors import ComputationError, SceneError
-from semianalytic.scene import Material, Scene
+from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.scene import Material, Scene
 
 RUNAWAY = 2.0
 FIRST_JUDGED = 4

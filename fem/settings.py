@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from semianalytic.checks import checked_count, checked_number, checked_size
-from semianalytic.errors import SceneError
+from semianalytic.scene.checks import checked_count, checked_number, checked_size
+from semianalytic.scene.errors import SceneError
 
 LEAST_RESOLUTION = 8
 STABLE_RATIO = 1.0

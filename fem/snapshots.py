@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from fem.model import Model
 from fem.room import free_space
-from semianalytic.errors import DataFileError
-from semianalytic.files import Seal, new_file, write_bytes
-from semianalytic.scene import Scene
+from semianalytic.results.files import Seal, new_file, write_bytes
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.scene import Scene
 
 INDEX = "fields.pvd"
 CELLS = {"P1": "triangle", "Q1": "quad", "Q2": "quad9"}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.errors import SceneError
-from semianalytic.friction import FrictionLaw, RateWeakening, SlipWeakening
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import FrictionLaw, RateWeakening, SlipWeakening
 
 
 def strength(

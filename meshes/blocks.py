@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.errors import SceneError
-from semianalytic.scene import Material
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Material
 
 PATTERNS = ("squares", "graded", "triangles")
 """Squares; rows of rectangles that grow away from the interface; unstructured triangles."""

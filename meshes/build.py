@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from meshes.blocks import GROWTH, Blocks
-from semianalytic.errors import MissingLibraryError
-from semianalytic.files import Seal, new_file
+from semianalytic.results.files import Seal, new_file
+from semianalytic.scene.errors import MissingLibraryError
 
 APT_PACKAGES = (
     "libglu1-mesa libgl1 libxrender1 libxcursor1 libxfixes3 libxext6 libxft2 libfontconfig1 "
@@ -49,7 +49,7 @@ def build_mesh(blocks: Blocks, path: str | Path) -> None:
 
 
 def new_mesh_file(blocks: Blocks, path: str | Path) -> AbstractContextManager[Path]:
-    """A sealed file for the mesh of these blocks, as `semianalytic.files.new_file`."""
+    """A sealed file for the mesh of these blocks, as `semianalytic.results.files.new_file`."""
     return new_file(path, _size(blocks), Seal.MSH, suffix=".msh")
 
 

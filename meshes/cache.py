@@ -14,8 +14,8 @@ from skfem import MeshQuad, MeshTri
 from meshes.blocks import Blocks
 from meshes.build import new_mesh_file, write_mesh
 from meshes.read import read_mesh
-from semianalytic.errors import DataFileError
-from semianalytic.files import check_seal
+from semianalytic.results.files import check_seal
+from semianalytic.scene.errors import DataFileError
 
 FORMAT = "slipfront blocks 2"
 

@@ -12,7 +12,7 @@ from skfem import MeshQuad, MeshTri
 from skfem.io.meshio import from_meshio
 
 from meshes.blocks import Blocks
-from semianalytic.errors import DataFileError
+from semianalytic.scene.errors import DataFileError
 
 POSITION_TOLERANCE = 1e-6
 """Largest distance of a node from its place, in elements."""

@@ -1,6 +1,8 @@
 """Slip on a frictional interface after a sudden load: the semi-analytic Wiener-Hopf solver."""
 
-from semianalytic.errors import (
+from semianalytic.prediction import slip_history
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.errors import (
     ComputationError,
     DataFileError,
     MissingLibraryError,
@@ -8,16 +10,14 @@ from semianalytic.errors import (
     SlipfrontError,
     TensionError,
 )
-from semianalytic.friction import CoulombFriction, RateWeakening, SlipWeakening
-from semianalytic.history import InterfaceHistory
-from semianalytic.loads import Harmonic, History, Pulse, Ramp, Step, Tabulated
-from semianalytic.marched import Marched
-from semianalytic.predict import slip_history
-from semianalytic.scene import Material, Scene, Tractions
-from semianalytic.solution import SlipZone, Solution, Statistics
-from semianalytic.solver import solve
-from semianalytic.spacetime import march, march_on
-from semianalytic.sweep import Sweep, sweep
+from semianalytic.scene.friction import CoulombFriction, RateWeakening, SlipWeakening
+from semianalytic.scene.loads import Harmonic, History, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
+from semianalytic.selfsimilar.solver import solve
+from semianalytic.spacetime.march import march, march_on
+from semianalytic.spacetime.marched import Marched
+from semianalytic.sweeps.sweep import Sweep, sweep
 
 __all__ = [
     "ComputationError",

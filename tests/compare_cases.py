@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from compare.scenes import NAMED_SCENES
-from semianalytic.history import InterfaceHistory
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.named import NAMED_SCENES
 
 SELF_SIMILAR = [
     name

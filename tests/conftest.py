@@ -15,6 +15,6 @@ def mesh_cache(tmp_path_factory):
 def undrawn(monkeypatch):
     """Figures are made, and their files, but not drawn: most of the time of a comparison.
 
-    For tests that look at other results; those of figures are in test_compare_figures.py.
+    For tests that look at other results; those of figures are in compare/figures/test_figures.py.
     """
-    monkeypatch.setattr("compare.figures.save_figure", lambda figure, path: path.touch())
+    monkeypatch.setattr("compare.figures.interface.save_figure", lambda figure, path: path.touch())

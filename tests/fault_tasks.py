@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from semianalytic.history import InterfaceHistory
+from semianalytic.results.interface_history import InterfaceHistory
 
 
 def history():

@@ -15,17 +15,17 @@ import meshio
 import numpy as np
 from fault_tasks import history
 
-from compare.chart import read_points
-from compare.files import write_rows
-from compare.regime_points import MapPoint, append_points, kept_columns, poisson_ratios
-from compare.scenes import NAMED_SCENES
-from compare.snapshots import last_snapshot
+from compare.comparison.snapshots import last_snapshot
+from compare.output.files import write_rows
+from compare.studies.chart.study import read_points
+from compare.studies.regimes.points import MapPoint, append_points, kept_columns, poisson_ratios
 from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from meshes import Blocks, cached_mesh
 from meshes.cache import cache_path
 from semianalytic import InterfaceHistory, Marched, march
-from semianalytic.files import Seal, new_file, write_bytes
+from semianalytic.results.files import Seal, new_file, write_bytes
+from semianalytic.scene.named import NAMED_SCENES
 
 ROOT = Path(__file__).parent.parent
 ROOM = 8192

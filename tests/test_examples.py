@@ -9,8 +9,8 @@ import pytest
 
 import compare.examples
 from compare.examples.fit_friction import TRUE
-from compare.scenes import read_scene
 from semianalytic import Marched, Ramp, SlipWeakening
+from semianalytic.scene.named import read_scene
 
 FOLDER = Path(compare.examples.__file__).parent
 EXAMPLES = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem != "__init__")

@@ -11,8 +11,8 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from compare.scenes import find_scene
 from fem import simulate
+from semianalytic.scene.named import find_scene
 
 
 def main(folder: Path = Path(".")) -> int:

@@ -1,0 +1,184 @@
+"""The longer commands of ``slipfront``: maps of regimes, stability studies, the article redone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from compare.output.places import working_folder
+from compare.output.progress import progress_bar
+from semianalytic.scene.errors import SceneError
+
+Output = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Folder to write to, results/COMMAND if not given."),
+]
+Quick = Annotated[bool, typer.Option("--quick", help="Coarser and smaller: a look at everything.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results only, no progress.")]
+
+
+def regimes(
+    loading: Annotated[
+        str, typer.Option(help="preload (shear step), remote (sudden remote load) or both.")
+    ] = "both",
+    size: Annotated[int, typer.Option(help="Points along each axis of a map.")] = 100,
+    output: Output = None,
+    quick: Quick = False,
+    quiet: Quiet = False,
+) -> None:
+    """Map how the interface slips over Poisson ratio and friction, with traced boundaries.
+
+    An interrupted run continues when it is started again with the same size.
+    """
+    from compare.studies.regimes.study import write_regimes
+
+    directory = output or Path("results", "regimes")
+    with working_folder(directory), _progress(quiet, "mapping") as progress:
+        write_regimes(directory, size, loading, quick, progress)
+    _written(f"{directory}/")
+
+
+def stability(
+    solver: Annotated[
+        bool, typer.Option("--solver", help="Study the semi-analytic solver.")
+    ] = False,
+    fem: Annotated[bool, typer.Option("--fem", help="Study the finite-element model.")] = False,
+    space_time: Annotated[
+        bool, typer.Option("--space-time", help="Study the space-time solver.")
+    ] = False,
+    output: Output = None,
+    quick: Quick = False,
+    quiet: Quiet = False,
+) -> None:
+    """Study where the methods fail, how, and what the program does about it."""
+    if not (solver or fem or space_time):
+        raise SceneError("say what to study: --solver, --fem, --space-time or several.")
+    directory = output or Path("results", "stability")
+    chosen: list[Callable[..., object]] = []
+    if solver:
+        from compare.studies.stability.solver import write_solver_stability
+
+        chosen.append(write_solver_stability)
+    if fem:
+        from compare.studies.stability.fem import fem_stability
+
+        chosen.append(fem_stability)
+    if space_time:
+        from compare.studies.accuracy.spacetime import write_stability
+
+        chosen.append(write_stability)
+    with working_folder(directory):
+        for study in chosen:
+            with _progress(quiet, "studying") as progress:
+                study(directory, quick, progress)
+    _written(f"{directory}/")
+
+
+def article(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> None:
+    """Redraw the article's figures by three methods and judge its claims."""
+    from compare.studies.article.study import claims_table, write_article
+
+    directory = output or Path("results", "article")
+    with working_folder(directory):
+        found = write_article(directory, quick, _teller(Console(stderr=True), quiet))
+    Console().print(claims_table(found.claims), highlight=False, markup=False)
+    _written(f"{directory}/")
+
+
+def chart(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENE...]", help="Scenes of the chart, all unless given."),
+    ] = None,
+    output: Output = None,
+    quick: Quick = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is there.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Chart error against time of every method; an interrupted chart goes on when started again.
+
+    --output docs refreshes the page of the documentation.
+    """
+    from compare.studies.chart.figure import slopes_table, write_chart
+    from compare.studies.chart.study import FILE_NAME, SCENES, measure_all
+
+    directory = output or Path("results", "chart-quick" if quick else "chart")
+    notes = Console(stderr=True)
+    with working_folder(directory):
+        with progress_bar(notes, quiet, "measuring") as progress:
+            points = measure_all(
+                directory / FILE_NAME,
+                scenes or SCENES,
+                quick=quick,
+                fresh=fresh,
+                progress=progress,
+                tell=_teller(notes, quiet),
+            )
+        text = write_chart(directory, points)
+    Console().print(text, highlight=False, markup=False, soft_wrap=True)
+    Console().print(slopes_table(points), highlight=False, markup=False)
+    _written(f"{directory}/")
+
+
+def wear(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> None:
+    """Sweep friction for a step, a ramp and a pulse: accumulated slip and frictional work."""
+    from compare.studies.wear import LOADS, POISSON_RATIOS, most_wear, write_wear
+
+    directory = output or Path("results", "wear")
+    with working_folder(directory), _progress(quiet, "sweeping") as progress:
+        rows = write_wear(directory, quick, progress)
+    for poisson_ratio in POISSON_RATIOS:
+        for load in LOADS:
+            chi, work = most_wear(rows, load, poisson_ratio)
+            Console().print(
+                f"{load}, nu = {poisson_ratio:.3g}: most frictional work {work:.4g} at "
+                f"chi = {chi:.3g}",
+                highlight=False,
+            )
+    _written(f"{directory}/")
+
+
+def evidence(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENE...]", help="Names or TOML files; all scenes unless given."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Page to write, results/evidence.html if not given."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Four scenes and fewer figures: a first look.")
+    ] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write one self-contained HTML page that sets all methods side by side, scene by scene.
+
+    The exit code is 0 if every quantity is within its tolerance, 1 if one is not.
+    """
+    from compare.studies.evidence.study import write_evidence
+
+    path = output or Path("results", "evidence.html")
+    with _progress(quiet, "collecting") as progress:
+        found = write_evidence(path, scenes or (), quick=quick, progress=progress)
+    _written(path)
+    raise typer.Exit(0 if found.passed else 1)
+
+
+def _progress(quiet: bool, doing: str) -> AbstractContextManager[Callable[[int, int], None]]:
+    return progress_bar(Console(stderr=True), quiet, doing)
+
+
+def _teller(notes: Console, quiet: bool) -> Callable[[str], None] | None:
+    """What prints lines that say how far a study is; none if quiet."""
+    return None if quiet else partial(notes.print, highlight=False)
+
+
+def _written(path: str | Path) -> None:
+    Console().print(f"Written to {path}", highlight=False)

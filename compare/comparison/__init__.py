@@ -1,0 +1,1 @@
+"""What agrees with what: predictions, measures, rows of a comparison, its report."""

@@ -1,0 +1,1 @@
+"""Pictures of solutions, marches, simulations and their comparison."""

@@ -1,0 +1,138 @@
+"""Where results go: looked at before anything is computed, and held by one run at a time."""
+
+from __future__ import annotations
+
+import errno
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from semianalytic.results.files import make_folder, remove_empty, try_lock
+from semianalytic.scene.errors import DataFileError, SceneError
+
+LOCK = ".slipfront.lock"
+
+
+def check_file(path: Path) -> None:
+    """Make sure that a file can be written there; nothing is left behind.
+
+    Raises
+    ------
+    SceneError
+        If something else than a file is there.
+    DataFileError
+        If it cannot be written.
+    """
+    try:
+        if path.exists() and not path.is_file():
+            kind = "a folder" if path.is_dir() else "not an ordinary file"
+            raise SceneError(f"{path} is {kind}; give the name of a file.")
+        _probe(path.parent)
+    except OSError as error:
+        raise _refused(path, error) from error
+
+
+@contextmanager
+def working_folder(directory: Path) -> Iterator[None]:
+    """A folder to write to, made if it is not there, which no other run may write to meanwhile.
+
+    The lock ends with the process, however that ends.  A folder made here goes again if nothing
+    has been put into it.
+
+    Raises
+    ------
+    DataFileError
+        If it is not a folder, cannot be written, or another run is writing to it.
+    """
+    made: list[Path] = []
+    try:
+        if directory.exists() and not directory.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, "it is not a folder")
+        made, lock = _locked(directory)
+    except OSError as error:
+        raise _refused(directory, error) from error
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            if _is_still_there(lock, directory):
+                (directory / LOCK).unlink()
+        os.close(lock)
+        remove_empty(made)
+
+
+def _locked(directory: Path) -> tuple[list[Path], int]:
+    """Folders made, innermost first, and the descriptor of the lock."""
+    made: list[Path] = []
+    while True:
+        made = made or make_folder(directory)
+        try:
+            lock = os.open(directory / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
+        except OSError as error:
+            if error.errno == errno.ENOENT and not directory.exists():
+                made = []  # another run has just removed what it had made
+                continue
+            remove_empty(made)
+            raise
+        if not try_lock(lock):
+            os.close(lock)
+            raise DataFileError(
+                f"another run is writing to {directory}; wait for it or give another --output."
+            )
+        with suppress(OSError):
+            if _is_still_there(lock, directory):
+                return made, lock
+        os.close(lock)  # the run before has just removed it
+
+
+def _is_still_there(lock: int, directory: Path) -> bool:
+    """Whether an open lock is the one that the folder holds now."""
+    return os.path.samestat(os.fstat(lock), (directory / LOCK).stat())
+
+
+def save_somewhere(save: Callable[[Path], object], place: Path, name: str = "") -> None:
+    """Save a result; if its place cannot be written, in a folder for temporary files.
+
+    Parameters
+    ----------
+    save : callable
+        Called with the path to write to.
+    place : Path
+    name : str
+        What to add to the other folder.
+
+    Raises
+    ------
+    DataFileError
+        If it could not be saved in its place; the message says where it is kept instead.
+    """
+    try:
+        save(place)
+    except DataFileError as error:
+        spare = Path(tempfile.mkdtemp(prefix="slipfront-"))
+        try:
+            save(spare / name)
+        except DataFileError:
+            remove_empty([spare])
+            raise error from None
+        raise DataFileError(
+            f"{str(error).rstrip('.')}; the result is kept in {spare / name} instead."
+        ) from error
+
+
+def _probe(folder: Path) -> None:
+    """Make and remove a file in a folder, or in the one that it would have to be made in."""
+    for place in (folder, *folder.parents):
+        if place.exists():
+            if not place.is_dir():
+                raise NotADirectoryError(errno.ENOTDIR, f"{place} is not a folder")
+            descriptor, probe = tempfile.mkstemp(prefix=".", suffix=".part", dir=place)
+            os.close(descriptor)
+            os.unlink(probe)
+            return
+
+
+def _refused(path: Path, error: OSError) -> DataFileError:
+    return DataFileError(f"Cannot write {path}: {error.strerror or error}.")

@@ -1,0 +1,1 @@
+"""Studies of the methods and of the physics, each a command and a page of the docs."""

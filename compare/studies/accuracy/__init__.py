@@ -1,0 +1,1 @@
+"""How accurate the finite elements and the marcher are, and what that costs."""

@@ -1,0 +1,1 @@
+"""The article done again: its cases, its claims, how each is judged."""

@@ -1,0 +1,360 @@
+"""The article's claims judged by three methods; every verdict is computed from the cases."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.studies.article.cases import (
+    AUXETIC_RATIO,
+    LOW_FRICTION,
+    SHEAR_SPEED,
+    Case,
+    Cases,
+    article_scene,
+)
+from semianalytic import SlipZone, solve
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.reference.published import (
+    DEFAULT_READING,
+    REVERSE_LIMIT,
+    examine_reading,
+    published_slip,
+)
+
+Array = NDArray[np.float64]
+
+HOLDS, FAILS, PARTLY, SILENT = "holds", "fails", "in part", "no answer"
+METHODS = ("published", "exact", "finite elements")
+NOTICEABLE = 0.01
+"""Simulated slip rates count from this share of 2 Q_0/(mu b) on."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What one method says, and the numbers it says it by."""
+
+    verdict: str
+    evidence: str
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim of the article, the load base of exact solution and simulation, and the verdicts."""
+
+    section: str
+    text: str
+    base: str
+    verdicts: Mapping[str, Verdict]
+
+
+def _claim(section: str, text: str, base: str, *verdicts: Verdict) -> Claim:
+    return Claim(section, text, base, dict(zip(METHODS, verdicts, strict=True)))
+
+
+def _judge(true: bool, evidence: str) -> Verdict:
+    return Verdict(HOLDS if true else FAILS, evidence)
+
+
+def _stuck_shear_near_front(case: Case) -> float:
+    """Largest simulated q* over c_t T < x < c_l T, one cell off the shear front."""
+    x = case.history.x / (SHEAR_SPEED * case.history.t[-1])
+    ahead = (x > 1 + 1 / case.resolution) & (x < 2)
+    change = case.history.shear_traction[-1, ahead] - case.solution.scene.base.shear
+    return float(change.max() * case.chi)
+
+
+def _zones_text(zones: tuple[SlipZone, ...]) -> str:
+    if not zones:
+        return "no slip"
+    return ", ".join(
+        f"{z.inner / SHEAR_SPEED:.4g} to {z.outer / SHEAR_SPEED:.4g}"
+        + (" reversed" if z.sense < 0 else "")
+        for z in zones
+    )
+
+
+def published_sense_change(chi: float) -> float:
+    """Where the published algorithm changes the sense of slip, x/(c_t t)."""
+    slip = published_slip(chi)
+    behind = slip.u > 1.02
+    change = np.flatnonzero(np.diff(np.sign(slip.slip_rate[behind])))[0]
+    return float(1 / slip.u[behind][change])
+
+
+def published_reversal(chi: float) -> float:
+    """Mean reversed slip rate on 0.63 to 0.95 c_t t by the published algorithm, Q_0/(mu b)."""
+    return -chi * float(published_slip(chi).at(np.linspace(1.05, 1.6, 100)).mean())
+
+
+def simulated_reversal(case: Case) -> Array:
+    """Where a simulation reverses at the end, x/(c_t t)."""
+    velocity, rate = case.simulated()
+    return velocity[rate < -NOTICEABLE * np.abs(rate).max()]
+
+
+def no_shear_ahead(cases: Cases) -> Claim:
+    """3.6.1: q = 0 ahead of the shear wave."""
+    front = float(stuck_traction(1 / 3, "II")(1.0))
+    simulated = _stuck_shear_near_front(cases.remote[2.0])
+    return _claim(
+        "3.6.1",
+        "no shear traction ahead of the shear wave",
+        "any",
+        _judge(front < NOTICEABLE, f"its own (3.14) gives q* = {front:.4f} Q_0 at x = c_t t"),
+        _judge(front < NOTICEABLE, f"q* rises from 0 at c_l t to {front:.4f} Q_0 at c_t t"),
+        _judge(simulated < NOTICEABLE, f"q* up to {simulated:.3f} Q_0 on c_t t < x < c_l t"),
+    )
+
+
+def edge_sticks(cases: Cases) -> Claim:
+    """(3.17)-(3.19): the edge sticks for chi >= 1."""
+    case = cases.remote[1.2]
+    exact = case.solution.edge_slip_rate / case.scale
+    simulated = case.simulated_mean(0.05, 0.3)
+    published = published_slip(1.2).slip_rate[-1]
+    above = cases.remote[2.0].simulated_mean(0.05, 0.3)
+    return _claim(
+        "3.6.1",
+        "the edge sticks for chi >= 1",
+        "remote",
+        Verdict(
+            SILENT, f"it has no stick; V(x = c_t t/5) = {published:.3g} f P_0/(mu b) at chi = 1.2"
+        ),
+        _judge(
+            exact <= 1e-9,
+            f"V(0+) = {exact:.4f} Q_0/(mu b) at chi = 1.2; the limit is sqrt(b/a) = 1.414, and "
+            "with constant pressure the edge slips at every chi",
+        ),
+        _judge(
+            simulated < NOTICEABLE,
+            f"V = {simulated:.3f} Q_0/(mu b) beside the edge at chi = 1.2, {above:.1g} at chi = 2",
+        ),
+    )
+
+
+def slip_wave_above_one(cases: Cases) -> Claim:
+    """6.0.1: a slip wave for any chi > 1, bounded by x = (a/b) c_t t."""
+    case = cases.remote[2.0]
+    end = examine_reading(DEFAULT_READING).slip_end
+    largest = float(np.abs(case.simulated()[1]).max())
+    return _claim(
+        "6.0.1",
+        "a slip wave for any chi > 1, bounded by x = (a/b) c_t t and c_t t",
+        "remote",
+        Verdict(
+            PARTLY,
+            f"slip of one sense from c_t t to {end:.3f} c_t t at chi = 2 (a/b = 0.5); p* = 0 at "
+            "0.590 c_t t, where the bound without base load changes sign",
+        ),
+        _judge(
+            bool(case.solution.zones),
+            f"{_zones_text(case.solution.zones)} at chi = 2; at chi = 1.2 it slips on x/(c_t t) = "
+            f"{_zones_text(cases.remote[1.2].solution.zones)}",
+        ),
+        _judge(largest > NOTICEABLE, f"largest V = {largest:.1g} Q_0/(mu b) at chi = 2"),
+    )
+
+
+def slip_reaches_shear_front(cases: Cases) -> Claim:
+    """6.0.2: slip for chi < 1 is confined to 0 < x < c_t t."""
+    remote, preloaded = cases.remote[0.5], cases.preloaded[0.5]
+    ahead = remote.simulated_mean(1.2, 1.8)
+    velocity, rate = preloaded.simulated()
+    last = float(velocity[rate > NOTICEABLE].max())
+    zones = preloaded.solution.zones
+    return _claim(
+        "6.0.2",
+        "for chi < 1 slip fills 0 < x < c_t t and ends there",
+        "remote; preloaded",
+        Verdict(HOLDS, "by construction: the unknowns start at u = b"),
+        _judge(
+            bool(zones) and abs(zones[-1].outer / SHEAR_SPEED - 1) < 1e-3,
+            f"remote: everywhere, {remote.exact(np.array([1.5]))[0]:.3f} Q_0/(mu b) at 1.5 c_t t; "
+            f"preloaded, chi = 0.5: x/(c_t t) = {_zones_text(zones)}",
+        ),
+        _judge(
+            abs(last - 1) < 0.02 and ahead < NOTICEABLE,
+            f"remote: {ahead:.3f} Q_0/(mu b) on 1.2 to 1.8 c_t t; preloaded: last slip at "
+            f"{last:.3f} c_t t",
+        ),
+    )
+
+
+def maximum_lags(cases: Cases) -> Claim:
+    """6.0.2: the maximum lags the shear front for chi < 1."""
+    remote = cases.remote[0.5]
+    velocity, rate = remote.simulated()
+    inside = (velocity > 0.1) & (velocity < 0.9)
+    spread = float(np.ptp(rate[inside]) / rate[inside].mean())
+    sample = remote.exact(np.linspace(0.05, 0.99, 50))
+    place = examine_reading(DEFAULT_READING).maximum
+    return _claim(
+        "6.0.2",
+        "for chi < 1 slip has a maximum that lags the shear front",
+        "remote",
+        _judge(place < 0.95, f"maximum at x = {place:.3f} c_t t for chi = 0.5"),
+        _judge(
+            float(np.ptp(sample)) > 1e-6,
+            f"V = {sample[0]:.5f} Q_0/(mu b) everywhere behind the shear front, no maximum; with "
+            "constant pressure V is largest at the edge",
+        ),
+        _judge(spread > 0.05, f"V varies by {spread:.1%} over 0.1 < x/(c_t t) < 0.9"),
+    )
+
+
+def reverse_slip(cases: Cases) -> Claim:
+    """6.0.3: reverse slip between c_R t and c_t t for chi < 0.0575, and only there."""
+    limit = examine_reading(DEFAULT_READING).reverse_limit
+    low = (cases.remote[LOW_FRICTION], cases.preloaded[LOW_FRICTION])
+    reversed_zones = [z for case in low for z in case.solution.zones if z.sense < 0]
+    least = min(float(case.simulated()[1].min()) for case in low)
+    auxetic = cases.auxetic
+    return _claim(
+        "6.0.3",
+        f"reverse slip on c_R t < x < c_t t for chi < {REVERSE_LIMIT}",
+        "remote; preloaded",
+        Verdict(
+            PARTLY if np.isinf(limit) else HOLDS,
+            "reversed there at every chi up to 2: no limit"
+            if np.isinf(limit)
+            else f"limit chi = {limit:.4f}",
+        ),
+        _judge(
+            bool(reversed_zones),
+            f"none at chi = {LOW_FRICTION} and nu = 1/3; at nu = {AUXETIC_RATIO}, preloaded, "
+            f"x/(c_t t) = {_zones_text(auxetic.solution.zones)}",
+        ),
+        _judge(
+            least < -NOTICEABLE,
+            f"least V = {least:.1g} Q_0/(mu b) at chi = {LOW_FRICTION}; at nu = {AUXETIC_RATIO} "
+            f"{auxetic.simulated()[1].min():.3f}",
+        ),
+    )
+
+
+def rayleigh_separates(cases: Cases) -> Claim:
+    """6.0.3: the Rayleigh speed separates the two senses of slip."""
+    case = cases.auxetic
+    rayleigh = case.solution.scene.material.rayleigh_speed / SHEAR_SPEED
+    published = published_sense_change(LOW_FRICTION)
+    zone = next(z for z in case.solution.zones if z.sense < 0)
+    inner, outer = zone.inner / SHEAR_SPEED, zone.outer / SHEAR_SPEED
+    seen = simulated_reversal(case)
+    found = f"{seen.min():.3f} to {seen.max():.3f}" if len(seen) else "none"
+    return _claim(
+        "6.0.3",
+        "the Rayleigh speed separates forward from reverse slip",
+        f"preloaded, nu = {AUXETIC_RATIO}",
+        _judge(
+            abs(published - 0.9325) < 0.02,
+            f"senses change at {published:.3f} c_t t (c_R = 0.933 c_t, chi = {LOW_FRICTION})",
+        ),
+        _judge(
+            min(abs(inner - rayleigh), abs(outer - rayleigh)) < 1e-3,
+            f"reverse slip straddles c_R = {rayleigh:.3f} c_t: {inner:.3f} to {outer:.3f} c_t",
+        ),
+        _judge(
+            bool(len(seen)) and abs(float(seen.min()) - rayleigh) < 0.01,
+            f"reversed on x/(c_t t) = {found}, c_R at {rayleigh:.3f}",
+        ),
+    )
+
+
+def no_natural_limit(cases: Cases) -> Claim:
+    """6.0.2: the slip zone keeps growing."""
+    case = cases.preloaded[0.5]
+    outer = case.solution.zones[0].outer / SHEAR_SPEED
+    widths = []
+    for row in (len(case.history.t) // 2, -1):
+        slipping = case.history.slip_rate[row] > NOTICEABLE * case.scale
+        widths.append(float(case.history.x[slipping].max() / case.history.t[row]) / SHEAR_SPEED)
+    return _claim(
+        "6.0.2",
+        "the slip zone has no natural limit and grows with time",
+        "preloaded",
+        Verdict(HOLDS, "by construction: a function of x/t"),
+        Verdict(HOLDS, f"self-similar: the zone ends at x = {outer:.4f} c_t t (chi = 0.5)"),
+        _judge(
+            abs(widths[1] / widths[0] - 1) < 0.1,
+            f"it ends at {widths[0]:.3f} c_t t at half time and {widths[1]:.3f} c_t t at the end",
+        ),
+    )
+
+
+def full_stick_approached(cases: Cases) -> Claim:
+    """6.0.1: over time full stick is restored for chi > 1."""
+    case, stuck = cases.remote[1.2], cases.remote[2.0]
+    exact = case.solution.edge_slip_rate / case.scale
+    simulated = case.simulated_mean(0.02, 0.1)
+    published = published_slip(2.0)
+    rates = published.slip_rate[published.u > 3.5]
+    changes = int(np.count_nonzero(np.diff(np.sign(rates))))
+    return _claim(
+        "6.0.1",
+        "for chi > 1 full stick is approached over time",
+        "remote",
+        _judge(
+            float(np.abs(rates).max()) < NOTICEABLE,
+            f"|V| up to {np.abs(rates).max():.2g} f P_0/(mu b) on 0.2 to 0.29 c_t t, changing sign "
+            f"{changes} times (chi = 2)",
+        ),
+        Verdict(
+            PARTLY,
+            f"above chi = 1.414 only; at chi = 1.2 V tends to {exact:.4f} Q_0/(mu b) "
+            "at every point",
+        ),
+        Verdict(
+            PARTLY,
+            f"V = {simulated:.3f} Q_0/(mu b) at x = 0.02 to 0.1 c_t t for chi = 1.2, "
+            f"{stuck.simulated_mean(0.02, 0.1):.1g} for chi = 2",
+        ),
+    )
+
+
+def lower_friction_worse(cases: Cases) -> Claim:
+    """6.0.3, 7: lower friction makes reversal worse."""
+
+    def reversed_width(chi: float) -> float:
+        zones = solve(article_scene(chi, "preloaded", AUXETIC_RATIO)).zones
+        return sum((z.outer - z.inner) / SHEAR_SPEED for z in zones if z.sense < 0)
+
+    middle, lowest = published_reversal(0.5), published_reversal(0.01)
+    low, high = reversed_width(LOW_FRICTION), reversed_width(0.1)
+    _, rate = cases.auxetic.simulated()
+    return _claim(
+        "6.0.3, 7",
+        "lower friction gives worse reversal",
+        f"preloaded, nu = {AUXETIC_RATIO}",
+        _judge(
+            lowest > middle,
+            f"mean reversed V on 0.63 to 0.95 c_t t {middle:.3f} Q_0/(mu b) at chi = 0.5, "
+            f"{lowest:.3f} at 0.01",
+        ),
+        Verdict(
+            PARTLY if low > high else FAILS,
+            f"width of reverse slip {low:.3f} c_t t at chi = {LOW_FRICTION}, {high:.3f} at 0.1; "
+            "nothing of the kind at nu = 1/3",
+        ),
+        Verdict(
+            PARTLY if rate.min() < -NOTICEABLE else FAILS,
+            f"least V {rate.min():.3f} Q_0/(mu b) at chi = {LOW_FRICTION}; none at nu = 1/3",
+        ),
+    )
+
+
+CLAIMS: tuple[Callable[[Cases], Claim], ...] = (
+    no_shear_ahead,
+    edge_sticks,
+    slip_wave_above_one,
+    slip_reaches_shear_front,
+    maximum_lags,
+    reverse_slip,
+    rayleigh_separates,
+    no_natural_limit,
+    full_stick_approached,
+    lower_friction_worse,
+)

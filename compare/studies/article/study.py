@@ -1,0 +1,331 @@
+"""The article reproduced: its figures, its claims and the readings of its algorithm.
+
+Slip rates of figures are one-sided, in units of Q_0/(mu b).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from compare.figures.interface import save_figure
+from compare.output.files import write_text
+from compare.studies.article.cases import (
+    END_TIME,
+    SHEAR_SPEED,
+    Case,
+    Cases,
+    Progress,
+    SlotCheck,
+    check_slot,
+    run_cases,
+)
+from compare.studies.article.claims import CLAIMS, METHODS, Claim
+from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
+from semianalytic.reference.published import (
+    DEFAULT_READING,
+    ReadingResult,
+    examine_all,
+    published_slip,
+)
+from semianalytic.scene.loads import Step
+
+Array = NDArray[np.float64]
+Curves = Callable[[Case, str], tuple[Array, Array]]
+
+RESOLUTION, QUICK_RESOLUTION = 200, 60
+_ELEMENT_SIZE, _QUICK_ELEMENT_SIZE = 0.005, 0.01
+_GRID, _QUICK_GRID = 100, 60
+
+COLOURS = ("#12355b", "#d1495b", "#2a9d8f", "#e9a23b", "#7b5ea7")
+_ABOVE = (1.2, 2.0)
+_BELOW = (0.01, 0.5, 0.9)
+_VELOCITY = np.linspace(0.004, 2.05, 1200)  # x/(c_t t)
+
+
+@dataclass(frozen=True)
+class Article:
+    """What `write_article` found.
+
+    Attributes
+    ----------
+    claims : the claims table
+    readings : how every reading of the published algorithm fares, the best settled first
+    disagreement : largest mean difference of exact and simulated slip rate over all cases,
+        relative to Q_0/(mu b)
+    files : what was written
+    """
+
+    claims: tuple[Claim, ...]
+    readings: tuple[ReadingResult, ...]
+    disagreement: float
+    files: tuple[Path, ...]
+
+
+def judge_claims(cases: Cases) -> tuple[Claim, ...]:
+    """All claims with the verdicts of the three methods."""
+    return tuple(judge(cases) for judge in CLAIMS)
+
+
+def claims_table(claims: Sequence[Claim]) -> str:
+    """The claims as a Markdown table: one row per claim, one column per method."""
+    head = ["section", "claim", "load base", *METHODS]
+    rows = [
+        [
+            claim.section,
+            claim.text,
+            claim.base,
+            *(f"**{v.verdict}**: {v.evidence}" for v in (claim.verdicts[m] for m in METHODS)),
+        ]
+        for claim in claims
+    ]
+    return _markdown(head, rows)
+
+
+def readings_table(results: Sequence[ReadingResult]) -> str:
+    """The readings of the published algorithm as a Markdown table."""
+    head = [
+        "unknowns u' >",
+        "delay",
+        "kernel signs",
+        "basis",
+        "constant in p, q",
+        "arctan (7.10)",
+        "condition",
+        "change on doubling n_u",
+        "signs settle",
+        "end of first slip, chi = 2",
+        "maximum, chi = 0.5",
+        "reverse slip below chi",
+        "change off the middle",
+    ]
+    rows = []
+    for result in results:
+        reading = result.reading
+        name = reading.start + (" (default)" if reading == DEFAULT_READING else "")
+        row = [name, reading.delay, reading.signs, reading.basis]
+        row.append("yes" if reading.remote_load else "no")
+        row.append("as printed" if reading.printed_arctan else "b^3 arctan")
+        if np.isinf(result.condition):
+            rows.append([*row, "singular", *["–"] * 6])
+            continue
+        limit = result.reverse_limit
+        rows.append(
+            [
+                *row,
+                f"{result.condition:.1e}",
+                f"{result.change:.1e}",
+                "yes" if result.settled else "no",
+                f"{result.slip_end:.3f}",
+                f"{result.maximum:.3f}",
+                "always" if np.isinf(limit) else "never" if limit == 0 else f"{limit:.4f}",
+                f"{result.off_middle:.1e}",
+            ]
+        )
+    return _markdown(head, rows)
+
+
+def slot_table(checks: Sequence[SlotCheck]) -> str:
+    """Largest differences from finite elements with a free slot, as a Markdown table."""
+    rows = [[f"mode {c.mode}", f"{c.error('free'):.2%}", f"{c.error('held'):.1%}"] for c in checks]
+    return _markdown(["", "slot face free", "slot face held, (4.31), (4.37)"], rows)
+
+
+def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+
+
+def write_article(output: Path, quick: bool = False, progress: Progress | None = None) -> Article:
+    """Redraw figures 2, 5 and 6 by three methods and write the claims table.
+
+    Parameters
+    ----------
+    output : folder for figure2.png, figure5.png, figure6.png, slot.png and article.md.
+    quick : coarser meshes.
+    progress : called with one line before each piece of work.
+
+    Returns
+    -------
+    Article
+
+    Raises
+    ------
+    DataFileError
+        If a file cannot be written.
+    """
+
+    def tell(line: str) -> None:
+        if progress is not None:
+            progress(line)
+
+    cases = run_cases(QUICK_RESOLUTION if quick else RESOLUTION, progress)
+    tell("prescribed slip, both modes")
+    size = _QUICK_ELEMENT_SIZE if quick else _ELEMENT_SIZE
+    checks = (check_slot("II", size), check_slot("I", size))
+    tell("readings of the published algorithm")
+    readings = tuple(examine_all(_QUICK_GRID if quick else _GRID))
+    tell("claims and figures")
+    claims = judge_claims(cases)
+    disagreement = cases.disagreement()
+    figures = {
+        "figure2.png": figure_2(cases),
+        "figure5.png": figure_5(cases),
+        "figure6.png": figure_6(cases),
+        "slot.png": slot_figure(checks),
+    }
+    for name, figure in figures.items():
+        save_figure(figure, output / name)
+    text = "\n".join(
+        [
+            "# The article's claims\n",
+            claims_table(claims),
+            "Published: the default reading. Exact and finite elements differ by at most "
+            f"{disagreement:.2g} of Q_0/(mu b) in the mean.\n",
+            "# Prescribed slip, slot faces free: largest difference from finite elements\n",
+            slot_table(checks),
+            "# Readings of the published algorithm\n",
+            readings_table(readings),
+        ]
+    )
+    write_text(output / "article.md", text)
+    files = tuple(output / name for name in (*figures, "article.md"))
+    return Article(claims, readings, disagreement, files)
+
+
+def _panels(columns: int, width: float, rows: int = 1) -> tuple[Figure, list[list[Axes]]]:
+    figure = Figure(figsize=(width, 3.6 * rows), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False)
+    return figure, [list(row) for row in axes]
+
+
+def _mark_fronts(panel: Axes, case: Case) -> None:
+    material = case.solution.scene.material
+    for speed in (material.rayleigh_speed, material.shear_speed, material.longitudinal_speed):
+        panel.axvline(speed * END_TIME, color="0.6", linestyle="--", linewidth=0.8, zorder=0)
+
+
+def figure_2(cases: Cases) -> Figure:
+    """Stuck pressure p* and shear q* at three times: (3.10), (3.14) and finite elements.
+
+    The simulation is the remote load with chi = 2, which sticks everywhere.
+    """
+    case = cases.remote[2.0]
+    material, history = case.solution.scene.material, case.history
+    figure, [panels] = _panels(2, 9)
+    rows = [np.searchsorted(history.t, part * END_TIME * 0.999) for part in (0.4, 0.7, 1.0)]
+    x = np.linspace(2e-4, 0.11, 1200)
+    base = case.solution.scene.base
+    fields = (
+        (stuck_pressure, history.pressure - base.pressure, 1.0, "$p^*/P_0$"),
+        (stuck_shear, (history.shear_traction - base.shear) * case.chi, 1.0, "$q^*/Q_0$"),
+    )
+    for panel, (predict, seen, amplitude, label) in zip(panels, fields, strict=True):
+        for row, colour in zip(rows, COLOURS, strict=False):
+            time = history.t[row]
+            value = predict(Step(), amplitude, material, x, time).value
+            panel.plot(x, value, color=colour, label=f"t = {time:.4f}")
+            panel.plot(history.x[1:], seen[row, 1:], ".", color=colour, markersize=2.5)
+        panel.set(xlabel="x", ylabel=label, ylim=(-0.12, 0.6), xlim=(0, 0.11))
+        panel.legend(fontsize=8, title="lines exact, dots FEM", title_fontsize=8)
+    return figure
+
+
+def _rate_curves(case: Case, method: str) -> tuple[Array, Array]:
+    """x/(c_t T) and slip rate of a method; the published one has no base."""
+    if method == "exact":
+        return _VELOCITY, case.exact(_VELOCITY)
+    if method == "finite elements":
+        return case.simulated()
+    slip = published_slip(case.chi)
+    return 1 / slip.u[::-1], case.chi * slip.slip_rate[::-1]
+
+
+def _slip_curves(case: Case, method: str) -> tuple[Array, Array]:
+    """x/(c_t T) and one-sided slip over Q_0 T/(mu b)."""
+    if method == "exact":
+        total = case.solution.slip(_VELOCITY * SHEAR_SPEED * END_TIME, END_TIME)
+        return _VELOCITY, total / (case.scale * END_TIME)
+    if method == "finite elements":
+        velocity, _ = case.simulated()
+        return velocity, case.history.slip[-1, 1:] / (case.scale * case.history.t[-1])
+    slip = published_slip(case.chi)
+    steps = np.diff(slip.u, prepend=1.0)
+    total = np.cumsum(slip.slip_rate * steps) / slip.u
+    return 1 / slip.u[::-1], case.chi * total[::-1]
+
+
+_METHODS = ("published", "exact", "finite elements")
+
+
+def _draw(panel: Axes, cases: Sequence[Case], method: str, curves: Curves) -> None:
+    for case, colour in zip(cases, COLOURS, strict=False):
+        velocity, value = curves(case, method)
+        label = rf"$\chi$ = {case.chi:g}" + (", preloaded" if case.base == "preloaded" else "")
+        panel.plot(
+            velocity * SHEAR_SPEED * END_TIME,
+            value,
+            "." if method == "finite elements" else "-",
+            color=colour,
+            markersize=2,
+            linewidth=1.2,
+            label=label,
+        )
+    _mark_fronts(panel, cases[0])
+    panel.set(xlabel="x", title=_title(method), xlim=(0, 0.105))
+    panel.legend(fontsize=8)
+
+
+def figure_5(cases: Cases) -> Figure:
+    """Slip rate for chi > 1 at t = 0.01: published algorithm, exact solution, finite elements."""
+    chosen = [*(cases.remote[chi] for chi in _ABOVE), cases.preloaded[2.0]]
+    figure, [panels] = _panels(3, 12)
+    for panel, method in zip(panels, _METHODS, strict=True):
+        shown = chosen[:2] if method == "published" else chosen
+        _draw(panel, shown, method, _rate_curves)
+    panels[0].set(ylabel=r"$V\ /\ (Q_0/\mu b)$", ylim=(-1.0, 0.6))
+    return figure
+
+
+def figure_6(cases: Cases) -> Figure:
+    """Slip rate (above) and slip (below) for chi < 1 at t = 0.01, by the three methods."""
+    remote = [cases.remote[chi] for chi in _BELOW]
+    preloaded = [cases.preloaded[chi] for chi in _BELOW if chi in cases.preloaded]
+    figure, rows = _panels(3, 12, rows=2)
+    for panels, curves, label in zip(
+        rows,
+        (_rate_curves, _slip_curves),
+        (r"$V\ /\ (Q_0/\mu b)$", r"$u_x\ /\ (Q_0 t/\mu b)$"),
+        strict=True,
+    ):
+        for panel, method in zip(panels, _METHODS, strict=True):
+            shown = remote if method == "published" else [*remote, *preloaded]
+            _draw(panel, shown, method, curves)
+        panels[0].set(ylabel=label)
+    rows[0][0].set_ylim(-1.5, 0.4)
+    return figure
+
+
+def _title(method: str) -> str:
+    return f"published, {DEFAULT_READING.signs}" if method == "published" else method
+
+
+def slot_figure(checks: Sequence[SlotCheck]) -> Figure:
+    """Traction under a prescribed pulse of slip: simulation against both kernels, both modes."""
+    figure, [panels] = _panels(len(checks), 4.8 * len(checks))
+    for panel, check in zip(panels, checks, strict=True):
+        edge = int(np.searchsorted(check.x, 0.0))
+        x, free, held = (np.insert(v, edge, np.nan) for v in (check.x, check.free, check.held))
+        panel.plot(x, free, color=COLOURS[0], label="kernel, slot face free")
+        panel.plot(x, held, color=COLOURS[3], label="kernel, slot face held, (4.31), (4.37)")
+        panel.plot(check.x, check.simulated, ".", color=COLOURS[1], markersize=3, label="FEM")
+        panel.axvline(0, color="0.6", linewidth=0.8)
+        panel.set(xlabel="x", ylabel="traction", title=f"mode {check.mode}")
+        panel.legend(fontsize=8)
+    return figure

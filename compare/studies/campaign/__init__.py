@@ -1,0 +1,1 @@
+"""Thousands of random scenes held against the laws every answer must keep."""

@@ -1,0 +1,1 @@
+"""Speed against accuracy: every method on every scene."""

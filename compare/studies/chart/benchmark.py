@@ -1,0 +1,201 @@
+"""How long solutions, sweeps and the import take, as ratios measured in the same run.
+
+Run as ``python -m compare.studies.chart.benchmark``. Solutions are set against a dense 400 x 400
+solve, next to the error reached (relative L1 of the slip rate against rtol = 1e-12); a sweep over
+100 and 1,000 frictions against solving them one by one (of 1,000 every tenth, times ten), next to
+the largest difference of edges and how its solutions were found; the import of ``semianalytic``
+against that of numpy and scipy.linalg. Times are processor times on one thread, medians of
+interleaved repetitions, so that other work on the machine disturbs both sides alike.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from time import process_time
+
+import numpy as np
+
+from semianalytic import Scene, Solution, solve
+from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.named import find_scene
+from semianalytic.selfsimilar.collocation import slip_grid
+from semianalytic.sweeps.sweep import COMPUTED, FROM_SCRATCH, INTERPOLATED, Sweep, sweep
+
+SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}  # each crosses thresholds
+_FRICTIONS = 100
+_MANY_FRICTIONS = 1000
+_SWEEP_TOLERANCES = (1e-3, 1e-6, 1e-8)
+_GAP = 1e-13  # over c_t; zones as near as that count as one
+SCENES = ("preloaded", "remote-shock")
+TOLERANCES = (1e-3, 1e-8, 1e-11)
+
+
+@dataclass(frozen=True)
+class Timing:
+    """One row: ratio to the dense solve with warm and cold tables, and the error reached."""
+
+    scene: str
+    rtol: float
+    warm: float
+    cold: float
+    error: float
+
+
+def forget_tables() -> None:
+    """Drop all that is kept per Poisson ratio."""
+    for table in (rayleigh_factors, stuck_traction, slip_grid):
+        table.cache_clear()
+
+
+def median_times(tasks: list[Callable[[], object]], repetitions: int) -> list[float]:
+    """Median processor time of each task [s], the tasks taking turns."""
+    times: list[list[float]] = [[] for _ in tasks]
+    for _ in range(repetitions):
+        for task, collected in zip(tasks, times, strict=True):
+            start = process_time()
+            task()
+            collected.append(process_time() - start)
+    return [statistics.median(collected) for collected in times]
+
+
+def slip_rate_error(scene: Scene, rtol: float) -> float:
+    """Relative L1 error of the slip rate over 0.02 < x/(c_t t) < 1.9 against rtol = 1e-12."""
+    x = np.linspace(0.02, 1.9, 2000) * scene.material.shear_speed
+    exact = solve(scene, rtol=1e-12).slip_rate(x, 1.0)
+    return float(np.abs(solve(scene, rtol=rtol).slip_rate(x, 1.0) - exact).sum() / exact.sum())
+
+
+def measure(repetitions: int = 15) -> list[Timing]:
+    """Time the solver on the named scenes at several tolerances."""
+    random = np.random.default_rng(0)
+    matrix, right = random.standard_normal((400, 400)), random.standard_normal(400)
+    cases = [(name, find_scene(name), rtol) for name in SCENES for rtol in TOLERANCES]
+
+    def cold(scene: Scene, rtol: float) -> None:
+        forget_tables()
+        solve(scene, rtol=rtol)
+
+    tasks: list[Callable[[], object]] = [partial(np.linalg.solve, matrix, right)]
+    tasks += [partial(solve, scene, rtol=rtol) for _, scene, rtol in cases]
+    for task in tasks:
+        task()
+    dense, *warm = median_times(tasks, repetitions)
+    cold_tasks = [partial(cold, scene, rtol) for _, scene, rtol in cases]
+    cold_times = median_times([tasks[0], *cold_tasks], max(repetitions // 3, 3))
+    return [
+        Timing(name, rtol, hot / dense, chill / cold_times[0], slip_rate_error(scene, rtol))
+        for (name, scene, rtol), hot, chill in zip(cases, warm, cold_times[1:], strict=True)
+    ]
+
+
+@dataclass(frozen=True)
+class SweepTiming:
+    """One sweep: ratio of the time one by one to its own, solutions from scratch, computed and
+    interpolated, and the largest difference of zone edges over c_t, of frictions at which both
+    have as many zones."""
+
+    scene: str
+    rtol: float
+    ratio: float
+    scratch: int
+    computed: int
+    interpolated: int
+    difference: float
+    other_zones: int
+
+
+def edge_difference(one: Solution, other: Solution) -> float | None:
+    """Largest difference of zone edges over c_t; None if there are other zones."""
+    speed = one.scene.material.shear_speed
+    mine, theirs = (_joined(solution.front_speeds / speed) for solution in (one, other))
+    if len(mine) != len(theirs):
+        return None
+    apart = [abs(p - q) for p, q in zip(mine, theirs, strict=True) if p != q]
+    return max(apart, default=0.0)
+
+
+def _joined(fronts: np.ndarray) -> list[float]:
+    """Edges of zones, without gaps too narrow to matter."""
+    edges = fronts.ravel().tolist()
+    gaps = [i for i in range(1, len(edges) - 1, 2) if edges[i + 1] - edges[i] < _GAP]
+    return [edge for i, edge in enumerate(edges) if i not in gaps and i - 1 not in gaps]
+
+
+def measure_sweep(
+    name: str, rtol: float, repetitions: int = 3, count: int = _FRICTIONS
+) -> SweepTiming:
+    """Time a sweep over `count` frictions, a multiple of 100, against solving one by one."""
+    scene, friction = find_scene(name), np.linspace(*SWEEPS[name], count)
+    chosen = range(0, count, count // _FRICTIONS)
+    results: dict[str, Sweep] = {}
+    singles: list[Solution] = []
+
+    def swept() -> None:
+        results["sweep"] = sweep(scene, friction, rtol)
+
+    def one_by_one() -> None:
+        singles[:] = [solve(replace(scene, friction=float(friction[i])), rtol=rtol) for i in chosen]
+
+    quick, slow = median_times([swept, one_by_one], repetitions)
+    done = results["sweep"]
+    pairs = zip(chosen, singles, strict=True)
+    differences = [edge_difference(done.solutions[i], other) for i, other in pairs]
+    known = [one for one in differences if one is not None]
+    ratio = slow / quick * count / len(chosen)
+    return SweepTiming(
+        name,
+        rtol,
+        ratio,
+        done.origin.count(FROM_SCRATCH),
+        done.origin.count(COMPUTED),
+        done.origin.count(INTERPOLATED),
+        max(known),
+        len(differences) - len(known),
+    )
+
+
+def import_ratio(repetitions: int = 9) -> float:
+    """Time to start Python and import semianalytic, over that for numpy and scipy.linalg."""
+    codes = ("import numpy, scipy.linalg", "import semianalytic")
+    times: list[list[float]] = [[], []]
+    for _ in range(repetitions):
+        for code, collected in zip(codes, times, strict=True):
+            begin = os.times()
+            subprocess.run([sys.executable, "-c", code], check=True)
+            end = os.times()
+            collected.append(end.children_user + end.children_system)
+            collected[-1] -= begin.children_user + begin.children_system
+    base, own = (statistics.median(collected) for collected in times)
+    return own / base
+
+
+def main() -> None:
+    """Print the tables."""
+    print(f"{'scene':14}{'rtol':>8}{'warm':>8}{'cold':>8}{'error':>10}   (dense 400 solves)")
+    for row in measure():
+        print(f"{row.scene:14}{row.rtol:8.0e}{row.warm:8.1f}{row.cold:8.1f}{row.error:10.1e}")
+    print(
+        f"\n{'sweep':14}{'frictions':>10}{'rtol':>8}{'faster':>8}{'scratch':>8}{'computed':>10}"
+        f"{'interpolated':>14}{'differ':>10}{'other zones':>13}"
+    )
+    for count, name, rtol in product((_FRICTIONS, _MANY_FRICTIONS), SWEEPS, _SWEEP_TOLERANCES):
+        one = measure_sweep(name, rtol, count=count)
+        print(
+            f"{name:14}{count:10d}{rtol:8.0e}{one.ratio:8.1f}{one.scratch:8d}{one.computed:10d}"
+            f"{one.interpolated:14d}{one.difference:10.1e}{one.other_zones:13d}"
+        )
+    print(f"\nimport semianalytic: {import_ratio():.2f} of import numpy, scipy.linalg")
+
+
+if __name__ == "__main__":
+    if os.environ.get("OPENBLAS_NUM_THREADS") != "1":
+        print("note: set OPENBLAS_NUM_THREADS=1 to compare on one thread")
+    main()

@@ -1,0 +1,374 @@
+"""The chart drawn, and put into tables and words; all of it from the measured points alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
+from rich.table import Table
+
+from compare.figures.interface import PREDICTION, SIMULATION, save_figure
+from compare.output.files import write_text
+from compare.studies.chart.methods import EDGE_THRESHOLD, METHODS
+from compare.studies.chart.study import FINEST, SCENES, Point
+from semianalytic.scene.named import NAMED_SCENES
+
+LEVELS = (0.1, 0.01, 1e-3, 1e-8)
+LEVEL_NAMES = ("10 %", "1 %", "0.1 %", "1e-8")
+
+STYLES = {
+    "self-similar": (PREDICTION, "o"),
+    "self-similar-cold": ("#5b8fc7", "o"),
+    "first-stage": ("#7f8c3a", "s"),
+    "published": ("0.45", "X"),
+    "space-time": ("#2a9d8f", "D"),
+    "fem": (SIMULATION, "^"),
+    "fem-p1": ("#e07a5f", "v"),
+    "fem-triangles": ("#f2a65a", "<"),
+    "fem-q2": ("#7b2d8b", ">"),
+    "fem-graded": ("#b08968", "P"),
+    "fem-two-blocks": ("#9b2226", "h"),
+    "fem-undamped": ("#ee9bb1", "p"),
+    "fem-whole": ("#6d597a", "*"),
+}
+"""Colour and marker of every method."""
+
+_AREA = 0.12  # of a marker, points^2 per MB
+
+
+def by_method(points: Sequence[Point], scene: str) -> Iterator[tuple[str, list[Point]]]:
+    """Methods of a scene with their points, in the order of the table."""
+    mine = [point for point in points if point.scene == scene]
+    for method, group in groupby(mine, key=lambda point: point.method):
+        yield method, list(group)
+
+
+def slope(points: Sequence[Point]) -> float:
+    """Power of time with which the error of a method falls: least squares over all points.
+
+    Points below the error of the reference are left out; nan with fewer than two.
+    """
+    known = [p for p in points if p.error > _floor(p) and p.seconds > 0 and p.error < math.inf]
+    if len(known) < 2:
+        return math.nan
+    time, error = np.log([p.seconds for p in known]), np.log([p.error for p in known])
+    if np.ptp(time) == 0:
+        return math.nan
+    return float(np.polyfit(time - time.mean(), error, 1)[0])
+
+
+def _floor(point: Point) -> float:
+    """Error below which a point of a self-similar scene says nothing."""
+    return _bars(point)[0] if NAMED_SCENES[point.scene].scene.is_self_similar else 0.0
+
+
+def _bars(point: Point) -> tuple[float, float]:
+    """How far slip rate and edges of the reference are to be trusted.
+
+    A self-similar one agrees with closed forms to rounding, but is asked for `FINEST` only.
+    """
+    bars = point.reference_error, point.reference_edge_error
+    if not NAMED_SCENES[point.scene].scene.is_self_similar:
+        return bars
+    return max(bars[0], FINEST), max(float(np.nan_to_num(bars[1])), FINEST)
+
+
+def chart_figure(points: Sequence[Point], scene: str) -> Figure:
+    """Errors of slip rate and of zone edges against time, one line per method.
+
+    Marker areas show peak memory.  Points that are better than the reference are drawn at the
+    reference's own error, the upper end of the shaded band; zones missed are left out.
+    """
+    figure = Figure(figsize=(12, 5.6), layout="constrained")
+    panels = figure.subplots(1, 2, sharex=True)
+    titles = "slip rate, relative $L_1$ error", "worst zone edge, error over $c_t$"
+    handles = []
+    for method, group in by_method(points, scene):
+        colour, marker = STYLES[method]
+        time = np.array([point.seconds for point in group])
+        area = np.array([max(_AREA * point.memory, 6) for point in group])
+        for panel, errors in zip(panels, _errors(group), strict=True):
+            known = np.isfinite(errors) & (errors > 0) & np.isfinite(time)
+            x, y = time[known], errors[known]
+            panel.plot(x, y, color=colour, linewidth=1, zorder=2)
+            panel.scatter(x, y, area[known], color=colour, marker=marker, linewidths=0, zorder=3)
+        power = slope(group)
+        label = METHODS[method].label + ("" if math.isnan(power) else f", slope {power:.2g}")
+        handles.append(Line2D([], [], color=colour, marker=marker, linewidth=1, label=label))
+    bars = _bars(next(point for point in points if point.scene == scene))
+    for panel, title, bar in zip(panels, titles, bars, strict=True):
+        _finish(panel, bar)
+        panel.set(xlabel="set-up and solving [s]", title=title)
+    for memory in (100, 1000):
+        handles.append(
+            Line2D(
+                [],
+                [],
+                color="0.6",
+                marker="o",
+                linestyle="none",
+                markersize=math.sqrt(_AREA * memory),
+                label=f"peak memory {memory:,} MB",
+            )
+        )
+    figure.suptitle(f"{scene}: {NAMED_SCENES[scene].summary}", x=0.02, ha="left", fontsize=10)
+    figure.legend(handles=handles, loc="outside right upper", fontsize=8, frameon=False)
+    return figure
+
+
+def _errors(group: Sequence[Point]) -> tuple[np.ndarray, np.ndarray]:
+    """Errors of both panels; those of self-similar scenes not below what the reference can tell."""
+    limited = NAMED_SCENES[group[0].scene].scene.is_self_similar
+    floors = _bars(group[0]) if limited else (0.0, 0.0)
+    return (
+        np.maximum([point.error for point in group], floors[0]),
+        np.maximum([point.edge_error for point in group], floors[1]),
+    )
+
+
+def _finish(panel: Axes, bar: float) -> None:
+    """Log scales, and a band as high as the reference is uncertain."""
+    panel.set(xscale="log", yscale="log")
+    panel.xaxis.set_minor_formatter(NullFormatter())
+    panel.yaxis.set_minor_formatter(NullFormatter())
+    panel.grid(True, which="major", color="0.85", linewidth=0.6)
+    panel.set_axisbelow(True)
+    if not math.isfinite(bar) or bar <= 0:
+        return
+    low, high = panel.get_ylim()
+    low = min(low, bar / 10)
+    panel.axhspan(low, bar, color="0.5", alpha=0.2, linewidth=0, zorder=1)
+    panel.annotate(
+        "reference uncertain",
+        (0.01, low),
+        (0, 3),
+        xycoords=panel.get_yaxis_transform(),
+        textcoords="offset points",
+        fontsize=7,
+        color="0.35",
+    )
+    panel.set_ylim(low, high)
+
+
+def slopes_table(points: Sequence[Point]) -> Table:
+    """Slope of error against time of every method on every scene."""
+    scenes = [scene for scene in SCENES if any(point.scene == scene for point in points)]
+    table = Table("method", title="error ∝ time^slope")
+    for scene in scenes:
+        table.add_column(scene, justify="right")
+    for label, cells in _slopes(points, scenes):
+        table.add_row(label, *cells)
+    return table
+
+
+def _slopes(points: Sequence[Point], scenes: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
+    groups = {scene: dict(by_method(points, scene)) for scene in scenes}
+    for name, method in METHODS.items():
+        powers = [slope(groups[scene].get(name, [])) for scene in scenes]
+        yield method.label, ["—" if math.isnan(power) else f"{power:.2f}" for power in powers]
+
+
+def cheapest(points: Sequence[Point], level: float) -> Point | None:
+    """The fastest point that is within a level whatever the error of its reference; or none."""
+    good = [point for point in points if point.error + point.reference_error <= level]
+    return min(good, key=lambda point: point.seconds, default=None)
+
+
+def chart_text(points: Sequence[Point]) -> str:
+    """Markdown beside the figures: which method for which error, what it costs, what fails where.
+
+    Links are those of the folder docs/.
+    """
+    scenes = [scene for scene in SCENES if any(point.scene == scene for point in points)]
+    one = points[0]
+    dates = sorted({point.date for point in points})
+    when = dates[0] if len(dates) == 1 else f"{dates[0]} … {dates[-1]}"
+    lines = [
+        "# Speed against accuracy",
+        "",
+        "`slipfront chart --output docs` measures all of this and writes this page. "
+        f"{len(points)} points measured {when} on one thread of {one.machine}, {one.cores} cores, "
+        f"with Python {one.python}, numpy {one.numpy}, scipy {one.scipy} and slipfront "
+        f"{one.slipfront}; every number is in [chart.csv](chart.csv).",
+        "",
+        "## Which method",
+        "",
+        *_table(("error of", *scenes), _recommended(points, scenes)),
+        "",
+        *_conditions(),
+        "",
+    ]
+    for scene in scenes:
+        lines += [*_scene_lines([p for p in points if p.scene == scene], scene), ""]
+    lines += [
+        "## Slopes",
+        "",
+        "Error ∝ time^slope, least squares over all points of a method.",
+        "",
+        *_table(("method", *scenes), ((name, *row) for name, row in _slopes(points, scenes))),
+        "",
+        "## Where each fails",
+        "",
+        *_failures(points, scenes),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    """Lines of a Markdown table."""
+    yield "| " + " | ".join(heading) + " |"
+    yield "|" + "---|" * len(heading)
+    yield from ("| " + " | ".join(row) + " |" for row in rows)
+
+
+def _recommended(points: Sequence[Point], scenes: Sequence[str]) -> Iterator[list[str]]:
+    """The fastest method of every scene for every level of error."""
+    for name, level in zip(LEVEL_NAMES, LEVELS, strict=True):
+        row = [name]
+        for scene in scenes:
+            mine = [point for point in points if point.scene == scene]
+            found = cheapest(mine, level)
+            if found is not None:
+                cell = f"{METHODS[found.method].label}, {_priced(found)}, error {found.error:.0e}"
+            else:
+                cell = _unknown(mine[0], level)
+            row.append(cell)
+        yield row
+
+
+def _unknown(point: Point, level: float) -> str:
+    """Why no method is named for a level."""
+    return "—" if point.reference_error < level else "reference not known that well"
+
+
+def _conditions() -> list[str]:
+    return [
+        "- **Error**: relative L1 of the slip rate at T on 400 fixed places, 0.02 < x/(c_t T) < "
+        "1.9, between the nodes of a method by straight lines.",
+        "- **Zone edges**: the worst one, over c_t. Grid methods have none of their own: a zone is "
+        f"a run of two or more samples above {EDGE_THRESHOLD:g} of the largest slip rate, and the "
+        "square of the slip rate is followed down to zero. Zones missed are not drawn.",
+        "- **Time**: set-up (what depends on grid, material and mesh alone) and solving, medians "
+        "of 5 runs, 3 of those that take over a second or of a quick chart; imports are not in it, "
+        "meshes come from the cache. The self-similar solver finds the tables of its Poisson ratio "
+        'ready or, "new ν", works them out. Each point has a process of its own; marker areas '
+        "are its peak memory.",
+        "- **FEM**: `resolution` is c_t T/h; damping 0.02 and the smallest model that symmetry "
+        "allows unless said otherwise. Nodes that waves have not reached are never touched, which "
+        'cannot be switched off; "whole fields" is the larger domain that snapshots need.',
+    ]
+
+
+def _scene_lines(points: Sequence[Point], scene: str) -> Iterator[str]:
+    described, one = NAMED_SCENES[scene], points[0]
+    yield f"## {scene}"
+    yield ""
+    yield f"The scene: {described.summary}."
+    kind = "closed form" if described.scene.is_self_similar else "difference of the two"
+    edge = one.reference_edge_error
+    yield (
+        f"Reference: {one.reference} ({kind}: {one.reference_error:.1e}"
+        + ("" if math.isnan(edge) else f", zone edge {edge:.1e}")
+        + ")."
+    )
+    yield ""
+    yield f"![{scene}](figures/chart_{scene}.png)"
+    yield ""
+    best = [cheapest(points, level) for level in LEVELS]
+    rows = []
+    for family in dict.fromkeys(METHODS[point.method].family for point in points):
+        own = [point for point in points if METHODS[point.method].family == family]
+        cells = []
+        for level, first in zip(LEVELS, best, strict=True):
+            found = cheapest(own, level)
+            cell = _unknown(one, level) if found is None else _named(found, family)
+            cells.append(f"**{cell}**" if found is not None and found is first else cell)
+        rows.append((family, *cells))
+    yield from _table(("cheapest for an error of", *LEVEL_NAMES), rows)
+
+
+def _named(point: Point, family: str) -> str:
+    label = METHODS[point.method].label.removeprefix("FEM ")
+    return _priced(point) if label == family else f"{label}, {_priced(point)}"
+
+
+def _priced(point: Point) -> str:
+    return f"{point.name}: {_time(point.seconds)}, {point.memory:.0f} MB"
+
+
+def _time(seconds: float) -> str:
+    return f"{1000 * seconds:.2g} ms" if seconds < 0.0995 else f"{seconds:.2g} s"
+
+
+FAILS: dict[str, str] = {
+    "self-similar": "takes step loads and constant friction only; beside thresholds, at very low "
+    "friction and ν near 0.5 it may end in a status "
+    "([thresholds](stability.md#thresholds), "
+    "[limits of ν](stability.md#limits-of-the-poisson-ratio), "
+    "[what is left](stability.md#what-a-user-can-still-meet))",
+    "first-stage": "no grid is the answer: what counts is how far zone edges are from nodes "
+    "([first stage](stability.md#the-first-stage))",
+    "published": "solves another equation, whatever the number of collocation points, and knows "
+    "a sudden remote load only ([the article](article.md))",
+    "space-time": "steps above c_t Δt/h of 0.57 to 0.7 are unstable and refused, edges are no "
+    "better than the grid ([where it fails](spacetime.md#where-it-fails), "
+    "[step size and long times](stability.md#the-other-two-methods))",
+    "fem": "smears fronts over a width set by damping and mesh "
+    "([damping](fem.md#damping), [step size, ν, opening](fem.md#when-it-fails))",
+    "fem-triangles": "the irregularity of the mesh shows on fine meshes "
+    "([elements](fem.md#elements))",
+    "fem-graded": "waves are reflected where the mesh grows ([elements](fem.md#elements))",
+    "fem-undamped": "single times ring, zones break up ([damping](fem.md#damping))",
+}
+"""Where methods fail, with links to what was studied; finite elements once for all families."""
+
+
+def _failures(points: Sequence[Point], scenes: Sequence[str]) -> Iterator[str]:
+    for name, reason in FAILS.items():
+        own = [point for point in points if point.method == name]
+        if not own:
+            continue
+        ends = []
+        for scene in scenes:
+            known = [p for p in own if p.scene == scene and math.isfinite(p.error)]
+            obstacle = METHODS[name].obstacle(NAMED_SCENES[scene].scene)
+            if obstacle:
+                ends.append(f"{scene} not at all ({obstacle})")
+            elif known:
+                best = min(known, key=lambda point: point.error)
+                missed = sum(math.isinf(point.edge_error) for point in known)
+                zones = f", zones missed at {missed} of {len(known)} settings" if missed else ""
+                bar = _bars(best)[0]
+                least = (
+                    f"{best.error:.1e}" if best.error > bar else f"below {bar:.1e}, the reference"
+                )
+                ends.append(f"{scene} {least} at {best.name}{zones}")
+        yield f"- **{METHODS[name].label}** {reason}. Best error: {'; '.join(ends)}."
+    doubtful = [point for point in points if point.status != "measured"]
+    for point in doubtful:
+        label = METHODS[point.method].label
+        yield f"- {label} on {point.scene}, {point.name}: {point.status.rstrip('.')}."
+
+
+def write_chart(directory: Path, points: Sequence[Point]) -> str:
+    """Draw all figures and write `chart.md` beside them; the text is returned.
+
+    Raises
+    ------
+    DataFileError
+        If a file cannot be written.
+    """
+    for scene in dict.fromkeys(point.scene for point in points):
+        folder = directory / "figures"
+        folder.mkdir(parents=True, exist_ok=True)
+        save_figure(chart_figure(points, scene), folder / f"chart_{scene}.png")
+    text = chart_text(points)
+    write_text(directory / "chart.md", text)
+    return text

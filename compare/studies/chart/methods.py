@@ -1,0 +1,372 @@
+"""The methods of the chart: how each finds the slip rate of a scene, how long it takes, how well.
+
+``python -m compare.studies.chart.methods SCENE METHOD SETTING`` measures one point in a process of
+its own and prints it as JSON, so that memory is that of one method and no run warms up another.
+Velocities x/t and edges are over c_t; times [s] are of the calls alone, after the imports.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import statistics
+import sys
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.measures import slip_zones
+from compare.studies.chart.benchmark import forget_tables
+from compare.studies.workers import LIFELINE, hang_on
+from semianalytic import Scene, SlipZone, Solution, march, solve
+from semianalytic.reference.published import DEFAULT_READING, published_grid, published_slip
+from semianalytic.scene.errors import SlipfrontError
+from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.selfsimilar.collocation import slip_grid, slip_on_grid
+from semianalytic.selfsimilar.solver import scaled_load
+from semianalytic.spacetime.exponentials import fit_memory
+
+Array = NDArray[np.float64]
+
+PLACES = np.linspace(0.02, 1.9, 400)
+"""Velocities x / (c_t T) at which slip rates are compared."""
+
+EDGE_THRESHOLD = 1e-6
+"""Least slip rate over the largest that counts as slip where zones are read off a profile."""
+
+MEASURED = "measured"
+_ONLY_LAST = 10**9
+_MIDDLE = 0.5
+_SHORT = 1.0
+_RUNS, _SHORT_RUNS = 3, 5
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What one run of a method yields.
+
+    Attributes
+    ----------
+    setup, solving : float
+        What depends on grid, material and mesh alone, and the rest [s].
+    slip_rate : (400,) array
+        At `PLACES` and the end time [length / time].
+    zones : tuple of SlipZone
+        Edges over c_t.
+    status : str
+        `MEASURED`, or a sentence saying what to distrust.
+    """
+
+    setup: float
+    solving: float
+    slip_rate: Array
+    zones: tuple[SlipZone, ...]
+    status: str = MEASURED
+
+
+@dataclass(frozen=True)
+class Method:
+    """A method of the chart.
+
+    Attributes
+    ----------
+    family : str
+        Row of the table of recommendations.
+    label : str
+    parameter : str
+        What a setting is, as in "rtol 1e-08".
+    run : callable
+        The answer of a scene at a setting.
+    full, quick : tuple of float
+        Settings of the two charts, from coarse to fine.
+    cost : (float, float, float)
+        Rough cost of a run: seconds, the setting at which they hold, and the power they grow with.
+    obstacle : callable
+        Why a scene is out of reach of the method, or nothing.
+    """
+
+    family: str
+    label: str
+    parameter: str
+    run: Callable[[Scene, float], Answer]
+    full: tuple[float, ...]
+    quick: tuple[float, ...]
+    cost: tuple[float, float, float]
+    obstacle: Callable[[Scene], str] = lambda scene: ""
+
+    def seconds(self, setting: float) -> float:
+        """Rough cost of one run [s]."""
+        unit, at, power = self.cost
+        return unit * (setting / at) ** power
+
+
+def sampled(scene: Scene, velocity: Array, slip_rate: Array) -> tuple[Array, tuple[SlipZone, ...]]:
+    """Slip rate at `PLACES` between samples by straight lines, and the zones it shows.
+
+    Zones are runs of at least two samples above `EDGE_THRESHOLD` of the largest slip rate; the
+    square of the slip rate is followed down to zero at their edges (`measures.slip_zones`).
+
+    Parameters
+    ----------
+    velocity : (n,) array
+        Of the samples, over c_t, increasing.
+    slip_rate : (n,) array
+        [length / time].
+    """
+    at_places = np.interp(PLACES, velocity, slip_rate, right=scene.far_slip_rate)
+    inside = velocity > 0
+    largest = float(np.abs(slip_rate[inside]).max())
+    zones = slip_zones(velocity[inside], slip_rate[inside], EDGE_THRESHOLD * largest or math.inf)
+    return at_places, zones
+
+
+def scaled_zones(solution: Solution) -> tuple[SlipZone, ...]:
+    """Zones of a solution, edges over c_t."""
+    speed = solution.scene.material.shear_speed
+    return tuple(SlipZone(z.inner / speed, z.outer / speed, z.sense) for z in solution.zones)
+
+
+def _self_similar(scene: Scene, rtol: float, *, cold: bool) -> Answer:
+    """The solver and its slip rate at `PLACES`.
+
+    Set-up is what depends on the Poisson ratio alone: what the first of two runs takes more than
+    the second; without `cold` it is there already.
+    """
+    speed, setup = scene.material.shear_speed, 0.0
+    started = time.perf_counter()
+    if cold:
+        forget_tables()
+        solve(scene, rtol=rtol).slip_rate(PLACES * speed, 1.0)
+        setup = time.perf_counter() - started
+        started = time.perf_counter()
+    solution = solve(scene, rtol=rtol)
+    slip_rate = solution.slip_rate(PLACES * speed, 1.0)
+    solving = time.perf_counter() - started
+    status = MEASURED if solution.status == "converged" else solution.status
+    return Answer(max(setup - solving, 0.0), solving, slip_rate, scaled_zones(solution), status)
+
+
+def _first_stage(scene: Scene, size: float) -> Answer:
+    forget_tables()
+    started = time.perf_counter()
+    slip_grid(scene.material.poisson_ratio, int(size))
+    ready = time.perf_counter()
+    load, stress = scaled_load(scene)
+    found = slip_on_grid(
+        scene.material.poisson_ratio,
+        scene.friction,
+        (float(load.base_pressure), float(load.base_shear)),
+        (float(load.step_pressure), float(load.step_shear)),
+        float(load.far_slip_rate),
+        int(size),
+    )
+    solved = time.perf_counter()
+    unit = 2 * stress / scene.material.shear_impedance
+    return Answer(
+        ready - started, solved - ready, *sampled(scene, found.xi, unit * found.slip_rate)
+    )
+
+
+def _published(scene: Scene, size: float) -> Answer:
+    """Slip rate behind x = c_t t / 5, where the algorithm ends, and constant from there on."""
+    forget_tables()
+    published_grid.cache_clear()
+    nu, strength = scene.material.poisson_ratio, scene.friction * scene.step.pressure
+    started = time.perf_counter()
+    published_grid(DEFAULT_READING, int(size), nu, _MIDDLE)
+    ready = time.perf_counter()
+    ratio = strength / scene.step.shear
+    found = published_slip(ratio, DEFAULT_READING, int(size), poisson_ratio=nu, place=_MIDDLE)
+    solved = time.perf_counter()
+    unit = 2 * strength / scene.material.shear_impedance
+    velocity, slip_rate = 1 / found.u[::-1], unit * found.slip_rate[::-1]
+    ahead = np.nextafter(velocity[-1], np.inf)
+    profile = np.append(velocity, ahead), np.append(slip_rate, 0.0)
+    status = MEASURED if found.settled else "the signs of friction do not settle"
+    return Answer(ready - started, solved - ready, *sampled(scene, *profile), status)
+
+
+def _space_time(scene: Scene, nodes: float) -> Answer:
+    fit_memory.cache_clear()
+    marched = march(scene, nodes=int(nodes), every=_ONLY_LAST)
+    seconds, seen = marched.statistics.seconds, marched.interface
+    velocity = seen.x / (scene.material.shear_speed * seen.t[-1])
+    return Answer(seconds["setup"], seconds["steps"], *sampled(scene, velocity, seen.slip_rate[-1]))
+
+
+def _finite_elements(
+    scene: Scene, resolution: float, *, whole: bool = False, **options: Any
+) -> Answer:
+    """Elements, meshes from the cache; `whole` is the domain that field snapshots need."""
+    from fem import simulate
+
+    with TemporaryDirectory() as folder:
+        found = simulate(
+            scene,
+            resolution=int(resolution),
+            every=_ONLY_LAST,
+            snapshots=Path(folder) if whole else None,
+            frames=1,
+            **options,
+        )
+    seen, seconds = found.interface, found.seconds
+    velocity = seen.x / (scene.material.shear_speed * seen.t[-1])
+    steps = seconds["steps"] - seconds.get("snapshots", 0.0)
+    return Answer(
+        seconds["mesh"] + seconds["assembly"],
+        steps,
+        *sampled(scene, velocity, seen.slip_rate[-1]),
+    )
+
+
+def _not_self_similar(scene: Scene) -> str:
+    return "" if scene.is_self_similar else "its loads are not steps"
+
+
+def published_obstacle(scene: Scene) -> str:
+    """Why the published algorithm does not apply, or nothing.
+
+    It knows one load, a sudden remote one, and divides by f P_0.
+    """
+    if not scene.is_self_similar:
+        return _not_self_similar(scene)
+    if scene.base != scene.step:
+        return "its only load is a sudden remote one, base and step equal"
+    return "" if scene.friction * scene.step.pressure * scene.step.shear > 0 else "f P_0 is zero"
+
+
+def _elements(
+    label: str,
+    full: tuple[float, ...],
+    quick: tuple[float, ...],
+    seconds: float,
+    **options: Any,
+) -> Method:
+    """A finite-element method; `seconds` is what a run takes with 100 elements per c_t T."""
+    run = partial(_finite_elements, **options)
+    cost = (seconds, 100.0, 2.6)
+    return Method("finite elements", f"FEM {label}", "resolution", run, full, quick, cost)
+
+
+_SOLVER = "self-similar solver"
+_TOLERANCES = tuple(float(f"1e-{digits}") for digits in range(2, 13))
+_COARSE, _FINE, _FINEST = (25.0,), (50.0, 100.0, 200.0), (50.0, 100.0, 200.0, 400.0)
+
+METHODS: Mapping[str, Method] = {
+    "self-similar": Method(
+        _SOLVER,
+        "self-similar solver",
+        "rtol",
+        partial(_self_similar, cold=False),
+        _TOLERANCES,
+        (1e-2, 1e-4, 1e-8),
+        (0.02, 1e-8, 0.0),
+        _not_self_similar,
+    ),
+    "self-similar-cold": Method(
+        _SOLVER,
+        "self-similar solver, new ν",
+        "rtol",
+        partial(_self_similar, cold=True),
+        _TOLERANCES,
+        (1e-2, 1e-8),
+        (0.05, 1e-8, 0.0),
+        _not_self_similar,
+    ),
+    "first-stage": Method(
+        "first stage, piecewise linear",
+        "first stage, piecewise linear",
+        "grid",
+        _first_stage,
+        (20, 40, 80, 160, 320, 640),
+        (20, 80),
+        (0.15, 320, 2.5),
+        _not_self_similar,
+    ),
+    "published": Method(
+        "published algorithm",
+        "published algorithm",
+        "n_u",
+        _published,
+        (50, 100, 200, 400, 800),
+        (50, 200),
+        (0.05, 400, 2.0),
+        published_obstacle,
+    ),
+    "space-time": Method(
+        "space–time solver",
+        "space–time solver",
+        "nodes",
+        _space_time,
+        (128, 256, 512, 1024, 2048, 4096, 8192),
+        (128, 512, 1024),
+        (0.35, 1024, 2.0),
+    ),
+    "fem": _elements("Q1 squares", _FINEST, (25, 50, 100), 0.75),
+    "fem-p1": _elements("P1 squares", _FINE, (25, 50), 1.0, element="P1"),
+    "fem-triangles": _elements(
+        "P1 triangles", _FINE, (25, 50), 2.0, element="P1", mesh="triangles"
+    ),
+    "fem-q2": _elements("Q2 squares", _FINEST, (25, 50), 1.0, element="Q2"),
+    "fem-graded": _elements("Q1 graded", _FINEST, (25, 50), 0.3, mesh="graded"),
+    "fem-two-blocks": _elements("Q1 squares, two blocks", _FINE, _COARSE, 1.5, model="two-blocks"),
+    "fem-undamped": _elements("Q1 squares, undamped", _FINE, (25, 50), 0.75, damping=0.0),
+    "fem-whole": _elements("Q1 squares, whole fields", _FINE, _COARSE, 1.6, whole=True),
+}
+"""All methods by the name they have in the table, the cheapest kind first."""
+
+
+def answer(scene: str, method: str, setting: float) -> Answer:
+    """One run of a method on a named scene; a failed computation is an answer that says so."""
+    try:
+        return METHODS[method].run(NAMED_SCENES[scene].scene, setting)
+    except SlipfrontError as error:
+        return Answer(math.nan, math.nan, np.full(len(PLACES), math.nan), (), str(error))
+
+
+def measured(scene: str, method: str, setting: float, runs: int = 0) -> dict[str, Any]:
+    """Run a method several times in this process.
+
+    Parameters
+    ----------
+    scene, method, setting
+        As in `NAMED_SCENES` and `METHODS`.
+    runs : int
+        Runs that count, 0 for 5 of runs shorter than a second and 3 of longer ones.  The first of
+        short runs does not count.
+
+    Returns
+    -------
+    dict
+        setup and solving, medians [s]; runs; memory, peak of the process [MB]; slip_rate (400,)
+        [length / time]; zones, (inner, outer, sense) of each, over c_t; status.
+    """
+    from fem.run import peak_memory
+
+    first = answer(scene, method, setting)
+    short = first.setup + first.solving < _SHORT
+    more = (runs or _SHORT_RUNS) if short else (runs or _RUNS) - 1
+    repeated = [answer(scene, method, setting) for _ in range(more)]
+    found = repeated if short else [first, *repeated]
+    return {
+        "setup": statistics.median(one.setup for one in found),
+        "solving": statistics.median(one.solving for one in found),
+        "runs": len(found),
+        "memory": peak_memory() / 1e6,
+        "slip_rate": first.slip_rate.tolist(),
+        "zones": [(zone.inner, zone.outer, zone.sense) for zone in first.zones],
+        "status": first.status,
+    }
+
+
+if __name__ == "__main__":
+    if sys.argv[5:] == [LIFELINE]:
+        hang_on()
+    print(json.dumps(measured(sys.argv[1], sys.argv[2], float(sys.argv[3]), int(sys.argv[4]))))

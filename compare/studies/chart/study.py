@@ -1,0 +1,496 @@
+"""Speed against accuracy: every method on the scenes of the chart, measured on one machine.
+
+A point is one method at one setting.  It is measured in a process of its own
+(`chart_methods`), judged against the reference of its scene and kept in a CSV file, from which
+figures and text (`chart_figure`) are drawn.  Slip rates are compared by the relative L1
+difference at fixed velocities x/(c_t T), zone edges by the worst one, over c_t.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from datetime import date
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.measures import relative_error
+from compare.output.files import are_sound, checksum_heading, write_rows
+from compare.studies.chart.methods import METHODS, PLACES, scaled_zones
+from compare.studies.workers import LIFELINE, ONE_THREAD, Progress, lifeline
+from semianalytic import Scene, SlipZone, solve
+from semianalytic.reference.closed_forms import (
+    edge_speed_under_shear_step,
+    slip_rate_under_remote_shock,
+    slip_rate_under_shear_step,
+)
+from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
+from semianalytic.scene.named import NAMED_SCENES
+
+Array = NDArray[np.float64]
+
+SCENES = ("preloaded", "remote-shock", "auxetic", "ramp")
+FILE_NAME = "chart.csv"
+CLOSED_FORM_FRICTION = {"preloaded": 0.8, "remote-shock": 0.9, "auxetic": 0.8}
+"""Friction at which a scene of the chart has one slip zone and a closed form."""
+FINEST = 1e-12
+"""Tolerance of the self-similar reference."""
+
+_QUICK_RUNS = 3
+_START = 0.6
+_REFERENCE_GRIDS = {
+    False: {"space-time": (8192, 16384), "fem": (200, 400)},
+    True: {"space-time": (1024, 2048), "fem": (50, 100)},
+}
+
+
+@dataclass(frozen=True)
+class Point:
+    """One measured point, a row of the CSV file.
+
+    Attributes
+    ----------
+    scene, method : str
+        Keys of `NAMED_SCENES` and `METHODS`.
+    setting : float
+    setup, solving : float
+        Medians [s]; their sum is the time of the chart.
+    runs : int
+    memory : float
+        Peak of the process [MB].
+    error : float
+        Relative L1 error of the slip rate.
+    edge_error : float
+        Worst error of a zone edge over c_t; inf if a zone is missed.
+    status : str
+        "measured", or what to distrust.
+    reference : str
+        What errors are measured against.
+    reference_error, reference_edge_error : float
+        How far two references, or the reference and a closed form, are apart; nan if unknown.
+    python, numpy, scipy, slipfront, machine, cores, date
+        What it was measured with, where and when.
+    """
+
+    scene: str
+    method: str
+    setting: float
+    setup: float
+    solving: float
+    runs: int
+    memory: float
+    error: float
+    edge_error: float
+    status: str
+    reference: str
+    reference_error: float
+    reference_edge_error: float
+    python: str
+    numpy: str
+    scipy: str
+    slipfront: str
+    machine: str
+    cores: int
+    date: str
+
+    @property
+    def seconds(self) -> float:
+        """Set-up and solving [s]."""
+        return self.setup + self.solving
+
+    @property
+    def name(self) -> str:
+        """Setting as in "rtol 1e-08"."""
+        return f"{METHODS[self.method].parameter} {self.setting:g}"
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """What the methods are measured against.
+
+    Attributes
+    ----------
+    name : str
+    slip_rate : (400,) array
+        At `PLACES` [length / time].
+    zones : tuple of SlipZone
+        Edges over c_t.
+    error, edge_error : float
+        As `Point.reference_error`, `Point.reference_edge_error`.
+    """
+
+    name: str
+    slip_rate: Array
+    zones: tuple[SlipZone, ...]
+    error: float
+    edge_error: float
+
+
+@dataclass(frozen=True)
+class Task:
+    """A point to measure."""
+
+    scene: str
+    method: str
+    setting: float
+
+
+def tasks(scenes: Sequence[str], quick: bool) -> list[Task]:
+    """All points of a chart, leaving out what cannot be had.
+
+    Raises
+    ------
+    SceneError
+        If a scene is not one of the chart.
+    """
+    for scene in scenes:
+        if scene not in SCENES:
+            raise SceneError(f"there is no chart of {scene!r}; choose {', '.join(SCENES)}.")
+    return [
+        Task(scene, name, float(setting))
+        for scene in scenes
+        for name, method in METHODS.items()
+        if not method.obstacle(NAMED_SCENES[scene].scene)
+        for setting in (method.quick if quick else method.full)
+    ]
+
+
+def run_task(task: Task, runs: int) -> dict[str, Any]:
+    """`chart_methods.measured` in a fresh process of one linear-algebra thread.
+
+    Raises
+    ------
+    ComputationError
+        If the process does not end well, as when memory runs out.
+    """
+    command = [sys.executable, "-m", "compare.studies.chart.methods", task.scene, task.method]
+    with lifeline() as stdin:
+        process = subprocess.run(
+            [*command, repr(task.setting), str(runs), LIFELINE],
+            env={**os.environ, **ONE_THREAD},
+            stdin=stdin,
+            capture_output=True,
+            text=True,
+        )
+    if process.returncode:
+        last = (process.stderr.strip().splitlines() or ["no message"])[-1]
+        raise ComputationError(
+            f"{METHODS[task.method].label} on {task.scene} at {task.setting:g} ended with code "
+            f"{process.returncode} ({last}); start again to go on with the other points."
+        )
+    return dict(json.loads(process.stdout))
+
+
+def reference_of(scene: str, quick: bool) -> Reference:
+    """Self-similar solution at rtol 1e-12, or what two methods extrapolated agree on."""
+    described = NAMED_SCENES[scene].scene
+    if not described.is_self_similar:
+        return _extrapolated(scene, quick)
+    solution, speed = solve(described, rtol=FINEST), described.material.shear_speed
+    slip_rate = solution.slip_rate(PLACES * speed, 1.0)
+    friction = CLOSED_FORM_FRICTION[scene]
+    checked = closed_form_errors(replace(described, friction=friction))
+    return Reference(reference_name(scene, quick), slip_rate, scaled_zones(solution), *checked)
+
+
+def reference_name(scene: str, quick: bool) -> str:
+    """What the points of a scene are measured against, in words."""
+    if not NAMED_SCENES[scene].scene.is_self_similar:
+        return "extrapolated from " + " and ".join(
+            f"{METHODS[method].label} {coarse}, {fine}"
+            for method, (coarse, fine) in _REFERENCE_GRIDS[quick].items()
+        )
+    friction = CLOSED_FORM_FRICTION[scene]
+    return f"self-similar solver, rtol 1e-12; checked by the closed form at friction {friction:g}"
+
+
+def closed_form_errors(scene: Scene) -> tuple[float, float]:
+    """Relative L1 error of slip rate, and error of the edge over c_t, against closed forms.
+
+    Of the solver at rtol 1e-12.  The edge is nan where all slips.
+
+    Parameters
+    ----------
+    scene : Scene
+        One slow slip zone under a shear step, or a remote shock that makes all slip.
+    """
+    solution, speed = solve(scene, rtol=FINEST), scene.material.shear_speed
+    found = solution.slip_rate(PLACES * speed, 1.0)
+    if scene.base == scene.step:
+        exact = slip_rate_under_remote_shock(
+            scene.material, scene.step.pressure, scene.step.shear, scene.friction, PLACES * speed
+        )
+        return relative_error(found, exact, PLACES, 1), math.nan
+    ratio = scene.friction * scene.base.pressure / scene.step.shear
+    exact = slip_rate_under_shear_step(scene.material, scene.step.shear, ratio, PLACES * speed)
+    edge = edge_speed_under_shear_step(scene.material, ratio)
+    moved = abs(solution.zones[-1].outer - edge) / speed
+    return relative_error(found, exact, PLACES, 1), moved
+
+
+def _extrapolated(scene: str, quick: bool) -> Reference:
+    """Space-time solver, extrapolated; its difference to finite elements is the error bar."""
+    (slip_rate, zones), (other, other_zones) = (
+        _limit(*(run_task(Task(scene, method, float(size)), 1) for size in sizes))
+        for method, sizes in _REFERENCE_GRIDS[quick].items()
+    )
+    apart = relative_error(other, slip_rate, PLACES, 1)
+    edge = worst_edge_error(other_zones, zones)
+    return Reference(reference_name(scene, quick), slip_rate, zones, apart, edge)
+
+
+def _limit(coarse: dict[str, Any], fine: dict[str, Any]) -> tuple[Array, tuple[SlipZone, ...]]:
+    """Slip rate and zones extrapolated from what `run_task` returns on two grids.
+
+    Errors at fixed places are taken to be of second order, edges of first; zones that both do not
+    have alike are those of the finer grid.
+    """
+    slip_rate = richardson(np.array(coarse["slip_rate"]), np.array(fine["slip_rate"]), 2)
+    if [zone[2] for zone in coarse["zones"]] != [zone[2] for zone in fine["zones"]]:
+        return slip_rate, tuple(SlipZone(*zone) for zone in fine["zones"])
+    edges = richardson(np.array(coarse["zones"]), np.array(fine["zones"]), 1)
+    return slip_rate, tuple(
+        SlipZone(float(inner), float(outer), int(sense)) for inner, outer, sense in edges
+    )
+
+
+def richardson(coarse: Any, fine: Any, order: int) -> Any:
+    """Limit of two answers on grids of spacing 2 h and h with errors of an order of h."""
+    return fine + (fine - coarse) / (2**order - 1)
+
+
+def worst_edge_error(found: Sequence[SlipZone], expected: Sequence[SlipZone]) -> float:
+    """Largest distance of a zone edge from where it should be; inf if a zone is missed.
+
+    Each expected zone is compared with the zone of its sense that overlaps it most.
+    """
+    worst = 0.0
+    for zone in expected:
+        overlaps = [
+            (min(zone.outer, one.outer) - max(zone.inner, one.inner), one)
+            for one in found
+            if one.sense == zone.sense
+        ]
+        shared, closest = max(overlaps, key=lambda pair: pair[0], default=(0.0, zone))
+        if shared <= 0:
+            return math.inf
+        for edge in ("inner", "outer"):
+            here, there = getattr(closest, edge), getattr(zone, edge)
+            if here != there:
+                worst = max(worst, abs(here - there))
+    return worst
+
+
+def measure(task: Task, reference: Reference, quick: bool) -> Point:
+    """Measure one point and judge it."""
+    found = run_task(task, _QUICK_RUNS if quick else 0)
+    slip_rate = np.array(found["slip_rate"])
+    zones = [SlipZone(*zone) for zone in found["zones"]]
+    known = np.isfinite(slip_rate).all()
+    return Point(
+        **asdict(task),
+        **{key: found[key] for key in ("setup", "solving", "runs", "memory", "status")},
+        error=relative_error(slip_rate, reference.slip_rate, PLACES, 1),
+        edge_error=worst_edge_error(zones, reference.zones) if known else math.nan,
+        reference=reference.name,
+        reference_error=reference.error,
+        reference_edge_error=reference.edge_error,
+        **stamp(),
+        date=date.today().isoformat(),
+    )
+
+
+def stamp() -> dict[str, Any]:
+    """Versions and machine of a measurement."""
+    versions = {name: version(name) for name in ("numpy", "scipy", "slipfront")}
+    cores = os.cpu_count() or 1
+    return {"python": platform.python_version(), **versions, "machine": _machine(), "cores": cores}
+
+
+def _machine() -> str:
+    """Model of the processor, as far as the system tells."""
+    known = Path("/proc/cpuinfo")
+    if known.exists():
+        for line in known.read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def read_points(path: Path) -> list[Point]:
+    """Points of an earlier run; none if there is no file.
+
+    Raises
+    ------
+    DataFileError
+        If the file is damaged or not a chart.
+    """
+    if not path.exists():
+        return []
+    kinds = {"float": float, "int": int, "str": str}
+    try:
+        with path.open(newline="", encoding="utf-8") as stream:
+            header, *rows = csv.reader(stream, strict=True)
+        if header != [*(field.name for field in fields(Point)), checksum_heading(len(rows))]:
+            raise ValueError("unknown columns or lost rows")
+        damaged = [number for number, row in enumerate(rows, start=2) if not are_sound(row)]
+        if damaged:
+            raise ValueError(f"row {damaged[0]} does not fit its checksum")
+        points = [
+            Point(
+                *(
+                    kinds[str(field.type)](cell)
+                    for field, cell in zip(fields(Point), row[:-1], strict=True)
+                )
+            )
+            for row in rows
+        ]
+        unknown = {p.method for p in points} - set(METHODS) | {p.scene for p in points} - set(
+            SCENES
+        )
+        if unknown:
+            raise ValueError(f"unknown {min(unknown)}")
+    except (OSError, ValueError, csv.Error) as error:
+        raise DataFileError(
+            f"{path} cannot be read as a chart ({error}); move it away to measure again."
+        ) from error
+    return points
+
+
+def same_machine(point: Point) -> bool:
+    """Whether a point was measured on this machine with the versions of now."""
+    return all(getattr(point, name) == value for name, value in stamp().items())
+
+
+def missing(wanted: Sequence[Task], points: Sequence[Point]) -> list[Task]:
+    """Points that are yet to be measured here."""
+    done = {_task(point) for point in points if same_machine(point)}
+    return [task for task in wanted if task not in done]
+
+
+def _task(point: Point) -> Task:
+    return Task(point.scene, point.method, point.setting)
+
+
+def estimated_seconds(todo: Sequence[Task], points: Sequence[Point], quick: bool) -> float:
+    """How long measuring will take [s], from earlier measurements or rough costs."""
+    stored = {_task(point): point.seconds for point in points if math.isfinite(point.seconds)}
+    total = 0.0
+    for task in todo:
+        run = stored.get(task, METHODS[task.method].seconds(task.setting))
+        runs = (_QUICK_RUNS if quick else 5) + 1 if run < 1 else 3
+        total += _START + runs * run
+    for scene in {task.scene for task in todo}:
+        if not NAMED_SCENES[scene].scene.is_self_similar:
+            for method, sizes in _REFERENCE_GRIDS[quick].items():
+                total += sum(METHODS[method].seconds(size) for size in sizes)
+    return total
+
+
+def measure_all(
+    path: Path,
+    scenes: Sequence[str],
+    *,
+    quick: bool = False,
+    fresh: bool = False,
+    progress: Progress | None = None,
+    tell: Callable[[str], None] | None = None,
+) -> list[Point]:
+    """Measure what is missing and keep every point in a CSV file as soon as it is there.
+
+    Parameters
+    ----------
+    path : Path
+        The CSV file.
+    scenes : sequence of str
+        Of `SCENES`.
+    quick : bool
+        Few and cheap points.
+    fresh : bool
+        Measure points again that are there.
+    progress : callable, optional
+        Called with the number of points done and the number of all points.
+    tell : callable, optional
+        Called with a line that says how long it will take.
+
+    Returns
+    -------
+    list of Point
+        All points of the file, in the order of the chart.
+
+    Raises
+    ------
+    SceneError
+        If a scene is not one of the chart.
+    DataFileError
+        If the file is damaged or cannot be written.
+    ComputationError
+        If a measurement breaks down; what was measured stays.
+    """
+    wanted, points = tasks(scenes, quick), read_points(path)
+    stored = points
+    if fresh:
+        points = [point for point in points if point.scene not in scenes]
+    _check_references(path, points, scenes, quick)
+    todo = missing(wanted, points)
+    if not todo:
+        return points
+    if tell is not None:
+        seconds, there = estimated_seconds(todo, stored, quick), len(wanted) - len(todo)
+        tell(f"{len(todo)} points to measure, {there} are there: about {_spoken(seconds)}.")
+    points = [point for point in points if same_machine(point)]
+    for done, point in enumerate(_measured(todo, quick), start=len(wanted) - len(todo) + 1):
+        points = _ordered([*points, point])
+        write_rows(path, points, checked=True)
+        if progress is not None:
+            progress(done, len(wanted))
+    return points
+
+
+def _check_references(
+    path: Path, points: Sequence[Point], scenes: Sequence[str], quick: bool
+) -> None:
+    """Raise SceneError where a file holds a quick chart and a full one is wanted, or vice versa."""
+    for point in points:
+        if point.scene in scenes and point.reference != reference_name(point.scene, quick):
+            raise SceneError(
+                f"{path} measures {point.scene} against another reference ({point.reference}); "
+                "give another --output, or --fresh to measure again."
+            )
+
+
+def _measured(todo: Sequence[Task], quick: bool) -> Iterator[Point]:
+    """Points as they are done, scene by scene."""
+    for scene in dict.fromkeys(task.scene for task in todo):
+        reference = reference_of(scene, quick)
+        for task in todo:
+            if task.scene == scene:
+                yield measure(task, reference, quick)
+
+
+def _ordered(points: Sequence[Point]) -> list[Point]:
+    """By scene, method, and from coarse to fine."""
+    methods = list(METHODS)
+    return sorted(
+        points,
+        key=lambda point: (
+            SCENES.index(point.scene),
+            methods.index(point.method),
+            abs(math.log(point.setting)),
+        ),
+    )
+
+
+def _spoken(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min"

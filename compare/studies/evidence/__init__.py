@@ -1,0 +1,1 @@
+"""The evidence page: one HTML file with every scene, method and figure."""

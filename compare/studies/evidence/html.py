@@ -1,0 +1,87 @@
+"""Pieces of an HTML page: tables, paragraphs, commands and pictures, all of them escaped."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+
+from matplotlib.figure import Figure
+
+from compare.figures.interface import figure_png
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Text of a table cell and what it looks like: number, long, good, bad or plain."""
+
+    text: str
+    look: str = ""
+    link: str = ""
+
+
+def number(text: str) -> Cell:
+    """A cell of digits."""
+    return Cell(text, "number")
+
+
+def words(text: str) -> Cell:
+    """A cell of text that wants room."""
+    return Cell(text, "long")
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str | Cell]], title: str) -> str:
+    """A table that scrolls in its own box, under its title."""
+    heads = "".join(f'<th scope="col">{escape(text)}</th>' for text in head)
+    lines = "".join(
+        "<tr>"
+        + "".join(_cell(cell, first=index == 0) for index, cell in enumerate(row))
+        + "</tr>\n"
+        for row in rows
+    )
+    return (
+        f'<p class="title">{escape(title)}</p><div class="scroll" role="region" tabindex="0" '
+        f'aria-label="{escape(title)}"><table><thead><tr>{heads}</tr></thead>\n'
+        f"<tbody>{lines}</tbody></table></div>\n"
+    )
+
+
+def _cell(cell: str | Cell, *, first: bool) -> str:
+    cell = cell if isinstance(cell, Cell) else Cell(cell)
+    text = escape(cell.text)
+    if cell.link:
+        text = f'<a href="{escape(cell.link)}">{text}</a>'
+    look = f' class="{cell.look}"' if cell.look else ""
+    return f'<th scope="row"{look}>{text}</th>' if first else f"<td{look}>{text}</td>"
+
+
+def drawn_figure(figure: Figure, caption: str, *, wide: bool = False) -> str:
+    """A figure over its caption."""
+    return image(figure_png(figure), caption, caption + ".", wide=wide)
+
+
+def image(data: bytes, alternative: str, caption: str, *, wide: bool = False) -> str:
+    """A picture, in PNG, over its caption."""
+    look = ' class="wide"' if wide else ""
+    source = f"data:image/png;base64,{b64encode(data).decode()}"
+    return (
+        f'<figure{look}><img src="{source}" alt="{escape(alternative)}">'
+        f"<figcaption>{escape(caption)}</figcaption></figure>\n"
+    )
+
+
+def figures(drawn: Iterable[str]) -> str:
+    """Figures beside and below one another."""
+    return f'<div class="figures">{"".join(drawn)}</div>'
+
+
+def paragraph(text: str) -> str:
+    """A paragraph of text."""
+    return f"<p>{escape(text)}</p>\n"
+
+
+def code(lines: Iterable[str]) -> str:
+    """Lines as they are typed."""
+    text = "\n".join(lines)
+    return f"<pre>{escape(text)}</pre>\n"

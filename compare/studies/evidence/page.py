@@ -1,0 +1,261 @@
+"""The evidence as one HTML page that needs nothing else: tables, figures, profiles over time."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+from compare.comparison.rows import Row
+from compare.studies.article.claims import FAILS, HOLDS, METHODS, PARTLY
+from compare.studies.article.study import figure_2, figure_5, figure_6
+from compare.studies.evidence.html import (
+    Cell,
+    code,
+    drawn_figure,
+    figures,
+    image,
+    number,
+    paragraph,
+    table,
+    words,
+)
+from compare.studies.evidence.scene import DASH, FAIL, PASS, scene_section, verdict
+from compare.studies.evidence.study import FEM, Evidence, excess, worst_row
+
+CHECKOUT = Path(__file__).parents[1]
+
+
+@dataclass(frozen=True)
+class Earlier:
+    """Figures of a longer study, taken from files if there are any.
+
+    Attributes
+    ----------
+    title, command, about : str
+        Heading, the command that draws the figures, and what they show.
+    patterns : tuple of str
+        Names of the files, below the folders `results/` and `docs/figures/`.
+    """
+
+    title: str
+    command: str
+    about: str
+    patterns: tuple[str, ...]
+
+
+STUDIES = {
+    "chart": Earlier(
+        "Error against time",
+        "slipfront chart",
+        "Every method on one machine: relative error of the slip rate against wall time.",
+        ("chart/figures/chart_*.png", "chart_*.png"),
+    ),
+    "stability": Earlier(
+        "Where methods fail",
+        "slipfront stability --solver --fem --space-time",
+        "Thresholds, limits of the Poisson ratio, grids, rules, step sizes and damping.",
+        ("stability/*stability*.png", "*stability*.png"),
+    ),
+    "regimes": Earlier(
+        "Regimes over Poisson ratio and friction",
+        "slipfront regimes",
+        "How the interface slips, with traced boundaries, and speeds of all zone edges.",
+        ("regimes/*.png", "regimes*.png", "front_speeds.png"),
+    ),
+    "wear": Earlier(
+        "Wear against friction",
+        "slipfront wear",
+        "Accumulated slip and frictional work for a step, a ramp and a pulse.",
+        ("wear/*.png", "wear*.png"),
+    ),
+}
+
+
+def page(found: Evidence) -> str:
+    """The whole page."""
+    anchors = [f"scene-{number}" for number in range(1, len(found.scenes) + 1)]
+    sections = [
+        ("summary", "Summary", _summary(found, anchors)),
+        ("reading", "How to read this page", _reading()),
+        *(
+            (anchor, f"Scene: {scene.label}", scene_section(anchor, scene, found.quick))
+            for anchor, scene in zip(anchors, found.scenes, strict=True)
+        ),
+        ("closed", "Closed forms", _closed_forms(found)),
+        ("article", "Claims of the article", _article(found)),
+        *((key, study.title, _earlier(study)) for key, study in STUDIES.items()),
+        ("versions", "Versions, machine and commands", _versions(found)),
+    ]
+    contents = "".join(
+        f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title, _ in sections
+    )
+    main = "\n".join(
+        f'<section id="{anchor}" aria-labelledby="{anchor}-title">\n'
+        f'<h2 id="{anchor}-title">{escape(title)}</h2>\n{body}\n</section>'
+        for anchor, title, body in sections
+    )
+    body = (
+        "<header><h1>slipfront: evidence</h1>\n"
+        + paragraph(
+            "Two identical elastic half-planes touch along x > 0; x < 0 is an open slot. Where, "
+            "when, how fast and which way the interface slips is answered here by two "
+            "semi-analytic methods and by finite elements, which share with them the description "
+            "of a scene and nothing else."
+        )
+        + paragraph(f"Made on {found.stamp['date']} by slipfront {found.stamp['slipfront']}.")
+        + f'</header>\n<nav aria-label="Contents"><h2>Contents</h2><ol>{contents}</ol></nav>\n'
+        + f"<main>\n{main}\n</main>"
+    )
+    template = files("compare").joinpath("evidence.html").read_text(encoding="utf-8")
+    return Template(template).substitute(body=body)
+
+
+def _summary(found: Evidence, anchors: Iterable[str]) -> str:
+    rows = []
+    for anchor, scene in zip(anchors, found.scenes, strict=True):
+        worst = worst_row(scene)
+        passed = sum(row.passed for _, row in scene.rows)
+        rows.append(
+            (
+                Cell(scene.label, link=f"#{anchor}"),
+                verdict(scene.passed) if scene.rows else "not judged",
+                number(f"{passed} of {len(scene.rows)}" if scene.rows else DASH),
+                words(DASH if worst is None else _closeness(*worst)),
+                words(", ".join(scene.methods)),
+                words(scene.summary),
+            )
+        )
+    head = ("scene", "verdict", "rows within", "closest to its tolerance", "methods", "shows")
+    claims = [claim.verdicts["exact"].verdict for claim in found.claims]
+    return table(head, rows, "Every scene, and the row that comes closest to failing") + paragraph(
+        f"By the exact solution, {claims.count(HOLDS)} of the {len(claims)} claims of the article "
+        f"hold, {claims.count(PARTLY)} hold in part and {claims.count(FAILS)} fail."
+    )
+
+
+def _closeness(method: str, row: Row) -> str:
+    ratio = excess(row)
+    share = "in one answer only" if math.isinf(ratio) else f"{100 * ratio:.0f} % of its tolerance"
+    return f"{row.quantity}: {share} ({method} against {FEM})"
+
+
+def _reading() -> str:
+    return "".join(
+        paragraph(text)
+        for text in (
+            "Lengths are over c_t T and times over T, the end of the simulation; stresses are over "
+            "τ₀, the larger load step, and slip rates over V₀ = 2 τ₀ / (ρ c_t). Slip and slip rate "
+            "are relative, upper side less lower side. Numbers hold at the contact nodes of the "
+            "finite-element mesh.",
+            "Self-similar: closed forms up to quadrature, the zone edges being the only unknowns; "
+            "for step loads. Space-time: the interface alone, marched in time on a spectral grid; "
+            "for any load history. Both rest on the theory of two half-planes. Finite elements: "
+            "the blocks themselves, explicit steps, Coulomb's law node by node; they know nothing "
+            "of that theory. Published algorithm: the article's own, for its only load, a sudden "
+            "remote one; drawn, but not judged row by row.",
+            "A row is one quantity by a semi-analytic method and by finite elements. Its tolerance "
+            "is stated with a reason, which is nearly always the mesh: halve h and it shrinks. The "
+            f"verdict says whether the difference is {PASS} or {FAIL} the tolerance; a quantity "
+            f"that is in one answer only is {FAIL}.",
+        )
+    )
+
+
+def _closed_forms(found: Evidence) -> str:
+    forms = found.closed_forms
+    methods = tuple(forms[0].errors)
+    rows: list[tuple[str | Cell, ...]] = []
+    for form in forms:
+        edges = (DASH if edge is None else f"{edge:.12f}" for edge in (form.edge, form.found))
+        errors = (f"{form.errors[method]:.1e}" for method in methods)
+        rows.append((words(form.words), *map(number, (*errors, *edges))))
+    head = ("scene", *methods, "edge / c_t, closed form", "edge / c_t, self-similar")
+    return (
+        paragraph(
+            "Some scenes have slip rates in closed form, as plain quadratures in "
+            "semianalytic/reference/closed_forms.py. Neither solver nor finite elements use them."
+        )
+        + table(head, rows, "Relative L1 error of slip rate at T on 0.02 < x/(c_t T) < 1.9")
+        + code(["pytest tests/semianalytic/selfsimilar/test_solver.py"])
+    )
+
+
+def _article(found: Evidence) -> str:
+    rows: list[tuple[str | Cell, ...]] = []
+    for claim in found.claims:
+        verdicts = (claim.verdicts[method] for method in METHODS)
+        judged = (words(f"{one.verdict}: {one.evidence}") for one in verdicts)
+        rows.append((claim.section, words(claim.text), claim.base, *judged))
+    cases = found.cases.everyone()
+    drawn = ""
+    if not found.quick:
+        drawn = figures(
+            drawn_figure(draw(found.cases), f"Figure {name} of the article, redrawn", wide=True)
+            for name, draw in (("2", figure_2), ("5", figure_5), ("6", figure_6))
+        )
+    return (
+        paragraph(
+            f"Every verdict is computed from {len(cases)} scenes, solved and simulated with h = "
+            f"c_t T / {cases[0].resolution}. Exact and simulated slip rates differ by at most "
+            f"{found.cases.disagreement():.2g} Q_0/(μb) in the mean."
+        )
+        + table(("section", "claim", "load base", *METHODS), rows, "Claims and verdicts")
+        + drawn
+        + code(["slipfront article --quick", "slipfront article"])
+    )
+
+
+def _earlier(study: Earlier) -> str:
+    """Figures of a longer study from files, with their dates, or how to make them."""
+    found = list(_earlier_files(study.patterns))
+    if not found:
+        return paragraph(f"{study.about} Not drawn on this machine yet:") + code([study.command])
+    drawn = figures(
+        image(
+            path.read_bytes(),
+            f"{study.title}: {path.stem.replace('_', ' ')}",
+            f"{path.name}, a file of {file_date(path)}",
+            wide=True,
+        )
+        for path in found
+    )
+    return (
+        paragraph(f"{study.about} Drawn earlier, not together with this page, by")
+        + code([study.command])
+        + drawn
+    )
+
+
+def file_date(path: Path) -> str:
+    """Day on which a file was written, as far as a clock may be believed."""
+    try:
+        return f"{datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
+    except (ValueError, OverflowError):  # thousands of years from now
+        return "unknown date"
+
+
+def _earlier_files(patterns: Iterable[str]) -> Iterator[Path]:
+    """Files by name; where two folders hold the same figure, that of this machine's results."""
+    found: dict[str, Path] = {}
+    for folder in (Path("results"), Path("docs", "figures"), CHECKOUT / "docs" / "figures"):
+        for path in sorted({path for pattern in patterns for path in folder.glob(pattern)}):
+            found.setdefault(path.name.replace("_", "-"), path)
+    yield from found.values()
+
+
+def _versions(found: Evidence) -> str:
+    names = " ".join(shlex.quote(scene.source) for scene in found.scenes)
+    command = f"slipfront evidence {names}" + (" --quick" if found.quick else "")
+    rows = [*found.stamp.items(), ("time to compute", f"{found.seconds:.1f} s, without figures")]
+    return (
+        table(("what", "value"), rows, "What made this page")
+        + paragraph("This page, the tests behind it, and the parts that take longer:")
+        + code([command, "pytest", *(study.command for study in STUDIES.values())])
+    )

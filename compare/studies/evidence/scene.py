@@ -1,0 +1,359 @@
+"""The section of one scene on the evidence page: methods, figures, zones, energy, every row."""
+
+from __future__ import annotations
+
+import json
+import math
+import shlex
+from html import escape
+
+import numpy as np
+
+from compare.comparison.history_rows import slips
+from compare.comparison.measures import slip_zones
+from compare.comparison.predictions import FINER
+from compare.comparison.report import edge_state
+from compare.comparison.rows import shown_number
+from compare.comparison.scales import front_speeds, slip_rate_scale, speed_regime, stress_scale
+from compare.figures.histories import history_figure, sense_figure, wear_figure
+from compare.figures.interface import fronts_figure
+from compare.studies.evidence.figures import (
+    FRAMES,
+    energy_figure,
+    energy_unit,
+    opening_figure,
+    profiles,
+    rates_figure,
+    tractions_figure,
+)
+from compare.studies.evidence.html import (
+    Cell,
+    code,
+    drawn_figure,
+    figures,
+    number,
+    paragraph,
+    table,
+    words,
+)
+from compare.studies.evidence.study import FEM, OPEN, PUBLISHED, SceneEvidence, differences
+from semianalytic.scene.scene import scene_document
+
+PASS, FAIL = "within", "OUTSIDE"
+READ_FROM = 0.01
+"""Slip counts from this share of the largest slip rate on, where zones are read off a profile."""
+DASH = "–"
+
+
+def verdict(passed: bool) -> Cell:
+    """Whether something is within its tolerance."""
+    return Cell(PASS, "good") if passed else Cell(FAIL, "bad")
+
+
+def scene_section(anchor: str, scene: SceneEvidence, quick: bool) -> str:
+    """All that is known of a scene; `anchor` begins the identifiers in it."""
+    parts = [paragraph(scene.summary[0].upper() + scene.summary[1:] + ".")]
+    if scene.obstacle:
+        parts.append(
+            paragraph(
+                "Finite elements only. The semi-analytic methods hold while the contact is closed, "
+                f"and refuse this scene: “{scene.obstacle}” {_opening(scene)}"
+            )
+        )
+    parts += [
+        _parameters(scene),
+        "<h3>Methods</h3>",
+        _methods(scene),
+        "<h3>Profiles through time</h3>",
+        _player(anchor, scene),
+        "<h3>Figures</h3>",
+        _figures(scene, quick),
+        "<h3>Fronts and slip zones</h3>",
+        _zones(scene),
+        "<h3>Energy</h3>",
+        _energy(scene),
+    ]
+    if scene.rows:
+        judged = dict.fromkeys(method for method, _ in scene.rows)
+        parts += ["<h3>Row by row</h3>", *(_rows(scene, method) for method in judged)]
+    parts += ["<h3>Do it again</h3>", _commands(scene)]
+    return "\n".join(parts)
+
+
+def _opening(scene: SceneEvidence) -> str:
+    """How far the contact has opened at the end, in a sentence."""
+    simulation = scene.simulation
+    opened = simulation.interface.x[simulation.state[-1] == OPEN]
+    length = scene.scene.material.shear_speed * simulation.end_time
+    if not len(opened):
+        return "At T the contact is closed everywhere."
+    return f"At T the contact is open up to x = {opened.max() / length:.3f} c_t T."
+
+
+def _parameters(scene: SceneEvidence) -> str:
+    document = scene_document(scene.scene)
+    items = [("friction", document.pop("friction"))]
+    for group, values in document.items():
+        items += [(f"{group}.{name}", value) for name, value in values.items()]
+    return code(
+        f"{name} = {f'{value:.6g}' if isinstance(value, float) else value}" for name, value in items
+    ).rstrip()
+
+
+def _methods(scene: SceneEvidence) -> str:
+    gaps = differences(scene)
+    rows: list[tuple[str | Cell, ...]] = []
+    settings = {FEM: _mesh_words(scene), PUBLISHED: "default reading, 200 unknowns"}
+    seconds = {FEM: sum(scene.simulation.seconds.values())}
+    for report in scene.reports:
+        prediction = report.prediction
+        seconds[prediction.method] = prediction.seconds
+        settings[prediction.method] = (
+            f"{prediction.solution.status}, error estimate {prediction.solution.error_estimate:.0e}"
+            if prediction.solution is not None
+            else f"{FINER} nodes per element of the mesh"
+        )
+    for method in scene.methods:
+        took = f"{seconds[method]:.2g}" if method in seconds else DASH
+        gap = [f"{value:.2e}" for value in gaps[method]] if method in gaps else [DASH, DASH]
+        rows.append((method, words(settings[method]), *map(number, (took, *gap))))
+    return table(
+        ("method", "settings", "time [s]", "mean difference / V₀", "largest difference / V₀"),
+        rows,
+        f"Slip rate at T on 0.02 < x/(c_t T) < 1.9: differences from {scene.methods[0]}"
+        if gaps
+        else "The one method that applies",
+    )
+
+
+def _mesh_words(scene: SceneEvidence) -> str:
+    run = scene.simulation
+    return (
+        f"h = c_t T / {run.resolution}, {run.element} on {run.mesh}, {run.model}, damping "
+        f"{run.damping:g} h/c_t, {run.unknowns:,} unknowns, {run.steps} steps"
+    )
+
+
+def _zones(scene: SceneEvidence) -> str:
+    material, simulation = scene.scene.material, scene.simulation
+    speeds = [
+        (f"{name} wave", number(f"{speed / material.shear_speed:.6f}"))
+        for name, speed in front_speeds(material).items()
+    ]
+    parts = [table(("front", "speed / c_t"), speeds, "Wave speeds")]
+    rows = []
+    for report in scene.reports:
+        solution = report.prediction.solution
+        if solution is None:
+            continue
+        for zone in solution.zones:
+            edges = [
+                text
+                for edge in (zone.inner, zone.outer)
+                for text in (
+                    number("∞" if math.isinf(edge) else f"{edge / material.shear_speed:.9f}"),
+                    speed_regime(edge, material),
+                )
+            ]
+            rows.append((_sense(zone.sense), *edges))
+        mode_one, mode_two = solution.stress_intensity(simulation.end_time)
+        unit = stress_scale(scene.scene) * math.sqrt(material.shear_speed * simulation.end_time)
+        if rows:
+            head = ("sense", "inner edge / c_t", "which is", "outer edge / c_t", "which is")
+            parts.append(table(head, rows, "Slip zones solved for by the self-similar method"))
+        parts.append(
+            paragraph(
+                f"The contact edge is {edge_state(solution)}; slip rate there "
+                f"{solution.edge_slip_rate / slip_rate_scale(scene.scene):.6f} V₀. At T its stress "
+                f"intensities are K_I = {float(mode_one) / unit:.6f} and K_II = "
+                f"{float(mode_two) / unit:.6f} in units of τ₀ √(c_t T)."
+            )
+        )
+    read = [(name, words(_read_zones(scene, name))) for name in scene.histories]
+    parts.append(
+        table(
+            ("method", "zones, x / (c_t T)"),
+            read,
+            "Slip zones at T as read off the slip rate at the nodes, from 1 % of the largest on",
+        )
+    )
+    return "".join(parts)
+
+
+def _read_zones(scene: SceneEvidence, method: str) -> str:
+    history = scene.histories[method]
+    rate, time = history.slip_rate[-1], history.t[-1]
+    largest = float(np.abs(rate).max())
+    if largest < 1e-6 * slip_rate_scale(scene.scene):
+        return "none"
+    shown = slip_zones(history.x / time, rate, READ_FROM * largest)
+    unit = scene.scene.material.shear_speed
+    return "; ".join(
+        f"{zone.inner / unit:.4f} to "
+        + ("the end " if math.isinf(zone.outer) else f"{zone.outer / unit:.4f} ")
+        + _sense(zone.sense)
+        for zone in shown
+    )
+
+
+def _energy(scene: SceneEvidence) -> str:
+    unit, energy = energy_unit(scene), scene.simulation.energy
+    parts = [
+        (name, number(f"{round(float(values[-1]) / unit, 6) + 0.0:.6f}"))
+        for name, values in (
+            ("work of the loads", energy.external),
+            ("kinetic energy", energy.kinetic),
+            ("strain energy", energy.strain),
+            ("taken by friction", energy.friction),
+            ("taken by damping", energy.damping),
+            ("taken where gaps close", energy.impact),
+        )
+    ]
+    parts.append(("largest imbalance over the work", number(f"{energy.residual:.1e}")))
+    inside = scene.simulation.interface.x > 0
+    nodes, end = scene.simulation.interface.x[inside], scene.simulation.end_time
+    work = []
+    for report in scene.reports:
+        prediction = report.prediction
+        if prediction.solution is None:
+            x, taken = prediction.interface.x, prediction.friction_work
+            part, whole = float(np.trapezoid(taken, x)), math.nan
+        else:
+            heat = prediction.solution.heat
+            part, whole = float(heat(end, nodes[0], nodes[-1])), float(heat(end))
+        shown = number(_work(part / unit)), number(_work(whole / unit))
+        work.append((prediction.method, *shown))
+    seen = float(np.trapezoid(scene.simulation.friction_work[inside], nodes))
+    work.append((FEM, number(_work(seen / unit)), parts[3][1]))
+    return table(
+        ("finite elements at T", "over τ₀ V₀ c_t T²"),
+        parts,
+        "Energy balance of the scheme, per unit thickness, both blocks",
+    ) + table(
+        ("method", "nodes from x = h on", "all of x > 0, by the method itself"),
+        work,
+        "Frictional work until T, over τ₀ V₀ c_t T²",
+    )
+
+
+def _work(value: float) -> str:
+    """Frictional work to six places; infinite where it slips ahead of all waves, NaN if unknown."""
+    if math.isnan(value):
+        return DASH
+    return "∞" if math.isinf(value) else f"{value:.6f}"
+
+
+def _rows(scene: SceneEvidence, method: str) -> str:
+    rows = [row for name, row in scene.rows if name == method]
+    passed = sum(row.passed for row in rows)
+    cells = [
+        (
+            words(row.quantity),
+            *(
+                number(DASH if value is None else shown_number(value))
+                for value in (row.prediction, row.simulation, row.difference, row.tolerance)
+            ),
+            verdict(row.passed),
+        )
+        for row in rows
+    ]
+    title = f"{method} against {FEM}: {passed} of {len(rows)} rows {PASS} their tolerance"
+    head = ("quantity", method, FEM, "difference", "tolerance", "verdict")
+    reasons = "".join(f"<li>{escape(row)}</li>" for row in dict.fromkeys(r.reason for r in rows))
+    return (
+        f"<details{'' if passed == len(rows) else ' open'}><summary>{escape(title)}</summary>"
+        + table(head, cells, "Differences of fields are relative; all others absolute")
+        + f"<p>Where the tolerances come from:</p><ul>{reasons}</ul></details>"
+    )
+
+
+def _commands(scene: SceneEvidence) -> str:
+    name, run = shlex.quote(scene.source), scene.simulation
+    mesh = f"--resolution {run.resolution}"
+    if not scene.reports:
+        return code([f"slipfront simulate {name} {mesh}"])
+    lines = [f"slipfront compare {name} {mesh} --no-snapshots"]
+    if len(scene.reports) > 1:
+        lines.append(f"slipfront compare {name} {mesh} --no-snapshots --method space-time")
+    lines.append(f"slipfront solve {name}")
+    return code(lines)
+
+
+def _figures(scene: SceneEvidence, quick: bool) -> str:
+    label, methods = scene.label, ", ".join(scene.histories)
+    if not scene.reports:
+        drawn = [drawn_figure(opening_figure(scene), f"Where the contact of {label} is open")]
+    else:
+        every = ", ".join(scene.methods)
+        drawn = [
+            drawn_figure(rates_figure(scene), f"Slip rate at T of {label} by {every}"),
+            drawn_figure(
+                tractions_figure(scene),
+                f"Shear traction and friction bound at T of {label} by {methods}",
+            ),
+        ]
+    for report in scene.reports:
+        if not slips(report.prediction, report.simulation):
+            continue
+        method = report.prediction.method
+        drawn.append(
+            drawn_figure(
+                sense_figure(report),
+                f"Sense of slip of {label} over space and time: {method}, {FEM}, and where the two "
+                "differ",
+                wide=True,
+            )
+        )
+        if quick or report is not scene.reports[0]:
+            continue
+        drawn += [
+            drawn_figure(
+                history_figure(report), f"Slip rate of {label} at four moments, {method} and {FEM}"
+            ),
+            drawn_figure(
+                wear_figure(report),
+                f"Accumulated slip and frictional work of {label} at T, {method} and {FEM}",
+            ),
+        ]
+    if not quick:
+        for report in scene.reports:
+            solution = report.prediction.solution
+            if solution is not None:
+                drawn.append(
+                    drawn_figure(
+                        fronts_figure(solution, scene.simulation.interface),
+                        f"Simulated slip rate of {label} under predicted fronts and zone edges",
+                    )
+                )
+        caption = f"Energies of {label} in the {FEM} over time"
+        drawn.append(drawn_figure(energy_figure(scene), caption))
+    return figures(drawn)
+
+
+def _player(anchor: str, scene: SceneEvidence) -> str:
+    """A slider through time with two panels, drawn by the script of the page."""
+    slider = f"{anchor}-time"
+    data = json.dumps(profiles(anchor, scene), separators=(",", ":"))
+    panels = "".join(
+        f'<svg role="img" aria-label="{escape(text)} of {escape(scene.label)} along the interface '
+        'at the time of the slider"></svg>'
+        for text in ("Slip rate", "Shear traction and friction bound")
+    )
+    boxes = "".join(
+        f'<label><input type="checkbox" value="{method}" checked>'
+        f'<span class="swatch" style="background:var(--{method.replace(" ", "-")})"></span>'
+        f"{method}</label>"
+        for method in scene.methods
+    )
+    return (
+        f'<div class="player">{panels}<div class="time"><label for="{slider}">time</label>'
+        f'<input type="range" id="{slider}" min="0" max="{FRAMES - 1}" value="{FRAMES - 1}">'
+        f'<output for="{slider}"></output></div>'
+        f'<fieldset class="choices"><legend>methods</legend>{boxes}</fieldset>'
+        f'<script type="application/json">{data.replace("</", chr(92).join("</"))}</script>'
+        "<noscript><p>The slider needs JavaScript; the figures below do not.</p></noscript></div>"
+    )
+
+
+def _sense(sense: int) -> str:
+    return "forward" if sense > 0 else "reverse"

@@ -1,0 +1,396 @@
+"""What the evidence page shows: every scene by every method that applies, and the claims judged."""
+
+from __future__ import annotations
+
+import os
+import platform
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.measures import in_profile, relative_error
+from compare.comparison.predictions import contact_nodes, predict
+from compare.comparison.report import Report, build_report
+from compare.comparison.rows import Row
+from compare.comparison.scales import slip_rate_scale
+from compare.output.files import write_text
+from compare.output.places import check_file
+from compare.studies.chart.methods import published_obstacle
+from compare.studies.workers import Progress, counted
+from semianalytic import InterfaceHistory, Material, Scene, Tractions
+from semianalytic.reference.closed_forms import (
+    edge_speed_under_shear_step,
+    slip_rate_under_remote_shock,
+    slip_rate_under_shear_step,
+    slip_rate_without_friction,
+)
+from semianalytic.reference.published import PublishedSlip, published_slip
+from semianalytic.scene.errors import SceneError, TensionError
+from semianalytic.scene.named import NAMED_SCENES, find_scene, scene_label
+
+if TYPE_CHECKING:
+    from compare.studies.article.cases import Cases
+    from compare.studies.article.claims import Claim
+    from fem import Simulation
+
+Array = NDArray[np.float64]
+
+FEM = "finite elements"
+PUBLISHED = "published algorithm"
+OPEN = 2
+"""State of an open node of a simulation."""
+RESOLUTION = 100
+ARTICLE_RESOLUTION, QUICK_ARTICLE_RESOLUTION = 60, 40
+QUICK_SCENES = ("preloaded", "remote-shock", "auxetic", "ramp")
+PACKAGES = ("slipfront", "numpy", "scipy", "scikit-fem", "gmsh", "matplotlib")
+
+
+@dataclass(frozen=True)
+class SceneEvidence:
+    """One scene by every method that applies to it.
+
+    Attributes
+    ----------
+    source : str
+        Name of the scene, or path of its file.
+    simulation : Simulation
+        Finite elements; its nodes and times are those of all methods.
+    reports : tuple of Report
+        One per semi-analytic method, the one the scene calls for first; none under tension.
+    published : PublishedSlip or None
+        The published algorithm, if the scene has the one load it knows.
+    obstacle : str
+        Why neither semi-analytic method applies, or nothing.
+    """
+
+    source: str
+    simulation: Simulation
+    reports: tuple[Report, ...]
+    published: PublishedSlip | None
+    obstacle: str
+
+    @property
+    def label(self) -> str:
+        """Short name of the scene."""
+        return scene_label(self.source)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene itself."""
+        return self.simulation.scene
+
+    @property
+    def summary(self) -> str:
+        """One line saying what the scene shows, or where it comes from."""
+        if self.source in NAMED_SCENES:
+            return NAMED_SCENES[self.source].summary
+        return f"from {self.source}"
+
+    @property
+    def histories(self) -> dict[str, InterfaceHistory]:
+        """Histories at the contact nodes and times of the simulation, by method."""
+        found = {report.prediction.method: report.prediction.interface for report in self.reports}
+        return {**found, FEM: contact_nodes(self.simulation)}
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """Names of all methods that were run."""
+        return (*self.histories, *([PUBLISHED] if self.published else []))
+
+    @property
+    def rows(self) -> tuple[tuple[str, Row], ...]:
+        """All rows of all reports that hold anything, with the method that predicts."""
+        return tuple(
+            (report.prediction.method, row)
+            for report in self.reports
+            for row in report.rows
+            if row.present
+        )
+
+    @property
+    def passed(self) -> bool:
+        """Whether every row is within its tolerance."""
+        return all(row.passed for _, row in self.rows)
+
+    def published_rate(self) -> Array:
+        """Relative slip rate of the published algorithm at nodes and times, (m, n).
+
+        Raises
+        ------
+        SceneError
+            If the algorithm does not apply to the scene.
+        """
+        if self.published is None:
+            raise SceneError(f"the published algorithm does not apply to {self.source}.")
+        scene, history = self.scene, contact_nodes(self.simulation)
+        slowness = scene.material.shear_speed * history.t[:, None] / history.x
+        unit = 2 * scene.friction * scene.step.pressure / scene.material.shear_impedance
+        return np.asarray(unit * self.published.at(slowness))
+
+
+@dataclass(frozen=True)
+class ClosedForm:
+    """A scene whose slip rate is known in closed form, by every method.
+
+    Attributes
+    ----------
+    words : str
+        What the scene is, and the function of `semianalytic.reference.closed_forms`.
+    errors : mapping
+        Relative L1 error of the slip rate at T on 0.02 < x/(c_t T) < 1.9, by method.
+    edge, found : float or None
+        Velocity of the outer edge over c_t, in closed form and by the self-similar method; None
+        where all slips.
+    """
+
+    words: str
+    errors: Mapping[str, float]
+    edge: float | None
+    found: float | None
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """All that the page shows.
+
+    Attributes
+    ----------
+    scenes : tuple of SceneEvidence
+    closed_forms : tuple of ClosedForm
+    cases : Cases
+        The article's scenes, solved and simulated.
+    claims : tuple of Claim
+    quick : bool
+        Whether fewer scenes, figures and a coarser mesh of the article's cases were asked for.
+    stamp : mapping
+        Versions, machine and date, by name.
+    seconds : float
+        What it took to compute, figures not included.
+    """
+
+    scenes: tuple[SceneEvidence, ...]
+    closed_forms: tuple[ClosedForm, ...]
+    cases: Cases
+    claims: tuple[Claim, ...]
+    quick: bool
+    stamp: Mapping[str, str]
+    seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether every row of every scene is within its tolerance."""
+        return all(scene.passed for scene in self.scenes)
+
+
+def excess(row: Row) -> float:
+    """Difference of a row over its tolerance; infinite where one of the two answers is missing."""
+    if row.difference is None:
+        return float("inf") if row.present else 0.0
+    return float(abs(row.difference) / row.tolerance)
+
+
+def worst_row(found: SceneEvidence) -> tuple[str, Row] | None:
+    """The row of a scene that comes closest to its tolerance, or passes it most."""
+    return max(found.rows, key=lambda pair: excess(pair[1]), default=None)
+
+
+def differences(found: SceneEvidence) -> dict[str, tuple[float, float]]:
+    """Mean and largest difference of slip rate at T over V₀ from the first method, by method.
+
+    At the contact nodes on 0.02 < x/(c_t T) < 1.9.
+    """
+    histories = found.histories
+    rates = {name: history.slip_rate[-1] for name, history in histories.items()}
+    if found.published is not None:
+        rates[PUBLISHED] = found.published_rate()[-1]
+    first, *others = rates
+    place = histories[first].x / (found.scene.material.shear_speed * histories[first].t[-1])
+    inside, scale = in_profile(place), slip_rate_scale(found.scene)
+    result = {}
+    for name in others:
+        gap = np.abs(rates[name] - rates[first])[inside] / scale
+        result[name] = (float(gap.mean()), float(gap.max()))
+    return result
+
+
+def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
+    """Simulate a scene and run every other method that applies to it.
+
+    Raises
+    ------
+    SceneError
+        If there is no such scene.
+    ComputationError
+        If a method fails.
+    """
+    from fem import simulate
+
+    scene = find_scene(source)
+    simulation = simulate(scene, resolution=resolution)
+    methods = ("self-similar", "space-time") if scene.is_self_similar else ("space-time",)
+    reports: tuple[Report, ...] = ()
+    obstacle = ""
+    try:
+        reports = tuple(
+            build_report(scene_label(source), predict(simulation, method), simulation)
+            for method in methods
+        )
+    except TensionError as error:
+        obstacle = str(error)
+    return SceneEvidence(source, simulation, reports, _published(scene), obstacle)
+
+
+def _published(scene: Scene) -> PublishedSlip | None:
+    if published_obstacle(scene):
+        return None
+    ratio = scene.friction * scene.step.pressure / scene.step.shear
+    return published_slip(ratio, poisson_ratio=scene.material.poisson_ratio)
+
+
+def closed_forms(resolution: int = RESOLUTION) -> tuple[ClosedForm, ...]:
+    """The scenes with closed forms, by the two semi-analytic methods and by finite elements.
+
+    Raises
+    ------
+    ComputationError
+        If a method fails.
+    """
+    solid = Material(shear_modulus=1.0, density=1.0, poisson_ratio=1 / 3)
+    pressure, shear, both = Tractions(1.0, 0.0), Tractions(0.0, 1.0), Tractions(1.0, 1.0)
+    return (
+        _closed_form(
+            "constant pressure, sudden shear, friction 1: one slow zone, "
+            "slip_rate_under_shear_step",
+            Scene(solid, 1.0, base=pressure, step=shear),
+            lambda velocity: slip_rate_under_shear_step(solid, 1.0, 1.0, velocity),
+            resolution,
+            edge_speed_under_shear_step(solid, 1.0) / solid.shear_speed,
+        ),
+        _closed_form(
+            "sudden remote load, friction 0.5: slip everywhere, slip_rate_under_remote_shock",
+            Scene(solid, 0.5, base=both, step=both),
+            lambda velocity: slip_rate_under_remote_shock(solid, 1.0, 1.0, 0.5, velocity),
+            resolution,
+        ),
+        _closed_form(
+            "sudden shear without friction: slip behind the P wave, slip_rate_without_friction",
+            Scene(solid, 0.0, base=pressure, step=shear),
+            lambda velocity: slip_rate_without_friction(solid, 1.0, velocity),
+            resolution,
+        ),
+    )
+
+
+def _closed_form(
+    words: str,
+    scene: Scene,
+    exact: Callable[[Array], Array],
+    resolution: int,
+    edge: float | None = None,
+) -> ClosedForm:
+    from fem import simulate
+
+    simulation = simulate(scene, resolution=resolution)
+    predictions = [predict(simulation, method) for method in ("self-similar", "space-time")]
+    histories = {prediction.method: prediction.interface for prediction in predictions}
+    histories[FEM] = contact_nodes(simulation)
+    velocity = histories[FEM].x / simulation.end_time
+    shown = in_profile(velocity / scene.material.shear_speed)
+    wanted = exact(velocity[shown])
+    errors = {
+        name: relative_error(history.slip_rate[-1, shown], wanted, velocity[shown], 1)
+        for name, history in histories.items()
+    }
+    solution = predictions[0].solution
+    found = None
+    if edge is not None and solution is not None:
+        found = solution.zones[-1].outer / scene.material.shear_speed
+    return ClosedForm(words, errors, edge, found)
+
+
+def collect(
+    sources: Sequence[str] = (),
+    *,
+    quick: bool = False,
+    resolution: int = RESOLUTION,
+    progress: Progress | None = None,
+) -> Evidence:
+    """Run all methods on all scenes, and judge the claims of the article.
+
+    Parameters
+    ----------
+    sources : sequence of str
+        Names or files of scenes; all named ones, or four of them if quick, unless given.
+    quick : bool
+        A coarser mesh for the article's cases.
+    resolution : int
+        Elements per c_t T in the scenes.
+    progress : callable, optional
+        Called with (done, all) after each piece.
+
+    Raises
+    ------
+    SceneError
+        If there is no such scene; before anything is computed.
+    ComputationError
+        If a method fails.
+    """
+    from compare.studies.article.cases import run_cases
+    from compare.studies.article.study import judge_claims
+
+    chosen = tuple(dict.fromkeys(sources or (QUICK_SCENES if quick else NAMED_SCENES)))
+    for source in chosen:
+        find_scene(source)
+    started = time.perf_counter()
+    tell = progress or (lambda done, count: None)
+    count = len(chosen) + 2
+    scenes = tuple(counted((collect_scene(one, resolution) for one in chosen), count, progress))
+    forms = closed_forms(resolution)
+    tell(count - 1, count)
+    cases = run_cases(QUICK_ARTICLE_RESOLUTION if quick else ARTICLE_RESOLUTION)
+    claims = judge_claims(cases)
+    tell(count, count)
+    return Evidence(scenes, forms, cases, claims, quick, _stamp(), time.perf_counter() - started)
+
+
+def _stamp() -> dict[str, str]:
+    """Versions, machine and date."""
+    return {
+        "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "machine": f"{platform.platform()}, {platform.machine()}, {os.cpu_count()} cores",
+        "Python": platform.python_version(),
+        **{name: version(name) for name in PACKAGES},
+    }
+
+
+def write_evidence(
+    path: Path,
+    sources: Sequence[str] = (),
+    *,
+    quick: bool = False,
+    progress: Progress | None = None,
+) -> Evidence:
+    """Write the page, whole or not at all; parameters as `collect`.
+
+    Raises
+    ------
+    SceneError
+        If there is no such scene, or the path is that of a folder; before anything is computed.
+    ComputationError
+        If a method fails.
+    DataFileError
+        If the file cannot be written.
+    """
+    from compare.studies.evidence.page import page
+
+    check_file(path)
+    found = collect(sources, quick=quick, progress=progress)
+    write_text(path, page(found))
+    return found

@@ -1,0 +1,1 @@
+"""Maps of how the interface slips over Poisson ratio and friction."""

@@ -1,0 +1,233 @@
+"""Slip regime of a solution, and tables of regimes and boundary points over (nu, chi).
+
+Loadings and units are those of `semianalytic.regimes.thresholds`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.output.files import append_text, are_sound, checked_cells, write_text
+from semianalytic import Solution, solve
+from semianalytic.regimes import reverse_slip
+from semianalytic.regimes import thresholds as boundaries
+from semianalytic.regimes.thresholds import Loading, scene_of
+from semianalytic.scene.errors import ComputationError
+from semianalytic.sweeps.sweep import sweep
+
+REGIMES = {
+    "stuck": "fully stuck",
+    "slow": "slip slower than the Rayleigh wave",
+    "front": "slip at the shear wave, edge stuck",
+    "two": "second zone ahead, stick gap at $c_R$",
+    "one": "one zone past $c_R$ (gap < 1e-14)",
+    "everywhere": "slip everywhere",
+    "reverse": "reverse slip present",
+    "failed": "not solved",
+}
+POISSON_RATIOS = (-0.9, 0.49)
+MAP_RTOL = 1e-8
+_PRELOAD_DECADES = (-3.0, 0.0)
+_REMOTE_SHARES = (-0.1, 1.1)
+
+
+@dataclass(frozen=True)
+class MapPoint:
+    """One solved scene of a map, a row of its CSV.
+
+    Attributes
+    ----------
+    loading, poisson_ratio, chi : the scene, see `regime_boundaries.scene_of`
+    regime : str, a key of `REGIMES`
+    zones : str, "inner:outer:sense" of each zone from the edge outward, speeds in c_t
+    status, error_estimate : of the solution
+    """
+
+    loading: str
+    poisson_ratio: float
+    chi: float
+    regime: str
+    zones: str
+    status: str
+    error_estimate: float
+
+
+@dataclass(frozen=True)
+class BoundaryPoint:
+    """One point of a traced curve; chi may be a half-width for the curve "reverse-width"."""
+
+    loading: str
+    curve: str
+    poisson_ratio: float
+    log10_chi: float
+
+
+def regime(solution: Solution) -> str:
+    """Regime of a solution, a key of `REGIMES`; "failed" unless its status is "converged".
+
+    Slip counts as reverse if it opposes the shear of the load.
+    """
+    if solution.status != "converged":
+        return "failed"
+    scene = solution.scene
+    forward = math.copysign(1, scene.step.shear or scene.base.shear)
+    if any(zone.sense != forward for zone in solution.zones):
+        return "reverse"
+    if not solution.zones:
+        return "stuck"
+    if math.isinf(solution.zones[-1].outer):
+        return "everywhere"
+    rayleigh = scene.material.rayleigh_speed
+    if any(zone.inner < rayleigh < zone.outer for zone in solution.zones):
+        return "one"
+    if solution.zones[0].inner > 0:
+        return "front"
+    return "slow" if len(solution.zones) == 1 else "two"
+
+
+def poisson_ratios(count: int, corners: bool = False) -> NDArray[np.float64]:
+    """Poisson ratios of a map: middles of equal cells, or their corners."""
+    return (_corners if corners else _middles)(*POISSON_RATIOS, count)
+
+
+def frictions(
+    loading: Loading, poisson_ratio: float, count: int, corners: bool = False
+) -> NDArray[np.float64]:
+    """Frictions chi of one column of a map, ascending: middles of cells, or their corners.
+
+    Preload: equal steps of log chi from 1e-3 to 1.  Remote: equal steps from a little below 1,
+    where all slips, to a little above the friction at which nothing does.
+    """
+    levels = _corners if corners else _middles
+    if loading == "preload":
+        return 10.0 ** levels(*_PRELOAD_DECADES, count)
+    return 1 + levels(*_REMOTE_SHARES, count) * (stuck_above(poisson_ratio) - 1)
+
+
+def stuck_above(poisson_ratio: float) -> float:
+    """Friction above which a remotely loaded interface is fully stuck."""
+    alone = boundaries.edge_threshold_alone(poisson_ratio)
+    return max(alone, boundaries.front_threshold_stuck(poisson_ratio))
+
+
+def _middles(low: float, high: float, count: int) -> NDArray[np.float64]:
+    return low + (high - low) * (np.arange(count) + 0.5) / count
+
+
+def _corners(low: float, high: float, count: int) -> NDArray[np.float64]:
+    return np.linspace(low, high, count + 1)
+
+
+def map_point(loading: Loading, poisson_ratio: float, chi: float) -> MapPoint:
+    """Solve one scene of a map; a scene that cannot be solved is a point of regime "failed"."""
+    try:
+        solution = solve(scene_of(loading, poisson_ratio, chi), rtol=MAP_RTOL)
+    except ComputationError as error:
+        return MapPoint(loading, poisson_ratio, chi, "failed", "", str(error), math.inf)
+    return _point(loading, poisson_ratio, solution)
+
+
+def _point(loading: Loading, poisson_ratio: float, solution: Solution) -> MapPoint:
+    speed = solution.scene.material.shear_speed
+    zones = " ".join(
+        f"{zone.inner / speed:.12g}:{zone.outer / speed:.12g}:{zone.sense:+d}"
+        for zone in solution.zones
+    )
+    chi, name = solution.scene.friction, regime(solution)
+    status, estimate = solution.status, solution.error_estimate
+    return MapPoint(loading, poisson_ratio, chi, name, zones, status, estimate)
+
+
+def map_column(loading: Loading, poisson_ratio: float, count: int) -> list[MapPoint]:
+    """All points of one Poisson ratio of a map."""
+    return map_points(loading, poisson_ratio, frictions(loading, poisson_ratio, count).tolist())
+
+
+def map_points(loading: Loading, poisson_ratio: float, chi: Sequence[float]) -> list[MapPoint]:
+    """Points of given frictions, in one sweep, or one by one if that cannot be completed."""
+    try:
+        swept = sweep(scene_of(loading, poisson_ratio, chi[0]), chi, MAP_RTOL)
+    except ComputationError:
+        return [map_point(loading, poisson_ratio, value) for value in chi]
+    return [_point(loading, poisson_ratio, solution) for solution in swept.solutions]
+
+
+def trace(loading: Loading, poisson_ratio: float) -> list[BoundaryPoint]:
+    """Points of all boundary curves at one Poisson ratio.
+
+    Curves: "nucleation", "gap" (absent where the gap at c_R never gets that narrow), for a
+    remote load "edge" and "everywhere", for a preload "reverse" and "reverse-width", the
+    half-width of the reversed strip over c_R as friction vanishes.
+    """
+    found: dict[str, float | None] = {
+        "nucleation": math.log10(boundaries.nucleation(loading, poisson_ratio)),
+    }
+    gap = boundaries.gap_threshold(loading, poisson_ratio)
+    found["gap"] = None if gap is None else math.log10(gap)
+    if loading == "remote":
+        found["edge"] = math.log10(boundaries.edge_threshold(poisson_ratio))
+        found["everywhere"] = 0.0
+    else:
+        found["reverse"] = math.log10(reverse_slip.reverse_threshold(poisson_ratio))
+        width = reverse_slip.log_frictionless_half_width(poisson_ratio)
+        found["reverse-width"] = width / math.log(10)
+    return [
+        BoundaryPoint(loading, curve, poisson_ratio, value)
+        for curve, value in found.items()
+        if value is not None
+    ]
+
+
+def closed_form_speed(poisson_ratio: float, chi: float) -> float:
+    """Front of the only zone of a preloaded interface [c_t]: 1 / ((1 - nu)(1 + chi)^2).
+
+    Holds above the friction of nucleation.
+    """
+    return 1 / ((1 - poisson_ratio) * (1 + chi) ** 2)
+
+
+def zone_speeds(point: MapPoint) -> list[tuple[float, float, int]]:
+    """(inner, outer, sense) of the zones of a point, speeds in c_t."""
+    parts = (zone.split(":") for zone in point.zones.split())
+    return [(float(inner), float(outer), int(sense)) for inner, outer, sense in parts]
+
+
+def sorted_points(points: Iterable[MapPoint]) -> list[MapPoint]:
+    """Points by loading, Poisson ratio and friction."""
+    return sorted(points, key=lambda point: (point.loading, point.poisson_ratio, point.chi))
+
+
+def append_points(path: Path, points: Sequence[MapPoint]) -> None:
+    """Append points to an unfinished table."""
+    append_text(path, _table(points))
+
+
+def kept_columns(path: Path, loading: Loading, count: int) -> dict[float, list[MapPoint]]:
+    """Columns of a map that an unfinished table holds whole, by Poisson ratio.
+
+    Whatever was cut short or damaged is dropped from the table.
+    """
+    if not path.exists():
+        return {}
+    columns: dict[float, list[MapPoint]] = {}
+    for line in path.read_bytes().decode("utf-8", "replace").splitlines():
+        row = line.split(",")  # no cell holds a comma
+        if are_sound(row) and row[0] == loading:
+            _, nu, chi, name, zones, status, estimate, _ = row
+            point = MapPoint(loading, float(nu), float(chi), name, zones, status, float(estimate))
+            columns.setdefault(point.poisson_ratio, []).append(point)
+    wanted = set(poisson_ratios(count).tolist())
+    whole = {nu: rows for nu, rows in columns.items() if nu in wanted and len(rows) == count}
+    write_text(path, "".join(map(_table, whole.values())))
+    return whole
+
+
+def _table(points: Sequence[MapPoint]) -> str:
+    """Rows with their checksums, without a heading."""
+    return "".join(",".join(checked_cells(point)) + "\n" for point in points)

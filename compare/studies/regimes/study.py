@@ -1,0 +1,154 @@
+"""How the interface slips over Poisson ratio and friction: regimes, their boundaries, fronts.
+
+`write_regimes` maps the regimes of two loadings over (nu, chi), traces the curves between them
+and writes figures and tables.  Loadings and units are those of `semianalytic.regimes.thresholds`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+
+from compare.output.files import write_rows
+from compare.studies.regimes.figures import RegimeResults, save_fronts, save_regimes, save_reverse
+from compare.studies.regimes.points import (
+    POISSON_RATIOS,
+    BoundaryPoint,
+    MapPoint,
+    append_points,
+    kept_columns,
+    map_column,
+    map_points,
+    poisson_ratios,
+    sorted_points,
+    stuck_above,
+    trace,
+)
+from compare.studies.workers import Progress, Task, run_tasks
+from semianalytic.regimes.reverse_slip import reverse_threshold
+from semianalytic.regimes.thresholds import Loading
+from semianalytic.scene.checks import checked_count
+from semianalytic.scene.errors import SceneError
+
+FRONT_POISSON_RATIOS = (-0.5, 0.0, 1 / 3)
+REVERSE_POISSON_RATIOS = (-0.5, -0.2, 0.0)
+_QUICK_SIZE = 10
+
+
+def front_frictions(loading: Loading, poisson_ratio: float, count: int) -> list[float]:
+    """Frictions chi of one panel of the figure of front speeds."""
+    if loading == "preload":
+        return (10.0 ** np.linspace(-3, 0.5, count)).tolist()
+    return np.linspace(0.98, 1.02 * stuck_above(poisson_ratio), count).tolist()
+
+
+def reverse_points(poisson_ratio: float, count: int) -> list[MapPoint]:
+    """Preloaded scenes from 1/30 of the friction at which reverse slip ends up to just below it."""
+    threshold = reverse_threshold(poisson_ratio)
+    return map_points(
+        "preload", poisson_ratio, (threshold * np.geomspace(1 / 30, 0.98, count)).tolist()
+    )
+
+
+def write_regimes(
+    output: Path,
+    size: int = 100,
+    loading: str = "both",
+    quick: bool = False,
+    progress: Progress | None = None,
+) -> None:
+    """Map regimes, trace their boundaries, and write figures and CSV files into a folder.
+
+    Columns of a map are kept in a hidden file as they are done, so that an interrupted run
+    continues when it is started again with the same size.
+
+    Parameters
+    ----------
+    output : Path
+        Folder: regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, and for
+        the preload reverse-slip.csv and .png.
+    size : int
+        Points along each axis of a map, at least 2.
+    loading : {"both", "preload", "remote"}
+    quick : bool
+        Few points: a look at everything within a minute.
+    progress : callable, optional
+        Called with the number of tasks done and the number of all tasks.
+
+    Raises
+    ------
+    SceneError
+        If size or loading is out of range.
+    DataFileError
+        If a file cannot be written.
+    ComputationError
+        If a boundary cannot be traced.
+    """
+    known = get_args(Loading)
+    if loading not in (*known, "both"):
+        raise SceneError(f"loading must be one of both, {', '.join(known)}, got {loading!r}.")
+    size = checked_count("regimes: size", size, 2, "a whole number from")
+    count = min(size, _QUICK_SIZE) if quick else size
+    loadings: list[Loading] = [name for name in known if loading in (name, "both")]
+    output.mkdir(parents=True, exist_ok=True)
+    results = _computed(output, loadings, count, quick, progress)
+    for name in loadings:
+        write_rows(output / f"regimes-{name}.csv", results.points[name])
+        save_regimes(output / f"regimes-{name}.png", name, results)
+        _part(output, name, count).unlink(missing_ok=True)
+    write_rows(output / "boundaries.csv", results.curves)
+    write_rows(output / "front-speeds.csv", results.fronts)
+    save_fronts(output / "front-speeds.png", results)
+    if "preload" in loadings:
+        write_rows(output / "reverse-slip.csv", results.reverse)
+        save_reverse(output / "reverse-slip.png", results)
+
+
+def _part(output: Path, loading: Loading, count: int) -> Path:
+    return output / f".regimes-{loading}-{count}.csv.part"
+
+
+def _traced_ratios(count: int) -> list[float]:
+    """Poisson ratios to trace curves at, closer together where the gap of a preload gets narrow."""
+    whole = np.linspace(*POISSON_RATIOS, count)
+    return np.union1d(whole, np.linspace(0.47, POISSON_RATIOS[1], count // 6 + 1)).tolist()
+
+
+def _computed(
+    output: Path, loadings: Sequence[Loading], count: int, quick: bool, progress: Progress | None
+) -> RegimeResults:
+    traced, shown, within = (8, 12, 5) if quick else (57, 144, 33)
+    kept = {name: kept_columns(_part(output, name, count), name, count) for name in loadings}
+    curves: list[BoundaryPoint] = []
+    fronts: list[MapPoint] = []
+    reverse: list[MapPoint] = []
+    columns: list[MapPoint] = []
+    tasks: list[tuple[list, Task]] = []
+    for name in loadings:
+        for nu in _traced_ratios(traced):
+            tasks.append((curves, (trace, (name, nu))))
+        for nu in FRONT_POISSON_RATIOS:
+            chi = front_frictions(name, nu, shown)
+            tasks += [(fronts, (map_points, (name, nu, chi[i::6]))) for i in range(6)]
+        if name == "preload":
+            tasks += [(reverse, (reverse_points, (nu, within))) for nu in REVERSE_POISSON_RATIOS]
+        for nu in poisson_ratios(count).tolist():
+            if nu not in kept[name]:
+                tasks.append((columns, (map_column, (name, nu, count))))
+    for index, result in run_tasks([task for _, task in tasks], progress=progress):
+        destination = tasks[index][0]
+        destination += result
+        if destination is columns:
+            append_points(_part(output, result[0].loading, count), result)
+    points = {
+        name: sorted_points(
+            [point for rows in kept[name].values() for point in rows]
+            + [point for point in columns if point.loading == name]
+        )
+        for name in loadings
+    }
+    curves.sort(key=lambda point: (point.loading, point.curve, point.poisson_ratio))
+    return RegimeResults(points, curves, sorted_points(fronts), sorted_points(reverse))

@@ -1,0 +1,1 @@
+"""Where the methods fail, how, and what the program does about it."""

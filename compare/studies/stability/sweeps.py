@@ -1,0 +1,308 @@
+"""Studies of where the solver, and methods it does not use, lose digits or fail.
+
+Each returns rows; loadings and units are those of `semianalytic.regimes.thresholds`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from compare.studies.regimes.points import closed_form_speed, stuck_above
+from compare.studies.stability.methods import (
+    Array,
+    GridAnswer,
+    by_active_set,
+    by_pivoting,
+    grid_problem,
+    zigzag,
+)
+from semianalytic import Solution, solve
+from semianalytic.halfplane.rayleigh import gauss, rayleigh_factors
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.regimes import reverse_slip
+from semianalytic.regimes import thresholds as boundaries
+from semianalytic.regimes.thresholds import Loading, one_zone, scene_of
+from semianalytic.scene.errors import ComputationError
+from semianalytic.selfsimilar.edges import edges_of, edges_on_grid
+from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.profile import Profile
+from semianalytic.selfsimilar.solver import first_stage
+from semianalytic.selfsimilar.zones import Load, ZoneFields
+
+RTOL = 1e-10
+
+
+@dataclass(frozen=True)
+class StudyRow:
+    """One measured value.
+
+    Attributes
+    ----------
+    study, case, method : str
+        What was studied, on which scene or limit, and how it was solved.
+    parameter : float
+        What was varied: a distance from a limit, a number of nodes, a tolerance.
+    quantity : str
+    value : float
+    status : str, how the computation ended
+    """
+
+    study: str
+    case: str
+    method: str
+    parameter: float
+    quantity: str
+    value: float
+    status: str = "converged"
+
+
+def closed_form_edge_rate(poisson_ratio: float, chi: float) -> float:
+    """Relative slip rate at the edge of a preloaded interface with one slow zone [2 Q_0 / (mu b)].
+
+    The integral over slowness v = u_s + s^2 behind the front u_s, by a Gauss rule of its own.
+    """
+    factors = rayleigh_factors(poisson_ratio)
+    front = 1 / closed_form_speed(poisson_ratio, chi)
+    t, weight = gauss(120)
+    s = math.sqrt(front) * t / (1 - t)
+    ds = math.sqrt(front) / (1 - t) ** 2 * weight
+    v = front + s * s
+    integral = float((2 * np.sqrt(1 + v) / (v * (factors.c + v) * factors.s_plus(v))) @ ds)
+    scale = math.pi * factors.kappa * float(factors.m_plus(0.0))
+    return 2 * math.sqrt(front) / scale * integral
+
+
+def attempt(loading: Loading, poisson_ratio: float, chi: float, rtol: float) -> Solution | str:
+    """The solution, or why there is none."""
+    try:
+        return solve(scene_of(loading, poisson_ratio, chi), rtol=rtol)
+    except ComputationError as error:
+        return str(error)
+
+
+def limit_rows(limit: str, exponent: int) -> list[StudyRow]:
+    """Scenes at a Poisson ratio 10^-exponent away from 0.5, 0 (either side) or -1."""
+    distance = 10.0**-exponent
+    nu = {"0.5": 0.5 - distance, "0+": distance, "0-": -distance, "-1": -1 + distance}[limit]
+    rows = []
+    shares = {"remote, 30 %": 0.3, "remote, 90 %": 0.9}
+    scenes: dict[str, tuple[Loading, float]] = {
+        "preload, χ = 1": ("preload", 1.0),
+        "preload, χ = 0.2": ("preload", 0.2),
+        "remote, all slips": ("remote", 0.9),
+    }
+    for name, share in shares.items():
+        scenes[name] = ("remote", 1 + share * (stuck_above(nu) - 1))
+    for name, (loading, chi) in scenes.items():
+        found = attempt(loading, nu, chi, RTOL)
+        values = {"error estimate": math.nan}
+        status = found if isinstance(found, str) else found.status
+        if isinstance(found, Solution):
+            values["error estimate"] = found.error_estimate
+            if name == "preload, χ = 1" and len(found.zones) == 1:
+                exact = closed_form_edge_rate(nu, chi)
+                values["edge error"] = abs(found.zones[0].outer - closed_form_speed(nu, chi))
+                values["slip rate error"] = abs(found.edge_slip_rate / exact - 1)
+        rows += [
+            StudyRow(f"nu to {limit}", name, "solver", distance, quantity, value, status)
+            for quantity, value in values.items()
+        ]
+    return rows
+
+
+def thresholds() -> dict[str, tuple[Loading, float, float]]:
+    """Frictions at which the set of zones changes: (loading, nu, chi) by name."""
+    third, half = 1 / 3, -0.5
+    found: dict[str, tuple[Loading, float, float]] = {
+        "edge slips, ν = 1/3": ("remote", third, boundaries.edge_threshold(third)),
+        "edge slips, ν = −0.5": ("remote", half, boundaries.edge_threshold(half)),
+        "front slips, stuck edge, ν = −0.5": (
+            "remote",
+            half,
+            boundaries.nucleation("remote", half),
+        ),
+        "front slips, remote, ν = 1/3": ("remote", third, boundaries.nucleation("remote", third)),
+        "front slips, preload, ν = 1/3": (
+            "preload",
+            third,
+            boundaries.nucleation("preload", third),
+        ),
+        "reverse slip, ν = −0.5": ("preload", half, reverse_slip.reverse_threshold(half)),
+        "reverse slip, ν = −0.2": ("preload", -0.2, reverse_slip.reverse_threshold(-0.2)),
+        "all slips, ν = 1/3": ("remote", third, 1.0),
+    }
+    gap = boundaries.gap_threshold("remote", third)
+    if gap is not None:
+        found["gap of 1e-14 at $c_R$, ν = 1/3"] = ("remote", third, gap)
+    return found
+
+
+def threshold_rows(name: str, loading: Loading, nu: float, chi: float) -> list[StudyRow]:
+    """Scenes at relative distances 10^-1.5 to 10^-10, and 0, from a threshold, on both sides."""
+    rows = []
+    for signed in (*(s * 10.0**-k for s in (1, -1) for k in (1.5, *range(2, 11))), 0.0):
+        found = attempt(loading, nu, chi * (1 + signed), 1e-8)
+        if isinstance(found, str):
+            rows.append(StudyRow("threshold", name, "solver", signed, "zones", math.nan, found))
+            continue
+        values = {"zones": len(found.zones), "error estimate": found.error_estimate}
+        values["seconds"] = sum(found.statistics.seconds.values())
+        rows += [
+            StudyRow("threshold", name, "solver", signed, quantity, float(value), found.status)
+            for quantity, value in values.items()
+        ]
+    return rows
+
+
+def grid_rows(
+    loading: Loading, nu: float, chi: float, size: int, placement: str, active: bool
+) -> list[StudyRow]:
+    """First stage on one grid: error, odd-even mode, condition, pivots, rounds of an active set."""
+    exact = solve(scene_of(loading, nu, chi), rtol=RTOL)
+    problem = grid_problem(loading, nu, chi, size, placement)
+    xi = problem.xi
+    beside = xi[1:] * (1 - 1e-9)  # a node lies on c_R, where a zone that covers it has a logarithm
+    rate = np.append(exact.edge_slip_rate, exact.slip_rate(beside, 1.0)) / 2
+    rate[-1] = 0.0
+    scale = np.sqrt(np.abs(np.diag(problem.matrix)))
+    scaled = problem.matrix / scale / scale[:, None]
+    symmetric = float(np.linalg.eigvalsh((scaled + scaled.T) / 2)[0])
+    case = f"{loading}, ν = {nu:.3g}, χ = {chi:g}"
+    pivoted = by_pivoting(problem)
+    values = {
+        "condition": float(np.linalg.cond(scaled)),
+        "least eigenvalue": symmetric,
+        "rounds": pivoted.rounds,
+        **_errors(xi, pivoted, rate),
+    }
+    rows = [
+        StudyRow("grid", case, f"{placement}, pivoting", size, quantity, value, pivoted.status)
+        for quantity, value in values.items()
+    ]
+    if active:
+        other = by_active_set(problem)
+        values = {"rounds": other.rounds, **_errors(xi, other, rate)}
+        rows += [
+            StudyRow("grid", case, f"{placement}, active set", size, quantity, value, other.status)
+            for quantity, value in values.items()
+        ]
+    return rows
+
+
+def _errors(xi: Array, answer: GridAnswer, exact: Array) -> dict[str, float]:
+    """Mean error and odd-even mode of slip rates on a grid, relative."""
+    if answer.status != "solved":
+        return {}
+    area = np.convolve(np.diff(xi), [0.5, 0.5])
+    error = float(area @ np.abs(answer.slip_rate - exact) / (area @ np.abs(exact)))
+    return {"slip rate error": error, "odd-even mode": zigzag(xi, answer.slip_rate, exact)}
+
+
+def rule_rows(nu: float) -> list[StudyRow]:
+    """Quadrature rules on the closed form of one slow zone, chi = 1: balance and slip rate."""
+    factors = rayleigh_factors(nu)
+    edge = factors.beside("c", [1 / closed_form_speed(nu, 1.0) - factors.c])
+    exact = closed_form_edge_rate(nu, 1.0)
+    load = Load(1.0, 1.0, 0.0, 0.0, 1.0, 0.0)
+    rows = []
+    for exponent in range(1, 15):
+        fields = ZoneFields(factors, load, (Zone(edge, None, 1),), rule_for(10.0**-exponent))
+        profile = Profile(fields)
+        nodes = profile.panels.jacobian.size
+        values = {
+            "balance error": abs(float(fields.mismatch()[0])),
+            "slip rate error": abs(2 * profile.edge_slip_rate / exact - 1),
+            "tolerance": 10.0**-exponent,
+        }
+        rows += [
+            StudyRow("rule", f"ν = {nu:.3g}", "solver", nodes, quantity, value)
+            for quantity, value in values.items()
+        ]
+    return rows
+
+
+def estimate_rows(loading: Loading, nu: float, chi: float) -> list[StudyRow]:
+    """Error of edges and slip rate against a solution at 1e-12, beside the estimate of it."""
+    reference = solve(scene_of(loading, nu, chi), rtol=1e-12)
+    case = f"{loading}, ν = {nu:.3g}, χ = {chi:g}"
+    speeds = np.linspace(0.013, 0.997, 311) * reference.scene.material.longitudinal_speed
+    rate = np.append(reference.slip_rate(speeds, 1.0), reference.edge_slip_rate)
+    rows = []
+    for exponent in range(2, 12):
+        found = solve(scene_of(loading, nu, chi), rtol=10.0**-exponent)
+        if len(found.zones) != len(reference.zones):
+            continue
+        edges = [
+            abs(mine - theirs)
+            for one, other in zip(found.zones, reference.zones, strict=True)
+            for mine, theirs in ((one.inner, other.inner), (one.outer, other.outer))
+            if mine != theirs
+        ]
+        other_rate = np.append(found.slip_rate(speeds, 1.0), found.edge_slip_rate)
+        error = max([float(np.abs(other_rate - rate).max() / np.abs(rate).max()), *edges])
+        values = {"true error": error, "error estimate": found.error_estimate}
+        rows += [
+            StudyRow("estimate", case, "solver", 10.0**-exponent, name, value, found.status)
+            for name, value in values.items()
+        ]
+    return rows
+
+
+def guess_errors(loading: Loading, count: int) -> Array:
+    """Errors of the first stage's edge unknowns (logits, or logarithms beyond c_R) in random
+    scenes, -0.5 < nu < 0.45 and 0.1 < chi < 2, of those whose zones it sees."""
+    random, errors = np.random.default_rng(0), []
+    for nu, log_chi in random.uniform((-0.5, math.log(0.1)), (0.45, math.log(2.0)), (count, 2)):
+        fields = solve(scene_of(loading, nu, math.exp(log_chi)), rtol=1e-6).profile.fields
+        edges, unknowns = edges_of(fields.factors, fields.zones)
+        grid = first_stage(fields.factors, fields.load)
+        seen, guess = edges_on_grid(fields.factors, grid, fields.load.critical)
+        if seen == edges:
+            errors.append(np.abs(guess - unknowns))
+    return np.concatenate(errors)
+
+
+def near_rayleigh_rows(nu: float) -> list[StudyRow]:
+    """Relative error of the impedance at c + d: from the Rayleigh polynomial, from v, from d."""
+    factors = rayleigh_factors(nu)
+    c, a = factors.c, factors.a
+    rows = []
+    for exponent in np.arange(1, 16.5, 0.5):
+        d = 10.0**-exponent
+        exact = float(factors.impedance_on_cut(factors.beside("c", [d])).imag[0])
+        v = c + d
+        z = v * v
+        polynomial = 4 * z * math.sqrt(z - a * a) - (1 - 2 * z) ** 2 / math.sqrt(z - 1)
+        by_slowness = float(factors.impedance_on_cut(factors.cut([v])).imag[0])
+        values = {"polynomial": polynomial, "from v": by_slowness}
+        rows += [
+            StudyRow("near c_R", f"ν = {nu:.3g}", name, d, "impedance error", abs(x / exact - 1))
+            for name, x in values.items()
+        ]
+    return rows
+
+
+def narrow_gap_rows(nu: float) -> list[StudyRow]:
+    """Half-width of the stick gap at c_R against its closed form, as a remote load narrows it."""
+    rows = []
+    for unknown in np.arange(1.0, -0.6, -0.2):
+        front = boundaries.past_rayleigh(nu, float(unknown))
+        zone = one_zone("remote", nu, front)
+        log_width = boundaries.rayleigh_logarithm(zone).log_half_width
+        found = attempt("remote", nu, zone.chi, RTOL)
+        if isinstance(found, str) or len(found.zones) != 2:
+            continue
+        inward, outward = found.profile.fields.zones[1].left, found.profile.fields.zones[0].right
+        assert inward is not None  # both edges of a gap between two zones exist
+        assert outward is not None
+        gap = float(inward.minus(outward)[0])
+        half = math.exp(log_width)
+        values = {"gap error": abs(gap / (4 * half) - 1)}
+        rows += [
+            StudyRow("narrow gap", f"ν = {nu:.3g}", "solver", gap, name, value, found.status)
+            for name, value in values.items()
+        ]
+    return rows

@@ -1,0 +1,135 @@
+"""Does lower friction give more wear in a transient?  The article's last question, by a sweep.
+
+Accumulated |slip| and frictional work along the interface after a step, a ramp and a pulse of shear
+on constant pressure, against chi = f P_b / Q_0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from compare.figures.interface import save_figure
+from compare.output.files import write_rows
+from compare.studies.workers import Progress, counted
+from semianalytic import History, Material, Pulse, Ramp, Scene, Step, Tractions, march
+
+LOADS: dict[str, History] = {"step": Step(), "ramp": Ramp(0.5), "pulse": Pulse(0.4)}
+POISSON_RATIOS = (1 / 3, 0.2)
+COLOURS = {"step": "#12355b", "ramp": "#7f8c3a", "pulse": "#d1495b"}
+LENGTH = 2.0
+
+
+@dataclass(frozen=True)
+class WearRow:
+    """Wear after one transient, at t = 1 in units of a shear-wave travel time over length 1.
+
+    Attributes
+    ----------
+    load : str
+    poisson_ratio, chi : float
+        chi = f P_b / Q_0.
+    accumulated_slip : float
+        int int |V| dt dx over V_0 c_t T^2, V_0 = 2 Q_0 / (rho c_t).
+    friction_work : float
+        int int tau V dt dx over Q_0 V_0 c_t T^2.
+    slipped_length : float
+        Length of contact that has slipped, over c_t T.
+    """
+
+    load: str
+    poisson_ratio: float
+    chi: float
+    accumulated_slip: float
+    friction_work: float
+    slipped_length: float
+
+
+def wear_after(load: str, poisson_ratio: float, chi: float, nodes: int) -> WearRow:
+    """March one transient and add up its wear."""
+    scene = Scene(
+        Material(1.0, 1.0, poisson_ratio),
+        chi,
+        Tractions(1.0, 0.0),
+        Tractions(0.0, 1.0),
+        shear_history=LOADS[load],
+    )
+    marched = march(scene, 1.0, nodes, length=LENGTH, every=10**9)
+    spacing, scale = marched.grid.spacing, 2 / scene.material.shear_impedance
+    return WearRow(
+        load,
+        poisson_ratio,
+        chi,
+        float(marched.path.sum() * spacing) / scale,
+        float(marched.friction_work.sum() * spacing) / scale,
+        float(np.count_nonzero(marched.path > 1e-6 * scale) * spacing),
+    )
+
+
+def wear_rows(chis: Sequence[float], nodes: int) -> Iterator[WearRow]:
+    """All loads and Poisson ratios over friction."""
+    for poisson_ratio in POISSON_RATIOS:
+        for load in LOADS:
+            for chi in chis:
+                yield wear_after(load, poisson_ratio, float(chi), nodes)
+
+
+def write_wear(
+    output: Path, quick: bool = False, progress: Progress | None = None
+) -> list[WearRow]:
+    """Sweep friction; write wear.csv and wear.png into a folder, and return the rows.
+
+    Parameters
+    ----------
+    output : Path
+        Folder.
+    quick : bool
+        Few frictions on a coarse grid.
+    progress : callable, optional
+        Called with the number of marches done and of all marches.
+
+    Raises
+    ------
+    DataFileError
+        If a file cannot be written.
+    """
+    output.mkdir(parents=True, exist_ok=True)
+    chis = np.concatenate([[0.0], np.geomspace(0.01, 2.0, 12 if quick else 40)])
+    count = len(chis) * len(LOADS) * len(POISSON_RATIOS)
+    rows = list(counted(wear_rows(chis.tolist(), 150 if quick else 600), count, progress))
+    write_rows(output / "wear.csv", rows)
+    save_figure(wear_figure(rows), output / "wear.png")
+    return rows
+
+
+def most_wear(rows: Sequence[WearRow], load: str, poisson_ratio: float) -> tuple[float, float]:
+    """chi at which frictional work is largest, and that work, for one load."""
+    part = [row for row in rows if (row.load, row.poisson_ratio) == (load, poisson_ratio)]
+    worst = max(part, key=lambda row: row.friction_work)
+    return worst.chi, worst.friction_work
+
+
+def wear_figure(rows: Sequence[WearRow]) -> Figure:
+    """Accumulated |slip| above, frictional work below, against chi."""
+    figure = Figure(figsize=(7, 6.5), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    for poisson_ratio, style in zip(POISSON_RATIOS, ("-", "--"), strict=True):
+        for load, colour in COLOURS.items():
+            part = [r for r in rows if (r.load, r.poisson_ratio) == (load, poisson_ratio)]
+            chi = [row.chi for row in part]
+            label = rf"{load}, $\nu$ = {poisson_ratio:.2g}"
+            upper.plot(
+                chi, [row.accumulated_slip for row in part], style, color=colour, label=label
+            )
+            lower.plot(chi, [row.friction_work for row in part], style, color=colour)
+    upper.set_ylabel(r"$\int\!\!\int |V|\,dt\,dx\ /\ V_0 c_t T^2$")
+    lower.set_ylabel(r"frictional work $/\ Q_0 V_0 c_t T^2$")
+    lower.set(xlabel=r"$\chi = f P_b / Q_0$", xlim=(0, 2))
+    upper.legend(fontsize=8, ncols=2)
+    for panel in (upper, lower):
+        panel.set_ylim(bottom=0)
+    return figure

@@ -1,0 +1,1 @@
+"""What an elastic half-plane does: Rayleigh function, tractions while stuck, kernels, rules."""

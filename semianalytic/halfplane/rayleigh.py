@@ -1,0 +1,277 @@
+"""Rayleigh function, its Wiener-Hopf factors and the impedances of a half-plane.
+
+Everything here depends on the Poisson ratio alone and is dimensionless: slowness in units
+of the shear slowness b = 1/c_t, impedance in units of mu b.  On the branch cut k = -v + i0
+nothing is evaluated as a principal value: the factor M_+(-v) is the full impedance divided by
+M_-(-v) = M_+(v), an argument off the cut.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any, Literal
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.scene.scene import Material
+
+Array = NDArray[np.float64]
+Mode = Literal["I", "II"]
+
+_REACH, _SPACING = 80.0, 0.08  # of y in v = a + (b - a) / (1 + exp(-y))
+_DEGREE = 256
+
+
+def gauss(n: int) -> tuple[Array, Array]:
+    """Gauss-Legendre nodes and weights on [0, 1]."""
+    nodes, weights = np.polynomial.legendre.leggauss(n)
+    return (nodes + 1) / 2, weights / 2
+
+
+def chebyshev_series(function: Callable[[Array], Array], degree: int) -> Array:
+    """Chebyshev coefficients of a smooth function on [-1, 1], without those lost in rounding."""
+    count = degree + 1
+    values = function(np.cos(np.pi * (np.arange(count) + 0.5) / count))
+    # cosine transform of the values by a Fourier transform of every other one, there and back
+    folded = np.fft.fft(np.concatenate([values[::2], values[1::2][::-1]]))
+    turned = folded * np.exp(-0.5j * np.pi * np.arange(count) / count)
+    series = 2 / count * turned.real
+    series[0] /= 2
+    above = np.flatnonzero(np.abs(series) > 4e-16 * np.abs(series).max())
+    return series[: above[-1] + 1]
+
+
+@dataclass(frozen=True)
+class CutPoints:
+    """Slownesses v on the cut with their distances from a, b and c, exact however small.
+
+    Attributes
+    ----------
+    parts : (4, ...) array
+        v, v - a, v - b and v - c in units of b.
+    """
+
+    parts: Array
+
+    @property
+    def v(self) -> Array:
+        return self.parts[0]
+
+    @property
+    def from_a(self) -> Array:
+        return self.parts[1]
+
+    @property
+    def from_b(self) -> Array:
+        return self.parts[2]
+
+    @property
+    def from_c(self) -> Array:
+        return self.parts[3]
+
+    def minus(self, other: CutPoints) -> Array:
+        """Differences from points that lie together, formed at the front nearest to them."""
+        return self.parts[other.nearest] - other.parts[other.nearest]
+
+    @cached_property
+    def first(self) -> list[float]:
+        """The parts of the first point."""
+        flat: list[float] = self.parts.reshape(4, -1)[:, 0].tolist()
+        return flat
+
+    @cached_property
+    def nearest(self) -> int:
+        """The front nearest to the first point: 1 for a, 2 for b, 3 for c."""
+        _, *distances = map(abs, self.first)
+        return distances.index(min(distances)) + 1
+
+    def first_below(self, other: CutPoints) -> bool:
+        """Whether the first of these points has less slowness than the first of others."""
+        return self.first[other.nearest] < other.first[other.nearest]
+
+    def __getitem__(self, index: Any) -> CutPoints:
+        """Some of the points."""
+        return CutPoints(self.parts[:, index])
+
+
+@dataclass(frozen=True)
+class RayleighFactors:
+    """Rayleigh function and Wiener-Hopf factors for one Poisson ratio, b = mu = 1.
+
+    Use `rayleigh_factors(poisson_ratio)`, which keeps the tables of recent Poisson ratios.
+    """
+
+    poisson_ratio: float
+
+    @cached_property
+    def _unit_material(self) -> Material:
+        return Material(1.0, 1.0, self.poisson_ratio)
+
+    @cached_property
+    def a(self) -> float:
+        """Longitudinal slowness 1/c_l in units of b."""
+        return 1.0 / self._unit_material.longitudinal_speed
+
+    @cached_property
+    def c(self) -> float:
+        """Rayleigh slowness 1/c_R in units of b."""
+        return 1.0 / self._unit_material.rayleigh_speed
+
+    @cached_property
+    def kappa(self) -> float:
+        """Constant kappa = 2 mu (b^2 - a^2) / b^2 of M = kappa M_+ M_-, in units of mu b / b."""
+        return 2.0 * (1.0 - self.a**2)
+
+    def phase(self, at: CutPoints) -> Array:
+        """Phase phi(v) of the Rayleigh function on a < v < b (the arctan of (3.12)); 0 outside."""
+        v = at.v
+        product = -at.from_a * at.from_b * (v + self.a) * (v + 1)
+        root = np.sqrt(np.maximum(product, 0.0))
+        return np.arctan2(4 * v * v * root, np.square(1 - 2 * v * v))
+
+    @cached_property
+    def m_plus_at_zero(self) -> dict[Mode, float]:
+        """M_+(0) of both modes."""
+        return {"I": float(self.m_plus(0.0, "I")), "II": float(self.m_plus(0.0, "II"))}
+
+    @cached_property
+    def _log_s_plus(self) -> Array:
+        """Chebyshev series of ln S_+ over k >= 0 in (k - q)/(k + q), q^2 = a b."""
+        # Nodes crowd at both ends exponentially: for nu -> 0.5 the pole at -k comes near a.
+        y = np.arange(-_REACH, _REACH + _SPACING, _SPACING)
+        from_a, from_b = ((1 - self.a) / (1 + np.exp(sign * y)) for sign in (-1, 1))
+        w = np.where(y < 0, self.a + from_a, 1 - from_b)
+        at = CutPoints(np.stack([w, from_a, -from_b, w - self.c]))
+        density = self.phase(at) * from_a * from_b / (1 - self.a) * _SPACING / np.pi
+        q = np.sqrt(self.a)
+
+        def log_s_plus(z: Array) -> Array:
+            k_over = q * (1 + z)  # k = k_over / (1 - z)
+            return -(((1 - z)[:, None] / (w * (1 - z)[:, None] + k_over[:, None])) @ density)
+
+        return chebyshev_series(log_s_plus, _DEGREE)
+
+    def s_plus(self, k: ArrayLike) -> Array:
+        """Factor S_+(k) of the Rayleigh function for k >= 0 (3.12), (4.20)."""
+        k = np.asarray(k, dtype=float)
+        q = np.sqrt(self.a)
+        return np.exp(chebyshev.chebval((k - q) / (k + q), self._log_s_plus))
+
+    def m_plus(self, k: ArrayLike, mode: Mode = "II") -> Array:
+        """Impedance factor M_+(k) = (c + k) S_+(k) / sqrt(b + k) (mode I: sqrt(a + k)), k >= 0.
+
+        The reciprocal of the paper's F_+ (3.11) and G_+ (3.15).
+        """
+        k = np.asarray(k, dtype=float)
+        return (self.c + k) * self.s_plus(k) / np.sqrt((1.0 if mode == "II" else self.a) + k)
+
+    @cached_property
+    def _spurious_roots(self) -> tuple[float, float]:
+        """Coefficients (e1, e0) of z^2 + e1 z + e0, z = v^2: roots of R R* other than c^2."""
+        lead, c2 = 16 * (1 - self.a**2), self.c**2
+        return c2 - (24 - 16 * self.a**2) / lead, 1 / (lead * c2)
+
+    @cached_property
+    def hidden_root(self) -> complex:
+        """The slowness, Im >= 0, at which the phase phi, continued off a < v < b, is singular.
+
+        A root of the Rayleigh function on its other sheet; complex for nu > 0.263.
+        """
+        e1, e0 = self._spurious_roots
+        root = complex(np.sqrt((-e1 + np.sqrt(complex(e1 * e1 - 4 * e0))) / 2))
+        return complex(root.real, abs(root.imag))
+
+    def reduced_rayleigh(self, v: ArrayLike) -> Array:
+        """R(-v) / (c^2 - v^2) for v > b, positive and free of cancellation.
+
+        R = (b^2 - 2v^2)^2 - 4v^2 sqrt(v^2 - a^2) sqrt(v^2 - b^2) on v > b; its rationalised
+        numerator is a cubic in v^2 with the root c^2.
+        """
+        z = np.square(np.asarray(v, dtype=float))
+        return self._reduced_rayleigh(z, np.sqrt(z - self.a**2) * np.sqrt(np.maximum(z - 1, 0)))
+
+    def _reduced_rayleigh(self, z: Array, root: Array) -> Array:
+        """The same from z = v^2 and sqrt((v^2 - a^2)(v^2 - b^2))."""
+        e1, e0 = self._spurious_roots
+        conjugate = np.square(1 - 2 * z) + 4 * z * root
+        return np.asarray(16 * (1 - self.a**2) * (z * (z + e1) + e0) / conjugate)
+
+    def impedance_ahead(self, at: CutPoints, mode: Mode = "II") -> tuple[Array, Array]:
+        """Real and imaginary part of the impedance M(-v + i0) where a < v < b (4.17)."""
+        v, z = at.v, np.square(at.v)
+        alpha, beta = np.sqrt(at.from_a * (v + self.a)), np.sqrt(-at.from_b * (v + 1))
+        polynomial = np.square(1 - 2 * z)
+        if mode == "II":
+            return polynomial / beta, 4 * z * alpha
+        return 4 * z * beta, -polynomial / alpha
+
+    def impedance_behind(self, at: CutPoints, mode: Mode = "II") -> Array:
+        """The impedance M(-v + i0) / i where v > b; it is imaginary there (4.17)."""
+        v = at.v
+        z, alpha2, beta2 = np.square(v), at.from_a * (v + self.a), at.from_b * (v + 1)
+        rayleigh = self._reduced_rayleigh(z, np.sqrt(alpha2 * beta2)) * at.from_c * (v + self.c)
+        return np.asarray(rayleigh / np.sqrt(beta2 if mode == "II" else alpha2))
+
+    def impedance_on_cut(self, at: CutPoints, mode: Mode = "II") -> NDArray[np.complex128]:
+        """Impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.17)."""
+        ahead = at.from_b < 0
+        result = np.empty(at.v.shape, dtype=complex)
+        real, imag = self.impedance_ahead(at[ahead], mode)
+        result[ahead] = real + 1j * imag
+        result[~ahead] = 1j * self.impedance_behind(at[~ahead], mode)
+        return result
+
+    @cached_property
+    def front_a(self) -> CutPoints:
+        """The longitudinal front, (1,)."""
+        return self.beside("a", [0.0])
+
+    @cached_property
+    def front_b(self) -> CutPoints:
+        """The shear front, (1,)."""
+        return self.beside("b", [0.0])
+
+    @cached_property
+    def front_c(self) -> CutPoints:
+        """The Rayleigh front, (1,)."""
+        return self.beside("c", [0.0])
+
+    @cached_property
+    def cuts(self) -> list[CutPoints]:
+        """Points at which fields change character: beside the hidden root, the shear front."""
+        hidden = self.hidden_root
+        beside = [self.cut([hidden.real])] if hidden.imag and hidden.real > self.a else []
+        return [*beside, self.front_b]
+
+    @cached_property
+    def _fronts(self) -> Array:
+        return np.array([0.0, self.a, 1.0, self.c])
+
+    def beside(self, front: Literal["a", "b", "c"], distance: ArrayLike) -> CutPoints:
+        """Points at signed distances from a front, however small."""
+        d = np.asarray(distance, dtype=float)
+        own = "_abc".index(front)
+        shifts = self._fronts[own] - self._fronts
+        return CutPoints(np.stack([shift + d for shift in shifts]))
+
+    def cut(self, v: ArrayLike) -> CutPoints:
+        """Points on the cut from their slowness v > 0 alone."""
+        v = np.asarray(v, dtype=float)
+        return CutPoints(np.stack([v - front for front in self._fronts]))
+
+
+@lru_cache(maxsize=64)
+def rayleigh_factors(poisson_ratio: float) -> RayleighFactors:
+    """Factors for one Poisson ratio; the tables of the 64 most recent ones are kept.
+
+    Raises
+    ------
+    SceneError
+        If the Poisson ratio is not in (-1, 0.5).
+    """
+    Material(1.0, 1.0, poisson_ratio)
+    return RayleighFactors(poisson_ratio)

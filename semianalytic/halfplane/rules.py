@@ -1,0 +1,116 @@
+"""Quadrature on a uniform grid: trapezoidal rule, sinc indefinite integration, principal values.
+
+Functions of y that are analytic in a strip |Im y| < pi and decay at both ends are integrated
+with an error that falls geometrically with the spacing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+
+_FARTHEST = 100.0  # in y: what lies further out is below rounding
+_STEPS = 32  # per power of two: finer rules come in steps, so that their tables are met again
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Uniform grid in y: spacing h, from -reach to reach, and `further` on either side."""
+
+    spacing: float
+    reach: float
+    further: int = 0
+
+    @cached_property
+    def y(self) -> Array:
+        count = int(np.ceil((self.reach + self.further) / self.spacing))
+        return np.arange(-count, count + 1.0) * self.spacing
+
+    @cached_property
+    def core(self) -> slice:
+        """Nodes without those that are further out than `reach`."""
+        extra = int(self.further / self.spacing)
+        return slice(extra, len(self.y) - extra)
+
+    @property
+    def tolerance(self) -> float:
+        """The tolerance for which `rule_for` has this spacing."""
+        return float(np.exp(2 - np.pi**2 / self.spacing))
+
+    @cached_property
+    def decay(self) -> Array:
+        """exp(-y)."""
+        return np.exp(-self.y)
+
+    @cached_property
+    def share(self) -> Array:
+        """1 / (1 + exp(-y)), the share of a panel to the left of a node."""
+        return 1 / (1 + self.decay)
+
+    @cached_property
+    def bell(self) -> Array:
+        """Slope of `share`."""
+        return self.share * self.share[::-1]
+
+    def running(self, density: Array) -> Array:
+        """Integrals from -inf to each node of the sinc interpolant of `density` (..., n)."""
+        return self.spacing * (density @ _running(len(self.y)))
+
+    def halved(self, density: Array) -> Array:
+        """Its integrals from -inf to the middle node, (...)."""
+        n = len(self.y)
+        return self.spacing * (density @ _running(n)[:, n // 2])
+
+    @property
+    def alternate(self) -> Array:
+        """1 / sinh((y_i - y_j) / 2) where i - j is odd, 0 elsewhere."""
+        return _alternate(len(self.y), self.spacing)
+
+    def interpolate_running(self, y: Array, density: Array) -> Array:
+        """Integral from -inf to y of the sinc interpolant of `density` ((n,) or (k, n))."""
+        return self.spacing * _sinc_step((y[:, None] - self.y) / self.spacing) @ density.T
+
+
+def _sinc_step(x: Array) -> Array:
+    """Integral of sinc from -inf to x."""
+    from scipy.special import sici  # here, for `import semianalytic` is to be quick
+
+    return np.asarray(0.5 + sici(np.pi * x)[0] / np.pi)
+
+
+@lru_cache(maxsize=32)
+def _running(n: int) -> Array:
+    step = _sinc_step(np.arange(1.0 - n, n))
+    order = np.arange(n)
+    return step[order - order[:, None] + n - 1]
+
+
+@lru_cache(maxsize=32)
+def _alternate(n: int, spacing: float) -> Array:
+    steps = np.arange(1 - n, n)
+    inverse = np.zeros(len(steps))
+    inverse[steps % 2 != 0] = 1 / np.sinh(steps[steps % 2 != 0] * (spacing / 2))
+    order = np.arange(n)
+    return inverse[order[:, None] - order + n - 1]
+
+
+@lru_cache(maxsize=64)
+def rule_for(tolerance: float) -> Rule:
+    """Grid on which end exponents of at least 1/2 are integrated to about `tolerance`."""
+    digits = np.log(1 / tolerance)
+    return Rule(float(np.pi**2 / (digits + 2)), float(2 * digits + 2))
+
+
+@lru_cache(maxsize=64)
+def _finer(rule: Rule, refinements: int, further: int) -> Rule:
+    return Rule(rule.spacing * 2.0 ** (-refinements / _STEPS), rule.reach, further)
+
+
+def finer_rule(rule: Rule, strip: float, further: float) -> Rule:
+    """A rule for functions analytic in |Im y| < pi `strip`, that goes `further` on either side."""
+    beyond = int(np.ceil(min(further, _FARTHEST))) if further > 0 else 0
+    return _finer(rule, int(np.ceil(-_STEPS * np.log2(strip))), beyond)

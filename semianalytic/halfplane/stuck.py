@@ -1,0 +1,148 @@
+"""Tractions on a fully stuck interface: the diffraction of unit step loads by the slot.
+
+q*(u) and p*(u) of the paper's (3.10)-(3.16) without the constant, as functions of the
+slowness u = t/x.  Each is tabulated once per Poisson ratio as Chebyshev series of what is
+left after its square-root behaviour at the wave fronts is divided out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.halfplane.rayleigh import (
+    Array,
+    CutPoints,
+    Mode,
+    RayleighFactors,
+    chebyshev_series,
+    gauss,
+    rayleigh_factors,
+)
+from semianalytic.scene.scene import Material, Tractions
+
+_DEGREE = 128
+_GAUSS = 48
+
+
+def series_behind_front(slope: Callable[[Array], Array], start: float, power: int) -> Array:
+    """Chebyshev series in (s - 1)/(s + 1), s >= 0, of [start + int_0^s slope] / (s + 1)^power."""
+    t, weight = gauss(24)
+
+    def series(z: Array) -> Array:
+        s = (1 + z) / (1 - z)  # falls from node to node
+        ends = np.concatenate(([0.0], s[::-1]))
+        width = np.diff(ends)
+        gain = width * (slope(ends[:-1, None] + width[:, None] * t) @ weight)
+        return (start + np.cumsum(gain))[::-1] / (s + 1) ** power
+
+    return chebyshev_series(series, _DEGREE)
+
+
+@dataclass(frozen=True)
+class StuckTraction:
+    """One of p* (mode I) and q* (mode II): traction per unit step, b = 1.
+
+    Use `stuck_traction(poisson_ratio, mode)`, which keeps the tables.
+    """
+
+    factors: RayleighFactors
+    mode: Mode
+
+    @cached_property
+    def _scale(self) -> float:
+        """1 / (pi kappa M_+(0)), the constant of (3.11), (3.15)."""
+        return float(1 / (np.pi * self.factors.kappa * self.factors.m_plus_at_zero[self.mode]))
+
+    def derivative(self, u: ArrayLike) -> Array:
+        """d/du of the traction: Im M(-u + i0) / (pi kappa M_+(0) u M_+(u)); 0 for u < a."""
+        u = np.asarray(u, dtype=float)
+        inside = np.where(u > self.factors.a, u, 2.0)
+        return np.where(u > self.factors.a, self.slope(self.factors.cut(inside)), 0.0)
+
+    def slope(self, at: CutPoints) -> Array:
+        """The same at points on the cut."""
+        imag = self.factors.impedance_on_cut(at, self.mode).imag
+        return self._scale * imag / (at.v * self.factors.m_plus(at.v, self.mode))
+
+    @cached_property
+    def _before_shear_front(self) -> Array:
+        """Series on a < u < b of q* / (u - a)^(3/2) or p* / (u - a)^(1/2)."""
+        a = self.factors.a
+        t, weight = gauss(_GAUSS)
+
+        def series(z: Array) -> Array:
+            v = a + (1 - a) * (z[:, None] + 1) / 2 * t**2
+            m = self._scale / (v * self.factors.m_plus(v, self.mode))
+            if self.mode == "II":
+                return (8 * v**2 * np.sqrt(v + a) * m * t**2) @ weight
+            return -(2 * np.square(1 - 2 * v**2) / np.sqrt(v + a) * m) @ weight
+
+        return chebyshev_series(series, _DEGREE)
+
+    @cached_property
+    def _behind_shear_front(self) -> Array:
+        """Series in (s - 1)/(s + 1), s = sqrt(u - b), of traction / (s + 1) for u > b."""
+
+        def slope(s: Array) -> Array:
+            v = 1 + s**2
+            root = np.sqrt(v + 1)
+            if self.mode == "I":
+                root = np.sqrt(v * v - self.factors.a**2) / s
+            rayleigh = self.factors.reduced_rayleigh(v) * (v * v - self.factors.c**2)
+            return 2 * self._scale * rayleigh / (root * v * self.factors.m_plus(v, self.mode))
+
+        return series_behind_front(slope, float(self._near(np.array(1.0))), 1)
+
+    @cached_property
+    def at_rayleigh_front(self) -> float:
+        """The traction at u = c; p* is least there."""
+        return float(self(self.factors.c))
+
+    def _near(self, u: Array) -> Array:
+        a = self.factors.a
+        power = 1.5 if self.mode == "II" else 0.5
+        return (u - a) ** power * chebyshev.chebval(
+            2 * (u - a) / (1 - a) - 1, self._before_shear_front
+        )
+
+    def __call__(self, u: ArrayLike) -> Array:
+        """Traction at slowness u = t/x [1/b], any shape; 0 ahead of the longitudinal front."""
+        u = np.asarray(u, dtype=float)
+        result, behind = np.empty(u.shape), u > 1
+        s = np.sqrt(u[behind] - 1)
+        result[behind] = (s + 1) * chebyshev.chebval((s - 1) / (s + 1), self._behind_shear_front)
+        result[~behind] = self._near(np.clip(u[~behind], self.factors.a, 1))
+        return result
+
+
+@lru_cache(maxsize=64)
+def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
+    """p* (mode I) or q* (mode II) for a Poisson ratio, tables kept.
+
+    Raises
+    ------
+    SceneError
+        If the Poisson ratio is not in (-1, 0.5).
+    """
+    return StuckTraction(rayleigh_factors(poisson_ratio), mode)
+
+
+def stress_intensity(
+    material: Material, step: Tractions, t: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Stress intensity factors (K_I, K_II) of a stuck interface at times t (3.13), (3.16).
+
+    Near the edge pressure ~ K_I / sqrt(2 pi x) and shear ~ K_II / sqrt(2 pi x)
+    [stress sqrt(length)]; K_I > 0 is compression.  Times before 0 give 0.
+    """
+    root = np.sqrt(np.maximum(np.asarray(t, dtype=float), 0.0) / np.pi)
+    nu = material.poisson_ratio
+    mode_one = 2 * step.pressure * np.sqrt((1 - 2 * nu) * material.longitudinal_speed) / (1 - nu)
+    mode_two = 2 * step.shear * np.sqrt(2 * material.shear_speed / (1 - nu))
+    return mode_one * root, mode_two * root

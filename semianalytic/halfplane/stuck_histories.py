@@ -1,0 +1,189 @@
+"""Load histories and the stuck interface under them, (3.20).
+
+A remote load P_0 f(t) makes the stuck pressure P_0 int f'(s) p*((t - s)/x) ds, with the unit
+step's p*(u) of (3.10); likewise shear with q*.  Jumps and straight pieces of f are exact: they
+need p* and its primitive in slowness.  Smooth histories take, on the slowness axis,
+
+    f(0) p*(t/x) + int_a^{t/x} [f(t - v x) - f(0)] dp*/dv dv,
+
+with the inverse square roots of dp*/dv at the wave fronts removed by substitution.  Tractions
+are what the load adds to the base; with base = P_0 f remote, add P_0 f(t) itself (the constant
+of (3.10)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.halfplane.primitives import stuck_primitive
+from semianalytic.halfplane.rayleigh import Array, Mode
+from semianalytic.halfplane.stuck import StuckTraction, stress_intensity, stuck_traction
+from semianalytic.halfplane.velocities import square_root_panels
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loads import History, Wave
+from semianalytic.scene.scene import Material, Tractions
+
+Response = Callable[[Array], Array]
+
+_BLOCK = 500_000
+_ORDERS = (24, 36)
+_PANELS_PER_PERIOD = 2
+_AT_FRONT = 1e-12
+
+
+def _superposed(pieces: tuple[tuple[float, float], ...], response: Response, t: Array) -> Array:
+    """Sum of amplitude * response(t - start) over pieces, in blocks that bound the memory."""
+    start, amplitude = np.array(pieces).reshape(-1, 2).T
+    total = np.zeros(t.shape)
+    block = max(1, _BLOCK // max(1, t.size))
+    for first in range(0, len(start), block):
+        part = slice(first, first + block)
+        shape = (-1,) + (1,) * t.ndim
+        total += np.tensordot(amplitude[part], response(t - start[part].reshape(shape)), 1)
+    return total
+
+
+@dataclass(frozen=True, eq=False)
+class StuckHistory:
+    """Stuck traction at positions and times [stress], and an estimate of its largest error.
+
+    The error is 0 where all is in closed form but for tables exact to rounding (no waves).
+    """
+
+    value: Array
+    error: float
+
+
+def _wave(wave: Wave, stuck: StuckTraction, t: float, per: float, order: int) -> float:
+    """int_a^u wave(t - v per) dp*/dv dv, u = (t - start)/per; `per` = x b, time per slowness."""
+    a, u = stuck.factors.a, (t - wave.start) / per
+    if u <= a:
+        return 0.0
+    if abs(u - 1) < _AT_FRONT:
+        u = 1.0  # no panel of rounding beside the root of dq*/dv
+    longest = 1 / (_PANELS_PER_PERIOD * wave.frequency * per)
+    ends = [a, min(u, 1.0)]
+    if u > 1:
+        ends += [min(u, 2.0)]
+    if u > 2:
+        count = int(np.ceil(np.log2(u / 2))) + 1
+        ends += list(2 * (u / 2) ** (np.arange(1, count + 1) / count))
+    split = [
+        np.linspace(left, right, int(np.ceil((right - left) / longest)) + 1)[:-1]
+        for left, right in pairwise(ends)
+    ]
+    v, weight = square_root_panels([*np.concatenate(split).tolist(), u], order)
+    # weights vanish at the fronts like the square roots that slope has there
+    return float((weight * stuck.derivative(v)) @ wave.value(t - v * per))
+
+
+def _stuck(
+    history: History, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike, mode: Mode
+) -> StuckHistory:
+    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+    if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))) or np.any(x <= 0):
+        raise SceneError(
+            "the contact is x > 0; ask for finite positive positions and finite times."
+        )
+    stuck = stuck_traction(material.poisson_ratio, mode)
+    per = x / material.shear_speed
+    pieces = history.pieces
+    primitive = stuck_primitive(material.poisson_ratio, mode)
+    total = _superposed(pieces.jumps, lambda lag: stuck(lag / per), t)
+    total += _superposed(pieces.kinks, lambda lag: per * primitive(lag / per), t)
+    error = 0.0
+    if pieces.waves:
+        points = list(zip(t.ravel(), per.ravel(), strict=True))
+        rough, fine = (
+            np.array(
+                [sum(_wave(w, stuck, *point, order) for w in pieces.waves) for point in points]
+            )
+            for order in _ORDERS
+        )
+        error = abs(amplitude) * float(np.abs(fine - rough).max(initial=0.0))
+        total += fine.reshape(x.shape)
+    return StuckHistory(amplitude * total, error)
+
+
+def stuck_pressure(
+    history: History, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
+) -> StuckHistory:
+    """Pressure a slot load P_0 f(t) adds to a stuck interface, (3.10) with (3.20).
+
+    Parameters
+    ----------
+    history : History
+    amplitude : P_0 [stress], compression positive.
+    material : Material
+    x, t : positions x > 0 [length] and times [time]; they broadcast.
+
+    Raises
+    ------
+    SceneError
+        If a position is not positive, or a position or time not finite.
+    """
+    return _stuck(history, amplitude, material, x, t, "I")
+
+
+def stuck_shear(
+    history: History, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
+) -> StuckHistory:
+    """Shear traction a slot load Q_0 f(t) adds to a stuck interface, (3.14) with (3.20).
+
+    Parameters and errors as `stuck_pressure`.
+    """
+    return _stuck(history, amplitude, material, x, t, "II")
+
+
+def _root_response(history: History, t: Array) -> Array:
+    """int f'(s) sqrt(t - s) ds [time^(1/2)]."""
+    from scipy.special import fresnel
+
+    pieces = history.pieces
+    total = _superposed(pieces.jumps, lambda lag: np.sqrt(np.maximum(lag, 0.0)), t)
+    total += _superposed(pieces.kinks, lambda lag: 2 / 3 * np.maximum(lag, 0.0) ** 1.5, t)
+    for wave in pieces.waves:
+        # by parts: int_0^sqrt(lag) wave(lag - r^2) dr
+        lag = np.maximum(t - wave.start, 0.0)
+        sine, cosine = fresnel(np.sqrt(4 * wave.frequency * lag))
+        angle, scale = 2 * np.pi * wave.frequency * lag, np.sqrt(4 * wave.frequency)
+        if wave.cosine:
+            mixed = np.sqrt(lag) - (np.cos(angle) * cosine + np.sin(angle) * sine) / scale
+        else:
+            mixed = (np.sin(angle) * cosine - np.cos(angle) * sine) / scale
+        total += wave.amplitude * mixed
+    return total
+
+
+def intensity_history(
+    history: History, step: Tractions, material: Material, t: ArrayLike
+) -> tuple[Array, Array]:
+    """(K_I, K_II) of a stuck interface under the loads P_0 f(t), Q_0 f(t), (3.13), (3.16), (3.20).
+
+    [stress sqrt(length)], K_I > 0 in compression; exact for every history.
+
+    Parameters
+    ----------
+    history : History
+    step : Tractions
+        Amplitudes (P_0, Q_0).
+    material : Material
+    t : times [time], any shape.
+    """
+    response = _root_response(history, np.asarray(t, dtype=float))
+    mode_one, mode_two = stress_intensity(material, step, 1.0)
+    return mode_one * response, mode_two * response
+
+
+def near_field(intensity: ArrayLike, x: ArrayLike) -> Array:
+    """K / sqrt(2 pi x) [stress]: traction near the edge, the remote load f(t) included, (3.13).
+
+    What the load adds on the slot alone (`stuck_pressure`) is smaller by the load itself; the
+    next term is of order sqrt(x).
+    """
+    return np.asarray(intensity, dtype=float) / np.sqrt(2 * np.pi * np.asarray(x, dtype=float))

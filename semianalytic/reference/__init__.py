@@ -1,0 +1,1 @@
+"""Answers to verify against: closed forms, prescribed slip, the algorithm of the article."""

@@ -1,0 +1,127 @@
+"""Exact solutions in closed form, to test solvers against: public, and independent of them.
+
+Each is a plain quadrature of elementary functions and S_+ (section 4 of the theory); none uses
+the panels, the collocation grid or Newton's method.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.integrate import quad
+
+from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
+from semianalytic.scene.scene import Material
+
+
+def edge_speed_under_shear_step(material: Material, strength_ratio: float) -> float:
+    """Speed [length / time] of the only slip zone [0, speed t] under a shear step.
+
+    c_t / ((1 - nu) (1 + chi_b)^2) for constant strength chi_b Q_0.  Holds while that speed is
+    below c_R and no second zone has nucleated.
+    """
+    return material.shear_speed / ((1 - material.poisson_ratio) * (1 + strength_ratio) ** 2)
+
+
+def slip_rate_under_shear_step(
+    material: Material, step_shear: float, strength_ratio: float, velocity: ArrayLike
+) -> Array:
+    """Relative slip rate [length / time] of that zone at x/t = velocity [length / time] >= 0.
+
+    2 V, V = (Q_0 sqrt(u_s) / (pi kappa M_+(0))) int sqrt(b + v) / (v sqrt(v - u_s) (c + v) S_+) dv
+    from u_s to 1/xi.
+    """
+    factors = rayleigh_factors(material.poisson_ratio)
+    edge = edge_speed_under_shear_step(material, strength_ratio) / material.shear_speed
+    start = 1 / edge
+
+    def slope(s: float) -> float:  # v = u_s + s^2 / (1 - s)^2 covers u_s to infinity
+        r = s / (1 - s)
+        v = start + r * r
+        density = np.sqrt(1 + v) / (v * (factors.c + v) * factors.s_plus(v))
+        return float(2 * density / (1 - s) ** 2)
+
+    unit = 2 * step_shear / material.shear_impedance
+    scale = unit * np.sqrt(start) / (np.pi * factors.kappa * factors.m_plus_at_zero["II"])
+    xi = np.asarray(velocity, dtype=float) / material.shear_speed
+    result = np.zeros(xi.shape)
+    for index in np.ndindex(xi.shape):
+        place = float(xi[index])
+        if place < edge:
+            r = np.inf if place == 0 else float(np.sqrt(1 / place - start))
+            stop = 1.0 if r == np.inf else r / (1 + r)
+            result[index] = scale * quad(slope, 0, stop, epsabs=1e-14, epsrel=1e-13, limit=200)[0]
+    return result
+
+
+def slip_rate_under_remote_shock(
+    material: Material, pressure: float, shear: float, friction: float, velocity: ArrayLike
+) -> Array:
+    """Relative slip rate [length / time] of an interface that slips everywhere at once.
+
+    Sudden remote load with chi = f P_0 / Q_0 <= 1 (base = step), at x/t = velocity > 0:
+    V = [(Q_0 - f P_0) + f P_0 Lambda(1/xi)] / (mu b), constant behind the shear front.
+    """
+    factors = rayleigh_factors(material.poisson_ratio)
+    a, c = factors.a, factors.c
+    n_zero = c * float(factors.s_plus(0.0)) / np.sqrt(a)
+    scale = 1 / (2 * np.pi * (1 - a * a) * n_zero)
+
+    def slope(theta: float) -> float:  # w = a + (b - a) sin^2 theta
+        w = a + (1 - a) * np.sin(theta) ** 2
+        root = np.sqrt((1 + w) * (1 - w))
+        return float(2 * np.sqrt(1 - a) * np.cos(theta) * root / (w * (c + w) * factors.s_plus(w)))
+
+    xi = np.asarray(velocity, dtype=float) / material.shear_speed
+    result = np.zeros(xi.shape)
+    for index in np.ndindex(xi.shape):
+        u = min(1 / float(xi[index]), 1.0)
+        share = 0.0
+        if u > a:
+            stop = float(np.arcsin(np.sqrt((u - a) / (1 - a))))
+            share = scale * quad(slope, 0, stop, epsabs=1e-14, epsrel=1e-13)[0]
+        excess = shear - friction * pressure + friction * pressure * share
+        result[index] = 2 * excess / material.shear_impedance
+    return result
+
+
+def slip_rate_without_friction(material: Material, step_shear: float, velocity: ArrayLike) -> Array:
+    """Relative slip rate [length / time] on a frictionless interface under a shear step.
+
+    Lamb's surface velocity: 2 V, V = (Q_0 b^2 / (pi mu)) PV int_a^u U_1(w) / w dw, u = 1/xi, with
+    U_1 of (3.1); logarithmically singular at c_R, negative next to it.
+    """
+    factors = rayleigh_factors(material.poisson_ratio)
+    a, c = factors.a, factors.c
+
+    def before(w: float) -> float:
+        z, p = w * w, (w * w - a * a) * (1 - w * w)
+        return 4 * z * (1 - z) * np.sqrt(z - a * a) / ((1 - 2 * z) ** 4 + 16 * z * z * p) / w
+
+    def regular(w: float) -> float:  # U_1 / w times (w - c)
+        return float(-np.sqrt(w * w - 1) / (factors.reduced_rayleigh(w) * -(w + c))) / w
+
+    def behind(s: float) -> float:  # w = b + s^2, times dw/ds, less the pole
+        w = 1 + s * s
+        return 2 * s * (regular(w) - regular(c)) / (w - c)
+
+    xi = np.asarray(velocity, dtype=float) / material.shear_speed
+    result = np.zeros(xi.shape)
+    for index in np.ndindex(xi.shape):
+        u = 1 / float(xi[index])
+        if u <= a:
+            continue
+        value = quad(
+            lambda t: before(a + (1 - a) * np.sin(t) ** 2) * (1 - a) * np.sin(2 * t),
+            0,
+            np.arcsin(np.sqrt((min(u, 1.0) - a) / (1 - a))),
+            epsabs=1e-14,
+            epsrel=1e-12,
+        )[0]
+        if u > 1:
+            stop, pole = float(np.sqrt(u - 1)), float(np.sqrt(c - 1))
+            points = [pole] if stop > pole else None
+            value += quad(behind, 0, stop, epsabs=1e-14, epsrel=1e-12, limit=400, points=points)[0]
+            value += regular(c) * np.log(abs((u - c) / (1 - c)))
+        result[index] = 2 * step_shear / (np.pi * material.shear_impedance) * value
+    return result

@@ -1,0 +1,1 @@
+"""Where the way of slipping changes: thresholds in friction and Poisson ratio, reverse slip."""

@@ -1,0 +1,233 @@
+"""Boundaries between slip regimes over (nu, chi), each the root of one scalar function.
+
+Two loadings of unit shear, Q_0 = 1: "preload" holds the pressure P_b = 1 before a step of shear,
+"remote" is a sudden uniform load of pressure P_0 = 1 and shear.  In both the friction coefficient
+is chi.  Lengths of slowness are in units of b = 1/c_t.
+
+A zone that grows from the contact edge has one unknown, its front; for a given front the balance
+of tractions there is linear in chi.  So the curves are traced along the front, not along chi.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import brentq, root
+
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.errors import ComputationError
+from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.profile import Profile
+from semianalytic.selfsimilar.solver import solve
+from semianalytic.selfsimilar.zones import Load, ZoneFields
+
+Loading = Literal["preload", "remote"]
+
+NARROWEST = 1e-14  # half-width of a stick gap that positions x / t in double precision resolve
+_TRACTIONS = {
+    "preload": ((1.0, 0.0), (0.0, 1.0)),
+    "remote": ((1.0, 1.0), (1.0, 1.0)),
+}  # base and step, each pressure and shear
+SLOW_FRONTS = (math.log(1e-6), math.log(1e6))  # logarithms of v - c, from c_R to nearly 0
+NEGLIGIBLE = 5e-4  # what a zone just born at the shear front may still be left out for
+RULE = rule_for(1e-10)
+_PAST_FRONTS = (-15.0, 3.0)  # `past_rayleigh` from close to c_l to close to c_t
+_BESIDE = 1e-6  # where the logarithm is read: what it leaves, averaged over both sides, is O(1e-12)
+
+
+@dataclass(frozen=True)
+class OneZone:
+    """Slip from the contact edge to one front, friction chosen so that the front is in balance.
+
+    Attributes
+    ----------
+    chi : float, friction over load; negative where no friction balances the front
+    profile : Profile, the fields of that friction
+    """
+
+    chi: float
+    profile: Profile
+
+
+@dataclass(frozen=True)
+class RayleighLogarithm:
+    """V = level + residue ln|v - c| beside c_R, where a zone covers it, in Q_0 / (mu b)."""
+
+    level: float
+    residue: float
+
+    @property
+    def log_half_width(self) -> float:
+        """Logarithm of the half-width [b] of the strip in which V < 0; residue > 0."""
+        return -self.level / self.residue
+
+
+def scene_of(loading: Loading, poisson_ratio: float, chi: float) -> Scene:
+    """Scene of a loading in units mu = rho = Q_0 = 1 and unit pressure.
+
+    Raises
+    ------
+    SceneError
+        If the Poisson ratio is not in (-1, 0.5) or chi < 0.
+    """
+    base, step = _TRACTIONS[loading]
+    return Scene(Material(1.0, 1.0, poisson_ratio), chi, Tractions(*base), Tractions(*step))
+
+
+def load_of(loading: Loading, chi: float) -> Load:
+    """Load of a scene in its own units."""
+    base, step = _TRACTIONS[loading]
+    return Load(chi, *base, *step, far_slip_rate=0.0)
+
+
+def one_zone(loading: Loading, poisson_ratio: float, front: CutPoints) -> OneZone:
+    """Friction and fields for one zone from the contact edge to a front at a slowness (1,)."""
+    factors = rayleigh_factors(poisson_ratio)
+    zones = (Zone(front, None, 1),)
+
+    def fields(chi: float, tail: bool) -> ZoneFields:
+        return ZoneFields(factors, load_of(loading, chi), zones, RULE, tail)
+
+    without, unit = (float(fields(chi, False).mismatch()[0]) for chi in (0.0, 1.0))
+    chi = without / (without - unit)
+    return OneZone(chi, Profile(fields(chi, True)))
+
+
+def past_rayleigh(poisson_ratio: float, unknown: float) -> CutPoints:
+    """Front between c_t and c_l; its unknown runs from -inf at c_l to inf at c_t."""
+    factors = rayleigh_factors(poisson_ratio)
+    width = 1 - factors.a
+    if unknown < 0:
+        return factors.beside("a", [width / (1 + math.exp(-unknown))])
+    return factors.beside("b", [-width / (1 + math.exp(unknown))])
+
+
+def rayleigh_logarithm(zone: OneZone) -> RayleighLogarithm:
+    """Level and residue of V at c_R in a zone whose front runs ahead of the shear wave."""
+    profile = zone.profile
+    panel = max(range(len(profile.panels.left)), key=lambda i: abs(profile.residue(i)))
+    residue = profile.residue(panel)
+    rate = profile.slip_rate(profile.fields.factors.c + np.array([-_BESIDE, _BESIDE]))
+    return RayleighLogarithm(float(np.mean(rate)) - residue * math.log(_BESIDE), residue)
+
+
+def edge_threshold_alone(poisson_ratio: float) -> float:
+    """Friction at which the contact edge sticks on an otherwise stuck interface: sqrt(b/a)."""
+    return rayleigh_factors(poisson_ratio).a ** -0.5
+
+
+def front_threshold_stuck(poisson_ratio: float) -> float:
+    """Friction at which the shear front of a fully stuck, remotely loaded interface slips."""
+    shear, pressure = (stuck_traction(poisson_ratio, mode) for mode in ("II", "I"))
+    return float((1 + shear(1.0)) / (1 + pressure(1.0)))
+
+
+def crossing_poisson_ratio() -> float:
+    """Poisson ratio below which a remote load breaks the shear front before the contact edge."""
+    return float(brentq(lambda nu: edge_threshold_alone(nu) - front_threshold_stuck(nu), -0.6, 0.0))
+
+
+def _front_excess(zone: OneZone) -> float:
+    """Shear traction less friction bound at the shear front, ahead of a zone slower than c_R."""
+    profile = zone.profile
+    panel = next(i for i, at in enumerate(profile.panels.left) if at.from_b[0] == 0)
+    bound = zone.chi * (profile.fields.load.base_pressure + profile.pressure_change(np.ones(1))[0])
+    return float(profile.traction_at_nodes[panel][0] - bound)
+
+
+def nucleation_alone(loading: Loading, poisson_ratio: float) -> OneZone:
+    """Zone from the edge whose front has just brought the shear front to its bound."""
+    factors = rayleigh_factors(poisson_ratio)
+
+    def zone(log_distance: float) -> OneZone:
+        return one_zone(loading, poisson_ratio, factors.beside("c", [math.exp(log_distance)]))
+
+    return zone(brentq(lambda z: _front_excess(zone(z)), *SLOW_FRONTS, xtol=1e-12))
+
+
+def nucleation(loading: Loading, poisson_ratio: float) -> float:
+    """Friction below which the interface slips at the shear front.
+
+    The traction ahead of a slow zone peaks exactly at the shear front, so this is where that
+    peak meets the bound; where the front breaks first, it is the peak of the stuck interface.
+    """
+    if loading == "remote":
+        front = front_threshold_stuck(poisson_ratio)
+        if front >= edge_threshold_alone(poisson_ratio):
+            return front
+    return nucleation_alone(loading, poisson_ratio).chi
+
+
+def edge_threshold(poisson_ratio: float) -> float:
+    """Friction below which the contact edge slips under a remote load.
+
+    sqrt(b/a) unless slip at the shear front comes first and loads the edge further; just past the
+    Poisson ratio at which it does, the zone there is tiny and shifts the threshold by < 1e-9.
+
+    Raises
+    ------
+    ComputationError
+        If Newton's method fails.
+    """
+    alone, most = edge_threshold_alone(poisson_ratio), front_threshold_stuck(poisson_ratio)
+    if most < alone + NEGLIGIBLE:
+        return alone
+    factors = rayleigh_factors(poisson_ratio)
+
+    def residual(unknowns: Array) -> Array:
+        healed, front, chi = unknowns
+        zones = (Zone(past_rayleigh(poisson_ratio, front), before_rayleigh(factors, healed), 1),)
+        fields = ZoneFields(factors, load_of("remote", chi), zones, RULE)
+        edge = Profile(fields).edge_intensity / (chi * math.sqrt(factors.a)) - 1
+        return np.append(fields.mismatch(), edge)
+
+    zone = solve(scene_of("remote", poisson_ratio, alone), rtol=1e-6).zones[-1]
+    start = [*front_zone_unknowns(poisson_ratio, zone.inner, zone.outer), alone]
+    return float(rooted(residual, start)[-1])
+
+
+def gap_threshold(loading: Loading, poisson_ratio: float) -> float | None:
+    """Friction below which the stick gap at c_R is narrower than double precision resolves.
+
+    The logarithm at c_R in a zone that covers it always reverses V, so a gap always exists; it
+    narrows like exp(-level / residue).  None if it never gets as narrow as `NARROWEST`.
+    """
+
+    def excess(unknown: float) -> float:
+        zone = one_zone(loading, poisson_ratio, past_rayleigh(poisson_ratio, unknown))
+        return rayleigh_logarithm(zone).log_half_width - math.log(NARROWEST)
+
+    if excess(_PAST_FRONTS[0]) > 0:
+        return None
+    unknown = brentq(excess, *_PAST_FRONTS, xtol=1e-12)
+    return one_zone(loading, poisson_ratio, past_rayleigh(poisson_ratio, unknown)).chi
+
+
+def before_rayleigh(factors: RayleighFactors, unknown: float) -> CutPoints:
+    """Edge between c_R and c_t; its unknown runs from -inf at c_R to inf at c_t."""
+    width = factors.c - 1
+    if unknown < 0:
+        return factors.beside("c", [-width / (1 + math.exp(-unknown))])
+    return factors.beside("b", [width / (1 + math.exp(unknown))])
+
+
+def front_zone_unknowns(poisson_ratio: float, healed: float, front: float) -> tuple[float, float]:
+    """Unknowns of a zone around the shear front from the speeds [c_t] of its edges."""
+    factors = rayleigh_factors(poisson_ratio)
+    u, v = 1 / healed, 1 / front
+    return math.log((factors.c - u) / (u - 1)), math.log((v - factors.a) / (1 - v))
+
+
+def rooted(residual: Callable[[Array], Array], start: Sequence[float]) -> Array:
+    """Root of a system of equations near a start."""
+    found = root(residual, start, options={"xtol": 1e-11, "factor": 0.1})  # small first steps
+    if not np.abs(found.fun).max() < 1e-8:
+        raise ComputationError(f"a regime boundary was not found: {found.message}")
+    return found.x

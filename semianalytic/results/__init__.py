@@ -1,0 +1,1 @@
+"""What answers are kept in: samples along the interface, whole files, memory asked for."""

@@ -1,0 +1,305 @@
+"""Files that appear whole or not at all, and that say so when a bit of them is lost.
+
+A new file is filled under a name of its own beside its place and renamed when it is on the disk;
+what a killed writer leaves is removed by the next one.  A file that is read back ends in a seal,
+the SHA-256 of all that comes before, which is checked before anything is parsed.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import re
+import secrets
+import shutil
+import stat
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from enum import Enum
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from semianalytic.scene.errors import DataFileError
+
+NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+
+_SEALED = re.compile(
+    rb"(?:\$Comments\n|<!-- |\n)slipfront sha256 ([0-9a-f]{64})(?:\n\$EndComments| -->|)\n\Z"
+)
+_UNSEALED = "it has lost its checksum, or an earlier version wrote it"
+_LONGEST_SEAL = 160
+_CHUNK = 1 << 20
+
+
+class Seal(Enum):
+    """What stands around the seal at the end of a file, so that others can read the file too."""
+
+    TRAILING = ("\n", "\n")
+    """After the end of an HDF5 file, where its readers do not look."""
+    XML = ("<!-- ", " -->\n")
+    MSH = ("$Comments\n", "\n$EndComments\n")
+
+    def of(self, digest: str) -> bytes:
+        """The seal of a file of this SHA-256, in hexadecimal digits."""
+        before, after = self.value
+        return f"{before}slipfront sha256 {digest}{after}".encode()
+
+
+@contextmanager
+def new_file(
+    path: str | Path, size: int = 0, seal: Seal | None = None, suffix: str = ""
+) -> Iterator[Path]:
+    """A temporary file to fill, which takes its place under `path` only when on the disk.
+
+    What `path` held before stays until then.  Missing folders are made.
+
+    Parameters
+    ----------
+    path : path
+    size : int
+        How large it is going to be, if that is known [bytes]; for the message if it is too large.
+    seal : Seal, optional
+        To put at the end.
+    suffix : str
+        What the temporary name has to end in, if anything.
+
+    Raises
+    ------
+    DataFileError
+        If the file or its folder cannot be written; the message says what is needed and what is
+        free where that is the reason.
+    """
+    made: list[Path] = []
+    held: tuple[Path, int] | None = None
+    try:
+        place = Path(os.path.realpath(path))
+        made = make_folder(place.parent)
+        if place.exists() and not place.is_file():
+            reason = errno.EISDIR if place.is_dir() else errno.EINVAL
+            raise OSError(reason, "it is not an ordinary file")
+        _sweep(place)
+        held = part, descriptor = _new_part(place, suffix)
+        yield part
+        if seal is not None:
+            with part.open("r+b") as stream:
+                end = seal.of(hashlib.file_digest(stream, "sha256").hexdigest())
+                stream.seek(0, os.SEEK_END)
+                stream.write(end)
+        os.fsync(descriptor)
+        os.replace(part, place)
+        made = []
+    except OSError as error:
+        if held is not None:
+            size = max(size, os.fstat(held[1]).st_size)
+            _discard(*held)
+            held = None
+        raise DataFileError(refusal(Path(path), error, size)) from error
+    finally:
+        if held is not None:
+            _discard(*held)
+        remove_empty(made)
+
+
+def write_bytes(path: str | Path, data: Any, seal: Seal | None = None) -> None:
+    """Write bytes, or anything that holds some, whole or not at all.
+
+    Raises
+    ------
+    DataFileError
+        As `new_file`.
+    """
+    end = b"" if seal is None else seal.of(hashlib.sha256(data).hexdigest())
+    with new_file(path, len(data) + len(end)) as part, part.open("r+b") as stream:
+        stream.write(data)
+        stream.write(end)
+
+
+@contextmanager
+def whole_hdf5(path: str | Path) -> Iterator[Any]:
+    """A new sealed HDF5 file to fill, which appears under its name only when it is complete.
+
+    It is filled in memory, since HDF5 does not survive a disk that gets full, and written at the
+    end.
+
+    Raises
+    ------
+    DataFileError
+        As `new_file`.
+    """
+    import h5py
+
+    image = BytesIO()
+    with h5py.File(image, "w") as file:
+        yield file
+    write_bytes(path, image.getbuffer(), Seal.TRAILING)
+
+
+@contextmanager
+def sealed_hdf5(path: str | Path) -> Iterator[Any]:
+    """An HDF5 file written by `whole_hdf5`, to read.
+
+    Its seal is checked before it is opened.  A file without any is opened, so that what is foreign
+    can be told from what is damaged, and refused at the end.
+
+    Raises
+    ------
+    OSError
+        If it cannot be opened.
+    ValueError
+        If its seal is broken or missing.
+    """
+    import h5py
+
+    sealed = has_seal(path)
+    with h5py.File(path, "r") as file:
+        yield file
+    if not sealed:
+        raise ValueError(_UNSEALED)
+
+
+def check_seal(path: str | Path) -> None:
+    """Raise unless a file ends in its seal.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If its seal is broken or missing.
+    """
+    if not has_seal(path):
+        raise ValueError(_UNSEALED)
+
+
+def has_seal(path: str | Path) -> bool:
+    """Whether a file ends in a seal.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If the seal does not fit what comes before.
+    """
+    with Path(path).open("rb") as stream:
+        size = stream.seek(0, os.SEEK_END)
+        start = max(size - _LONGEST_SEAL, 0)
+        stream.seek(start)
+        found = _SEALED.search(stream.read())
+        if found is None:
+            return False
+        left = start + found.start()
+        stream.seek(0)
+        digest = hashlib.sha256()
+        while left and (chunk := stream.read(min(left, _CHUNK))):
+            digest.update(chunk)
+            left -= len(chunk)
+    if digest.hexdigest() != found[1].decode():
+        raise ValueError("its checksum does not fit what it holds: it is damaged")
+    return True
+
+
+def row_checksum(cells: list[str]) -> str:
+    """Checksum of one row of a table, for tables that are read back or grow row by row."""
+    return hashlib.sha256("\n".join(cells).encode()).hexdigest()[:16]
+
+
+def make_folder(folder: Path) -> list[Path]:
+    """Make a folder and those above it; those that were not there, innermost first.
+
+    Raises
+    ------
+    OSError
+        If that cannot be done; then none is left.
+    """
+    missing = []
+    for place in (folder, *folder.parents):
+        if place.exists():
+            break
+        missing.append(place)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        remove_empty(missing)
+        raise
+    return missing
+
+
+def remove_empty(folders: list[Path]) -> None:
+    """Remove folders, innermost first, as far as they are empty."""
+    with suppress(OSError):
+        for folder in folders:
+            folder.rmdir()
+
+
+def try_lock(descriptor: int) -> bool:
+    """Take the lock of an open file, which the system releases when the process ends.
+
+    True where the system has no such locks.
+    """
+    if sys.platform == "win32":
+        return True
+    import fcntl
+
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        return error.errno not in (errno.EWOULDBLOCK, errno.EACCES)
+    return True
+
+
+def _new_part(place: Path, suffix: str) -> tuple[Path, int]:
+    """An empty file beside `place`, under a name of its own and locked, and its descriptor."""
+    while True:
+        part = place.with_name(f".{_stem(place)}.{secrets.token_hex(6)}.part{suffix}")
+        descriptor = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+        # another writer may have taken it for a dead one before it was locked
+        if try_lock(descriptor) and os.fstat(descriptor).st_nlink:
+            return part, descriptor
+        os.close(descriptor)
+
+
+def _discard(part: Path, descriptor: int) -> None:
+    """Remove a temporary file, if it still has that name, and close it."""
+    with suppress(OSError):
+        part.unlink(missing_ok=True)
+    os.close(descriptor)
+
+
+def _sweep(place: Path) -> None:
+    """Remove what writers of the same file left when they were killed."""
+    leftover = re.compile(re.escape(f".{_stem(place)}.") + r"[0-9a-f]{12}\.part(\.\w+)?")
+    with os.scandir(place.parent) as entries:
+        names = [entry.name for entry in entries if leftover.fullmatch(entry.name)]
+    for name in names:
+        part = place.with_name(name)
+        with suppress(OSError):
+            if not stat.S_ISREG(part.lstat().st_mode):
+                continue
+            descriptor = os.open(part, os.O_RDWR)
+            try:
+                if try_lock(descriptor):
+                    part.unlink()
+            finally:
+                os.close(descriptor)
+
+
+def _stem(place: Path) -> str:
+    """As much of a name as leaves room for an ending."""
+    return place.name[:40]
+
+
+def refusal(path: Path, error: OSError, needed: int) -> str:
+    """Why a file of `needed` bytes cannot be written, in one sentence."""
+    reason = error.strerror or str(error)
+    if error.errno not in NO_ROOM:
+        return f"Cannot write {path}: {reason}."
+    folder = path.absolute().parent
+    free = shutil.disk_usage(folder).free
+    return (
+        f"Cannot write {path}: {reason}; at least {needed:,} bytes are needed in {folder} and "
+        f"{free:,} are free."
+    )

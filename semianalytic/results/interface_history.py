@@ -1,0 +1,95 @@
+"""Interface fields sampled on a grid of positions and times: the result all solvers share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.results.files import sealed_hdf5, whole_hdf5
+from semianalytic.scene.errors import DataFileError, MissingLibraryError
+
+FORMAT = "slipfront interface history 1"
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceHistory:
+    """What happens on the contact x > 0, sampled at positions x and times t.
+
+    Attributes
+    ----------
+    x : (n,) array
+        Positions along the contact [length], increasing.
+    t : (m,) array
+        Times [time], increasing.
+    slip, slip_rate : (m, n) arrays
+        Relative slip [length] and slip rate [length / time], upper minus lower face.
+    shear_traction, pressure : (m, n) arrays
+        Total tractions, base included [stress], compressive pressure positive.
+    """
+
+    x: NDArray[np.float64]
+    t: NDArray[np.float64]
+    slip: NDArray[np.float64]
+    slip_rate: NDArray[np.float64]
+    shear_traction: NDArray[np.float64]
+    pressure: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        shape = (len(self.t), len(self.x))
+        for name in ("slip", "slip_rate", "shear_traction", "pressure"):
+            if getattr(self, name).shape != shape:
+                raise ValueError(f"{name} has shape {getattr(self, name).shape}, expected {shape}.")
+
+    def save(self, path: str | Path) -> None:
+        """Write the history as HDF5; a file appears under its name only when complete."""
+        with whole_hdf5(path) as file:
+            file.attrs["format"] = FORMAT
+            for field in fields(self):
+                file.create_dataset(field.name, data=getattr(self, field.name), compression="gzip")
+
+    def to_xarray(self) -> Any:
+        """The history as an `xarray.Dataset` with dimensions t and x.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        """
+        try:
+            import xarray
+        except ImportError as error:
+            raise MissingLibraryError(
+                "xarray is not installed; install it with `pip install xarray`."
+            ) from error
+        values = {
+            field.name: (("t", "x"), getattr(self, field.name))
+            for field in fields(self)
+            if field.name not in ("x", "t")
+        }
+        return xarray.Dataset(values, coords={"x": self.x, "t": self.t})
+
+    @classmethod
+    def load(cls, path: str | Path) -> InterfaceHistory:
+        """Read a history written by `save`.
+
+        Raises
+        ------
+        DataFileError
+            If the file is missing, damaged or not an interface history.
+        """
+        try:
+            with sealed_hdf5(path) as file:
+                if file.attrs.get("format") != FORMAT:
+                    raise DataFileError(
+                        f"{path} is not a slipfront interface history; "
+                        "give a file written by `slipfront simulate`."
+                    )
+                return cls(**{field.name: file[field.name][...] for field in fields(cls)})
+        except (OSError, KeyError, ValueError) as error:
+            raise DataFileError(
+                f"{path} cannot be read as an interface history ({error}); simulate again."
+            ) from error

@@ -1,0 +1,105 @@
+"""How much memory a computation may take, and the refusal of what would take more."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from semianalytic.scene.checks import checked_number
+from semianalytic.scene.errors import SceneError
+
+GIGABYTE = 10**9
+
+_SHARE = 0.7
+_UNKNOWN = 4 * GIGABYTE
+_MEMINFO = Path("/proc/meminfo")
+_GROUPS = (
+    (
+        Path("/sys/fs/cgroup/memory.max"),
+        Path("/sys/fs/cgroup/memory.current"),
+    ),
+    (
+        Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
+        Path("/sys/fs/cgroup/memory/memory.usage_in_bytes"),
+    ),
+)
+
+
+def available_memory() -> int:
+    """Memory the machine, or the container around this process, can still give [bytes].
+
+    4 GB where the system does not tell.
+    """
+    amounts = [_of_machine()]
+    for limit, used in _GROUPS:
+        try:
+            amounts.append(int(limit.read_text()) - int(used.read_text()))
+        except (OSError, ValueError):
+            continue  # no such group, or "max": no limit
+    known = [amount for amount in amounts if amount is not None]
+    return max(0, min(known)) if known else _UNKNOWN
+
+
+def _of_machine() -> int | None:
+    """What the machine has left [bytes]; None where it does not tell."""
+    try:
+        for line in _MEMINFO.read_text().splitlines():
+            name, _, rest = line.partition(":")
+            if name == "MemAvailable":
+                return int(rest.split()[0]) * 1024
+    except (OSError, ValueError, IndexError):
+        pass
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
+    except (AttributeError, OSError, ValueError):
+        return None
+
+
+def memory_limit(limit: float | None) -> int:
+    """The limit that was given, or 70 % of what is available [bytes].
+
+    Raises
+    ------
+    SceneError
+        If it is not a positive finite number.
+    """
+    if limit is None:
+        return int(_SHARE * available_memory())
+    return int(
+        checked_number("memory", limit, "be a positive number of bytes", lambda given: given > 0)
+    )
+
+
+def check_memory(needed: int, limit: float | None, what: str, advice: str) -> None:
+    """Refuse what would take more memory than it may, before it starts.
+
+    Parameters
+    ----------
+    needed : int
+        Predicted peak [bytes].
+    limit : float or None
+        What it may take [bytes]; 70 % of what is available if None.
+    what : str
+        What would take it: the subject of the sentence.
+    advice : str
+        What to change: the end of the sentence, without the full stop.
+
+    Raises
+    ------
+    SceneError
+        If more is needed than there may be, or the limit is not a positive number.
+    """
+    allowed = memory_limit(limit)
+    if needed > allowed:
+        whose = "are available to it" if limit is None else "are allowed"
+        raise SceneError(
+            f"{what} would take {gigabytes(needed)} of memory, and {gigabytes(allowed)} {whose}; "
+            f"{advice}."
+        )
+
+
+def gigabytes(amount: int) -> str:
+    """An amount of memory [bytes] in words, of any size."""
+    if amount >= 10**300:
+        return f"1e{len(str(amount)) - 10} GB"
+    return f"{amount / GIGABYTE:.3g} GB"

@@ -1,0 +1,1 @@
+"""What is asked: bodies, tractions and histories, friction laws; read, checked, refused."""

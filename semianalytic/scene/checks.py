@@ -1,0 +1,120 @@
+"""What counts as a number, and the one sentence that refuses what does not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from numbers import Integral, Real
+from reprlib import Repr
+
+from semianalytic.scene.errors import SceneError
+
+SMALLEST, LARGEST = 1e-60, 1e60
+"""Range of all parameters: products of five of them are still finite."""
+
+LARGEST_COUNT = 10**15
+"""Largest whole number that is taken; each up to it is a floating-point number too."""
+
+
+class _Shown(Repr):
+    """Short and on one line, of whatever was given."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxstring = self.maxother = 60
+
+    def repr_int(self, x: int, level: int) -> str:
+        """Integers of many digits by their size: Python refuses to write out the longest."""
+        if x.bit_length() < 100:
+            return repr(x)
+        return f"a whole number of about {round(x.bit_length() * math.log10(2))} digits"
+
+
+_SHOWN = _Shown()
+
+
+def shown(value: object) -> str:
+    """What was given, for a message: short and on one line."""
+    return " ".join(_SHOWN.repr(value).split())
+
+
+def finite(value: object) -> float | None:
+    """A finite real number of any type, numpy's scalars included, as float; else None.
+
+    Truth values and text are no numbers, nor are integers beyond the range of floating point.
+    """
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def checked_number(
+    what: str,
+    value: object,
+    wanted: str = "be a finite number",
+    admitted: Callable[[float], bool] | None = None,
+) -> float:
+    """A number of any type as float.
+
+    Parameters
+    ----------
+    what : str
+        Whose it is and its name, for the message.
+    value : object
+    wanted : str
+        What it must be, for the message.
+    admitted : callable, optional
+        Whether a finite number will do; all do unless given.
+
+    Raises
+    ------
+    SceneError
+        "{what} must {wanted}, got {value}.", or that it is beyond `LARGEST`.
+    """
+    number = finite(value)
+    if number is None or not (admitted is None or admitted(number)):
+        raise SceneError(f"{what} must {wanted}, got {shown(value)}.")
+    if abs(number) > LARGEST:
+        raise _out_of_range(what, number)
+    return number
+
+
+def checked_size(what: str, value: object, wanted: str = "be positive and finite") -> float:
+    """A modulus, density, length, time, rate or frequency as float, positive.
+
+    Raises
+    ------
+    SceneError
+        If it is not a positive number, or beyond `SMALLEST` or `LARGEST`.
+    """
+    number = checked_number(what, value, wanted, lambda given: given > 0)
+    if number < SMALLEST:
+        raise _out_of_range(what, number)
+    return number
+
+
+def _out_of_range(what: str, number: float) -> SceneError:
+    return SceneError(
+        f"{what} must lie within {SMALLEST:g} and {LARGEST:g}, or products leave the range of "
+        f"floating point, got {number:g}; choose other units."
+    )
+
+
+def checked_count(what: str, value: object, least: int, wanted: str) -> int:
+    """A whole number of any integer type as int, from `least` to `LARGEST_COUNT`.
+
+    Raises
+    ------
+    SceneError
+        "{what} must be {wanted} {least}, got {value}.", or that it is too large.
+    """
+    count = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else None
+    if count is None or count < least:
+        raise SceneError(f"{what} must be {wanted} {least}, got {shown(value)}.")
+    if count > LARGEST_COUNT:
+        raise SceneError(f"{what} must be at most {LARGEST_COUNT:g}, got {shown(value)}.")
+    return count

@@ -1,0 +1,415 @@
+"""How loads rise and fall: the dimensionless histories f(t) that multiply a scene's loads.
+
+A history is 0 up to t = 0.  This is description only; what a history does to the interface is
+worked out by the solvers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.scene.checks import LARGEST, checked_number, checked_size, finite, shown
+from semianalytic.scene.errors import SceneError
+
+Array = NDArray[np.float64]
+
+PULSE_SHAPES = ("rectangle", "triangle", "half-sine", "haversine")
+
+
+class Wave(NamedTuple):
+    """amplitude * sin(2 pi frequency lag), or (1 - cos) if `cosine`, from lag = t - start = 0."""
+
+    start: float
+    amplitude: float
+    frequency: float
+    cosine: bool
+
+    def value(self, t: ArrayLike) -> Array:
+        """At times t [time], any shape."""
+        angle = 2 * np.pi * self.frequency * np.maximum(np.asarray(t, dtype=float) - self.start, 0)
+        return self.amplitude * (1 - np.cos(angle) if self.cosine else np.sin(angle))
+
+    def integral(self, t: ArrayLike) -> Array:
+        """int_0^t [time], any shape."""
+        lag = np.maximum(np.asarray(t, dtype=float) - self.start, 0)
+        angular = 2 * np.pi * self.frequency
+        angle = angular * lag
+        if self.cosine:
+            return self.amplitude * (lag - np.sin(angle) / angular)
+        return self.amplitude * 2 * np.sin(angle / 2) ** 2 / angular
+
+
+class Pieces(NamedTuple):
+    """A history as a sum: jumps (time, height), kinks (time, change of slope), and waves."""
+
+    jumps: tuple[tuple[float, float], ...] = ()
+    kinks: tuple[tuple[float, float], ...] = ()
+    waves: tuple[Wave, ...] = ()
+
+    def value(self, t: ArrayLike) -> Array:
+        """f(t), any shape; at a jump the value before it."""
+        t = np.asarray(t, dtype=float)
+        total = np.zeros(t.shape)
+        for start, height in self.jumps:
+            total += height * (t > start)
+        for start, slope in self.kinks:
+            total += slope * np.maximum(t - start, 0.0)
+        for wave in self.waves:
+            total += wave.value(t)
+        return total
+
+    def integral(self, t: ArrayLike) -> Array:
+        """int_0^t f [time], any shape."""
+        t = np.asarray(t, dtype=float)
+        total = np.zeros(t.shape)
+        for start, height in self.jumps:
+            total += height * np.maximum(t - start, 0.0)
+        for start, slope in self.kinks:
+            total += slope / 2 * np.maximum(t - start, 0.0) ** 2
+        for wave in self.waves:
+            total += wave.integral(t)
+        return total
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times at which f or one of its derivatives jumps, in order [time]."""
+        starts = [piece[0] for piece in (*self.jumps, *self.kinks, *self.waves)]
+        return tuple(sorted(set(starts)))
+
+
+class _Summed:
+    """What all histories share: f is the sum of its pieces."""
+
+    def turn(self, width: float, until: float) -> float:
+        """How far f goes up and down again (or down and up) within `width`, over its largest value.
+
+        0 where it only rises or falls: jumps are no turns.  What a march has to resolve.
+
+        Parameters
+        ----------
+        width : float
+            [time].
+        until : float
+            Time up to which f matters [time].
+        """
+        raise NotImplementedError
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        raise NotImplementedError
+
+    def value(self, t: ArrayLike) -> Array:
+        """f(t) at times t [time], any shape; at a jump the value before it."""
+        return self.pieces.value(t)
+
+    def integral(self, t: ArrayLike) -> Array:
+        """int_0^t f [time], any shape."""
+        return self.pieces.integral(t)
+
+    def mean(self, start: ArrayLike, end: ArrayLike) -> Array:
+        """Mean of f over the intervals start < t < end, any shape."""
+        start, end = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+        return (self.integral(end) - self.integral(start)) / (end - start)
+
+
+@dataclass(frozen=True)
+class Step(_Summed):
+    """Shock load: f = H(t)."""
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """One jump."""
+        return Pieces(jumps=((0.0, 1.0),))
+
+    def turn(self, width: float, until: float) -> float:
+        """0: it stays."""
+        return 0.0
+
+
+@dataclass(frozen=True)
+class Ramp(_Summed):
+    """Load rising linearly from 0 to 1 over `rise_time` [time], then constant; a step if it is 0.
+
+    Raises
+    ------
+    SceneError
+        If the rise time is negative or not a finite number.
+    """
+
+    rise_time: float
+
+    def __post_init__(self) -> None:
+        rise_time = checked_number(
+            "ramp: rise_time", self.rise_time, "be a number, 0 or more", lambda given: given >= 0
+        )
+        object.__setattr__(self, "rise_time", rise_time)
+
+    @property
+    def _sudden(self) -> bool:
+        """Whether the slope would be infinite."""
+        return self.rise_time == 0 or math.isinf(1 / self.rise_time)
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """Two kinks; a jump where the slope would be infinite."""
+        if self._sudden:
+            return Pieces(jumps=((0.0, 1.0),))
+        slope = 1 / self.rise_time
+        return Pieces(kinks=((0.0, slope), (self.rise_time, -slope)))
+
+    def value(self, t: ArrayLike) -> Array:
+        """f(t), any shape; not as a sum, which loses the digits of very short ramps."""
+        t = np.asarray(t, dtype=float)
+        return super().value(t) if self._sudden else np.clip(t / self.rise_time, 0.0, 1.0)
+
+    def integral(self, t: ArrayLike) -> Array:
+        """int_0^t f [time], any shape; likewise."""
+        if self._sudden:
+            return super().integral(t)
+        t = np.maximum(np.asarray(t, dtype=float), 0.0)
+        rising = np.minimum(t, self.rise_time)
+        return rising * (rising / self.rise_time) / 2 + (t - rising)
+
+    def turn(self, width: float, until: float) -> float:
+        """0: it only rises."""
+        return 0.0
+
+
+@dataclass(frozen=True)
+class Pulse(_Summed):
+    """Load that comes and goes within `duration` [time], with largest value 1.
+
+    Parameters
+    ----------
+    duration : float
+    shape : "rectangle", "triangle" (up and down evenly), "half-sine" or "haversine"
+        (1 - cos)/2, which starts and ends without a kink.
+
+    Raises
+    ------
+    SceneError
+        If the duration is not positive or the shape is unknown.
+    """
+
+    duration: float
+    shape: str = "rectangle"
+
+    def __post_init__(self) -> None:
+        duration = checked_size("pulse: duration", self.duration, "be a positive number")
+        object.__setattr__(self, "duration", duration)
+        if not isinstance(self.shape, str) or self.shape not in PULSE_SHAPES:
+            raise SceneError(
+                f"pulse: shape must be one of {', '.join(PULSE_SHAPES)}, got {shown(self.shape)}."
+            )
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """Jumps, kinks or waves, by shape."""
+        end = float(self.duration)
+        if self.shape == "rectangle":
+            return Pieces(jumps=((0.0, 1.0), (end, -1.0)))
+        if self.shape == "triangle":
+            slope = 2 / end
+            return Pieces(kinks=((0.0, slope), (end / 2, -2 * slope), (end, slope)))
+        if self.shape == "half-sine":
+            per = 0.5 / end
+            return Pieces(waves=(Wave(0.0, 1.0, per, False), Wave(end, 1.0, per, False)))
+        return Pieces(waves=(Wave(0.0, 0.5, 1 / end, True), Wave(end, -0.5, 1 / end, True)))
+
+    def turn(self, width: float, until: float) -> float:
+        """Around its middle; a rectangle turns where it is no longer than `width`."""
+        share = min(width / self.duration, 1.0)
+        if self.shape == "rectangle":
+            return float(share == 1 and self.duration < until)
+        if until <= self.duration / 2:
+            return 0.0
+        if self.shape == "triangle":
+            return share
+        angle = np.pi * share
+        return float(
+            (1 - np.cos(angle)) / 2 if self.shape == "haversine" else 1 - np.cos(angle / 2)
+        )
+
+
+@dataclass(frozen=True)
+class Harmonic(_Summed):
+    """f = sin(2 pi frequency t) for t > 0, `frequency` in cycles per time.
+
+    Raises
+    ------
+    SceneError
+        If the frequency is not positive.
+    """
+
+    frequency: float
+
+    def __post_init__(self) -> None:
+        frequency = checked_size("harmonic: frequency", self.frequency, "be a positive number")
+        object.__setattr__(self, "frequency", frequency)
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """One wave."""
+        return Pieces(waves=(Wave(0.0, 1.0, float(self.frequency), False),))
+
+    def turn(self, width: float, until: float) -> float:
+        """Around its crests."""
+        if until * self.frequency <= 0.25:
+            return 0.0
+        return float(1 - np.cos(np.pi * min(width * self.frequency, 1.0)))
+
+
+def _samples(given: Iterable[float]) -> Array:
+    """Samples of a table (n,); SceneError unless all are finite numbers."""
+    try:
+        listed = list(given)
+    except TypeError as error:
+        raise SceneError("tabulated: times and values must be lists of numbers.") from error
+    numbers = [finite(value) for value in listed]
+    if None in numbers:
+        value = listed[numbers.index(None)]
+        raise SceneError(
+            f"tabulated: times and values must be lists of numbers, all finite, got {shown(value)}."
+        )
+    samples = np.array(numbers, dtype=float)
+    if np.any(np.abs(samples) > LARGEST):
+        raise SceneError(f"tabulated: times and values must not exceed {LARGEST:g}.")
+    return samples
+
+
+@dataclass(frozen=True)
+class Tabulated(_Summed):
+    """Load interpolated linearly between samples, 0 before the first and constant after the last.
+
+    Parameters
+    ----------
+    t : increasing times >= 0 [time]; one time given twice is a jump.
+    value_at_t : values there; a first value other than 0 is a jump at t[0].
+
+    Raises
+    ------
+    SceneError
+        If the samples are not finite numbers, not of one length, or not in order.
+    """
+
+    t: tuple[float, ...]
+    value_at_t: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        times, values = _samples(self.t), _samples(self.value_at_t)
+        if times.shape != values.shape or not len(times):
+            raise SceneError("tabulated: give as many values as times, and at least one.")
+        if times[0] < 0 or np.any(np.diff(times) < 0):
+            raise SceneError("tabulated: times must start at 0 or later and not decrease.")
+        if np.any((times[2:] == times[1:-1]) & (times[1:-1] == times[:-2])):
+            raise SceneError(
+                "tabulated: a time may be given twice, for a jump, but not more often."
+            )
+        with np.errstate(over="ignore"):
+            steepest = np.divide(*(np.diff(part)[np.diff(times) > 0] for part in (values, times)))
+        if np.any(np.abs(steepest) > LARGEST):
+            raise SceneError(
+                f"tabulated: values rise faster than {LARGEST:g} per time; "
+                "give the same time twice for a jump."
+            )
+        object.__setattr__(self, "t", tuple(times.tolist()))
+        object.__setattr__(self, "value_at_t", tuple(values.tolist()))
+
+    @cached_property
+    def pieces(self) -> Pieces:
+        """Jumps where a time is given twice, kinks elsewhere."""
+        times, values = np.array(self.t), np.array(self.value_at_t)
+        width, rise = np.diff(times), np.diff(values)
+        sloped = width > 0
+        slopes = np.where(sloped, rise / np.where(sloped, width, 1.0), 0.0)
+        jumps = [(times[0], values[0]), *zip(times[:-1][~sloped], rise[~sloped], strict=True)]
+        kinks = [
+            *zip(times[:-1][sloped], slopes[sloped], strict=True),
+            *zip(times[1:][sloped], -slopes[sloped], strict=True),
+        ]
+        return Pieces(
+            tuple((float(s), float(j)) for s, j in jumps if j),
+            tuple((float(s), float(k)) for s, k in kinks if k),
+        )
+
+    def value(self, t: ArrayLike) -> Array:
+        """f(t), any shape; at a jump the value before it.  Looked up, not summed over samples."""
+        t = np.asarray(t, dtype=float)
+        times, values = np.array(self.t), np.array(self.value_at_t)
+        after = np.searchsorted(times, t, "left")
+        left, right = np.maximum(after - 1, 0), np.minimum(after, len(times) - 1)
+        width = times[right] - times[left]
+        share = np.where(width > 0, (t - times[left]) / np.where(width > 0, width, 1.0), 0.0)
+        inside = values[left] + share * (values[right] - values[left])
+        return np.where(t <= times[0], 0.0, inside)
+
+    def integral(self, t: ArrayLike) -> Array:
+        """int_0^t f [time], any shape; from the areas between samples, not summed over all."""
+        t = np.asarray(t, dtype=float)
+        times, values = np.array(self.t), np.array(self.value_at_t)
+        areas = np.concatenate([[0.0], np.cumsum(np.diff(times) * (values[1:] + values[:-1]) / 2)])
+        left = np.maximum(np.searchsorted(times, t, "left") - 1, 0)
+        lag = np.maximum(t - times[left], 0.0)
+        # beyond the last sample f stays what it was; before the first it is 0
+        here = np.where(t > times[-1], values[-1], self.value(t))
+        return areas[left] + lag * (values[left] + here) / 2
+
+    def turn(self, width: float, until: float) -> float:
+        """Around every sample, and half-way between, by windows that lie before and behind it."""
+        times, values = np.array(self.t), np.array(self.value_at_t)
+        seen = times < until
+        times = np.concatenate([times[:1], times[seen], [until]])
+        values = np.concatenate([[0.0], values[seen], np.atleast_1d(self.value(until))])
+        times = np.insert(times, slice(1, None), (times[1:] + times[:-1]) / 2)
+        values = np.insert(values, slice(1, None), (values[1:] + values[:-1]) / 2)
+        largest = float(np.abs(values).max())
+        if len(times) < 3 or not largest:
+            return 0.0
+        highest = 0.0
+        for sign in (1, -1):
+            least = _Least(times, sign * values)
+            for before in width * np.linspace(0, 1, 9):
+                lower = np.maximum(least(-before, 0.0), least(0.0, width - before))
+                highest = max(highest, float((sign * values - lower).max()))
+        return highest / largest
+
+
+class _Least:
+    """Least value of a piecewise linear function in windows around its own samples."""
+
+    def __init__(self, times: Array, values: Array) -> None:
+        self._times, self._values = times, values
+        # rows[k][i] is the least of the 2^k values from i on
+        self._rows = [values]
+        while (reach := 1 << (len(self._rows) - 1)) * 2 <= len(values):
+            last = self._rows[-1]
+            self._rows.append(np.minimum(last[:-reach], last[reach:]))
+
+    def __call__(self, start: float, end: float) -> Array:
+        """Over start <= t - times <= end, with start <= 0 <= end, (n,).
+
+        Of samples at one time those before, or behind, where the window ends there.
+        """
+        times, values = self._times, self._values
+        own = np.arange(len(times))
+        first = np.searchsorted(times, times + start, "left") if start else own
+        stop = np.searchsorted(times, times + end, "right") if end else own + 1
+        power = np.frexp(stop - first)[1] - 1
+        least = np.empty(len(times))
+        for k, row in enumerate(self._rows):
+            at = power == k
+            least[at] = np.minimum(row[first[at]], row[stop[at] - (1 << k)])
+        for lag in (start, end):
+            if lag:
+                least = np.minimum(least, np.interp(times + lag, times, values))
+        return least
+
+
+History = Step | Ramp | Pulse | Harmonic | Tabulated

@@ -1,0 +1,217 @@
+"""Scenes by name, from a TOML file, and with single parameters overridden."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loads import Harmonic, Pulse, Ramp
+from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_document
+
+TABLES = {
+    "material": ("shear_modulus", "density", "poisson_ratio"),
+    "base": ("pressure", "shear"),
+    "step": ("pressure", "shear"),
+}
+OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law")
+
+
+@dataclass(frozen=True)
+class NamedScene:
+    """A scene that comes with the package, and one line saying what it shows."""
+
+    scene: Scene
+    summary: str
+
+
+_UNIT_SOLID = Material(shear_modulus=1.0, density=1.0, poisson_ratio=1 / 3)
+_PRELOAD, _SHEAR = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
+
+DEFAULT_SCENE = "preloaded"
+
+NAMED_SCENES: Mapping[str, NamedScene] = {
+    "preloaded": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.0), step=Tractions(0.0, 1.0)),
+        "constant pressure, sudden shear: two slip zones, one ahead of the shear wave",
+    ),
+    "remote-shock": NamedScene(
+        Scene(_UNIT_SOLID, 1.25, base=Tractions(1.0, 1.0), step=Tractions(1.0, 1.0)),
+        "sudden remote pressure and shear, friction just low enough for the edge to slip",
+    ),
+    "stuck": NamedScene(
+        Scene(_UNIT_SOLID, 2.0, base=Tractions(1.0, 1.0), step=Tractions(1.0, 1.0)),
+        "sudden remote pressure and shear, friction high enough to hold everywhere",
+    ),
+    "auxetic": NamedScene(
+        Scene(Material(1.0, 1.0, -0.5), 0.005, base=_PRELOAD, step=_SHEAR),
+        "nu = -0.5 and little friction: reverse slip in a strip around the Rayleigh front",
+    ),
+    "ramp": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, _PRELOAD, _SHEAR, shear_history=Ramp(0.5)),
+        "constant pressure, shear rising evenly until t = 0.5, then constant",
+    ),
+    "unload": NamedScene(
+        Scene(_UNIT_SOLID, 0.15, _PRELOAD, _SHEAR, shear_history=Pulse(0.6, "triangle")),
+        "constant pressure, shear that ramps up and down again: slip reverses",
+    ),
+    "pulse": NamedScene(
+        Scene(_UNIT_SOLID, 0.15, _PRELOAD, _SHEAR, shear_history=Pulse(0.4)),
+        "constant pressure, shear on and off again suddenly",
+    ),
+    "harmonic": NamedScene(
+        Scene(_UNIT_SOLID, 0.1, _PRELOAD, _SHEAR, shear_history=Harmonic(3.0)),
+        "constant pressure, shear that oscillates: slip reverses each half cycle",
+    ),
+    "pressure-drop": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.295), step=Tractions(1.0, 0.0)),
+        "constant shear, sudden loss of pressure on the slot: slip ahead of the shear wave",
+    ),
+    "lift-off": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, step=Tractions(-1.0, 0.0)),
+        "pressure put on the slot: the contact opens at its edge (finite elements only)",
+    ),
+}
+
+
+def find_scene(source: str) -> Scene:
+    """Scene called by its name or by the path of a TOML file.
+
+    Parameters
+    ----------
+    source : str
+        A key of `NAMED_SCENES`, or a path (anything that ends in .toml or exists as a file).
+
+    Raises
+    ------
+    SceneError
+        If there is no such scene or file, or the file does not describe a scene.
+    """
+    if source in NAMED_SCENES:
+        return NAMED_SCENES[source].scene
+    path = Path(source)
+    if path.suffix == ".toml" or path.is_file():
+        return read_scene(path)
+    close = difflib.get_close_matches(source, NAMED_SCENES, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(NAMED_SCENES)}"
+    raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
+
+
+def scene_label(source: str) -> str:
+    """Short name of a scene for titles: its name, or the stem of its file."""
+    return source if source in NAMED_SCENES else Path(source).stem
+
+
+def scene_folder(source: str, overrides: Mapping[str, float]) -> Path:
+    """Folder for the results of a scene, as results/preloaded or results/preloaded-friction-0.31.
+
+    Parameters
+    ----------
+    source : str
+        As for `find_scene`.
+    overrides : mapping
+        What is put in place of the scene's own values, as for `override_scene`.
+    """
+    changes = (
+        f"{name.replace('_', '-')}-{str(value).removesuffix('.0')}"
+        for name, value in overrides.items()
+    )
+    return Path("results", "-".join((scene_label(source), *changes)))
+
+
+def read_scene(path: str | Path) -> Scene:
+    """Scene described by a TOML file.
+
+    The file holds ``friction``, ``[material]`` with shear_modulus, density and poisson_ratio, and
+    ``[base]`` and ``[step]`` with pressure and shear, in any consistent set of units; and if
+    wanted ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
+    ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read, or a key is missing, unknown, of the wrong type or out of
+        range; the message names file and key.
+    """
+    try:
+        document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
+    except ValueError as error:  # TOML syntax and UTF-8 errors alike
+        raise SceneError(f"{path} is not a valid TOML file: {error}.") from error
+    except RecursionError as error:
+        raise SceneError(f"{path} nests brackets too deeply; give a scene file.") from error
+    _check_keys(path, "", document, ("friction", *TABLES), OPTIONAL_TABLES)
+    for table, keys in TABLES.items():
+        _check_keys(path, f"{table}.", document[table], keys)
+    try:
+        return scene_from_document(document)
+    except SceneError as error:
+        raise SceneError(f"{path}: {error}") from error
+
+
+def override_scene(
+    scene: Scene,
+    *,
+    shear_modulus: float | None = None,
+    density: float | None = None,
+    poisson_ratio: float | None = None,
+    friction: float | None = None,
+    base_pressure: float | None = None,
+    base_shear: float | None = None,
+    step_pressure: float | None = None,
+    step_shear: float | None = None,
+) -> Scene:
+    """The scene with every parameter that is not None replaced.
+
+    Raises
+    ------
+    SceneError
+        If the resulting scene is not admissible.
+    """
+    return replace(
+        scene,
+        material=_replace_given(
+            scene.material,
+            shear_modulus=shear_modulus,
+            density=density,
+            poisson_ratio=poisson_ratio,
+        ),
+        base=_replace_given(scene.base, pressure=base_pressure, shear=base_shear),
+        step=_replace_given(scene.step, pressure=step_pressure, shear=step_shear),
+        friction=scene.friction if friction is None else friction,
+    )
+
+
+def _replace_given(description: Any, **values: float | None) -> Any:
+    return replace(description, **{key: v for key, v in values.items() if v is not None})
+
+
+def _check_keys(
+    path: str | Path,
+    prefix: str,
+    table: Mapping[str, object],
+    expected: tuple[str, ...],
+    optional: tuple[str, ...] = (),
+) -> None:
+    """Raise unless the table holds the expected keys and no others but optional ones."""
+    known = (*expected, *optional)
+    for key, value in table.items():
+        if key not in known:
+            close = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+            hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
+            raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
+        if key in (*TABLES, *OPTIONAL_TABLES):
+            if not isinstance(value, dict):
+                raise SceneError(f"{path}: {key} must be a table, [{key}], got {shown(value)}.")
+        elif finite(value) is None:
+            raise SceneError(f"{path}: {prefix}{key} must be a number, got {shown(value)}.")
+    for key in expected:
+        if key not in table:
+            raise SceneError(f"{path}: {prefix}{key} is missing.")

@@ -1,0 +1,312 @@
+"""What is loaded, by what, and with which friction: the description every solver shares.
+
+Conventions (all modules): plane strain, interface y = 0, contact on x > 0, open slot on
+x < 0.  Compressive pressure is positive.  Shear traction is sigma_xy on y = 0.  Slip and
+slip rate are relative (upper face minus lower face), positive towards +x.  Any consistent
+set of units will do.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from functools import cached_property
+from typing import Any
+
+from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
+from semianalytic.scene.loads import Harmonic, History, Pulse, Ramp, Step, Tabulated
+
+HISTORY_KINDS: Mapping[str, type] = {
+    "step": Step,
+    "ramp": Ramp,
+    "pulse": Pulse,
+    "harmonic": Harmonic,
+    "tabulated": Tabulated,
+}
+FRICTION_LAWS: Mapping[str, type] = {
+    "coulomb": CoulombFriction,
+    "rate-weakening": RateWeakening,
+    "slip-weakening": SlipWeakening,
+}
+
+
+@dataclass(frozen=True)
+class Material:
+    """Isotropic linear elastic solid, the same on both sides of the interface.
+
+    Parameters
+    ----------
+    shear_modulus : float
+        Shear modulus [stress], positive.
+    density : float
+        Mass density [mass / length^3], positive.
+    poisson_ratio : float
+        Poisson ratio, -1 < poisson_ratio < 0.5.
+
+    Raises
+    ------
+    SceneError
+        If a parameter is not a finite number or outside its range.
+    """
+
+    shear_modulus: float
+    density: float
+    poisson_ratio: float
+
+    def __post_init__(self) -> None:
+        for name in ("shear_modulus", "density"):
+            object.__setattr__(self, name, checked_size(f"material: {name}", getattr(self, name)))
+        poisson_ratio = checked_number(
+            "material: poisson_ratio",
+            self.poisson_ratio,
+            "lie strictly between -1 and 0.5",
+            lambda given: -1 < given < 0.5,
+        )
+        object.__setattr__(self, "poisson_ratio", poisson_ratio)
+
+    @cached_property
+    def shear_speed(self) -> float:
+        """Speed c_t of shear waves [length / time]."""
+        return math.sqrt(self.shear_modulus / self.density)
+
+    @cached_property
+    def longitudinal_speed(self) -> float:
+        """Speed c_l of pressure waves [length / time] (paper, (3.18))."""
+        nu = self.poisson_ratio
+        return self.shear_speed * math.sqrt(2 * (1 - nu) / (1 - 2 * nu))
+
+    @cached_property
+    def rayleigh_speed(self) -> float:
+        """Speed c_R of Rayleigh waves [length / time]: the root of the Rayleigh function (4.17).
+
+        Found from the cubic in (c_R/c_t)^2 (the paper's closed form, Appendix A, is garbled).
+        """
+        ratio2 = (self.shear_speed / self.longitudinal_speed) ** 2
+
+        def cubic(r: float) -> float:
+            return ((r - 8) * r + 24 - 16 * ratio2) * r - 16 * (1 - ratio2)
+
+        low, high = 0.1, 1.0
+        while low < (middle := (low + high) / 2) < high:
+            low, high = (middle, high) if cubic(middle) < 0 else (low, middle)
+        return self.shear_speed * math.sqrt(high)
+
+    @property
+    def shear_impedance(self) -> float:
+        """Traction per particle velocity of a plane shear wave, mu b [stress time / length]."""
+        return self.density * self.shear_speed
+
+
+@dataclass(frozen=True)
+class Tractions:
+    """A uniform pair of tractions [stress]: pressure (compression positive) and shear."""
+
+    pressure: float
+    shear: float
+
+    def __post_init__(self) -> None:
+        for name in ("pressure", "shear"):
+            object.__setattr__(
+                self, name, checked_number(f"tractions: {name}", getattr(self, name))
+            )
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Two identical half-planes, Coulomb friction, base tractions and a load.
+
+    Parameters
+    ----------
+    material : Material
+        The solid on both sides.
+    friction : float
+        Coulomb friction coefficient f >= 0.
+    base : Tractions
+        Uniform tractions (P_b, Q_b) on the whole line y = 0.
+    step : Tractions
+        Load (P_0, Q_0): from t = 0 the slot faces x < 0 receive the traction change
+        (-P_0 f(t), -Q_0 f(t)).  With base == step and f a step this is a sudden uniform remote
+        load.
+    pressure_history, shear_history : History
+        How P_0 and Q_0 rise and fall, f(t); steps unless given.
+    friction_law : FrictionLaw
+        What multiplies friction during slip; nothing unless given.
+
+    Raises
+    ------
+    SceneError
+        If friction is negative or not finite, if the base presses the interface apart, if
+        neither the base nor the state before a remote shock (base - step) can be at rest, or if
+        friction falls with slip rate faster than radiation can balance under the base pressure.
+    """
+
+    material: Material
+    friction: float
+    base: Tractions
+    step: Tractions
+    pressure_history: History = field(default_factory=Step)
+    shear_history: History = field(default_factory=Step)
+    friction_law: FrictionLaw = field(default_factory=CoulombFriction)
+
+    def __post_init__(self) -> None:
+        for name, kind in (("material", Material), ("base", Tractions), ("step", Tractions)):
+            if not isinstance(getattr(self, name), kind):
+                raise SceneError(
+                    f"scene: {name} must be a {kind.__name__}, got {shown(getattr(self, name))}."
+                )
+        object.__setattr__(self, "friction", checked_number("scene: friction", self.friction))
+        for name, kinds in (
+            ("pressure_history", HISTORY_KINDS),
+            ("shear_history", HISTORY_KINDS),
+            ("friction_law", FRICTION_LAWS),
+        ):
+            part = getattr(self, name)
+            if type(part) not in kinds.values():
+                known = ", ".join(kind.__name__ for kind in kinds.values())
+                raise SceneError(f"scene: {name} must be one of {known}, got {shown(part)}.")
+        if self.friction < 0:
+            raise SceneError(f"scene: friction must not be negative, got {self.friction}.")
+        if self.base.pressure < 0:
+            raise SceneError(
+                "scene: base pressure must not be negative (compression is positive), "
+                f"got {self.base.pressure}."
+            )
+        before = Tractions(
+            self.base.pressure - self.step.pressure, self.base.shear - self.step.shear
+        )
+        shock = self.is_step and self._at_rest(before)
+        if not (self._at_rest(self.base) or shock):
+            raise SceneError(
+                "scene: the interface would already slide before the load arrives; lower the base "
+                "shear below friction times base pressure, or make base and step equal "
+                "(a sudden remote load)."
+            )
+        self.check_weakening(self.base.pressure)
+
+    def check_weakening(self, pressure: float) -> None:
+        """Raise SceneError if rate weakening is ill posed under a pressure [stress]."""
+        law, radiated = self.friction_law, self.material.shear_impedance / 2
+        if not isinstance(law, RateWeakening):
+            return
+        slope = self.friction * pressure * law.reduction / law.rate
+        if slope >= radiated:
+            raise SceneError(
+                "scene: friction falls with slip rate faster than radiation can balance "
+                f"(by {slope:.4g} per slip rate under pressure {pressure:.4g}, the impedance is "
+                f"{radiated:.4g}); raise the rate or lower the reduction of the friction law."
+            )
+
+    def _at_rest(self, tractions: Tractions) -> bool:
+        strength = self.friction * tractions.pressure
+        return tractions.pressure >= 0 and abs(tractions.shear) <= strength * (1 + 1e-12)
+
+    @property
+    def acting_histories(self) -> dict[str, History]:
+        """Histories of the loads that are not zero, by name: pressure, shear."""
+        histories = {"pressure": self.pressure_history, "shear": self.shear_history}
+        return {name: one for name, one in histories.items() if getattr(self.step, name)}
+
+    @property
+    def is_step(self) -> bool:
+        """Whether every load that is not zero is a step."""
+        return all(history == Step() for history in self.acting_histories.values())
+
+    @property
+    def is_self_similar(self) -> bool:
+        """Whether all fields depend on x/t alone: step loads and constant friction."""
+        return self.is_step and self.friction_law == CoulombFriction()
+
+    def check_self_similar(self) -> None:
+        """Raise SceneError unless all fields depend on x/t alone."""
+        if not self.is_self_similar:
+            raise SceneError(
+                "the self-similar solver takes step loads and constant friction only; "
+                "use the space-time solver for this scene."
+            )
+
+    @property
+    def far_slip_rate(self) -> float:
+        """Relative slip rate far ahead of all waves [length / time], 2 V(inf).
+
+        Zero unless a sudden remote load exceeds friction everywhere, by more than rounding.
+        """
+        strength = self.friction * self.base.pressure
+        excess = abs(self.base.shear) - strength
+        if excess <= 4 * sys.float_info.epsilon * strength:
+            return 0.0
+        return 2 * math.copysign(max(excess, 0.0), self.base.shear) / self.material.shear_impedance
+
+
+def scene_document(scene: Scene) -> dict[str, Any]:
+    """A scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
+
+    Histories and friction law are named by `kind` and left out where they are the default.
+    """
+    document: dict[str, Any] = {
+        "friction": scene.friction,
+        "material": asdict(scene.material),
+        "base": asdict(scene.base),
+        "step": asdict(scene.step),
+    }
+    parts = (
+        ("pressure_history", HISTORY_KINDS, Step()),
+        ("shear_history", HISTORY_KINDS, Step()),
+        ("friction_law", FRICTION_LAWS, CoulombFriction()),
+    )
+    for name, kinds, default in parts:
+        part = getattr(scene, name)
+        if part != default:
+            kind = next(key for key, value in kinds.items() if value is type(part))
+            document[name] = {"kind": kind, **asdict(part)}
+    return document
+
+
+def scene_from_document(document: Mapping[str, Any]) -> Scene:
+    """The scene that `scene_document` or a TOML file describes.
+
+    Raises
+    ------
+    SceneError
+        If a kind or parameter of a history or friction law is unknown or missing, or a value is
+        out of range.
+    """
+    parts = {
+        name: _named(name, kinds, document[name])
+        for name, kinds in (
+            ("pressure_history", HISTORY_KINDS),
+            ("shear_history", HISTORY_KINDS),
+            ("friction_law", FRICTION_LAWS),
+        )
+        if name in document
+    }
+    return Scene(
+        material=Material(**document["material"]),
+        friction=document["friction"],
+        base=Tractions(**document["base"]),
+        step=Tractions(**document["step"]),
+        **parts,
+    )
+
+
+def _named(name: str, kinds: Mapping[str, type], table: Any) -> Any:
+    """The history or friction law that a table with a kind and parameters describes."""
+    kind = table.get("kind") if isinstance(table, Mapping) else None
+    if not isinstance(kind, str) or kind not in kinds:
+        raise SceneError(f"{name}: kind must be one of {', '.join(kinds)}, got {shown(kind)}.")
+    description = kinds[kind]
+    given = {key: value for key, value in table.items() if key != "kind"}
+    known = [part.name for part in fields(description)]
+    unknown = [key for key in given if key not in known]
+    if unknown:
+        raise SceneError(
+            f"{name}: a {kind} has no {shown(unknown[0])}; "
+            f"it takes {', '.join(known) or 'nothing'}."
+        )
+    try:
+        return description(**given)
+    except TypeError as error:
+        raise SceneError(f"{name}: a {kind} needs {', '.join(known)}.") from error

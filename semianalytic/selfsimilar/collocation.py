@@ -1,0 +1,159 @@
+"""First stage: slip rate piecewise linear in xi = x/t, Coulomb's law as complementarity.
+
+The corrective traction of a slip rate V(xi) with the slot faces free (Wiener-Hopf) is
+
+    dtau/dxi = -(Im M(-v) / (pi n(xi))) [ PV int n V' dxi0 / (xi0 - xi) - M_-(0) V(inf) ]
+               - Re M(-v) V'(xi),          v = 1/xi,  n(xi) = xi M_+(1/xi),
+
+integrated inward from the longitudinal front.  It is tested with the same hat functions that
+carry V (Galerkin), which leaves no odd-even mode.  b = mu = 1 and one-sided slip rates throughout.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array, gauss, rayleigh_factors
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.selfsimilar.complementarity import lemke
+
+_GAUSS = 6
+
+
+@dataclass(frozen=True)
+class SlipGrid:
+    """Nodes in xi [c_t] from the edge to the longitudinal front, and what depends on nu alone.
+
+    Attributes
+    ----------
+    xi : (n + 1,) array
+        Nodes, from 0 to c_l, clustered at 0, c_R, c_t and c_l.
+    operator : (n, n) array
+        Corrective traction of the nodal slip rates, tested with the hat functions [mu b].
+    far : (n,) array
+        The same for a unit slip rate far ahead, V = 1 at the last node and beyond.
+    weight, shear, pressure : (n,) arrays
+        Tests of 1, q* and p*.
+    """
+
+    xi: Array
+    operator: Array
+    far: Array
+    weight: Array
+    shear: Array
+    pressure: Array
+
+
+@dataclass(frozen=True)
+class GridSlip:
+    """Slip rate and traction of the first stage at the nodes xi [c_t], in units b = mu = 1."""
+
+    xi: Array
+    slip_rate: Array
+    pivots: int
+
+
+@lru_cache(maxsize=32)
+def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
+    """Grid of about `size` nodes and the operator on it, kept for recent Poisson ratios."""
+    factors = rayleigh_factors(poisson_ratio)
+    ends = np.array([0.0, 1 / factors.c, 1.0, 1 / factors.a])
+    counts = np.maximum(np.round(size * np.array([0.4, 0.25, 0.35])).astype(int), 4)
+    t, weight = gauss(_GAUSS)
+    nodes, points, weights = [np.zeros(1)], [], []
+    for left, right, count in zip(ends[:-1], ends[1:], counts, strict=True):
+        s = np.arange(count + 1) / count
+        nodes.append(left + (right - left) * np.sin(np.pi / 2 * s[1:]) ** 2)
+        sub = (s[:-1, None] + t / count) * np.pi / 2
+        points.append(left + (right - left) * np.sin(sub) ** 2)
+        weights.append((right - left) * np.sin(2 * sub) * np.pi / 2 * weight / count)
+    xi = np.concatenate(nodes)
+    point, dxi = np.concatenate(points), np.concatenate(weights)  # (elements, gauss)
+    n = len(xi) - 1
+    width = np.diff(xi)
+
+    # Corrective traction gradient at the Gauss points due to a unit V' on each element.
+    v = 1 / point.ravel()
+    impedance = factors.impedance_on_cut(factors.cut(v))
+    density = point.ravel() * factors.m_plus(v)
+    node_density = np.zeros(n + 1)
+    node_density[1:] = xi[1:] * factors.m_plus(1 / xi[1:])
+    slope = np.diff(node_density) / width
+    offset = xi[None, :] - point.ravel()[:, None]
+    log = np.diff(np.log(np.abs(offset)), axis=1)
+    at_point = node_density[:-1] - slope * offset[:, :-1]
+    cauchy = at_point * log + slope * width
+    gradient = -(impedance.imag / (np.pi * density))[:, None] * cauchy
+    own = np.repeat(np.arange(n), _GAUSS)
+    gradient[np.arange(len(own)), own] -= impedance.real
+    # From V' on elements to V at nodes.
+    by_node = np.zeros((len(own), n + 1))
+    by_node[:, 1:] += gradient / width
+    by_node[:, :-1] -= gradient / width
+    far = by_node[:, -1] + impedance.imag / (np.pi * density) * factors.m_plus_at_zero["II"]
+
+    # Test with hats: int hat tau dxi = tau(c_l) int hat - int (dtau/dxi) (int_0^xi hat) dxi.
+    local = (point - xi[:-1, None]) / width[:, None]
+    area = np.convolve(width, [0.5, 0.5])  # hat areas, (n + 1,)
+    passed = np.zeros((n, _GAUSS, n))
+    rows = np.arange(n)
+    for i in range(n):
+        passed[i + 1 :, :, i] = area[i]
+    passed[rows, :, rows] = area[:n, None] - (width[:, None] / 2 * (1 - local) ** 2)
+    passed[rows[:-1], :, rows[1:]] = width[:-1, None] / 2 * local[:-1] ** 2
+    test = (passed * dxi[:, :, None]).reshape(-1, n)
+    hats = np.zeros((n, _GAUSS, n))
+    hats[rows, :, rows] = 1 - local
+    hats[rows[:-1], :, rows[1:]] = local[:-1]
+    sample = (hats * dxi[:, :, None]).reshape(-1, n)
+    return SlipGrid(
+        xi,
+        -(test.T @ by_node)[:, :n],
+        -test.T @ far - area[:n],
+        area[:n],
+        sample.T @ stuck_traction(poisson_ratio, "II")(v),
+        sample.T @ stuck_traction(poisson_ratio, "I")(v),
+    )
+
+
+def slip_on_grid(
+    poisson_ratio: float,
+    friction: float,
+    base: tuple[float, float],
+    step: tuple[float, float],
+    far_slip_rate: float,
+    size: int,
+) -> GridSlip:
+    """Solve Coulomb's law on the grid: |tau| <= f p, V (tau -+ f p) = 0.
+
+    Parameters
+    ----------
+    base, step : (pressure, shear) in one unit of stress.
+    far_slip_rate : V(inf), one-sided, in that unit over mu b.
+    size : number of nodes, about.
+
+    Raises
+    ------
+    ComputationError
+        If complementary pivoting fails.
+    """
+    grid = slip_grid(poisson_ratio, size)
+    load = base[1] * grid.weight + step[1] * grid.shear + far_slip_rate * grid.far
+    strength = friction * (base[0] * grid.weight + step[0] * grid.pressure)
+    stiff = -grid.operator
+    # Most scenes slip one way only: half the unknowns, if the other inequality then holds.
+    sense = float(np.sign(load[np.argmax(np.abs(load) - strength)])) or 1.0
+    solved = lemke(stiff, strength - sense * load)
+    rate = sense * solved.z
+    pivots = solved.pivots
+    if np.any(strength + sense * load < stiff @ solved.z - 1e-9 * np.abs(load).max()):
+        matrix = np.block([[stiff, -stiff], [-stiff, stiff]])
+        solved = lemke(matrix, np.concatenate([strength - load, strength + load]))
+        forward, backward = np.split(solved.z, 2)
+        rate = forward - backward
+        pivots += solved.pivots
+    slip_rate = np.append(rate, far_slip_rate)
+    return GridSlip(grid.xi, slip_rate, pivots)

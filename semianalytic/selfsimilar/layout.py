@@ -1,0 +1,230 @@
+"""Which panels a set of slip zones has, and which of them see one another.
+
+Panels are cut at zone edges, at the shear front and beside the hidden root of the Rayleigh
+function.  What follows from their order alone is worked out once per layout.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import groupby
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A slip zone in slowness: left < v < right, sense +1 or -1.
+
+    left None: slip from the longitudinal front on, or ahead of all waves; right None: slip up to
+    the contact edge.
+    """
+
+    left: CutPoints | None
+    right: CutPoints | None
+    sense: int
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Source and target panels of Cauchy integrals; sources behind their targets come first.
+
+    Attributes
+    ----------
+    source, target : (r,) arrays of panels
+    near : (r,) array, the panel end between the two
+    behind : int, how many sources lie behind (at larger slowness than) their target
+    onto : (p, r) array, weights with which pairs add up at every panel
+    """
+
+    source: np.ndarray
+    target: np.ndarray
+    near: np.ndarray
+    behind: int
+    onto: Array
+
+    def collect(self, values: Array) -> Array:
+        """Weighted sums at all panels, (p, ..., n), of what pairs give, (r, ..., n)."""
+        shape = values.shape[1:]
+        flat = values.reshape(len(values), int(np.prod(shape)))
+        return (self.onto @ flat).reshape(-1, *shape)
+
+
+def _paired(count: int, weights: dict[tuple[int, int], float]) -> Pairs:
+    """Pairs of `count` panels from {(source, target): weight}."""
+    chosen = sorted(weights, key=lambda pair: (pair[0] < pair[1], *pair))
+    source, target = np.array(chosen, dtype=int).reshape(-1, 2).T
+    onto = np.zeros((count, len(chosen)))
+    onto[target, np.arange(len(chosen))] = [weights[pair] for pair in chosen]
+    after = source < target
+    return Pairs(source, target, source + after, int(np.sum(~after)), onto)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Which panels there are, wherever exactly they end.
+
+    Attributes
+    ----------
+    sense : per panel, 0 where the interface sticks
+    zone : per panel, index of the slip zone, on stick of the one that follows inward
+    ahead : int, number of panels ahead of the shear front
+    slips_at_b, slips_at_c : bool, whether a zone covers the shear front, the Rayleigh front
+    over_c : int, the panel that covers c; -1 if it is left out
+    gap : bool, whether that panel sticks between two zones
+    roots : (end, exponent) of the zone edges slower than c_t, with the exponent X has there
+    """
+
+    sense: tuple[int, ...]
+    zone: tuple[int, ...]
+    ahead: int
+    slips_at_b: bool
+    slips_at_c: bool
+    over_c: int
+    gap: bool
+    roots: tuple[tuple[int, float], ...]
+
+    @property
+    def pole(self) -> int:
+        """The panel that slips across c, where dV/dv has a pole; -1 if there is none."""
+        return self.over_c if self.slips_at_c else -1
+
+    @cached_property
+    def slipping(self) -> np.ndarray:
+        """(p,) whether a panel slips."""
+        return np.array(self.sense) != 0
+
+    @cached_property
+    def stick(self) -> np.ndarray:
+        """Panels that stick."""
+        return np.flatnonzero(~self.slipping)
+
+    @cached_property
+    def slip(self) -> np.ndarray:
+        """Panels that slip."""
+        return np.flatnonzero(self.slipping)
+
+    @cached_property
+    def stick_ahead(self) -> np.ndarray:
+        """Panels ahead of the shear front that stick."""
+        return self.stick[self.stick < self.ahead]
+
+    @cached_property
+    def slip_ahead(self) -> np.ndarray:
+        """Panels ahead of the shear front that slip."""
+        return self.slip[self.slip < self.ahead]
+
+    @cached_property
+    def clearance_ahead(self) -> Array:
+        """Of the panels ahead of the shear front: 1 on slip; 2 on stick, where singularities may
+        be half as far."""
+        return 2.0 - self.slipping[: self.ahead]
+
+    @cached_property
+    def slip_behind(self) -> np.ndarray:
+        """Panels behind the shear front that slip."""
+        return self.slip[self.slip >= self.ahead]
+
+    @cached_property
+    def sign(self) -> Array:
+        """(p,) sign of X, from the square roots it is made of."""
+        panels = np.arange(len(self.sense))
+        phase = np.zeros(len(panels))  # over pi
+        for end, exponent in self.roots:
+            phase += exponent * (panels >= end)
+        at_b = 0.5 * (~self.slipping if self.slips_at_b else -1.0 * self.slipping)
+        return np.asarray(np.cos(np.pi * (phase + at_b * (panels >= self.ahead))).round())
+
+    @cached_property
+    def phase_pairs(self) -> Pairs:
+        """From the panels ahead of the shear front to those that see their phase in ln X.
+
+        What slips ahead of the shear front or is joined to it by slip sees the phase of what
+        sticks, all else that of what slips.
+        """
+        count = len(self.sense)
+        by_stick = self.slipping & ((np.arange(count) < self.ahead) | self.slips_at_b)
+        weights = {
+            (source, target): 1.0 if self.sense[source] else -1.0
+            for source in range(self.ahead)
+            for target in range(count)
+            if bool(self.sense[source]) != by_stick[target]
+        }
+        return _paired(count, weights)
+
+    def pairs_from(self, sources: tuple[int, ...]) -> Pairs:
+        """From some panels to all others."""
+        return _pairs_from(len(self.sense), sources)
+
+    @cached_property
+    def regions(self) -> list[list[int]]:
+        """Panels of each stretch of stick and of each zone, from the front inward."""
+        keys = zip(self.slipping, self.zone, strict=True)
+        groups = groupby(enumerate(keys), key=lambda item: item[1])
+        return [[index for index, _ in group] for _, group in groups]
+
+
+@lru_cache(maxsize=64)
+def _pairs_from(count: int, sources: tuple[int, ...]) -> Pairs:
+    return _paired(count, {(s, t): 1.0 for s in sources for t in range(count) if s != t})
+
+
+_layout = lru_cache(maxsize=256)(Layout)
+
+
+def outline(
+    factors: RayleighFactors, zones: tuple[Zone, ...], tail: bool
+) -> tuple[list[CutPoints], Layout]:
+    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root."""
+    ends, senses, owners = [factors.front_a], [], []
+
+    def extend(right: CutPoints | None, sense: int, zone: int) -> None:
+        for end in (*factors.cuts, right):
+            if end is right or (end and lies_between(ends[-1], end, right)):
+                senses.append(sense)
+                owners.append(zone)
+                if end:
+                    ends.append(end)
+
+    for index, zone in enumerate(zones):
+        if zone.left is not None:
+            extend(zone.left, 0, index)
+        extend(zone.right, zone.sense, index)
+    if not zones or zones[-1].right is not None:
+        extend(None, 0, len(zones))
+    slips_at_b, slips_at_c = (
+        any(lies_between(zone.left, front, zone.right) for zone in zones)
+        for front in (factors.front_b, factors.front_c)
+    )
+    if not tail and len(senses) > 1:
+        del senses[-1], owners[-1]
+    place = {id(end): index for index, end in enumerate(ends)}
+    before_b, before_c = (sum(end.first[front] < 0 for end in ends) for front in (2, 3))
+    over_c = before_c - 1 if before_c <= len(senses) else -1
+    roots = []
+    for zone in zones:
+        for edge, opening in ((zone.left, True), (zone.right, False)):
+            if edge is not None and edge.first[2] > 0:
+                smooth = opening == (edge.first[3] < 0)
+                roots.append((place[id(edge)], 0.5 if smooth else -0.5))
+    layout = _layout(
+        tuple(senses),
+        tuple(owners),
+        min(before_b, len(senses)),
+        slips_at_b,
+        slips_at_c,
+        over_c,
+        not slips_at_c and over_c >= 0 and 0 < owners[over_c] < len(zones),
+        tuple(roots),
+    )
+    return ends, layout
+
+
+def lies_between(left: CutPoints | None, point: CutPoints, right: CutPoints | None) -> bool:
+    """Whether a point lies between two others (None: no bound), judged on the first set."""
+    if left is not None and not left.first_below(point):
+        return False
+    return right is None or point.first_below(right)

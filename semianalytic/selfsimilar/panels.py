@@ -1,0 +1,267 @@
+"""Panels of slowness between zone edges and wave fronts, with double-exponentially fine ends.
+
+On each panel v = left + width / (1 + rho exp(-y)) (or left + rho exp(y) on the last, unbounded
+one) and functions live on a uniform grid in y.  Whatever power or logarithm a field has at a
+panel end, it is analytic in a strip |Im y| < pi, so the trapezoidal rule and sinc
+interpolation converge geometrically in the spacing, uniformly down to the ends.
+
+Shapes: a zone edge is a CutPoints of shape (1,), or (k, 1) for k neighbouring sets of zones at
+once; node arrays are then (p, n) or (p, k, n), panel first, node last.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.rules import Rule, finer_rule
+from semianalytic.selfsimilar.layout import Layout, Pairs, Zone, outline
+
+_CACHED = 50_000  # kernel values formed at once, so that they stay in the processor's cache
+_STRIP = 0.01  # width in slowness of a zone around c that is narrow
+_MANY = 100  # nodes from which it pays to leave some out
+_NEGLIGIBLE = 1e-6  # of what the reach of a rule leaves out
+
+
+@dataclass(frozen=True)
+class Panels:
+    """Consecutive panels from the longitudinal front inward, and the grid on each.
+
+    Attributes
+    ----------
+    layout : Layout
+    left, right : tuple of CutPoints (right None on an unbounded last panel)
+    ends : CutPoints of (m, ..., 1), all their ends
+    widths : (m - 1, ..., 1) array, distances between consecutive ends
+    from_left, from_right, jacobian : (p, ..., n) arrays, v - left, right - v and dv/dy
+    at : CutPoints of (p, ..., n)
+    skew : (p, ..., 1) array, rho of the maps
+    rule : Rule
+    """
+
+    layout: Layout
+    left: tuple[CutPoints, ...]
+    right: tuple[CutPoints | None, ...]
+    ends: CutPoints
+    widths: Array
+    from_left: Array
+    from_right: Array
+    jacobian: Array
+    at: CutPoints
+    skew: Array
+    rule: Rule
+
+    @property
+    def sense(self) -> tuple[int, ...]:
+        """Per panel, 0 where the interface sticks."""
+        return self.layout.sense
+
+    @cached_property
+    def _nearest(self) -> np.ndarray:
+        """(m,) fronts nearest to the ends."""
+        right = self.right[-1]
+        ends = self.left if right is None else (*self.left, right)
+        return np.array([end.nearest for end in ends])
+
+    @cached_property
+    def from_ends(self) -> Array:
+        """(m, p, ..., n): v - end at all nodes, exact in the panels that end there."""
+        parts = self.ends.parts
+        own = parts[self._nearest, np.arange(len(self._nearest))]
+        differences = self.at.parts[self._nearest] - own[:, None]
+        panels = np.arange(len(self.left))
+        differences[panels, panels] = self.from_left
+        bounded = panels[: len(own) - 1]
+        differences[bounded + 1, bounded] = -self.from_right[bounded]
+        return differences
+
+    def integrals(self, density: Array) -> Array:
+        """(p, ...) integrals over whole panels; principal values at a pole at c."""
+        return self.rule.spacing * np.einsum("...n,...n->...", density, self.jacobian)
+
+    def coordinate(self, panel: int, at: CutPoints) -> Array:
+        """The y of (m,) points inside a panel of a single set of zones."""
+        left, right = self.left[panel], self.right[panel]
+        from_left = np.maximum(at.minus(left), 0.0)
+        with np.errstate(divide="ignore"):
+            if right is None:
+                return np.log(from_left / self.skew[panel])
+            to_right = np.maximum(-at.minus(right), 0.0)
+            return np.log(from_left) - np.log(to_right) + np.log(self.skew[panel])
+
+    def inside(self, panel: int, y: Array) -> CutPoints:
+        """Points (m,) at given y inside a panel of a single set of zones."""
+        skew, left = self.skew[panel], self.left[panel]
+        if self.right[panel] is None:
+            return CutPoints(left.parts + skew * np.exp(y))
+        return CutPoints(left.parts + self.widths[panel] / (1 + skew * np.exp(-y)))
+
+    def cauchy(self, pairs: Pairs, weights: Array) -> Array:
+        """Integrals of weights / (w - v) over the sources of pairs at the nodes v of the targets.
+
+        `weights` (r, ..., n) contain the jacobian; (r, ..., n).
+        """
+        source, behind = pairs.source, pairs.behind
+        # Distances from the end between source and target add up: no digits are lost.
+        own, other = np.empty_like(weights), np.abs(self.from_ends[pairs.near, pairs.target])
+        own[:behind] = self.from_left[source[:behind]]
+        own[behind:] = self.from_right[source[behind:]]
+        weights = self.rule.spacing * weights
+        weights[behind:] *= -1
+        if own.shape[-1] < _MANY:
+            return _summed(weights, own, other)
+        result, least = np.zeros_like(own), _NEGLIGIBLE * np.exp(-self.rule.reach / 2)
+        for i, (sizes, target) in enumerate(zip(np.abs(weights) / own, pairs.target, strict=True)):
+            bound = sizes.reshape(-1, own.shape[-1]).max(axis=0)
+            matter = np.flatnonzero(bound > self.rule.spacing * least)
+            if not len(matter):
+                continue
+            near = slice(matter[0], matter[-1] + 1)
+            to = slice(None) if target in self._long else self.rule.core
+            result[i, ..., to] = _summed(
+                weights[i, ..., near], own[i, ..., near], other[i, ..., to]
+            )
+            if target not in self._long:
+                result[i, ..., : to.start] = result[i, ..., to.start, None]
+                result[i, ..., to.stop :] = result[i, ..., to.stop - 1, None]
+        return result
+
+    @cached_property
+    def _long(self) -> tuple[int, ...]:
+        """Panels on which fields vary out to where the rule ends, not only to its `reach`: those
+        around c and the unbounded one."""
+        over_c, last = self.layout.over_c, len(self.right) - 1
+        unbounded = [i for i, right in enumerate(self.right) if right is None]
+        if over_c < 0:
+            return tuple(unbounded)
+        # what slips beside a strip around c begins beyond the stick gaps on either side of it
+        strip = 0 <= self.layout.pole < last and bool(np.all(self.widths[over_c] < _STRIP))
+        near = 2 if strip else 1
+        return (*range(max(over_c - near, 0), min(over_c + near, last) + 1), *unbounded)
+
+    def principal_values(self, sources: np.ndarray, weights: Array) -> Array:
+        """The same at the own nodes of panels (s,), as principal values (nodes of other parity).
+
+        For every map of `lay_panels`, w - v = sqrt(jacobian(w) jacobian(v)) 2 sinh(dy / 2).
+        """
+        root = np.sqrt(self.jacobian[sources])
+        return self.rule.spacing / root * ((weights / root) @ self.rule.alternate)
+
+
+def _summed(weights: Array, own: Array, other: Array) -> Array:
+    """Sums of weights / (own + other) over the nodes of `own` (..., m), for `other` (..., n)."""
+    m, n = own.shape[-1], other.shape[-1]
+    rows, sources, to = weights.reshape(-1, m, 1), own.reshape(-1, 1, m), other.reshape(-1, n, 1)
+    result = np.empty((len(to), n, 1))
+    step = max(1, min(len(to), _CACHED // (m * n)))
+    kernel = np.empty((step, n, m))
+    for start in range(0, len(to), step):
+        part = slice(start, start + step)
+        within = kernel[: len(to[part])]
+        np.add(sources[part], to[part], out=within)
+        np.reciprocal(within, out=within)
+        np.matmul(within, rows[part], out=result[part])
+    return result.reshape(other.shape)
+
+
+def _steps(parts: Array, nearest: np.ndarray) -> Array:
+    """Distances (m - 1, ..., 1) between consecutive ends (4, m, ..., 1)."""
+    order, front = np.arange(len(nearest) - 1), nearest[:-1]
+    return parts[front, order + 1] - parts[front, order]
+
+
+def _aligned(point: CutPoints, batch: tuple[int, ...]) -> Array:
+    """Parts of an edge, (4, 1) or (4, k, 1), as (4, ...) with the axes of `batch`."""
+    if point.v.shape == batch:
+        return point.parts
+    return point.parts.reshape(4, *[1] * (len(batch) + 1 - point.parts.ndim), *point.v.shape)
+
+
+def _fitted_rule(factors: RayleighFactors, layout: Layout, ends: Array, rule: Rule) -> Rule:
+    """A rule as fine and as long as the singularities near the panels demand.
+
+    Slip ahead of the shear front sees a pole at the hidden root; stick, where fields are only
+    integrated over whole panels, may come twice as near.  Beside a narrow stick gap around c,
+    dV/dv ~ 1/(v - c) over all scales down to the gap; a pole at c off the middle of its panel
+    sees one end nearer than the other.
+    """
+    strip, further, hidden = 1.0, 0.0, factors.hidden_root
+    if hidden.imag and layout.ahead:
+        v = ends[0, : layout.ahead + 1]
+        angle = np.abs(np.angle((hidden - v[:-1]) / (v[1:] - hidden))).reshape(layout.ahead, -1)
+        strip = min(1.0, float((angle.min(axis=1) * layout.clearance_ahead).min()) / np.pi)
+    if layout.over_c >= 0:
+        before, *after = np.abs(ends[3, layout.over_c : layout.over_c + 2])
+        if layout.pole >= 0:
+            other = after[0] if after else ends[0, layout.over_c]
+            further = float(np.abs(np.log(other / before)).max())
+            if after:
+                further = max(further, -float(np.log((before + after[0]).min())))
+        elif layout.gap:
+            further = max(0.0, -float(np.log((before + after[0]).min())))
+    return finer_rule(rule, strip, further)
+
+
+def lay_panels(
+    factors: RayleighFactors,
+    zones: tuple[Zone, ...],
+    rule: Rule,
+    sets: tuple[int, ...] = (),
+    tail: bool = True,
+) -> Panels:
+    """Panels for a set of zones on a rule as fine and as long as they need.
+
+    `sets` is (k, 1) if k sets of zones are wanted whatever the shape of their edges.  Without
+    `tail` an unbounded panel after others is left out.
+    """
+    points, layout = outline(factors, zones, tail)
+    batch = max((sets, *(point.v.shape for point in points)), key=len)
+    ends = np.empty((4, len(points), *batch))
+    for i, point in enumerate(points):
+        ends[:, i] = _aligned(point, batch)
+    rule = _fitted_rule(factors, layout, ends, rule)
+    bounded, middle = len(points) - 1, len(rule.y) // 2
+    shape = (len(layout.sense), *batch[:-1], len(rule.y))
+    from_left, from_right, jacobian = (np.empty(shape) for _ in range(3))
+    parts = np.empty((4, *shape))
+    width = _steps(ends, np.array([point.nearest for point in points]))
+    np.multiply(width, rule.share, out=from_left[:bounded])
+    np.multiply(width, rule.share[::-1], out=from_right[:bounded])
+    np.multiply(width, rule.bell, out=jacobian[:bounded])
+    lefts, rights = ends[:, :bounded], ends[:, 1:]
+    parts[:, :bounded, ..., :middle] = lefts + from_left[:bounded, ..., :middle]
+    parts[:, :bounded, ..., middle:] = rights - from_right[:bounded, ..., middle:]
+    skew, pole = np.ones((shape[0], *batch)), layout.pole
+    if len(layout.sense) > bounded:
+        skew[-1] = ends[0, -1]
+    if pole >= 0:
+        # A node grid that straddles c evenly has its principal values from the plain sum.
+        before = -ends[3, pole] * np.exp(-rule.spacing / 2)
+        skew[pole] = before if pole == bounded else ends[3, pole + 1] / before
+    if 0 <= pole < bounded:
+        ratio = skew[pole] * rule.decay
+        from_left[pole] = width[pole] / (1 + ratio)
+        from_right[pole] = ratio * from_left[pole]
+        jacobian[pole] = from_right[pole] / (1 + ratio)
+        near_left = lefts[:, pole] + from_left[pole]
+        parts[:, pole] = np.where(ratio > 1, near_left, rights[:, pole] - from_right[pole])
+    if len(layout.sense) > bounded:
+        from_left[-1] = jacobian[-1] = skew[-1] / rule.decay
+        from_right[-1] = np.inf
+        parts[:, -1] = ends[:, -1] + from_left[-1]
+    return Panels(
+        layout,
+        tuple(points[: shape[0]]),
+        (*points[1:], *[None] * (shape[0] - bounded)),
+        CutPoints(ends),
+        width,
+        from_left,
+        from_right,
+        jacobian,
+        CutPoints(parts),
+        skew,
+        rule,
+    )

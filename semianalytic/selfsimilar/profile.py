@@ -1,0 +1,338 @@
+"""Slip rate, slip and shear traction of given zones as functions of slowness, b = mu = 1."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
+from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
+from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.panels import Panels, lay_panels
+from semianalytic.selfsimilar.running import RunningIntegral
+from semianalytic.selfsimilar.zones import Load, ZoneFields, per_set
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Integrated fields of `ZoneFields`; slip rates are one-sided, u = t/x >= 0 of shape (n,).
+
+    For k sets of zones at once there are the fields at the nodes, (k, n), and what the contact
+    edge shows, (k,); fields at any u are for one set.
+    """
+
+    fields: ZoneFields
+
+    @property
+    def panels(self) -> Panels:
+        return self.fields.panels
+
+    @property
+    def _load(self) -> Load:
+        return self.fields.load
+
+    @property
+    def edge_slips(self) -> bool:
+        """Whether slip reaches the contact edge."""
+        return bool(self.panels.sense[-1])
+
+    @property
+    def _m_plus_at_zero(self) -> float:
+        return self.fields.factors.m_plus_at_zero["II"]
+
+    @cached_property
+    def edge_intensity(self) -> Array:
+        """K_II over that of a unit shear step on a stuck interface, () or (k,); 0 if it slips."""
+        if self.edge_slips:
+            return np.zeros(())
+        return self.fields.stick_transform_at_edge * self._m_plus_at_zero
+
+    @cached_property
+    def _slip_rate(self) -> RunningIntegral:
+        fields = self.fields
+        tail = np.zeros(())
+        if self.edge_slips:
+            sign = np.sign(fields.canonical[-1, ..., -1])
+            tail = sign * fields.constant[..., 0] / (np.pi * fields.factors.kappa)
+        return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
+
+    @cached_property
+    def _traction(self) -> RunningIntegral:
+        """Traction on panels that stick, less what is unbounded at a stuck edge."""
+        slope = self.fields.traction_slope
+        if not self.edge_slips:
+            slope = slope.copy()
+            unit = self._shear.slope(self.panels.at[-1]) * self._m_plus_at_zero
+            slope[-1] = self.fields.stick_transform_excess * unit
+        return RunningIntegral(self.panels, slope, self.fields.factors.c)
+
+    @property
+    def _shear(self) -> StuckTraction:
+        return stuck_traction(self.fields.factors.poisson_ratio, "II")
+
+    def _edge_traction(self, panel: int, v: Array) -> Array | float:
+        """The part of the traction that is unbounded at a stuck edge."""
+        if self.panels.right[panel] is not None:
+            return 0.0
+        gained = self._shear(v) - self._shear(self.panels.left[panel].v)
+        return self.edge_intensity[..., None] * gained
+
+    @cached_property
+    def _starts(self) -> tuple[Array, Array]:
+        """At the left end of each panel, (p, ...): slip rate, and traction where it sticks."""
+        panels, load = self.panels, self._load
+        rate, traction = np.zeros((2, *panels.jacobian.shape[:-1]))
+        rate[0] = per_set(load.far_slip_rate)
+        traction[0] = load.base_shear - per_set(load.far_slip_rate)
+        for i in range(len(panels.left) - 1):
+            if not panels.sense[i]:
+                traction[i + 1] = traction[i] + self._traction.totals[i]
+                continue
+            if panels.sense[i + 1]:
+                rate[i + 1] = rate[i] + self._slip_rate.totals[i]
+                continue
+            right = panels.right[i]
+            assert right is not None
+            traction[i + 1] = panels.sense[i] * self.fields.strength(right)[..., 0]
+        return rate, traction
+
+    @cached_property
+    def _slip_starts(self) -> Array:
+        """Slip / x at the left end of each panel, (p,)."""
+        panels, rate = self.panels, self._starts[0]
+        slip = np.zeros(len(panels.left))
+        slip[0] = self._load.far_slip_rate * panels.left[0].v[0]
+        for i in range(len(slip) - 1):
+            slip[i + 1] = slip[i]
+            if panels.sense[i]:
+                left, right = panels.left[i], panels.right[i]
+                assert right is not None
+                end = rate[i] + self._slip_rate.totals[i]
+                _, moment = self._slip_rate.with_moment(i, right)
+                slip[i + 1] += end * right.v[0] - rate[i] * left.v[0] - moment[0]
+        return slip
+
+    @cached_property
+    def slip_rate_at_nodes(self) -> Array:
+        """(p, ..., n): V at the nodes of all panels."""
+        return self._starts[0][..., None] + self._slip_rate.at_nodes
+
+    @cached_property
+    def traction_at_nodes(self) -> Array:
+        """(p, ..., n): tau at the nodes of panels that stick (meaningless elsewhere)."""
+        traction = self._starts[1][..., None] + self._traction.at_nodes
+        if not self.edge_slips:
+            traction[-1] += self._edge_traction(len(traction) - 1, self.panels.at.v[-1])
+        return traction
+
+    def _excess(self, region: list[int], v: Array, traction: Array) -> Array:
+        """|tau| - f p in a stretch of stick, relative to strength plus load, in a narrow gap plus
+        its share of the load; v and tau of (p, ..., n)."""
+        panels, strength = self.panels, self.strength(v)
+        right = panels.right[region[-1]]
+        if right is None:
+            return (np.abs(traction) - strength) / (1 + strength)
+        # In a gap between zones the traction starts from strength, and what slip would radiate it
+        # falls, like the impedance, with the distance from c.
+        left = panels.left[region[0]]
+        reach = np.maximum(np.abs(left.from_c), np.abs(right.from_c)) if region[0] else 1.0
+        scale = np.minimum(1.0, reach) + strength.max(axis=(0, -1))[..., None]
+        return np.asarray((np.abs(traction) - strength) / scale)
+
+    @cached_property
+    def largest_rate(self) -> Array:
+        """Largest |V| at the nodes, () or (k,)."""
+        return np.asarray(np.abs(self.slip_rate_at_nodes).max(axis=(0, -1)))
+
+    @cached_property
+    def wrong_at_nodes(self) -> Array:
+        """(p, ..., n): what Coulomb's law wants to be 0 or less.
+
+        Where it slips slip rate against the sense of the zone, over the largest; where it sticks
+        |tau| - f p, relative to strength plus load, in a narrow gap plus its share of the load.
+        """
+        panels, rate = self.panels, self.slip_rate_at_nodes
+        sense = np.array(panels.sense).reshape(-1, *[1] * (rate.ndim - 1))
+        largest = self.largest_rate[..., None]
+        result = np.asarray(-sense * rate / np.where(largest > 0, largest, 1.0))
+        for region in (part for part in panels.layout.regions if not panels.sense[part[0]]):
+            traction = self.traction_at_nodes[region]
+            result[region] = self._excess(region, panels.at.v[region], traction)
+        return result
+
+    def wrong(self, panel: int, at: CutPoints) -> Array:
+        """The same at points (m,) inside a panel, of one set of zones."""
+        sense = self.panels.sense[panel]
+        if sense:
+            rate = self._starts[0][panel] + self._slip_rate(panel, at)
+            return np.asarray(-sense * rate / self.largest_rate)
+        traction = self._starts[1][panel] + self._traction(panel, at)
+        traction = traction + self._edge_traction(panel, at.v)
+        region = next(part for part in self.panels.layout.regions if panel in part)
+        return self._excess(region, at.v[None], traction[None])[0]
+
+    def residues(self, panel: int) -> Array:
+        """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
+        return np.asarray(self._slip_rate.residues[panel])
+
+    def residue(self, panel: int) -> float:
+        """The same for one set of zones."""
+        return float(self.residues(panel))
+
+    @cached_property
+    def edge_slip_rate(self) -> float:
+        """V at the contact edge."""
+        return float(self._starts[0][-1] + self._slip_rate.totals[-1]) if self.edge_slips else 0.0
+
+    def _piecewise(
+        self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
+    ) -> Array:
+        return self._piecewise_at(self.fields.factors.cut(u), ahead, inside)
+
+    def _piecewise_at(
+        self, at: CutPoints, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
+    ) -> Array:
+        result = np.full(at.v.shape, ahead)
+        panel = np.searchsorted([left.v[0] for left in self.panels.left], at.v, "right") - 1
+        for i in np.unique(panel[panel >= 0]):
+            here = panel == i
+            result[here] = inside(int(i), at[here])
+        return result
+
+    def slip_rate_inside(self, panel: int, at: CutPoints) -> Array:
+        """V at points (m,) inside a panel."""
+        if not self.panels.sense[panel]:
+            return np.zeros(at.v.shape)
+        return np.asarray(self._starts[0][panel] + self._slip_rate(panel, at))
+
+    def slip_rate(self, u: Array) -> Array:
+        """V at slownesses u."""
+        return self.slip_rate_at(self.fields.factors.cut(u))
+
+    def slip_rate_at(self, at: CutPoints) -> Array:
+        """V at points of exact distances from the fronts, also where those are minute."""
+        return self._piecewise_at(at, self._load.far_slip_rate, self.slip_rate_inside)
+
+    def slip_over_time(self, u: Array) -> Array:
+        """Slip / t at slownesses u: the mean of V over slownesses up to u."""
+        rate, slip = self._starts[0], self._slip_starts
+
+        def inside(i: int, at: CutPoints) -> Array:
+            if not self.panels.sense[i]:
+                return slip[i] / at.v
+            gain, moment = self._slip_rate.with_moment(i, at)
+            start = slip[i] - rate[i] * self.panels.left[i].v
+            return rate[i] + gain + (start - moment) / at.v
+
+        return self._piecewise(u, self._load.far_slip_rate, inside)
+
+    def pressure_change(self, u: Array) -> Array:
+        """P_0 p* at slownesses u."""
+        if not self._load.step_pressure:
+            return np.zeros(u.shape)
+        mode_one = stuck_traction(self.fields.factors.poisson_ratio, "I")
+        return self._load.step_pressure * mode_one(u)
+
+    def strength(self, u: Array) -> Array:
+        """Friction bound f p at slownesses u."""
+        load = self._load
+        return np.asarray(load.friction * (load.base_pressure + self.pressure_change(u)))
+
+    def shear_change(self, u: Array) -> Array:
+        """tau - Q_b at slownesses u."""
+        load = self._load
+
+        def inside(i: int, at: CutPoints) -> Array:
+            sense = self.panels.sense[i]
+            if sense:
+                return sense * self.strength(at.v) - load.base_shear
+            bounded = self._starts[1][i] + self._traction(i, at) - load.base_shear
+            return bounded + self._edge_traction(i, at.v)
+
+        return self._piecewise(u, -load.far_slip_rate, inside)
+
+    @cached_property
+    def frictional_power(self) -> float:
+        """Integral of tau V over xi, one-sided slip rate, without slip ahead of all waves.
+
+        By parts: V is unbounded at c, but its slope has a principal value there, which the rule
+        of the panels knows.
+        """
+        panels, rate, power = self.panels, self._slip_rate, 0.0
+        weight = self.strength(panels.at.v) / np.square(panels.at.v)
+        passed = panels.rule.running(weight * panels.jacobian)
+        whole, lost = panels.integrals(weight), panels.integrals(passed * rate.density)
+        for i in panels.layout.slip:
+            end = self._starts[0][i] + rate.totals[i]
+            power += panels.sense[i] * float(end * whole[i] - lost[i])
+        return power
+
+    @cached_property
+    def _slot_panels(self) -> Panels:
+        return lay_panels(self.fields.factors, (Zone(None, None, 1),), self.fields.rule)
+
+    def _slot_transforms(self, k: Array) -> tuple[Array, Array]:
+        """Transforms of shear traction and of pressure at k > 0."""
+        factors = self.fields.factors
+        shear = self.fields.stick_transform_off_cut(k) * factors.m_plus(k)
+        unit = factors.m_plus(k, "I") / factors.m_plus_at_zero["I"]
+        return shear, self._load.step_pressure * unit
+
+    @cached_property
+    def _slot_direct(self) -> tuple[RunningIntegral, RunningIntegral]:
+        """Slopes in v = -t/x of v_x from shear and of v_y from pressure on the upper slot face."""
+        factors, panels = self.fields.factors, self._slot_panels
+        shear, pressure = self._slot_transforms(panels.at.v)
+
+        def slope(transform: Array, mode: Mode) -> RunningIntegral:
+            impedance = factors.impedance_on_cut(panels.at, mode)
+            density = transform * impedance.imag / np.square(np.abs(impedance))
+            return RunningIntegral(panels, density / (np.pi * panels.at.v), factors.c)
+
+        return slope(-shear, "II"), slope(pressure, "I")
+
+    @cached_property
+    def _slot_coupled(self) -> tuple[RunningIntegral, RunningIntegral]:
+        """Slopes of v_x from pressure and of v_y from shear: -T k (b^2 - 2k^2 - 2ab) / (mu R)."""
+        factors, at = self.fields.factors, self._slot_panels.at
+        shear, pressure = self._slot_transforms(at.v)
+        z = np.square(at.v)
+        product = -at.from_a * at.from_b * (at.v + factors.a) * (at.v + 1)
+        root = np.sqrt(np.maximum(product, 0.0))
+        rayleigh = np.square(np.square(1 - 2 * z)) + np.square(4 * z * root)
+        response = np.where(product > 0, -2 / np.pi * root * (1 - 2 * z) / rayleigh, 0.0)
+        return (
+            RunningIntegral(self._slot_panels, pressure * response, factors.c),
+            RunningIntegral(self._slot_panels, shear * response, factors.c),
+        )
+
+    @cached_property
+    def _slot_jumps(self) -> tuple[float, float]:
+        """Jumps of v_x and v_y at the Rayleigh front of the slot, from the coupled response."""
+        factors = self.fields.factors
+        c = np.array([factors.c])
+        shear, pressure = self._slot_transforms(c)
+        z = c * c
+        numerator = 1 - 2 * z + 2 * np.sqrt((z - factors.a**2) * (z - 1))
+        response = numerator / (-2 * c * factors.reduced_rayleigh(c))
+        return float((pressure * response)[0]), float((shear * response)[0])
+
+    def slot_velocity(self, v: Array) -> tuple[Array, Array]:
+        """Tangential and normal velocity of the upper slot face at v = -t/x >= 0."""
+        load, factors = self._load, self.fields.factors
+        plane_waves = (load.step_shear, -load.step_pressure * factors.a)
+        lefts = [left.v[0] for left in self._slot_panels.left]
+        panel = np.searchsorted(lefts, v, "right") - 1
+        result = []
+        for axis, far in enumerate(plane_waves):
+            value = np.full(v.shape, far)
+            for integral in (self._slot_direct[axis], self._slot_coupled[axis]):
+                for i in np.unique(panel[panel >= 0]):
+                    here = panel == i
+                    value[here] += integral.totals[:i].sum()
+                    value[here] += integral(int(i), factors.cut(v[here]))
+            result.append(np.where(v > factors.c, value + self._slot_jumps[axis], value))
+        return result[0], result[1]

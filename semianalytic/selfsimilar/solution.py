@@ -1,0 +1,285 @@
+"""The solved scene: everything on the interface as functions of position and time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.stuck import stress_intensity
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.dissipation import dissipation
+from semianalytic.selfsimilar.profile import Profile
+
+
+@dataclass(frozen=True)
+class SlipZone:
+    """Part of the interface that slips: inner * t < x < outer * t.
+
+    Attributes
+    ----------
+    inner, outer : float
+        Velocities of the edges [length / time]; inner 0 is the contact edge, outer inf is slip
+        ahead of all waves.
+    sense : int
+        +1 where the upper side slips towards +x, -1 towards -x.
+    """
+
+    inner: float
+    outer: float
+    sense: int
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What a solution took.
+
+    Attributes
+    ----------
+    pivots : int, of complementary pivoting on the grid
+    newton_steps : int, of the zone edges
+    zone_sets : int, sets of zones tried until Coulomb's law held everywhere
+    unknowns : int, zone edges
+    nodes : int, of all panels
+    seconds : dict of stage to time [s]
+    """
+
+    pivots: int
+    newton_steps: int
+    zone_sets: int
+    unknowns: int
+    nodes: int
+    seconds: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Self-similar slip on the interface of a scene.
+
+    All fields broadcast over positions x > 0 [length] and times t [time]; before t = 0 they are
+    the base state.  Slip and slip rate are relative, upper minus lower side.  As all results that
+    hold arrays, a solution equals only itself; compare fields.
+
+    Attributes
+    ----------
+    scene : Scene
+    zones : tuple of SlipZone, from the contact edge outward
+    status : str
+        "converged", or a sentence saying what to distrust.
+    error_estimate : float
+        Estimate, meant as a bound, of the errors of
+
+        - zone edges, relative to c_t; a zone that slips less than this, relative to the largest
+          slip rate, may be missing;
+        - the slip rate over all positions, in L1 relative to its own L1 norm;
+        - the slip rate at every point further than 0.03 c_t from zone edges and from c_R,
+          relative to its largest value there, and the shear traction there, relative to itself
+          plus the largest load.  Nearer the error may be larger: a shift e of an edge changes
+          the square root at it by up to e^(1/2), and the logarithm at c_R has no largest value;
+        - slip, path and work of friction at every point, relative to their largest value;
+        - frictional power of the whole contact or of a part, relative to that of the whole;
+        - slip rate and stress intensity at the contact edge, relative to themselves.
+    statistics : Statistics
+    profile : Profile
+        The fields over slowness, in units b = mu = 1 and `stress`.
+    stress : float
+        Unit of stress of `profile`.
+    """
+
+    scene: Scene
+    zones: tuple[SlipZone, ...]
+    status: str
+    error_estimate: float
+    statistics: Statistics
+    profile: Profile
+    stress: float
+
+    def _evaluate(self, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]) -> Array:
+        """A field over slowness (m,), or several (k, m), at x, t; 0 before t = 0."""
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))):
+            raise SceneError("positions and times must be finite numbers.")
+        if np.any(x <= 0):
+            raise SceneError("the contact is x > 0; ask for positive positions.")
+        u = (t * self.scene.material.shear_speed / x).ravel()
+        value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
+        return value.reshape((*value.shape[:-1], *x.shape))
+
+    @property
+    def _rate_unit(self) -> float:
+        return 2 * self.stress / self.scene.material.shear_impedance
+
+    def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip rate [length / time].
+
+        Raises
+        ------
+        SceneError
+            If a position is not positive, or x or t is not finite.
+        """
+        return self._rate_unit * self._evaluate(x, t, self.profile.slip_rate)
+
+    def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip [length], the time integral of `slip_rate` since t = 0; raises as it."""
+        time = np.asarray(t, dtype=float)
+        return self._rate_unit * time * self._evaluate(x, t, self.profile.slip_over_time)
+
+    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Total shear traction sigma_xy [stress], base included; raises as `slip_rate`."""
+        change = self._evaluate(x, t, self.profile.shear_change)
+        return self.scene.base.shear + self.stress * change
+
+    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Contact pressure [stress], base included; slip does not change it.
+
+        Raises as `slip_rate`.
+        """
+        change = self._evaluate(x, t, self.profile.pressure_change)
+        return self.scene.base.pressure + self.stress * change
+
+    def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Friction bound less shear traction, f p - |tau| [stress]; 0 where it slips."""
+        bound = self.scene.friction * self.pressure(x, t)
+        return bound - np.abs(self.shear_traction(x, t))
+
+    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+        """All interface fields at positions x (n,) and times t (m,)."""
+        x, t = np.asarray(x, dtype=float), np.asarray(t, dtype=float)
+        fields = (self.slip, self.slip_rate, self.shear_traction, self.pressure)
+        return InterfaceHistory(x, t, *(field(x[None, :], t[:, None]) for field in fields))
+
+    @cached_property
+    def edge_slip_rate(self) -> float:
+        """Relative slip rate at the contact edge, x -> 0+ [length / time]; 0 if it sticks."""
+        return self._rate_unit * self.profile.edge_slip_rate
+
+    def stress_intensity(self, t: ArrayLike) -> tuple[Array, Array]:
+        """(K_I, K_II) at the contact edge at times t [stress sqrt(length)] (3.13), (3.16).
+
+        pressure ~ K_I / sqrt(2 pi x) and shear traction ~ K_II / sqrt(2 pi x) of the actual
+        state; a slipping edge has |K_II| = f K_I.
+        """
+        scene = self.scene
+        unit = type(scene.step)(1.0, 1.0)
+        mode_one, mode_two = stress_intensity(scene.material, unit, t)
+        mode_one = scene.step.pressure * mode_one
+        if self.profile.edge_slips:
+            return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one
+        return mode_one, self.stress * self.profile.edge_intensity * mode_two
+
+    def path(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Accumulated |slip| [length], the time integral of |slip rate|; raises as `slip_rate`."""
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        total = np.abs(self.slip(x, np.minimum(t, 0.0)))
+        for zone in self.zones:
+            starts = np.minimum(t, x / zone.outer)
+            stops = np.minimum(t, x / zone.inner) if zone.inner else t
+            total = total + np.abs(self.slip(x, stops) - self.slip(x, starts))
+        return total
+
+    def friction_work(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Work per area taken by friction at x until t [stress length]; raises as `slip_rate`."""
+        unit = self._rate_unit * self.stress / self.scene.material.shear_speed
+
+        def over_slowness(u: Array) -> Array:
+            return np.asarray(dissipation(self.profile, u)[1])
+
+        return unit * np.asarray(x, dtype=float) * self._evaluate(x, t, over_slowness)
+
+    def frictional_power(
+        self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf
+    ) -> Array:
+        """Power turned to heat on the contact per unit depth at times t [stress length^2 / time].
+
+        Of all positions between inner and outer [length], which broadcast with t.  Over the whole
+        contact it grows linearly in time; it is infinite when the interface slips ahead of all
+        waves.
+
+        Raises
+        ------
+        SceneError
+            If inner is negative, infinite or above outer, or t is not finite.
+        """
+        t, inner, outer = _intervals(t, inner, outer)
+        time = np.maximum(t, 0.0)
+        per_time = self._power_per_time(inner, time) - self._power_per_time(outer, time)
+        power = self._rate_unit * self.stress * self.scene.material.shear_speed * per_time
+        return np.asarray(np.multiply(power, time, out=np.zeros(t.shape), where=time > 0))
+
+    def _power_per_time(self, x: Array, time: Array) -> Array:
+        """Power beyond x over time, in units of `profile`; slip ahead of all waves counts from the
+        longitudinal front."""
+        value = np.full(x.shape, self.profile.frictional_power)
+        value[np.isinf(x)] = -np.inf if self.scene.far_slip_rate else 0.0
+        part = (x > 0) & np.isfinite(x) & (time > 0)
+        u = time[part] * self.scene.material.shear_speed / x[part]
+        value[part] = dissipation(self.profile, u)[0]
+        return value
+
+    def heat(self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf) -> Array:
+        """Energy turned to heat between inner and outer per unit depth until t [stress length^2].
+
+        The time integral of `frictional_power`; raises as it.
+        """
+        t, inner, outer = _intervals(t, inner, outer)
+        heat = np.asarray(t * self.frictional_power(t, inner, outer))
+        # By self-similarity the power beyond x is t F(x/t), and the work at x follows from F.
+        for x, sign in ((inner, -1), (outer, 1)):
+            part = (x > 0) & np.isfinite(x)
+            heat[part] += sign * x[part] * self.friction_work(x[part], t[part])
+        return heat / 2
+
+    def energy_flux(self, t: ArrayLike) -> Array:
+        """Power that leaves the solids through the contact, per unit depth, at times t.
+
+        [stress length^2 / time], in units of `frictional_power`, to which it is equal: friction
+        takes all of it.  The edges of slip zones take none, for slip rate vanishes there at
+        least like |x - edge|^(1/2) (between c_t and c_l like |x - edge|^(1 - phi/pi)) under a
+        finite traction; nor does a stuck contact edge, which is singular but does not move.
+        What the load does beyond that is radiated; it is infinite, as the slot is.
+        """
+        return self.frictional_power(t)
+
+    @property
+    def front_speeds(self) -> Array:
+        """(m, 2) velocities of the inner and outer edge of each zone [length / time].
+
+        From the contact edge outward; 0 is the contact edge itself, inf slip ahead of all waves.
+        """
+        return np.array([(zone.inner, zone.outer) for zone in self.zones]).reshape(-1, 2)
+
+    def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
+        """Particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
+
+        Logarithmically infinite at the Rayleigh front.
+
+        Raises
+        ------
+        SceneError
+            If a position is not negative, or x or t is not finite.
+        """
+        x = np.asarray(x, dtype=float)
+        if np.any(x >= 0):
+            raise SceneError("the slot is x < 0; ask for negative positions.")
+        unit = self._rate_unit / 2
+        both = self._evaluate(-x, t, lambda v: np.stack(self.profile.slot_velocity(v)))
+        tangential, normal = both
+        return unit * tangential, unit * normal
+
+
+def _intervals(t: ArrayLike, inner: ArrayLike, outer: ArrayLike) -> tuple[Array, Array, Array]:
+    """Times and the ends of intervals of the contact, broadcast and checked."""
+    t, inner, outer = np.broadcast_arrays(
+        *(np.asarray(one, dtype=float) for one in (t, inner, outer))
+    )
+    if not np.all(np.isfinite(t)):
+        raise SceneError("times must be finite numbers.")
+    if not np.all((inner >= 0) & (inner <= outer) & np.isfinite(inner)):
+        raise SceneError("the contact is x > 0; ask for an interval with 0 <= inner <= outer.")
+    return t, inner, outer

@@ -1,0 +1,1 @@
+"""The marcher of the interface through space and time, for histories and changing strength."""

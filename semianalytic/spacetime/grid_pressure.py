@@ -1,0 +1,149 @@
+"""Pressure of the stuck interface at the nodes of a grid, for any load history, (3.10), (3.20)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.halfplane.edge_factors import edge_offset_and_factors
+from semianalytic.halfplane.primitives import stuck_primitive
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.loads import Pieces
+from semianalytic.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+_ROWS = 64
+_TABLE_SAMPLES = 2
+_EXACT_KINKS = 4
+_BLOCK = 1 << 16
+_TABLE_BYTES = 8
+
+
+def table_bytes(scene: Scene, count: int, steps: float) -> float:
+    """What `GridPressure` keeps for `count` nodes and a number of time steps [bytes]."""
+    return _TABLE_SAMPLES * steps * count * _TABLE_BYTES if _needs_table(scene) else 0.0
+
+
+def _needs_table(scene: Scene) -> bool:
+    pieces = scene.pressure_history.pieces
+    return bool(scene.step.pressure and (pieces.waves or len(pieces.kinks) > _EXACT_KINKS))
+
+
+class GridPressure:
+    """Pressure at grid nodes, with the grid's own edge (see `edge_factors`).
+
+    Jumps of the history are exact, and so are kinks if they are few: p* and its primitive in
+    slowness.  Waves, and the kinks of tables, are replaced by what is linear between half time
+    steps: waves by their interpolant, each kink by two beside it with its sum and moment.  That is
+    convolved with the primitive by FFT; the table takes 16 bytes per node and step.
+
+    Parameters
+    ----------
+    scene : Scene
+    count : int
+        Contact nodes, the first half a node distance from the edge.
+    spacing : float
+        Node distance [length].
+    end_time, time_step : float
+        What a table of waves has to cover, and how finely [time].
+    """
+
+    def __init__(
+        self, scene: Scene, count: int, spacing: float, end_time: float, time_step: float
+    ) -> None:
+        offset, factors = edge_offset_and_factors()
+        self._scene = scene
+        self._factor = np.ones(count)
+        self._factor[: len(factors)] = factors[:count]
+        self._x = (np.arange(count) + offset) * spacing
+        self._arrival = self._x / scene.material.longitudinal_speed
+        self._per = self._x / scene.material.shear_speed
+        self._pieces = scene.pressure_history.pieces if scene.step.pressure else Pieces()
+        nu = scene.material.poisson_ratio
+        self._stuck, self._primitive = stuck_traction(nu, "I"), stuck_primitive(nu, "I")
+        self._base = np.full(count, float(scene.base.pressure))
+        self._table = np.zeros((0, count))
+        self._kinks = self._pieces.kinks
+        if _needs_table(scene):
+            self._kinks = self._kinks if len(self._kinks) <= _EXACT_KINKS else ()
+            self._rows = _TABLE_SAMPLES * int(np.ceil(end_time / time_step))
+            self._interval = end_time / self._rows
+            self._table = self._response_table(count)
+
+    def __call__(self, t: float) -> Array:
+        """Pressure at time t, (n,) [stress], compressive positive."""
+        return next(self.over(np.array([t])))
+
+    def over(self, times: Array) -> Iterator[Array]:
+        """Pressure at one time after the other, (n,) each [stress]."""
+        rows = max(1, _BLOCK // len(self._x))
+        for first in range(0, len(times), rows):
+            yield from self._block(times[first : first + rows])
+
+    def _block(self, times: Array) -> Iterator[Array]:
+        scene = self._scene
+        if scene.step.pressure == 0:
+            yield from (self._base for _ in times)
+            return
+        response = np.zeros((len(times), len(self._x)))
+        self._add(response, times, self._pieces.jumps, lambda u, per: self._stuck(u))
+        self._add(response, times, self._kinks, lambda u, per: per * self._primitive(u))
+        if len(self._table):
+            at = times / self._interval
+            low = np.minimum(at.astype(int), self._rows - 1)
+            step = self._table[low + 1] - self._table[low]
+            response += self._table[low] + (at - low)[:, None] * step
+        # what is singular at the edge is the response together with the load itself
+        load = scene.pressure_history.value(times)[:, None]
+        yield from self._base + scene.step.pressure * ((response + load) * self._factor - load)
+
+    def _add(
+        self,
+        response: Array,
+        times: Array,
+        pieces: tuple[tuple[float, float], ...],
+        unit: Callable[[Array, Array], Array],
+    ) -> None:
+        """Add to (m, n) responses those to jumps or kinks, of which `unit` is one of height 1."""
+        for start, amplitude in pieces:
+            lag = times - start
+            reached = lag[:, None] > self._arrival
+            if reached.any():
+                per = np.broadcast_to(self._per, reached.shape)[reached]
+                u = np.broadcast_to(lag[:, None], reached.shape)[reached] / per
+                response[reached] += amplitude * unit(u, per)
+
+    def _response_table(self, count: int) -> Array:
+        """Response to waves and many kinks, (rows + 1, n)."""
+        from scipy.fft import irfft, next_fast_len, rfft
+
+        t: Array = self._interval * np.arange(self._rows + 1, dtype=float)
+        kinks = self._grid_kinks(t)
+        size = next_fast_len(2 * len(t), real=True)
+        transform = rfft(kinks, size)
+        table = np.empty((len(t), count))
+        for first in range(0, count, _ROWS):
+            per = self._per[first : first + _ROWS, None]
+            ramps = np.zeros((len(per), len(t)))
+            reached = t > self._arrival[first : first + _ROWS, None]
+            u = (t / per)[reached]
+            ramps[reached] = np.broadcast_to(per, reached.shape)[reached] * self._primitive(u)
+            full = irfft(transform * rfft(ramps, size, axis=1), size, axis=1)
+            table[:, first : first + _ROWS] = full[:, : len(t)].T
+        return table
+
+    def _grid_kinks(self, t: Array) -> Array:
+        """Changes of slope at the table's times that stand for waves and kinks, (rows + 1,)."""
+        samples = np.sum([wave.value(t) for wave in self._pieces.waves], axis=0) + 0 * t
+        kinks = np.diff(samples, prepend=0.0, append=samples[-1])[1:] / self._interval
+        kinks[1:] -= kinks[:-1].copy()
+        if not self._kinks:
+            at, slope = np.array(self._pieces.kinks).reshape(-1, 2).T
+            at, slope = at[at < t[-1]] / self._interval, slope[at < t[-1]]
+            low = np.minimum(at.astype(int), self._rows - 1)
+            np.add.at(kinks, low, slope * (low + 1 - at))
+            np.add.at(kinks, low + 1, slope * (at - low))
+        return kinks

@@ -1,0 +1,278 @@
+"""What a space-time march leaves: histories, sums along the interface, and where to go on from."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, fields
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.results.files import sealed_hdf5, whole_hdf5
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.scene import Scene, scene_document, scene_from_document
+from semianalytic.spacetime.exponentials import Memory
+from semianalytic.spacetime.resolution import unresolved_zone
+
+Array = NDArray[np.float64]
+
+FORMAT = "slipfront march 2"
+ONSET_SHARE = 0.01
+"""Part of the largest slip rate so far that counts as the beginning of slip."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Nodes (i + 1/2) h: `slot` of them on x < 0, the others on the contact.
+
+    Attributes
+    ----------
+    spacing : float
+        h [length].
+    slot, observed, size : int
+        Nodes on the slot, on the part of the contact that was asked for, and in all.
+    """
+
+    spacing: float
+    slot: int
+    observed: int
+    size: int
+
+    @property
+    def x(self) -> Array:
+        """Observed positions on the contact (observed,) [length]."""
+        return np.asarray((np.arange(self.observed) + 0.5) * self.spacing)
+
+    @property
+    def wavenumbers(self) -> Array:
+        """Of the cosines, (size,) [1 / length]."""
+        return np.asarray(np.pi * np.arange(self.size) / (self.size * self.spacing))
+
+
+@dataclass(frozen=True, eq=False)
+class Extremes:
+    """What every step of a march adds to, stored or not; (n,) arrays at the observed nodes.
+
+    Attributes
+    ----------
+    forward, reverse : largest and least slip rate so far, 0 or beyond [length / time].
+    slip : largest |slip| so far [length].
+    onset : when slip began [time], inf where it did not: when |V| passed 1 % of the largest |V|
+        that there had been anywhere until then, linear between the two levels around it.
+    """
+
+    forward: Array
+    reverse: Array
+    slip: Array
+    onset: Array
+
+    @classmethod
+    def at_rest(cls, nodes: int) -> Extremes:
+        """Before anything happens."""
+        rest = np.zeros(nodes)
+        return cls(rest, rest, rest, np.full(nodes, np.inf))
+
+    @property
+    def slip_rate(self) -> Array:
+        """Largest |slip rate| (n,) [length / time]."""
+        return np.maximum(self.forward, np.abs(self.reverse))
+
+    def with_level(
+        self, before: float, now: float, old: Array, new: Array, slip: Array
+    ) -> Extremes:
+        """With one more level: slip rates at it and at the level before it, and slip."""
+        forward, reverse = np.maximum(self.forward, new), np.minimum(self.reverse, new)
+        threshold = ONSET_SHARE * max(float(forward.max()), -float(reverse.min()))
+        late, speed = np.abs(old), np.abs(new)
+        begins = (speed > threshold) & np.isinf(self.onset)
+        onset = self.onset
+        if begins.any():
+            onset, late, speed = onset.copy(), late[begins], speed[begins]
+            rise = np.where(speed > late, speed - late, 1.0)
+            share = np.where(speed > late, (threshold - late) / rise, 0.0)
+            onset[begins] = before + (now - before) * np.clip(share, 0.0, 1.0)
+        return Extremes(forward, reverse, np.maximum(self.slip, np.abs(slip)), onset)
+
+
+@dataclass(frozen=True, eq=False)
+class MarchState:
+    """Where a march is.
+
+    Attributes
+    ----------
+    time : float
+        [time].
+    modes : (poles, size) complex array
+        Memory of the past, per pole and cosine [length / time].
+    lasting : (size,) array
+        Its static part, per cosine [length / time].
+    rate : (size,) array
+        Relative slip rate, slot included [length / time].
+    traction : (size - slot,) array
+        Shear traction of the contact [stress].
+    slip, path : (size - slot,) arrays
+        On the contact: slip and accumulated |slip| [length].
+    work : (size - slot,) array
+        On the contact: frictional work per area [stress length].
+    """
+
+    time: float
+    modes: NDArray[np.complex128]
+    lasting: Array
+    rate: Array
+    traction: Array
+    slip: Array
+    path: Array
+    work: Array
+
+    @classmethod
+    def at_rest(cls, poles: int, grid: Grid) -> MarchState:
+        """Before anything happens."""
+        lasting, contact = np.zeros(grid.size), np.zeros(grid.size - grid.slot)
+        modes = np.zeros((poles, grid.size), dtype=complex)
+        return cls(0.0, modes, lasting, lasting, contact, contact, contact, contact)
+
+
+@dataclass(frozen=True)
+class MarchStatistics:
+    """What a march cost.
+
+    Attributes
+    ----------
+    steps : int
+    nodes : int
+        Of the whole grid.
+    poles : int
+        Exponentials that carry the memory.
+    memory_error : float
+        Relative error of their transform.
+    seconds : dict
+        By stage: setup, steps.
+    """
+
+    steps: int
+    nodes: int
+    poles: int
+    memory_error: float
+    seconds: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Marched:
+    """Slip history of the interface by the space-time solver.
+
+    Attributes
+    ----------
+    scene : Scene
+    interface : InterfaceHistory
+        At the observed nodes and stored levels.
+    latest : float
+        Time to which it can go on [time].
+    step_ratio, damping, every : float, float, int
+        Options of the march, which a continuation keeps.
+    statistics : MarchStatistics
+    grid, memory, state
+        What a continuation starts from.
+    seen : Extremes
+        Largest values and beginnings of slip over all steps, stored or not.
+    """
+
+    scene: Scene
+    interface: InterfaceHistory
+    latest: float
+    step_ratio: float
+    damping: float
+    every: int
+    statistics: MarchStatistics
+    grid: Grid
+    memory: Memory
+    state: MarchState
+    seen: Extremes
+
+    @property
+    def end_time(self) -> float:
+        """Time reached [time]."""
+        return self.state.time
+
+    @cached_property
+    def caution(self) -> str:
+        """What the grid is too coarse for, as a sentence; "" if nothing is known to be missed.
+
+        Told where the edge slips over less than four nodes: in place of an answer of "no slip".
+        """
+        slips = self.seen.slip_rate > 0
+        reach = float(self.grid.x[slips].max(initial=0.0))
+        return unresolved_zone(self.scene, self.end_time, self.grid.spacing, reach)
+
+    @property
+    def status(self) -> str:
+        """ "resolved", or "unresolved" where there is a `caution`."""
+        return "unresolved" if self.caution else "resolved"
+
+    @property
+    def path(self) -> Array:
+        """Accumulated |slip| at the end (n,) [length]."""
+        return self.state.path[: self.grid.observed]
+
+    @property
+    def friction_work(self) -> Array:
+        """Work done against friction until the end, per area (n,) [stress length]."""
+        return self.state.work[: self.grid.observed]
+
+    def save(self, path: str | Path) -> None:
+        """Write all of it as HDF5, to be loaded or continued; whole or not at all."""
+        with whole_hdf5(path) as file:
+            file.attrs["format"] = FORMAT
+            file.attrs["scene"] = json.dumps(scene_document(self.scene))
+            for name in _OPTIONS:
+                file.attrs[name] = getattr(self, name)
+            file.attrs["statistics"] = json.dumps(asdict(self.statistics))
+            for name in _GROUPS:
+                group = file.create_group(name)
+                for field in fields(getattr(self, name)):
+                    group[field.name] = getattr(getattr(self, name), field.name)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Marched:
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        DataFileError
+            If the file is missing, damaged or not a march.
+        """
+        try:
+            with sealed_hdf5(path) as file:
+                if file.attrs.get("format") != FORMAT:
+                    raise DataFileError(f"{path} is not a slipfront march; give a file of one.")
+                parts = {
+                    name: kind(**{field.name: file[name][field.name][()] for field in fields(kind)})
+                    for name, kind in _GROUPS.items()
+                }
+                parts["grid"] = Grid(
+                    float(parts["grid"].spacing),
+                    *(int(getattr(parts["grid"], name)) for name in ("slot", "observed", "size")),
+                )
+                return cls(
+                    scene=scene_from_document(json.loads(file.attrs["scene"])),
+                    **{name: kind(file.attrs[name]) for name, kind in _OPTIONS.items()},
+                    statistics=MarchStatistics(**json.loads(file.attrs["statistics"])),
+                    **parts,
+                )
+        except (OSError, KeyError, TypeError, ValueError, SceneError) as error:
+            raise DataFileError(
+                f"{path} cannot be read as a march ({error}); march again."
+            ) from error
+
+
+_OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}
+_GROUPS = {
+    "interface": InterfaceHistory,
+    "grid": Grid,
+    "memory": Memory,
+    "state": MarchState,
+    "seen": Extremes,
+}

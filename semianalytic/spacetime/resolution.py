@@ -1,0 +1,174 @@
+"""What a march resolves: the turns of its loads, and the slip zone at the edge.
+
+A grid of node distance h follows what lasts longer than some steps of h / (2 c_t), whatever the
+time step: measured on waves and pulses of every shape (docs/spacetime.md), frictional work is off
+by 1 to 3 % where a load turns by no more than 0.32 of its largest value within four such steps.
+A wave makes 16 of them a period then, a triangle lasts 13, a rectangle 4.  A turn within one step
+may be 0.08, or short pulses on top of longer ones would be lost.  Of a slip zone shorter than some
+nodes a grid sees little, and of one below the first node nothing.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.halfplane.stuck_histories import intensity_history
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loads import History
+from semianalytic.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+_LARGEST_TURN = {1: 0.08, 4: 0.32}
+"""Of a load within so many steps, over its largest value."""
+MOST_NODES = 8000
+"""That a march chooses by itself, some 20 seconds of work."""
+
+_STEP_RATIO = 0.5
+_HALVINGS = 50
+_ZONE_NODES = 4.0
+_TIMES = 2000
+_LEAST_TIMES = 40
+_MOST_SAMPLES = 4 * 10**6
+_NO_INTENSITY = 1e-9
+
+
+def _follows(history: History, step: float, latest: float) -> bool:
+    return all(
+        history.turn(steps * step, latest) <= allowed for steps, allowed in _LARGEST_TURN.items()
+    )
+
+
+def nodes_for_loads(
+    scene: Scene, latest: float, length: float, least: int, step_ratio: float = _STEP_RATIO
+) -> tuple[int, str]:
+    """Contact nodes that follow the loads until `latest`, `least` or more, and what needs them.
+
+    Parameters
+    ----------
+    scene : Scene
+    latest : float
+        [time].
+    length : float
+        On which the nodes lie [length].
+    least : int
+        Returned with "" if it is enough.
+    step_ratio : float
+        Largest c_t dt / h; less than 0.5 does not help.
+    """
+    nodes, reason = least, ""
+    times_nodes = max(step_ratio, _STEP_RATIO) * length / scene.material.shear_speed
+    for name, history in scene.acting_histories.items():
+        step = times_nodes / nodes
+        if _follows(history, step, latest):
+            continue
+        enough, lacking = 0.0, step
+        for _ in range(_HALVINGS):
+            middle = lacking / 16 if enough == 0 else (enough + lacking) / 2
+            enough, lacking = (
+                (middle, lacking) if _follows(history, middle, latest) else (enough, middle)
+            )
+            if enough > 0.999 * lacking:
+                break
+        if enough == 0:
+            raise SceneError(
+                f"march: the {name} history turns back within no time at all; "
+                "smooth it, or take out samples that lie beside each other."
+            )
+        nodes, reason = math.ceil(times_nodes / enough), name
+    return nodes, reason
+
+
+def check_loads(
+    scene: Scene,
+    latest: float,
+    length: float,
+    nodes: int,
+    most: int,
+    step_ratio: float = _STEP_RATIO,
+) -> int:
+    """Contact nodes to march with: `nodes`, or as many up to `most` as follow the loads.
+
+    Raises
+    ------
+    SceneError
+        If more than `most` are needed, with their number.
+    """
+    needed, name = nodes_for_loads(scene, latest, length, nodes, step_ratio)
+    if needed > most:
+        raise SceneError(
+            f"march: the {name} history turns faster than {most} nodes on a length of {length:.4g} "
+            f"follow; give {_rounded(needed)} nodes, or a length "
+            f"{needed / most:.2g} times shorter."
+        )
+    return needed
+
+
+def _rounded(count: float) -> str:
+    """A number of nodes rounded up to two figures."""
+    unit = 10 ** max(0, int(math.log10(count)) - 1)
+    rounded = math.ceil(count / unit) * unit
+    return f"{rounded}" if rounded < 1_000_000 else f"{rounded:.1e}"
+
+
+def zone_at_edge(scene: Scene, end_time: float) -> float:
+    """Longest slip zone at the edge that the stuck tractions call for until a time [length].
+
+    (pi/8) (K / s)^2, Dugdale's, with K what the stress intensity of a stuck edge is above friction
+    and s the strength left beside it; what waves have reached at most.  0 where the edge holds.
+    """
+    breaks = [at for history in scene.acting_histories.values() for at in history.pieces.breaks]
+    count = max(_LEAST_TIMES, min(_TIMES, _MOST_SAMPLES // max(1, len(breaks))))
+    times = np.linspace(0, end_time, count + 1)
+    times = np.concatenate([times, [at for at in breaks[:count] if at < end_time]])
+    mode_one, mode_two = np.zeros(times.shape), np.zeros(times.shape)
+    for name, history in scene.acting_histories.items():
+        intensities = intensity_history(history, scene.step, scene.material, times)
+        if name == "pressure":
+            mode_one = intensities[0]
+        else:
+            mode_two = intensities[1]
+    excess = np.abs(mode_two) - scene.friction * mode_one
+    strength = scene.friction * (
+        scene.base.pressure - scene.step.pressure * scene.pressure_history.value(times)
+    ) - np.sign(mode_two) * (scene.base.shear - scene.step.shear * scene.shear_history.value(times))
+    scale = np.abs(mode_two).max() + scene.friction * np.abs(mode_one).max()
+    slips = excess > _NO_INTENSITY * scale
+    bounded = strength > 0
+    ratio = np.where(slips, excess, 0.0) / np.where(bounded, strength, 1.0)
+    zone = np.where(slips & ~bounded, np.inf, np.pi / 8 * ratio**2)
+    return float(np.minimum(zone, scene.material.longitudinal_speed * times).max())
+
+
+def nodes_for_zone(scene: Scene, end_time: float, length: float) -> int:
+    """Contact nodes on a length that resolve the longest slip zone at the edge; 0 without one."""
+    zone = zone_at_edge(scene, end_time)
+    return math.ceil(_ZONE_NODES * length / zone) if zone else 0
+
+
+def unresolved_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> str:
+    """What a march misses at the edge, as a sentence; "" if nothing.
+
+    Parameters
+    ----------
+    scene : Scene
+    end_time : float
+        Until when it went [time].
+    spacing : float
+        Node distance [length].
+    reach : float
+        How far from the edge it saw slip [length].
+    """
+    least = _ZONE_NODES * spacing
+    if reach >= least:
+        return ""
+    zone = zone_at_edge(scene, end_time)
+    if not 0 < zone < least:
+        return ""
+    return (
+        f"the edge slips over a length of about {zone:.2g}, which nodes {spacing:.2g} apart do not "
+        f"resolve; give {_rounded(least / zone)} times as many nodes, or as much shorter a length"
+    )

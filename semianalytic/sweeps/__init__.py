@@ -1,0 +1,1 @@
+"""Many self-similar scenes that differ in friction, in one go."""

@@ -1,0 +1,301 @@
+"""Zones of many frictions corrected at once: the batched side of `sweep`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.coulomb import admissible
+from semianalytic.selfsimilar.edges import Edges, broyden, moves
+from semianalytic.selfsimilar.profile import Profile
+from semianalytic.selfsimilar.solver import SAFETY, difference, loose_tolerance, missed_slip
+from semianalytic.selfsimilar.zones import Load, ZoneFields
+
+AT_ONCE = 24  # sets of zones in one batch: more leave the processor's cache
+_MOST_STEPS = 4
+_LONGEST_MOVE = 1.5
+_NEAR = 2e-3  # move of an edge unknown after which its Jacobian is kept
+_SLOW = 0.5  # Newton moves that shrink less are given up
+_CONTRACTION, _LEAST_CONTRACTION = 20.0, 1e-3  # of chord steps, by the doubt of a prediction
+TRUSTED = 1e-3  # doubt of a prediction that needs no Newton's method
+_MOST_REFINEMENTS = 3
+_LOOSEST = 1e-4  # check of Coulomb's law: neighbours lend zones where a new one just begins
+_CLOSE = 1e-3  # to a front, in slowness: differences are then formed there
+_PREDICTED = 0.2  # doubt of a prediction that needs no full Newton's method
+_CHORDS = 4  # steps with lent Jacobians before they are formed anew
+_WITHOUT_JACOBIAN = 1e-5  # rtol from which those steps suffice
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """Unknowns at one friction and the inverse Jacobian from those near it, how far they may be
+    off, and the tolerance of the rule that is likely needed."""
+
+    unknowns: Array
+    inverse: Array
+    doubt: float
+    wanted: float
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Sets of zones of neighbouring frictions, k columns of unknowns, and how they were found.
+
+    inverse (k, e, e) is that of the Jacobian, wanted are the tolerances of their rules, nodes
+    the number per set on the last.
+    """
+
+    unknowns: Array
+    estimate: Array
+    sound: np.ndarray
+    inverse: Array
+    wanted: Array
+    steps: int
+    nodes: int
+
+
+def batches(
+    edges: Edges, starts: Sequence[Array], trusted: Sequence[bool] | None = None
+) -> Iterator[list[int]]:
+    """Sets of zones that may share panels: every edge on one side of every cut, close to one
+    front or to none.
+
+    Those whose prediction is trusted come last.
+    """
+    groups: dict[tuple, list[int]] = {}
+    for j, unknowns in enumerate(starts):
+        points = edges.points(unknowns)
+        sides = [[p.first_below(cut) for cut in edges.factors.cuts] for p in points]
+        close = [p.nearest if np.abs(p.parts[p.nearest]).min() < _CLOSE else 0 for p in points]
+        key = (*close, *np.ravel(sides).tolist())
+        groups.setdefault(key, []).append(j)
+    for group in groups.values():
+        if trusted is not None:
+            group.sort(key=lambda j: trusted[j])
+        parts = -(-len(group) // AT_ONCE)
+        yield from (part.tolist() for part in np.array_split(group, parts))
+
+
+def common_load(scenes: Sequence[Scene], unit: float) -> Load:
+    """Loads of scenes that differ in friction alone, in one unit of stress."""
+    scene = scenes[0]
+    base, step = scene.base, scene.step
+    friction = np.array([[scene.friction] for scene in scenes])
+    far = np.array([[scene.far_slip_rate] for scene in scenes])
+    return Load(
+        friction,
+        base.pressure / unit,
+        base.shear / unit,
+        step.pressure / unit,
+        step.shear / unit,
+        far * scene.material.shear_impedance / (2 * unit),
+    )
+
+
+def _chosen(load: Load, which: np.ndarray) -> Load:
+    """The loads of some sets of zones."""
+    friction, far = np.asarray(load.friction), np.asarray(load.far_slip_rate)
+    return replace(load, friction=friction[which], far_slip_rate=far[which])
+
+
+def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, Array]:
+    """Inverse Jacobians (k, e, e) and mismatches (e, k) at unknowns (e, k); NaN if singular."""
+    size, count = unknowns.shape
+    nudges = edges.nudges(unknowns)
+    neighbours = np.repeat(unknowns[:, :, None], size + 1, axis=2)
+    neighbours[np.arange(size), :, np.arange(1, size + 1)] += nudges
+    repeated = _chosen(load, np.repeat(np.arange(count), size + 1))
+    values = edges.mismatch(neighbours.reshape(size, -1), repeated, rule)
+    values = values.reshape(neighbours.shape)
+    jacobian = np.moveaxis(values[..., 1:] - values[..., :1], 0, 1) / nudges.T[:, None, :]
+    try:
+        inverse = np.asarray(np.linalg.inv(jacobian))
+    except np.linalg.LinAlgError:
+        inverse = np.full_like(jacobian, np.nan)
+    return inverse, values[..., 0]
+
+
+def _newton(edges: Edges, start: Array, load: Load, rule: Rule) -> tuple[Array, Array, Array, int]:
+    """Unknowns (e, k) near their places on a rule, inverse Jacobians (k, e, e), the last
+    moves (k,), infinite for sets that did not get there, and the steps taken."""
+    size, count = start.shape
+    unknowns, inverse = start.copy(), np.zeros((count, size, size))
+    waiting = np.flatnonzero(edges.admits(unknowns))
+    last, previous = np.full(count, np.inf), np.full(count, np.inf)
+    step = 0
+    while len(waiting) and step < _MOST_STEPS:
+        step += 1
+        found = linearised(edges, unknowns[:, waiting], _chosen(load, waiting), rule)
+        inverse[waiting] = found[0]
+        move = -moves(*found)
+        largest = np.abs(move).max(axis=0)
+        finite = largest < np.inf
+        waiting, move, largest = waiting[finite], move[:, finite], largest[finite]
+        if not len(waiting):
+            break
+        unknowns[:, waiting] += move * np.minimum(1.0, _LONGEST_MOVE / np.maximum(largest, 1e-300))
+        admitted = edges.admits(unknowns[:, waiting]) & (largest < _SLOW * previous[waiting])
+        previous[waiting] = largest
+        last[waiting] = np.where(admitted & (largest < _NEAR), largest, np.inf)
+        waiting = waiting[admitted & (largest >= _NEAR)]
+    return unknowns, inverse, last, step
+
+
+def _approached(
+    edges: Edges, start: Array, lent: Array, load: Load, rule: Rule
+) -> tuple[Array, Array, Array, int]:
+    """Broyden steps on a rule from lent inverse Jacobians (k, e, e).
+
+    Unknowns (e, k), or the start where that did not succeed; inverse Jacobians; what a step
+    leaves of itself (k,), infinite where it did not succeed; the steps taken.
+    """
+    count = start.shape[1]
+    unknowns, inverse = start.copy(), lent.copy()
+    waiting = np.flatnonzero(edges.admits(unknowns) & np.isfinite(lent).all(axis=(1, 2)))
+    left, previous = np.full(count, np.inf), np.full(count, 1 / _SLOW)
+    move = before = np.zeros((len(start), 0))
+    step = 0
+    while len(waiting) and step < _CHORDS:
+        values = edges.mismatch(unknowns[:, waiting], _chosen(load, waiting), rule)
+        if step:
+            inverse[waiting] = broyden(inverse[waiting], move, values - before)
+        step += 1
+        move = -moves(inverse[waiting], values)
+        largest = np.abs(move).max(axis=0)
+        share = largest / previous[waiting]
+        kept = (share < _SLOW) & edges.admits(unknowns[:, waiting] + np.where(share < 1, move, 0))
+        waiting, move, before, share = waiting[kept], move[:, kept], values[:, kept], share[kept]
+        unknowns[:, waiting] += move
+        previous[waiting] = largest[kept]
+        arrived = largest[kept] * share < _NEAR if step > 1 else largest[kept] < _NEAR
+        left[waiting[arrived]] = share[arrived]
+        waiting, move, before = waiting[~arrived], move[:, ~arrived], before[:, ~arrived]
+    failed = ~(left < np.inf)
+    unknowns[:, failed] = start[:, failed]
+    return unknowns, inverse, left, step
+
+
+def _located(
+    edges: Edges, start: Array, lent: Array, doubt: Array, load: Load, rtol: float
+) -> tuple[Array, Array, Array, int]:
+    """Unknowns (e, k) near their places on the loose rule, inverse Jacobians (k, e, e), what a
+    chord step with them leaves of itself (k,), infinite for sets that did not get there, and the
+    steps taken.
+
+    Where predictions (e, k) with little doubt (k,) lead nowhere there are other zones.
+    """
+    rule = rule_for(loose_tolerance(rtol))
+    unknowns, inverse, contraction, steps = _approached(edges, start, lent, load, rule)
+    arrived = contraction < np.inf
+    rest = np.flatnonzero(np.where(arrived, rtol < _WITHOUT_JACOBIAN, ~(doubt < _PREDICTED)))
+    if len(rest):
+        found = _newton(edges, unknowns[:, rest], _chosen(load, rest), rule)
+        unknowns[:, rest], inverse[rest] = found[0], found[1]
+        contraction[rest] = 2 * found[2]
+        steps += found[3]
+    return unknowns, inverse, contraction, steps
+
+
+@dataclass(frozen=True)
+class _Polished:
+    """Sets of zones on a rule: which, whether settled, their unknowns (e, k), how far these may
+    be off, and the fields beside them."""
+
+    kept: np.ndarray
+    settled: np.ndarray
+    unknowns: Array
+    left: Array
+    beside: Array
+    fields: ZoneFields
+    steps: int
+
+
+def _polished(
+    edges: Edges,
+    start: Array,
+    inverse: Array,
+    contraction: Array,
+    load: Load,
+    rtol: float,
+    wanted: float,
+) -> _Polished:
+    """Chord steps on the rule of a tolerance until what is left of the mismatch is negligible.
+
+    A step leaves `contraction` (k,) of itself, at least what has been seen.  The fields are those
+    before the last step, which is far below what Coulomb's law is checked to.
+    """
+    kept, unknowns, rule = np.arange(start.shape[1]), start, rule_for(wanted)
+    previous, sound = np.full(len(kept), np.inf), np.zeros(len(kept), dtype=bool)
+    for step in range(_MOST_STEPS):
+        beside, left = unknowns, np.zeros(len(kept))
+        zones = edges.zones(beside)
+        fields = ZoneFields(edges.factors, _chosen(load, kept), zones, rule)
+        if not len(start):
+            sound[:] = True
+            break
+        move = -moves(inverse[kept], fields.mismatch())
+        unknowns, size = beside + move, np.abs(move).max(axis=0)
+        contraction[kept] = np.maximum(contraction[kept], size / previous)
+        left = size * contraction[kept]
+        settled = (left <= max(0.02 * rtol, 1e-13)) & (size <= 10 * rtol)
+        going = edges.admits(unknowns) & (size < _SLOW * previous)
+        if np.all(settled | ~going) or step == _MOST_STEPS - 1:
+            sound[kept] = settled
+            unknowns = np.where(settled, unknowns, beside)
+            break
+        kept, unknowns, previous = kept[going], unknowns[:, going], size[going]
+    return _Polished(kept, sound[kept], unknowns, left, beside, fields, step + 1)
+
+
+def followed(edges: Edges, predicted: list[Predicted], load: Load, rtol: float) -> Followed:
+    """Edges at several frictions from predictions, polished, estimated and checked.
+
+    Those whose error estimate exceeds rtol are taken to finer rules.
+    """
+    count, size = len(predicted), len(edges.segments)
+    unknowns = np.array([one.unknowns for one in predicted]).T.reshape(size, count)
+    inverse = np.array([one.inverse for one in predicted])
+    wanted = np.array([one.wanted for one in predicted])
+    doubt = np.array([one.doubt for one in predicted])
+    estimate, sound = np.full(count, np.inf), np.zeros(count, dtype=bool)
+    kept, steps, nodes = np.arange(count), 0, 0
+    contraction = np.maximum(_CONTRACTION * doubt, _LEAST_CONTRACTION)
+    if size and not np.all(doubt < TRUSTED):
+        unknowns, inverse, left, steps = _located(edges, unknowns, inverse, doubt, load, rtol)
+        contraction = np.maximum(left, _LEAST_CONTRACTION)
+        kept = np.flatnonzero(left < np.inf)
+        loose = loose_tolerance(rtol)
+        if len(kept) and wanted[kept].min() < 1e-2 * loose:
+            between = rule_for(float(np.sqrt(loose * wanted[kept].min())))
+            values = edges.mismatch(unknowns[:, kept], _chosen(load, kept), between)
+            unknowns[:, kept] -= moves(inverse[kept], values)
+            kept = kept[edges.admits(unknowns[:, kept])]
+            steps += 1
+    for _ in range(_MOST_REFINEMENTS):
+        if not len(kept):
+            break
+        finest = float(wanted[kept].max())
+        start, loads = unknowns[:, kept], _chosen(load, kept)
+        polished = _polished(edges, start, inverse[kept], contraction[kept], loads, rtol, finest)
+        steps += polished.steps
+        kept = kept[polished.kept]
+        unknowns[:, kept], wanted[kept] = polished.unknowns, finest
+        fields = polished.fields
+        nodes = fields.panels.jacobian[:, 0].size
+        profile = Profile(fields)
+        lawful = polished.settled & admissible(profile, min(rtol, _LOOSEST))
+        coarse = ZoneFields(edges.factors, fields.load, fields.zones, rule_for(5 * finest))
+        moved = polished.beside
+        if size:
+            moved = moved - np.clip(moves(inverse[kept], coarse.mismatch()), -1.0, 1.0)
+        estimate[kept] = difference(edges, polished.unknowns, moved, fields, coarse)
+        estimate[kept] += SAFETY * polished.left + missed_slip(profile)
+        sound[kept] = lawful & (estimate[kept] <= rtol)
+        kept = kept[lawful & ~sound[kept]]
+        wanted[kept] *= np.maximum(0.1 * rtol / estimate[kept], 1e-3)
+    return Followed(unknowns, estimate, sound, inverse, wanted, steps, nodes)

@@ -1,0 +1,109 @@
+"""Zone edges between frictions at which they are known, by polynomials, and what they are worth."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.coulomb import admissible
+from semianalytic.selfsimilar.edges import FARTHEST, Edges, edge_shift, moves
+from semianalytic.selfsimilar.profile import Profile
+from semianalytic.selfsimilar.solver import SAFETY, scaled_load
+from semianalytic.selfsimilar.zones import Load, ZoneFields
+
+_LOOSE_CHECK, _LOOSE_MOVE = 10, 100  # of interpolated zones, in tolerances of the loose rule
+_CONVERGING = 0.5  # differences that shrink less are no estimate
+_DOUBT = 5.0  # true errors were up to three times the plain estimate beside thresholds
+
+
+def confirmed(
+    edges: Edges, unknowns: Array, inverse: Array, load: Load, loose: float
+) -> tuple[np.ndarray, int]:
+    """Whether zones of unknowns (e, k) pass as right on the loose rule, (k,), and its nodes."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        fields = ZoneFields(edges.factors, load, edges.zones(unknowns), rule_for(loose))
+        sound = admissible(Profile(fields), _LOOSE_CHECK * loose)
+        if edges.segments:
+            move = np.abs(moves(inverse, fields.mismatch())).max(axis=0)
+            sound = sound & (move < _LOOSE_MOVE * loose)
+    return sound, fields.panels.jacobian[:, 0].size
+
+
+def fits(edges: Edges, scene: Scene) -> bool:
+    """Whether zones are open ahead of all waves only where friction is reached there."""
+    critical = scaled_load(scene)[0].critical
+    return critical if edges.open_ends[0] else not scene.far_slip_rate
+
+
+def lagrange(at: Array, to: ArrayLike) -> Array:
+    """Weights (..., m) of values at different places `at` (m,) in the polynomial through them,
+    at places `to` (...)."""
+    own = np.eye(len(at), dtype=bool)
+    others = np.where(own, 1.0, np.asarray(to, dtype=float)[..., None, None] - at)
+    return np.asarray(np.prod(others / (at[:, None] - at + own), axis=-1))
+
+
+def _in_friction(at: Array, unknowns: Array, to: Array) -> Array:
+    """The polynomial in friction through unknowns (m, e) at frictions `at`, (t, e)."""
+    return lagrange(at, to) @ unknowns
+
+
+def _in_edge(at: Array, unknowns: Array, to: Array) -> Array:
+    """The same with polynomials in the unknown that moves most, friction being one of them.
+
+    Smoother near thresholds, where edges move fast; NaN where that unknown is not monotone.
+    """
+    order = np.argsort(at)
+    which = int(np.argmax(np.ptp(unknowns, axis=0)))
+    s = unknowns[:, which]
+    steps = np.diff(s[order])
+    if not (np.all(steps > 0) or np.all(steps < 0)):
+        return np.full((len(to), unknowns.shape[1]), np.nan)
+    place = np.interp(to, at[order], s[order])
+    nudge = 1e-4 * float(np.ptp(s))
+    for _ in range(4):
+        beside = np.stack([place, place + nudge, place - nudge])
+        now, up, down = lagrange(s, beside) @ (at - at[0])
+        slope = (up - down) / (2 * nudge)
+        place = place - (now - (to - at[0])) / np.where(slope == 0, np.nan, slope)
+    return lagrange(s, place) @ unknowns
+
+
+def interpolated(
+    edges: Edges, at: Array, unknowns: Array, to: Array, noise: float, rtol: float
+) -> tuple[Array, Array]:
+    """Unknowns (t, e) at frictions `to` through those (m, e) at `at`, the most central first, and
+    their error estimates (t,).
+
+    Estimated from the polynomials without the last and the last but one: from the first
+    difference if it is well below the second, else from the larger.  The largest estimate `noise`
+    of the known adds to it, amplified by the interpolation less the safety it contains.  Of
+    polynomials in friction and in an edge the better is taken; the second are tried where the
+    first do not reach rtol.
+    """
+    if not edges.segments:
+        return np.zeros((len(to), 0)), np.full(len(to), noise)
+    best, least = np.zeros((len(to), len(edges.segments))), np.full(len(to), np.inf)
+    amplified = np.maximum(1.0, np.abs(lagrange(at, to)).sum(axis=1) / SAFETY) * noise
+    for through in (_in_friction, _in_edge):
+        full, fewer, fewest = (
+            np.clip(through(at[:m], unknowns[:m], to), -FARTHEST, FARTHEST)
+            for m in (len(at), len(at) - 1, len(at) - 2)
+        )
+        both = _apart(edges, np.concatenate([full, fewer]), np.concatenate([fewer, fewest]))
+        first, second = np.split(both, 2)
+        doubt = _DOUBT * np.where(first < _CONVERGING * second, first, np.maximum(first, second))
+        better = doubt < least
+        best[better], least[better] = full[better], doubt[better]
+        if np.all(least + amplified <= rtol):
+            break
+    return best, least + amplified
+
+
+def _apart(edges: Edges, one: Array, other: Array) -> Array:
+    """(t,): how far two interpolations (t, e) are apart, for an error estimate."""
+    shift = SAFETY * edge_shift(edges, one.T, other.T)
+    return np.maximum(shift, np.abs(one - other).max(axis=1))

@@ -1,0 +1,246 @@
+"""Comparisons of scenes without slip, without load, without friction: reports that are right."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from compare_cases import sampled_run
+
+from compare.cli.commands import main
+from compare.comparison.history_rows import rate_rows, wear_rows
+from compare.comparison.measures import NOTHING, is_nothing
+from compare.comparison.predictions import predict
+from compare.comparison.report import build_report, json_text, report_document, solution_document
+from compare.comparison.rows import (
+    nothing_row,
+    shown_number,
+    slip_rate_rows,
+    traction_rows,
+    zone_rows,
+)
+from compare.comparison.scales import slip_rate_scale, stress_scale
+from compare.figures.histories import comparison_figures
+from semianalytic import solve
+from semianalytic.scene.named import NAMED_SCENES, override_scene
+from semianalytic.scene.scene import scene_from_document
+
+STEEL = {"shear_modulus": 80e9, "density": 7800.0}
+SI = {"base_pressure": 1e6, "step_shear": 1e6, **STEEL}
+SCENES = {
+    "frictionless": ("preloaded", {"friction": 0.0}),
+    "frictionless, reversed": ("preloaded", {"friction": 0.0, "step_shear": -1.0}),
+    "frictionless in SI": ("preloaded", {"friction": 0.0} | SI),
+    "auxetic and frictionless": ("auxetic", {"friction": 0.0}),
+    "without pressure": ("preloaded", {"base_pressure": 0.0}),
+    "frictionless remote shock": ("remote-shock", {"friction": 0.0}),
+    "slip ahead of all waves": ("remote-shock", {"friction": 0.5}),
+    "no load": ("preloaded", {"step_shear": 0.0}),
+    "no load, no pressure": ("preloaded", {"step_shear": 0.0, "base_pressure": 0.0}),
+    "no load in SI": ("preloaded", SI | {"step_shear": 0.0}),
+    "small load": ("preloaded", {"step_shear": 0.001}),
+    "much friction": ("preloaded", {"friction": 5.0}),
+    "more friction": ("preloaded", {"friction": 20.0}),
+    "most friction": ("preloaded", {"friction": 1e3}),
+    "pressure drop held": ("pressure-drop", {"friction": 20.0}),
+}
+
+
+def scene_of(name):
+    source, overrides = SCENES[name]
+    return override_scene(NAMED_SCENES[source].scene, **overrides)
+
+
+def end_time(scene):
+    return 1 / scene.material.shear_speed
+
+
+def finite_everywhere(text):
+    """The document in a JSON text; fails on what JSON does not know."""
+
+    def refuse(constant):
+        raise AssertionError(constant)
+
+    return json.loads(text, parse_constant=refuse)
+
+
+QUICKLY = ("frictionless", "no load", "small load", "much friction", "most friction")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[] if name in QUICKLY else pytest.mark.slow) for name in SCENES],
+)
+def test_a_run_without_error_passes(name):
+    solution = solve(scene_of(name))
+    run = sampled_run(solution, resolution=100, end_time=end_time(solution.scene))
+    report = build_report(name, predict(run), run)
+    assert [row.quantity for row in report.rows if not row.passed] == []
+    finite_everywhere(json_text(report_document(report)))
+
+
+@pytest.mark.parametrize("name", ["frictionless", "no load", "most friction"])
+def test_figures_of_next_to_nothing_have_finite_limits(name):
+    solution = solve(scene_of(name))
+    run = sampled_run(solution, resolution=30, end_time=end_time(solution.scene))
+    report = build_report(name, predict(run), run)
+    for draw in comparison_figures(report).values():
+        for panel in draw(report).axes:
+            assert np.isfinite([*panel.get_xlim(), *panel.get_ylim()]).all()
+
+
+@pytest.mark.parametrize("name", ["frictionless", "frictionless in SI", "no load", "most friction"])
+def test_what_is_simulated_where_nothing_is_predicted_fails(name):
+    """Wrong by 2e-3 of the units: each of the rows that replace relative errors says so."""
+    solution = solve(scene_of(name))
+    run = sampled_run(solution, resolution=60, end_time=end_time(solution.scene))
+    prediction = predict(run)
+    history, scene = run.interface, solution.scene
+    share = 2e-3
+    rate, stress = share * slip_rate_scale(scene), share * stress_scale(scene)
+    run.interface = replace(
+        history,
+        slip=history.slip + rate * run.end_time,
+        slip_rate=history.slip_rate + rate,
+        shear_traction=history.shear_traction + stress,
+    )
+    run.path = run.path + rate * run.end_time
+    run.friction_work = run.friction_work + rate * stress * run.end_time
+    rows = [
+        *slip_rate_rows(solution, run),
+        *rate_rows(prediction, run),
+        *traction_rows(solution, run),
+        *(wear_rows(prediction, run) if name.startswith("frictionless") else ()),
+    ]
+    largest = [row for row in rows if row.quantity.endswith("largest")]
+    assert largest
+    for row in largest:
+        expected = share**2 if "work" in row.quantity else share
+        assert row.difference == pytest.approx(expected, rel=1e-3)
+        assert not row.passed
+
+
+def test_nothing_is_less_than_a_millionth_of_its_unit():
+    assert is_nothing(np.array([0.9e-6, -0.9e-6]), 1.0)
+    assert not is_nothing(np.array([0.0, -1.1e-6]), 1.0)
+    assert is_nothing(np.array([50.0]), 1e9)
+    assert is_nothing(np.array([]), 1.0)
+    row = nothing_row("a", np.zeros(2), np.array([0.0, -3e-6]), 2.0, "b")
+    assert (row.prediction, row.simulation, row.difference) == (0.0, 1.5e-6, 1.5e-6)
+    assert not row.passed
+    assert nothing_row("a", np.zeros(2), np.full(2, NOTHING), 1.0, "b").passed
+
+
+def test_edges_that_the_mesh_cannot_show_are_left_out():
+    """A zone of a third of an element, and reverse slip beside c_R without friction."""
+    for name in ("more friction", "frictionless"):
+        solution = solve(scene_of(name))
+        assert solution.zones
+        assert list(zone_rows(solution, sampled_run(solution, resolution=60))) == []
+    clear = solve(NAMED_SCENES["preloaded"].scene)
+    assert len(list(zone_rows(clear, sampled_run(clear, resolution=60)))) == 3
+
+
+def test_small_numbers_of_a_table_keep_their_digits():
+    assert [shown_number(value) for value in (None, 0.0, 0.5, -2.0, 1e-6, -2.34e-5)] == [
+        "—",
+        "0.0000",
+        "0.5000",
+        "-2.0000",
+        "1.0e-06",
+        "-2.3e-05",
+    ]
+
+
+def test_json_has_null_for_what_is_not_finite():
+    solution = replace(solve(NAMED_SCENES["stuck"].scene), error_estimate=np.inf)
+    assert finite_everywhere(json_text(solution_document(solution)))["error_estimate"] is None
+    numbers = {"a": [np.nan, np.float64(-np.inf), (1, np.int64(2))], "b": {"c": np.float32(0.5)}}
+    assert finite_everywhere(json_text(numbers)) == {"a": [None, None, [1, 2]], "b": {"c": 0.5}}
+
+
+COMPARED = ["preloaded --friction 0", "preloaded --step-shear 0", "harmonic --friction 1"]
+COMPARED_SLOWLY = [
+    "preloaded --friction 20",
+    "preloaded --step-shear 0.001",
+    "harmonic --friction 0",
+    "ramp --friction 50",
+    "preloaded --friction 0 --method space-time",
+]
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    "command", [*COMPARED, *(pytest.param(one, marks=pytest.mark.slow) for one in COMPARED_SLOWLY)]
+)
+def test_every_comparison_ends_in_a_report(command, tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "160")
+    resolution = "40" if "harmonic" in command else "20"  # the coarsest that follows the load
+    command = ["compare", *command.split(), "--resolution", resolution, "--frames", "1", "--quiet"]
+    code = main([*command, "--no-snapshots", "--output", str(tmp_path)])
+    document = finite_everywhere((tmp_path / "report.json").read_text())
+    assert code == (0 if document["passed"] else 1)
+    assert document["rows"]
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    for row in document["rows"]:
+        assert row["quantity"] in captured.out
+        assert not row["present"] or row["simulation"] is not None or not row["passed"]
+
+
+def random_document(rng):
+    """A scene of extremes as a document: nothing, little and much of everything."""
+    si = rng.random() < 0.25
+    stress, modulus, density = (1e6, 80e9, 7800.0) if si else (1.0, 1.0, 1.0)
+    friction = float(rng.choice([0, 1e-9, 1e-3, 0.1, 0.3, 1, 5, 20, 1e3]))
+    pressure = float(rng.choice([0, 1, 1, 1]))
+    step_pressure, step_shear = rng.choice(
+        [[0, 1], [0, -1], [0, 1e-3], [0, 0], [0.5, 0], [0.5, 0.5], [1, 1e-6], [0, 100]]
+    )
+    shear = float(rng.choice([0, 0, 0.5, -1])) * friction * pressure
+    time = (density / modulus) ** 0.5
+    document = {
+        "friction": friction,
+        "material": {
+            "shear_modulus": modulus,
+            "density": density,
+            "poisson_ratio": float(rng.choice([-0.5, 0, 0.25, 1 / 3, 0.45])),
+        },
+        "base": {"pressure": pressure * stress, "shear": shear * stress},
+        "step": {"pressure": float(step_pressure) * stress, "shear": float(step_shear) * stress},
+    }
+    histories = [
+        {"kind": "ramp", "rise_time": 0.3 * time},
+        {"kind": "pulse", "duration": 0.6 * time, "shape": "triangle"},
+        {"kind": "harmonic", "frequency": 1.5 / time},
+        {"kind": "tabulated", "t": [2 * time, 3 * time], "value_at_t": [0.0, 1.0]},
+    ]
+    for name in ("pressure_history", "shear_history"):
+        if rng.random() < 0.25:
+            document[name] = histories[rng.integers(len(histories))]
+    return document
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(60))
+def test_random_extremes_end_in_a_report(seed, tmp_path, capsys):
+    """Scenes that the solvers take; the others end in a sentence (test_fuzz.py)."""
+    from compare.cli.commands import _write_comparison
+    from compare.comparison.predictions import check_predictable
+    from fem import simulate
+    from semianalytic.scene.errors import SceneError
+
+    rng = np.random.default_rng(seed)
+    while True:
+        try:
+            scene = scene_from_document(random_document(rng))
+            check_predictable(scene)
+            simulation = simulate(scene, resolution=30)
+            prediction = predict(simulation)
+        except SceneError:
+            continue
+        break
+    report = build_report("random", prediction, simulation)
+    assert report.rows
+    _write_comparison(report, tmp_path)
+    finite_everywhere((tmp_path / "report.json").read_text())

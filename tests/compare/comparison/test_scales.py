@@ -1,0 +1,46 @@
+"""Reference values and names of speed ranges."""
+
+import math
+
+import pytest
+
+from compare.comparison.scales import front_speeds, slip_rate_scale, speed_regime, stress_scale
+from semianalytic import Material, Scene, Tractions
+from semianalytic.scene.named import find_scene
+
+MATERIAL = Material(shear_modulus=4.0, density=1.0, poisson_ratio=0.25)
+
+
+def test_stress_scale_is_the_larger_step_then_the_larger_base_then_one():
+    base, none = Tractions(5.0, -1.0), Tractions(0.0, 0.0)
+    assert stress_scale(Scene(MATERIAL, 0.5, base, Tractions(0.5, -3.0))) == 3.0
+    assert stress_scale(Scene(MATERIAL, 0.5, base, none)) == 5.0
+    assert stress_scale(Scene(MATERIAL, 0.5, none, none)) == 1.0
+
+
+def test_slip_rate_scale_is_twice_stress_over_impedance():
+    scene = Scene(MATERIAL, 0.5, Tractions(5.0, 0.0), Tractions(0.0, 3.0))
+    assert slip_rate_scale(scene) == pytest.approx(2 * 3.0 / (1.0 * 2.0))
+
+
+def test_front_speeds_come_slowest_first():
+    speeds = front_speeds(MATERIAL)
+    assert list(speeds) == ["Rayleigh", "S", "P"]
+    assert list(speeds.values()) == sorted(speeds.values())
+    assert speeds["S"] == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(
+    ("speed", "name"),
+    [
+        (0.0, "fixed at the edge"),
+        (0.5, "sub-Rayleigh"),
+        (0.95, "c_R–c_t"),
+        (1.0, "at c_t"),
+        (1.5, "c_t–c_l"),
+        (2.5, "beyond c_l"),
+        (math.inf, "everywhere"),
+    ],
+)
+def test_regimes_by_speed(speed, name):
+    assert speed_regime(speed, find_scene("preloaded").material) == name

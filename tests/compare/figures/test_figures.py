@@ -1,0 +1,126 @@
+"""Figures exist, say what they show, and hold finite data."""
+
+import numpy as np
+import pytest
+from compare_cases import SELF_SIMILAR, sampled_run
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+
+from compare.figures.interface import (
+    fronts_figure,
+    prediction_figure,
+    save_figure,
+    slip_rate_figure,
+    tractions_figure,
+)
+from semianalytic import solve
+from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.named import NAMED_SCENES
+
+
+@pytest.fixture(scope="module", params=SELF_SIMILAR)
+def case(request):
+    solution = solve(NAMED_SCENES[request.param].scene)
+    return solution, sampled_run(solution, resolution=50).interface
+
+
+def assert_finite(panel):
+    for line in panel.get_lines():
+        assert np.isfinite(line.get_ydata()).all()
+    assert np.isfinite(panel.dataLim.get_points()).all()
+
+
+def marked_fronts(panel):
+    return {text.get_text() for text in panel.texts}
+
+
+def test_slip_rate_figure_shows_both_answers_and_their_difference(case):
+    solution, history = case
+    upper, lower = slip_rate_figure(solution, history).axes
+    assert upper.get_ylabel().startswith("slip rate")
+    assert lower.get_xlabel() == r"$\xi/c_t = x/(c_t t)$"
+    assert lower.get_ylabel() == "difference"
+    assert marked_fronts(upper) == {"$c_R$", "$c_t$", "$c_l$"}
+    for panel in (upper, lower):
+        assert_finite(panel)
+    # A run that samples the prediction differs from it by nothing but rounding.
+    assert np.abs(lower.get_lines()[0].get_ydata()).max() < 1e-12
+
+
+def test_tractions_figure_shows_traction_and_bound_of_both(case):
+    solution, history = case
+    (panel,) = tractions_figure(solution, history).axes
+    assert panel.get_xlabel() == r"$\xi/c_t = x/(c_t t)$"
+    assert panel.get_ylabel().startswith("traction")
+    labels = [text.get_text() for text in panel.get_legend().get_texts()]
+    assert sum("shear traction" in label for label in labels) == 2
+    assert sum("bound" in label for label in labels) == 2
+    assert_finite(panel)
+
+
+def test_fronts_figure_maps_position_and_time(case):
+    solution, history = case
+    panel, colour_bar = fronts_figure(solution, history).axes
+    assert panel.get_xlabel() == r"$x/(c_t T)$"
+    assert panel.get_ylabel() == r"$t/T$"
+    assert colour_bar.get_ylabel().startswith("slip rate")
+    edges = [e for z in solution.zones for e in (z.inner, z.outer) if 0 < e < np.inf]
+    assert len(panel.get_lines()) == 3 + len(edges)
+    (mesh,) = panel.collections
+    assert np.isfinite(mesh.get_array()).all()
+
+
+def test_prediction_figure_needs_no_simulation(case):
+    solution, _ = case
+    upper, lower = prediction_figure(solution).axes
+    assert upper.get_ylabel().startswith("slip rate")
+    assert lower.get_ylabel().startswith("traction")
+    for panel in (upper, lower):
+        assert_finite(panel)
+
+
+def test_figures_draw_into_axes_of_others(case):
+    solution, history = case
+    figure = Figure()
+    panels = figure.subplots(3, 2)
+    assert slip_rate_figure(solution, history, axes=tuple(panels[0])) is figure
+    assert tractions_figure(solution, history, axes=panels[1, 0]) is figure
+    assert fronts_figure(solution, history, axes=panels[1, 1]) is figure
+    assert prediction_figure(solution, axes=tuple(panels[2])) is figure
+    assert all(panel.has_data() for panel in panels.flat)
+
+
+def test_reverse_slip_is_named_in_the_legend_and_mapped_with_two_colours():
+    scene = NAMED_SCENES["preloaded"].scene
+    mirrored = solve(type(scene)(scene.material, 0.3, scene.base, type(scene.step)(0.0, -1.0)))
+    history = sampled_run(mirrored, resolution=50).interface
+    upper, _ = slip_rate_figure(mirrored, history).axes
+    assert "reverse slip" in [text.get_text() for text in upper.get_legend().get_texts()]
+    (mesh,) = fronts_figure(mirrored, history).axes[0].collections
+    assert mesh.norm.vmin == -mesh.norm.vmax
+
+
+@pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
+def test_saved_figures_can_be_read(tmp_path, ending):
+    figure = Figure()
+    figure.subplots().plot([0, 1], [0, 1])
+    path = tmp_path / "new" / f"line.{ending}"
+    save_figure(figure, path)
+    assert [p.name for p in path.parent.iterdir()] == [path.name]
+    if ending == "png":
+        assert np.ptp(imread(path)) > 0
+    else:
+        assert path.read_bytes()[:5] in (b"%PDF-", b"<?xml")
+
+
+@pytest.mark.parametrize("name", ["line.docx", "line"])
+def test_unknown_formats_are_refused(tmp_path, name):
+    with pytest.raises(SceneError, match=r"end the name in \.png"):
+        save_figure(Figure(), tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_unwritable_place_is_one_clear_error(tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(DataFileError, match="Cannot write"):
+        save_figure(Figure(), tmp_path / "taken" / "line.png")

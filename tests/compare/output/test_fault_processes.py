@@ -1,0 +1,329 @@
+"""Processes that are killed, interrupted, or meet others in the same place."""
+
+import multiprocessing
+import os
+import random
+import re
+import signal
+import subprocess
+import time
+
+import pytest
+from fault_tasks import history, kill_me
+from faults import ROOT, identity_of, start
+
+import compare.cli.commands
+from compare.cli.commands import main
+from compare.cli.interruption import INTERRUPTION
+from compare.output.places import working_folder
+from compare.studies.workers import run_tasks
+from semianalytic import InterfaceHistory, Marched
+from semianalytic.scene.errors import ComputationError
+
+PATIENCE = 120
+"""Of a test for a process that should end at once [s]; longer is a failure."""
+
+WRITER = """
+import sys
+sys.path.insert(0, "tests")
+from fault_tasks import history
+from compare.output.places import working_folder
+from pathlib import Path
+one, path = history(), Path(sys.argv[1])
+with working_folder(path.parent):
+    one.save(path)
+    print("ready", flush=True)
+    while True:
+        one.save(path)
+"""
+
+POOL = """
+import os, sys, time
+sys.path.insert(0, "tests")
+from compare.studies.workers import run_tasks
+if __name__ == "__main__":
+    from fault_tasks import say_and_sleep
+    for _ in run_tasks([(say_and_sleep, (600,))] * 2, 2):
+        pass
+"""
+
+ENTRY = """
+import sys
+awaited = sys.argv.pop(1)
+class Teller:
+    def find_spec(self, name, path=None, target=None):
+        if name == awaited:
+            print("ready", flush=True)
+sys.meta_path.insert(0, Teller())
+from compare.cli.entry import main
+sys.exit(main())
+"""
+"""Runs the command line; says when it begins to import a certain module."""
+
+COMMAND = "import sys; from compare.cli.entry import main; sys.exit(main())"
+
+
+def killed_writers(folder, number, seed):
+    rng, path = random.Random(seed), folder / "a.h5"
+    sound = identity_of(history())
+    for _ in range(number):
+        process = start(WRITER, path)
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(rng.uniform(0, 0.05))
+        process.kill()
+        process.communicate(timeout=PATIENCE)
+        assert identity_of(InterfaceHistory.load(path)) == sound
+    left = len(list(folder.iterdir()))
+    with working_folder(folder):  # the lock went with its process
+        history().save(path)
+    assert [path.name for path in folder.iterdir()] == ["a.h5"]
+    return left
+
+
+def test_a_killed_writer_leaves_a_whole_file_and_its_rests_are_removed(tmp_path):
+    killed_writers(tmp_path, 2, 1)
+
+
+@pytest.mark.slow
+def test_many_killed_writers(tmp_path):
+    assert killed_writers(tmp_path, 40, 2) >= 2  # the lock at least
+
+
+def test_workers_end_with_their_parent():
+    """Whoever reads their output sees its end, and no process is left."""
+    process = start(POOL, env={**os.environ, "PYTHONPATH": str(ROOT / "tests")})
+    workers = [int(process.stdout.readline()) for _ in range(2)]
+    process.kill()
+    process.communicate(timeout=PATIENCE)
+    for _ in range(100):
+        if not any(map(alive, workers)):
+            break
+        time.sleep(0.05)
+    assert not any(map(alive, workers))
+
+
+def test_an_interruption_does_not_wait_for_what_is_being_computed():
+    """A task of an hour is not waited for."""
+
+    def interrupt(done, count):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        dict(run_tasks([(time.sleep, (0,)), (time.sleep, (3600,))], 2, interrupt))
+    assert not multiprocessing.active_children()
+
+
+def alive(pid):
+    """Whether a process runs; one that has ended and is not yet collected does not."""
+    shown = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, text=True)
+    return shown.stdout.strip()[:1] not in ("", "Z")
+
+
+def test_a_worker_that_is_killed_is_one_sentence():
+    with pytest.raises(ComputationError, match="a worker process was killed"):
+        dict(run_tasks([(kill_me, ()), (kill_me, ())], 2))
+
+
+@pytest.mark.parametrize(
+    ("module", "number", "code"),
+    [
+        ("compare.cli.commands", signal.SIGINT, 130),
+        ("compare.cli.commands", signal.SIGTERM, 143),
+        ("compare.studies.regimes.study", signal.SIGINT, 130),
+    ],
+)
+def test_an_interruption_is_one_line_at_any_time(module, number, code, tmp_path):
+    """While the first modules are imported, and when a command has just begun."""
+    process = start(ENTRY, module, "regimes", "--quick", "--output", tmp_path / "out")
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(number)
+    shown, errors = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, shown, errors) == (code, "", INTERRUPTION + "\n")
+    assert not (tmp_path / "out").exists()
+
+
+def test_sigterm_ends_a_job_in_the_background_too(tmp_path):
+    """Shells let such jobs ignore Ctrl-C."""
+    code = f"import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n{ENTRY}"
+    process = start(
+        code, "compare.studies.regimes.study", "regimes", "--quick", "--output", tmp_path / "out"
+    )
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(signal.SIGINT)
+    process.terminate()
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, errors) == (143, INTERRUPTION + "\n")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("command", ["regimes", "stability --solver", "chart", "wear"])
+def test_studies_are_interrupted_at_any_time(command, number, tmp_path):
+    rng = random.Random(5)
+    for _ in range(6):
+        arguments = [*command.split(), "--quick", "--output", str(tmp_path / "out")]
+        process = start(ENTRY, "compare.cli.commands", *arguments)
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(rng.uniform(0, 6))
+        os.killpg(process.pid, number)
+        _, errors = process.communicate(timeout=PATIENCE)
+        if process.returncode:
+            assert process.returncode == 128 + number
+            assert errors.splitlines()[-1] == INTERRUPTION
+            assert "Traceback" not in errors
+        names = [path.name for path in (tmp_path / "out").rglob("*") if path.is_file()]
+        left = [name for name in names if name.endswith((".lock", ".part"))]
+        if command == "regimes":  # the rows of a map that was begun are kept to be taken up
+            left = [name for name in left if not re.fullmatch(r"\.regimes-.*\.csv\.part", name)]
+        assert not left
+
+
+def test_sigterm_leaves_a_checkpoint_to_resume_from(tmp_path):
+    arguments = ["preloaded", "--resolution", "60", "--no-snapshots", "--quiet"]
+    arguments += ["--checkpoint-every", "1", "--output", str(tmp_path / "run")]
+    process = start(COMMAND, "simulate", *arguments)
+    deadline = time.monotonic() + PATIENCE
+    while not (tmp_path / "run" / "checkpoint.h5").exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    process.terminate()  # gmsh was there, and must not have changed what that does
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 143
+    assert errors == INTERRUPTION + "\n"
+    assert [path.name for path in (tmp_path / "run").iterdir()] == ["checkpoint.h5"]
+
+
+def together(*commands):
+    """(exit code, what was said) of commands that run at the same time."""
+    processes = [start(COMMAND, *command) for command in commands]
+    return [(p.communicate(timeout=600)[1], p.returncode) for p in processes]
+
+
+@pytest.mark.slow
+def test_four_marches_into_one_file(tmp_path):
+    path = tmp_path / "same.h5"
+    ended = together(
+        *[["solve", "ramp", "--nodes", "300", "--quiet", "--save", str(path)]] * 4,
+    )
+    assert [code for _, code in ended] == [0] * 4
+    assert Marched.load(path).end_time == 1.0
+    assert [path.name for path in tmp_path.iterdir()] == ["same.h5"]
+
+
+@pytest.mark.slow
+def test_four_simulations_into_one_folder(tmp_path):
+    options = ["--resolution", "60", "--no-snapshots", "--quiet", "--output", str(tmp_path / "one")]
+    ended = together(*[["simulate", "preloaded", *options]] * 4)
+    codes = [code for _, code in ended]
+    assert 0 in codes
+    assert set(codes) <= {0, 3}
+    for said, code in ended:
+        if code:
+            assert said.startswith(f"another run is writing to {tmp_path / 'one'};")
+    assert [path.name for path in (tmp_path / "one").iterdir()] == ["simulation.h5"]
+
+
+@pytest.mark.slow
+def test_sweeps_in_parallel_have_folders_of_their_own(tmp_path):
+    processes = [
+        start(
+            f"import os; os.chdir({str(tmp_path)!r}); {COMMAND}",
+            *["simulate", "preloaded", "--resolution", "30", "--no-snapshots"],
+            *["--friction", friction],
+        )
+        for friction in ("0.2", "0.31", "1")
+    ]
+    assert [(process.communicate(timeout=600), process.returncode)[1] for process in processes] == [
+        0
+    ] * 3
+    assert sorted(path.name for path in (tmp_path / "results").iterdir()) == [
+        f"preloaded-friction-{friction}" for friction in ("0.2", "0.31", "1")
+    ]
+
+
+def test_a_simulation_that_does_not_fit_on_the_disk_is_kept(tmp_path):
+    """In a process of its own: HDF5 used to end it with a segmentation fault."""
+    (tmp_path / "spare").mkdir()
+    code = (
+        "import resource; import fem, sys, compare.cli.commands;"
+        "before = compare.cli.commands.save_somewhere\n"
+        "def limited(save, place, name=''):\n"
+        "    hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]\n"
+        "    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, hard))\n"
+        "    before(save, place, name)\n"
+        "compare.cli.commands.save_somewhere = limited\n"
+        "sys.exit(compare.cli.commands.main(sys.argv[1:]))"
+    )
+    arguments = ["simulate", "preloaded", "--resolution", "20", "--no-snapshots", "--quiet"]
+    environment = {**os.environ, "TMPDIR": str(tmp_path / "spare")}
+    process = start(code, *arguments, "--output", tmp_path / "out", env=environment)
+    _, errors = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 3
+    assert errors.startswith(f"Cannot write {tmp_path / 'out' / 'simulation.h5'}: File too large")
+    assert errors.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+    assert not list((tmp_path / "spare").iterdir())
+
+
+COMMANDS = {
+    "solve preloaded --plot": "figure",
+    "solve ramp --plot": "figure",
+    "solve ramp --save": "file",
+    "simulate preloaded --output": "folder",
+    "compare preloaded --output": "folder",
+    "regimes --output": "folder",
+    "stability --solver --output": "folder",
+    "stability --fem --output": "folder",
+    "stability --space-time --output": "folder",
+    "article --output": "folder",
+    "chart --output": "folder",
+    "wear --output": "folder",
+    "evidence --output": "file",
+}
+
+
+class Computed(Exception):
+    """That something was computed."""
+
+
+@pytest.fixture
+def no_computing(monkeypatch):
+    """Every command fails with `Computed` as soon as it computes."""
+
+    def compute(*_, **__):
+        raise Computed
+
+    for name in (
+        "compare.cli.commands.solve",
+        "compare.cli.commands.march",
+        "fem.simulate",
+        "compare.studies.chart.study.solve",
+        "compare.studies.regimes.study._computed",
+        "compare.studies.stability.solver.run_tasks",
+        "compare.studies.stability.fem.run_trial",
+        "compare.studies.accuracy.spacetime.stability_rows",
+        "compare.studies.article.study.run_cases",
+        "compare.studies.chart.study.run_task",
+        "compare.studies.wear.wear_rows",
+        "compare.studies.evidence.study.collect",
+    ):
+        monkeypatch.setattr(name, compute)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_places_are_looked_at_before_anything_is_computed(
+    command, no_computing, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder.png").mkdir()
+    wrong = {"folder": ["file", "file/new"], "file": ["folder.png", "file/new.png", "/dev/null"]}
+    wrong["figure"] = [*wrong["file"][:2], "new.xyz", "new"]
+    for place in wrong[COMMANDS[command]]:
+        code = main([*command.split(), place])
+        said = capsys.readouterr().err
+        assert (code, said.count("\n")) == (3 if place.startswith("file") else 2, 1)
+        assert place in said
+    with pytest.raises(Computed):
+        main([*command.split(), "good/place.png"])
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.png"]
+    assert compare.cli.commands.INTERRUPTED == 130

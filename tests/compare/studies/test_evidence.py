@@ -1,0 +1,444 @@
+"""The evidence page: self-contained, complete, whole or not at all, and fit for a browser."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import re
+import shutil
+import subprocess
+import time
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compare.cli.commands import main
+from compare.comparison.rows import Row
+from compare.studies.evidence import page as evidence_page
+from compare.studies.evidence import study as evidence
+from compare.studies.evidence.figures import FRAMES, LARGEST, energy_unit, profiles
+from compare.studies.evidence.scene import FAIL, scene_section
+from compare.studies.evidence.study import (
+    FEM,
+    PUBLISHED,
+    collect,
+    collect_scene,
+    differences,
+    excess,
+    worst_row,
+)
+from semianalytic import solve
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import NAMED_SCENES
+
+VOID = {"meta", "link", "img", "input", "br", "hr"}
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
+SCENES = ("remote-shock", "pulse", "lift-off")
+
+
+@pytest.fixture(scope="module")
+def found():
+    """One self-similar scene with the published algorithm, one marched, one that opens."""
+    return collect(SCENES, quick=True, resolution=40)
+
+
+@pytest.fixture(scope="module")
+def text(found):
+    return evidence_page.page(found)
+
+
+class Outline(HTMLParser):
+    """Checks that tags balance; notes identifiers, references, headings, rows and captions."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.ids, self.references, self.headings = [], [], [], []
+        self.images, self.labels, self.tables = [], [], 0
+
+    def handle_starttag(self, tag, attributes):
+        values = dict(attributes)
+        self.ids += [values["id"]] if "id" in values else []
+        self.references += [values[key] for key in ("src", "href") if key in values]
+        self.labels += [values["for"]] if tag == "label" and "for" in values else []
+        self.images += [values] if tag == "img" else []
+        self.headings += [tag] if re.fullmatch("h[1-6]", tag) else []
+        self.tables += tag == "table"
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+@pytest.fixture(scope="module")
+def outline(text):
+    parser = Outline()
+    parser.feed(text)
+    parser.close()
+    assert parser.open == []
+    return parser
+
+
+def test_page_needs_no_other_file(outline, text):
+    inside = ("#", "data:")
+    assert [found for found in outline.references if not found.startswith(inside)] == []
+    assert not re.search(r"<link (?!rel=\"icon\")|<script src|@import|url\((?!#)|fetch\(", text)
+    assert set(re.findall(r"https?://[^\"' <]+", text)) == {"http://www.w3.org/2000/svg"}
+
+
+def test_anchors_are_unique_and_lead_somewhere(outline):
+    assert len(set(outline.ids)) == len(outline.ids)
+    anchors = {found[1:] for found in outline.references if found.startswith("#")}
+    assert anchors <= set(outline.ids)
+    assert set(outline.labels) <= set(outline.ids)
+
+
+def test_headings_descend_by_one_and_images_have_words(outline):
+    levels = [int(tag[1]) for tag in outline.headings]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert max(np.diff(levels)) == 1
+    assert outline.images
+    for image in outline.images:
+        assert len(image["alt"]) > 20
+        data = base64.b64decode(image["src"].removeprefix("data:image/png;base64,"))
+        assert data.startswith(b"\x89PNG")
+
+
+def test_every_scene_row_and_claim_is_on_the_page(found, text):
+    plain = re.sub(r"<[^>]+>", "\n", text)
+    for scene in found.scenes:
+        assert f"Scene: {scene.label}" in plain
+        for _, row in scene.rows:
+            assert row.quantity.replace("<", "&lt;").replace(">", "&gt;") in plain
+        marked = text.count(f">{FAIL}<")
+        assert (marked > 0) == (not found.passed)
+    assert sum(len(scene.rows) for scene in found.scenes) > 30
+    for claim in found.claims:
+        assert claim.text.replace("<", "&lt;").replace(">", "&gt;") in plain
+    for name, value in found.stamp.items():
+        assert f"{name}\n" in plain
+        assert value in plain
+    for command in ("slipfront compare pulse --resolution 40", "slipfront simulate lift-off"):
+        assert command in plain
+
+
+def test_methods_are_those_that_apply(found):
+    shock, pulse, opens = found.scenes
+    assert shock.methods == ("self-similar", "space-time", FEM, PUBLISHED)
+    assert pulse.methods == ("space-time", FEM)
+    assert opens.methods == (FEM,)
+    assert "opens the contact" in opens.obstacle
+    assert worst_row(opens) is None
+    with pytest.raises(SceneError, match="does not apply"):
+        pulse.published_rate()
+
+
+def test_a_scene_from_a_file_that_slips_everywhere(tmp_path):
+    path = tmp_path / "all & more.toml"
+    path.write_text(
+        "friction = 0.5\nmaterial = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}\n"
+        "base = {pressure = 1.0, shear = 1.0}\nstep = {pressure = 1.0, shear = 1.0}\n",
+        encoding="utf-8",
+    )
+    scene = collect_scene(str(path), resolution=20)
+    assert scene.label == "all & more"
+    assert scene.summary == f"from {path}"
+    shown = scene_section("scene-1", scene, quick=True)
+    assert shown.count("∞") == 2  # outer edge of the zone, and frictional work
+    assert f"slipfront compare '{path}'".replace("&", "&amp;").replace("'", "&#x27;") in shown
+    parser = Outline()
+    parser.feed(shown)
+    assert parser.open == []
+
+
+def test_independent_methods_agree_and_the_published_one_does_not(found):
+    gaps = differences(found.scenes[0])
+    assert gaps["space-time"][0] < 0.005
+    assert gaps[FEM][0] < 0.01
+    assert gaps[PUBLISHED][0] > 0.1
+
+
+def test_all_methods_agree_with_the_closed_forms(found):
+    """At 40 elements per c_t T; the self-similar method to its default tolerance."""
+    slow, everywhere, frictionless = found.closed_forms
+    assert slow.edge == pytest.approx(0.375)
+    assert slow.found == pytest.approx(slow.edge, abs=1e-8)
+    assert everywhere.found is None
+    for form in (slow, everywhere, frictionless):
+        assert form.errors["self-similar"] < 1e-7
+        assert form.errors["space-time"] < 0.03
+        assert form.errors[FEM] < 0.06
+
+
+def test_profiles_are_those_of_the_histories(found):
+    """What the slider draws, to a two-thousandth of its panel, clipped far outside it."""
+    scene = found.scenes[1]
+    data = profiles("a", scene)
+    assert len(data["t"]) == FRAMES
+    rate, traction = data["panels"]
+    assert [curve["method"] for curve in rate["curves"]] == [FEM, "space-time"]
+    assert [curve["bound"] for curve in traction["curves"]] == [False, False, True, True]
+    curve = rate["curves"][0]
+    history = scene.histories[FEM]
+    level = int(np.argmin(np.abs(history.t / history.t[-1] - data["t"][20])))
+    expected = history.slip_rate[level] / 2  # V₀ of unit loads in a unit solid
+    got = curve["unit"] * np.array(curve["values"][20])
+    clipped = np.abs(curve["values"][20]) == LARGEST
+    assert np.abs(got - expected)[~clipped].max() < curve["unit"]
+
+
+@pytest.mark.parametrize(
+    ("prediction", "difference", "expected"),
+    [(1.0, -0.02, 0.5), (1.0, None, np.inf), (None, None, 0.0)],
+)
+def test_excess_is_the_difference_over_the_tolerance(prediction, difference, expected):
+    row = Row("a", prediction, None if difference is None else 0.98, difference, 0.04, "b")
+    assert excess(row) == pytest.approx(expected)
+
+
+def test_figures_of_other_studies_are_taken_from_files(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(evidence_page, "CHECKOUT", tmp_path)
+    study = evidence_page.STUDIES["stability"]
+    assert "Not drawn" in evidence_page._earlier(study)
+    folder = tmp_path / "results" / "stability"
+    folder.mkdir(parents=True)
+    (folder / "fem-stability.png").write_bytes(b"\x89PNG of a test")
+    shown = evidence_page._earlier(study)
+    assert base64.b64encode(b"\x89PNG of a test").decode() in shown
+    assert "Drawn earlier" in shown
+    assert "slipfront stability --solver --fem --space-time" in shown
+
+
+def test_unknown_scene_is_one_sentence(tmp_path, capsys):
+    path = tmp_path / "page.html"
+    assert main(["evidence", "preload", "--output", str(path)]) == 2
+    message = capsys.readouterr().err
+    assert "did you mean preloaded?" in message
+    assert message.count("\n") == 1
+    assert not path.exists()
+
+
+def test_folder_as_output_is_refused_before_anything_runs(tmp_path, capsys):
+    assert main(["evidence", "stuck", "--output", str(tmp_path)]) == 2
+    assert "is a folder" in capsys.readouterr().err
+
+
+def test_command_writes_the_page_and_tells_by_its_exit_code(
+    found, text, tmp_path, monkeypatch, capsys
+):
+    asked = {}
+
+    def stand_in(sources, **options):
+        asked.update(options, sources=sources)
+        return found
+
+    monkeypatch.setattr(evidence, "collect", stand_in)
+    monkeypatch.setattr(evidence_page, "page", lambda _: text)
+    path = tmp_path / "new" / "page.html"
+    code = main(["evidence", *SCENES, "--quick", "--quiet", "--output", str(path)])
+    assert code == (0 if found.passed else 1)
+    assert asked["sources"] == list(SCENES)
+    assert asked["quick"]
+    assert path.read_text(encoding="utf-8") == text
+    assert str(path) in capsys.readouterr().out.replace("\n", "")
+
+
+@pytest.mark.parametrize("stage", ["collect", "page"])
+def test_interruption_leaves_nothing_half_written(stage, found, tmp_path, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(evidence, "collect", lambda *_, **__: found)
+    monkeypatch.setattr(evidence if stage == "collect" else evidence_page, stage, interrupted)
+    path = tmp_path / "page.html"
+    path.write_text("earlier", encoding="utf-8")
+    assert main(["evidence", "stuck", "--quiet", "--output", str(path)]) == 130
+    assert path.read_text(encoding="utf-8") == "earlier"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+class Browser:
+    """Headless Chromium, spoken to by its DevTools protocol over two pipes."""
+
+    def __init__(self, profile: Path) -> None:
+        to_child, self._out = os.pipe()
+        self._in, from_child = os.pipe()
+        options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe"]
+        shell = f'exec "$@" 3<&{to_child} 4>&{from_child}'
+        self._process = subprocess.Popen(
+            ["bash", "-c", shell, "bash", CHROMIUM, *options, f"--user-data-dir={profile}"],
+            pass_fds=(to_child, from_child),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        os.close(to_child)
+        os.close(from_child)
+        os.set_blocking(self._in, False)
+        self._number, self._rest, self._session = 0, b"", None
+        self.events: list[dict] = []
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        attached = self.call("Target.attachToTarget", targetId=target, flatten=True)
+        self._session = attached["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(f"{domain}.enable")
+
+    def call(self, method: str, **parameters: object) -> dict:
+        """Send a command and return its result; events that come meanwhile are kept."""
+        self._number += 1
+        message = {"id": self._number, "method": method, "params": parameters}
+        if self._session:
+            message["sessionId"] = self._session
+        os.write(self._out, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self._receive()
+            if answer.get("id") == self._number:
+                assert "error" not in answer, answer
+                return answer["result"]
+
+    def wait(self, event: str) -> None:
+        while not any(known["method"] == event for known in self.events):
+            self._receive()
+
+    def _receive(self, seconds: float = 90.0) -> dict:
+        limit = time.monotonic() + seconds
+        while b"\0" not in self._rest:
+            assert time.monotonic() < limit, "Chromium does not answer"
+            try:
+                self._rest += os.read(self._in, 1 << 20)
+            except BlockingIOError:
+                time.sleep(0.01)
+        message, self._rest = self._rest.split(b"\0", 1)
+        answer = json.loads(message)
+        if "method" in answer:
+            self.events.append(answer)
+        return answer
+
+    def open(self, path: Path, width: int, scheme: str) -> None:
+        """Load a file in a window of some width and colour scheme, with an empty log."""
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=900,
+            deviceScaleFactor=1,
+            mobile=width < 600,
+        )
+        features = [{"name": "prefers-color-scheme", "value": scheme}]
+        self.call("Emulation.setEmulatedMedia", features=features)
+        self.events.clear()
+        self.call("Page.navigate", url=path.as_uri())
+        self.wait("Page.loadEventFired")
+
+    def value(self, expression: str) -> object:
+        """What an expression of JavaScript comes to."""
+        found = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
+        assert "exceptionDetails" not in found, found
+        return found["result"].get("value")
+
+    def press(self, key: str, code: int) -> None:
+        for kind in ("rawKeyDown", "keyUp"):
+            self.call(
+                "Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code
+            )
+
+    def complaints(self) -> list[dict]:
+        """Exceptions, console messages, log entries, and requests for anything else."""
+        kinds = ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded")
+        found = [event for event in self.events if event["method"] in kinds]
+        for event in self.events:
+            if event["method"] == "Network.requestWillBeSent":
+                address = event["params"]["request"]["url"]
+                if not address.startswith(("file:", "data:")):
+                    found.append(event)
+        return found
+
+    def close(self) -> None:
+        os.close(self._out)
+        try:
+            self._process.wait(20)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        os.close(self._in)
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    if CHROMIUM is None:
+        pytest.skip("no chromium: apt install chromium")
+    browser = Browser(tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture(scope="module")
+def whole_page(tmp_path_factory):
+    """The default page, by the command."""
+    path = tmp_path_factory.mktemp("evidence") / "evidence.html"
+    assert main(["evidence", "--quiet", "--output", str(path)]) == 0
+    return path
+
+
+POINTS = "[...document.querySelectorAll('.player polyline')].map(p => p.getAttribute('points'))"
+OVERFLOWING = """
+[...document.querySelectorAll('body *')].filter(e => !e.closest('.scroll table, svg, .wide')
+  && e.getBoundingClientRect().right > innerWidth + 1).map(e => e.outerHTML.slice(0, 80))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1280, 400])
+def test_chromium_opens_the_page_and_nothing_overflows(browser, whole_page, width, scheme):
+    browser.open(whole_page, width, scheme)
+    browser.value("document.querySelectorAll('details').forEach(d => { d.open = true; })")
+    assert browser.value("innerWidth") == width
+    assert browser.value("document.documentElement.scrollWidth") <= width
+    assert browser.value(OVERFLOWING) == []
+    assert browser.value("document.querySelectorAll('.player').length") == len(NAMED_SCENES)
+    assert browser.value(
+        "[...document.images].every(image => image.complete && image.naturalWidth > 0)"
+    )
+    assert browser.complaints() == []
+
+
+@pytest.mark.slow
+def test_sliders_and_boxes_redraw_the_profiles(browser, whole_page):
+    """By real key strokes, one scene after the other."""
+    browser.open(whole_page, 1280, "light")
+    last = FRAMES - 1
+    for number in range(len(NAMED_SCENES)):
+        before = browser.value(POINTS)
+        assert not any("NaN" in points for points in before)
+        slider = f"document.querySelectorAll('.player input[type=range]')[{number}]"
+        browser.value(f"{slider}.focus()")
+        for _ in range(3):
+            browser.press("ArrowLeft", 37)
+        assert browser.value(f"{slider}.value") == str(last - 3)
+        output = browser.value(f"{slider}.parentElement.querySelector('output').textContent")
+        assert output == browser.value(f"{slider}.getAttribute('aria-valuetext')")
+        assert re.fullmatch(r"t = 0\.9\d\d T", output)
+        assert browser.value(POINTS) != before
+        browser.press("Home", 36)
+        assert browser.value(f"{slider}.value") == "0"
+        browser.value(f"{slider}.closest('.player').querySelector('[type=checkbox]').focus()")
+        drawn = len(browser.value(POINTS))
+        browser.press(" ", 32)
+        assert len(browser.value(POINTS)) == drawn - 4
+    assert browser.complaints() == []
+
+
+@pytest.mark.parametrize("name", ["pressure-drop", "auxetic"])
+def test_all_of_the_contact_takes_more_than_a_part_of_it(name):
+    scene = collect_scene(name, resolution=20)
+    shown = scene_section("scene-1", scene, quick=True)
+    work = shown[shown.index("Frictional work until T") :]
+    row = re.search(r"self-similar.*?(\d\.\d{6}).*?(\d\.\d{6})", work, re.DOTALL)
+    part, whole = map(float, row.groups())
+    assert 0 < part <= whole
+    heat = solve(scene.scene, rtol=1e-10).heat(scene.simulation.end_time)
+    assert whole == pytest.approx(float(heat) / energy_unit(scene), abs=1e-6)

@@ -1,0 +1,80 @@
+"""Studies of the space-time solver and the wear sweep: what they claim, on small grids."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from compare.cli.commands import main
+from compare.studies.accuracy.spacetime import (
+    STUDIES,
+    StaticZone,
+    edge,
+    ramp_errors,
+    stability_rows,
+)
+from compare.studies.accuracy.spacetime import main as study
+from compare.studies.wear import LOADS, most_wear, wear_after
+from semianalytic import Material
+
+
+def test_static_zone_closes_smoothly():
+    """Slip ends with zero slope, starts at 4 (1 - nu)/pi strength length/mu."""
+    zone = StaticZone(0.4, 0.3, Material(2.0, 1.0, 0.25))
+    x = np.linspace(1e-9, 0.3, 2001)
+    slip = zone.slip(x)
+    assert slip[0] == pytest.approx(4 * 0.75 / (np.pi * 2) * 0.4 * 0.3, rel=1e-6)
+    assert slip[-1] == 0
+    assert abs(slip[-2] / (x[-1] - x[-2])) < 0.02 * slip[0] / 0.3
+    assert (np.diff(slip) < 0).all()
+
+
+def test_slow_ramps_approach_the_static_near_field():
+    """Measured 13.5, 6.0, 1.4 and 0.4 % in slip for rise times of 1, 4, 16, 64 at 1,500 nodes."""
+    slips = [ramp_errors(rise_time, 400)[2] for rise_time in (1.0, 4.0, 16.0)]
+    assert slips[0] > 2 * slips[1] > 4 * slips[2]
+    assert slips[-1] < 0.03
+
+
+def test_edge_table_names_the_grids_own_edge_best():
+    errors = [float(cell) for cell in edge().columns[1]._cells]
+    assert errors[0] < 0.01
+    assert min(errors[1:]) > 100 * errors[0]
+
+
+def test_refusals_and_errors_of_the_stability_study():
+    rows = list(stability_rows(quick=True))
+    for row in rows:
+        assert (row.outcome == "ran") == np.isfinite(row.error)
+        assert row.outcome == "ran" or "lower it by" in row.outcome
+    damped, plain = (
+        [row.error for row in rows if row.study == "step ratio" and row.case == case][:4]
+        for case in ("damping 0.7", "damping 0")
+    )
+    assert max(damped) < min(plain)
+    assert len(rows) == 69
+
+
+def test_unknown_study_is_refused():
+    with pytest.raises(SystemExit, match="accuracy, cost"):
+        study(["speed"])
+    assert {"accuracy", "cost", "memory", "ramps", "edge"} == set(STUDIES)
+
+
+def test_friction_work_peaks_at_intermediate_friction():
+    """No friction, no work; more friction, less slip: the largest work lies between."""
+    rows = [wear_after("step", 1 / 3, chi, 150) for chi in (0.0, 0.2, 0.6, 2.0)]
+    assert rows[0].friction_work == 0
+    slips = [row.accumulated_slip for row in rows]
+    assert slips == sorted(slips, reverse=True)
+    assert most_wear(rows, "step", 1 / 3)[0] == 0.6
+
+
+def test_wear_command_writes_figure_and_table(tmp_path, capsys):
+    assert main(["wear", "--quick", "--output", str(tmp_path), "--quiet"]) == 0
+    with open(tmp_path / "wear.csv") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["load"] for row in rows} == set(LOADS)
+    assert len(rows) == 13 * 3 * 2
+    assert (tmp_path / "wear.png").stat().st_size > 20_000
+    assert "most frictional work" in capsys.readouterr().out

@@ -1,0 +1,143 @@
+"""Stiffness, mass and frequencies of the finite-element blocks."""
+
+import numpy as np
+import pytest
+from skfem import Basis
+
+from fem.assembly import FAMILIES, lumped_mass, make_space, stiffness, tributary_length
+from fem.stepping import critical_step, highest_frequency, normalised
+from meshes import Blocks, cached_mesh, causal_blocks
+from semianalytic.scene.scene import Material
+
+UNIT = Material(1.0, 1.0, 1 / 3)
+
+
+MESHES = [
+    ("P1", "squares"),
+    ("P1", "triangles"),
+    ("Q1", "squares"),
+    ("Q1", "graded"),
+    ("Q2", "squares"),
+]
+every_element = pytest.mark.parametrize(("element", "pattern"), MESHES, ids=map("-".join, MESHES))
+
+
+def block(element="Q1", pattern="squares", lower=False):
+    blocks = Blocks(size=0.5, left=2, right=4, height=3, lower=lower, pattern=pattern)
+    return make_space(cached_mesh(blocks), FAMILIES[element])
+
+
+def only(material):
+    return {"upper": material}
+
+
+@every_element
+def test_uniform_strain_stores_its_exact_energy(element, pattern):
+    material = Material(2.0, 3.0, 0.2)
+    mu = material.shear_modulus
+    lam = material.density * material.longitudinal_speed**2 - 2 * mu
+    gradient = np.array([[0.3, -0.7], [0.2, 0.5]])
+    strain = (gradient + gradient.T) / 2
+    density = lam * np.trace(strain) ** 2 / 2 + mu * (strain**2).sum()
+    space = block(element, pattern)
+    u = (gradient @ space.points).T.ravel()
+    area = 3.0 * np.ptp(space.points[1])
+    energy = u @ (stiffness(space, only(material)) @ u) / 2
+    assert energy == pytest.approx(density * area, rel=1e-13)
+
+
+@every_element
+def test_rigid_motions_cost_nothing(element, pattern):
+    space = block(element, pattern)
+    x, y = space.points
+    k = stiffness(space, only(UNIT))
+    for motion in ([1 + 0 * x, 0 * y], [0 * x, 1 + 0 * y], [-y, x]):
+        # entries below 1e-13 of lambda + 2 mu = 4 are left out, some of them in every row
+        assert np.abs(k @ np.array(motion).T.ravel()).max() < 1e-12
+
+
+@every_element
+def test_mass_is_that_of_the_block_and_positive(element, pattern):
+    space = block(element, pattern)
+    mass = lumped_mass(space, only(Material(1.0, 3.0, 0.2)))
+    assert mass.sum() == pytest.approx(3.0 * 3.0 * np.ptp(space.points[1]), rel=1e-13)
+    assert mass.min() > 0
+
+
+@every_element
+def test_quadrature_at_the_nodes_sees_one_node_each(element, pattern):
+    """What makes the mass matrix diagonal, not merely lumped."""
+    space = block(element, pattern)
+    values = Basis(space.mesh, space.family.kind, quadrature=space.family.nodal).basis
+    each = np.array([np.asarray(value[0])[0] for value in values])
+    np.testing.assert_allclose(np.sort(each, axis=0)[:-1], 0, atol=1e-14)
+    np.testing.assert_allclose(each.max(axis=0), 1, atol=1e-14)
+
+
+def test_edge_node_owns_half_an_element_of_slot_and_of_contact():
+    space = block()
+    nodes, length = tributary_length(space, "upper_contact")
+    np.testing.assert_allclose(space.points[0, nodes], [0, 0.5, 1, 1.5, 2])
+    np.testing.assert_allclose(length, [0.25, 0.5, 0.5, 0.5, 0.25])
+    nodes, length = tributary_length(space, "upper_slot")
+    np.testing.assert_allclose(space.points[0, nodes], [-1, -0.5, 0])
+    np.testing.assert_allclose(length, [0.25, 0.5, 0.25])
+    nodes, length = tributary_length(block("Q2"), "upper_slot")
+    np.testing.assert_allclose(length, 0.5 * np.array([1, 4, 2, 4, 1]) / 6)
+
+
+def test_each_block_has_its_own_material():
+    upper, lower = Material(1.0, 2.0, 0.2), Material(4.0, 3.0, 0.3)
+    space = block(lower=True)
+    materials = {"upper": upper, "lower": lower}
+    assert lumped_mass(space, materials).sum() == pytest.approx((2.0 + 3.0) * 3.0 * 1.5, rel=1e-13)
+    x, y = space.points
+    for name, side in (("upper", 1), ("lower", -1)):
+        nodes = np.unique(space.mesh.t[:, space.mesh.subdomains[name]])
+        shear = np.zeros((len(x), 2))
+        shear[nodes, 0] = y[nodes]
+        assert (side * y[nodes] >= 0).all()
+        energy = shear.ravel() @ (stiffness(space, materials) @ shear.ravel()) / 2
+        assert energy == pytest.approx(materials[name].shear_modulus * 4.5 / 2, rel=1e-13)
+
+
+@every_element
+def test_highest_frequency_is_the_largest_eigenvalue(element, pattern):
+    space = block(element, pattern)
+    order = np.random.default_rng(1).permutation(space.points.shape[1])
+    mass = lumped_mass(space, only(UNIT))
+    matrix, root = normalised(stiffness(space, only(UNIT)), mass, order)
+    exact = np.sqrt(np.linalg.eigvalsh(matrix.toarray())[-1])
+    # never below, or the step could be unstable; above by its tolerance at most
+    assert exact <= highest_frequency(matrix) < exact * 1.0002
+    np.testing.assert_allclose(root**2, np.repeat(mass[order], 2))
+
+
+@pytest.mark.parametrize("damping_time", [0.0, 0.01, 0.3, 4.0])
+def test_critical_step_separates_stable_from_unstable(damping_time):
+    omega = 7.0
+
+    def growth(step):
+        """Spectral radius of one step of (u, d) for a single oscillator."""
+        a = (omega * step) ** 2
+        kick = np.array([[1, 0], [-a, 1 - a * damping_time / step]])
+        drift = np.array([[1, 1], [0, 1]])
+        return np.abs(np.linalg.eigvals(drift @ kick)).max()
+
+    limit = critical_step(omega, damping_time)
+    assert growth(0.999 * limit) <= 1 + 1e-12
+    assert growth(1.001 * limit) > 1 + 1e-4
+
+
+@pytest.mark.parametrize(("element", "lower_by"), [("P1", 0.022), ("Q1", 0.016), ("Q2", 0.076)])
+def test_fastest_mode_sits_in_the_outer_corners(element, lower_by):
+    """So the critical step is safe, and a step slightly above it may go unnoticed."""
+    family, h = FAMILIES[element], 1 / 20
+    space = make_space(cached_mesh(causal_blocks(UNIT, 1.0, h * family.spacing)), family)
+    mass = lumped_mass(space, only(UNIT))
+    matrix, _ = normalised(stiffness(space, only(UNIT)), mass, np.arange(len(mass)))
+    (x, y), margin = space.points, 4 * h
+    inside = (x > x.min() + margin) & (x < x.max() - margin) & (y < y.max() - margin)
+    kept = np.repeat(inside, 2)
+    ratio = highest_frequency(matrix[kept][:, kept]) / highest_frequency(matrix)
+    assert ratio == pytest.approx(1 - lower_by, abs=2e-3)

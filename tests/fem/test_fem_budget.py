@@ -1,0 +1,146 @@
+"""What a simulation takes, predicted before it starts, and refused if it is too much."""
+
+import dataclasses
+import json
+import subprocess
+import sys
+
+import pytest
+
+from fem import cost, simulate
+from fem.budget import Cost
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Material, Scene, Tractions
+
+UNIT = Material(1.0, 1.0, 1 / 3)
+SHEARED = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
+MIXED = Scene(UNIT, 0.5, Tractions(1.0, 0.2), Tractions(0.5, 0.5))
+NEARLY_INCOMPRESSIBLE = dataclasses.replace(SHEARED, material=Material(1.0, 1.0, 0.4999))
+
+PEAK = """
+import json, sys
+from pathlib import Path
+from fem import cost, simulate
+from fem.run import peak_memory
+from semianalytic.scene.scene import Material, Scene, Tractions
+
+folder, options = Path(sys.argv[1]), json.loads(sys.argv[2])
+scene = Scene(Material(1.0, 1.0, 1 / 3), 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
+predicted = cost(scene, **options, snapshots=True, frames=2, checkpoint=True)
+before = peak_memory()
+run = simulate(
+    scene, **options, snapshots=folder / "fields", frames=2, checkpoint=folder / "checkpoint.h5"
+)
+run.save(folder)
+frames = sum(frame.stat().st_size for frame in (folder / "fields").glob("*.vtu"))
+print(json.dumps({
+    "memory": predicted.memory / (peak_memory() - before),
+    "frames": predicted.frames / frames,
+}))
+"""
+
+
+@pytest.mark.parametrize(
+    ("scene", "options"),
+    [
+        (SHEARED, {}),
+        (SHEARED, {"damping": 0.2, "step_ratio": 0.5}),
+        (SHEARED, {"element": "P1"}),
+        (SHEARED, {"element": "Q2"}),
+        (SHEARED, {"mesh": "graded"}),
+        (SHEARED, {"mesh": "graded", "element": "Q2"}),
+        (MIXED, {"end_time": 0.3}),
+        (MIXED, {"model": "two-blocks"}),
+        (MIXED, {"lower_material": Material(4.0, 1.0, 0.2)}),
+        (dataclasses.replace(SHEARED, material=Material(3.0, 2.0, 0.49)), {"resolution": 8}),
+        (dataclasses.replace(SHEARED, material=Material(3.0, 2.0, -0.8)), {}),
+    ],
+)
+def test_unknowns_and_steps_are_those_of_the_run(scene, options):
+    options = {"resolution": 20, **options}
+    predicted, run = cost(scene, **options), simulate(scene, **options)
+    assert predicted.unknowns == run.unknowns
+    assert predicted.steps == pytest.approx(run.steps, abs=1)
+
+
+def test_unknowns_of_unstructured_triangles_are_nearly_those_of_the_run():
+    options = {"resolution": 30, "element": "P1", "mesh": "triangles"}
+    predicted, run = cost(SHEARED, **options), simulate(SHEARED, **options)
+    assert predicted.unknowns == pytest.approx(run.unknowns, rel=0.03)
+    assert predicted.steps == pytest.approx(run.steps, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    "resolution",
+    [60, pytest.param(100, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.slow)],
+)
+def test_memory_and_size_of_files_are_predicted(resolution, tmp_path, monkeypatch):
+    """Measured in a process of its own, which nothing has used memory in before."""
+    monkeypatch.setenv("SLIPFRONT_CACHE", str(tmp_path / "cache"))
+    command = [sys.executable, "-c", PEAK, str(tmp_path), json.dumps({"resolution": resolution})]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    ratios = json.loads(run.stdout)
+    assert 0.7 < ratios["memory"] < 1.3
+    assert 0.8 < ratios["frames"] < 1.3
+
+
+def test_every_step_counts_in_memory_and_files():
+    all_steps, few = (cost(SHEARED, every=every, step_ratio=0.01) for every in (1, 100))
+    assert all_steps.memory > few.memory
+    assert all_steps.history > 50 * few.history
+    assert all_steps.seconds == few.seconds
+
+
+def refusal(**options):
+    with pytest.raises(SceneError, match=r"simulate: [\d,]+ unknowns and [\d,]+ steps") as caught:
+        simulate(**options)
+    return str(caught.value)
+
+
+def named_number(sentence, before):
+    return int(sentence.split(before)[1].split()[0].rstrip(".thnds"))
+
+
+def test_too_much_memory_is_refused_with_a_resolution_that_fits():
+    limit = 150e6
+    sentence = refusal(scene=SHEARED, resolution=1000, memory=limit)
+    assert "are allowed" in sentence
+    fitting = named_number(sentence, "lower the resolution to ")
+    assert cost(SHEARED, resolution=fitting).memory <= 1.02 * limit
+    assert cost(SHEARED, resolution=fitting + 2).memory > 0.98 * limit
+
+
+def test_histories_too_long_for_memory_may_be_thinned():
+    options = {"scene": SHEARED, "resolution": 60, "step_ratio": 1e-3}
+    sentence = refusal(**options, memory=400e6)
+    every = named_number(sentence, "store every ")
+    assert cost(**options, every=every).memory <= 400e6 < cost(**options).memory
+
+
+def test_run_that_never_fits_says_so():
+    assert "shorten the end time or raise the limit" in refusal(scene=SHEARED, memory=1e6)
+
+
+@pytest.mark.parametrize("memory", [0, -1e9, float("nan"), "much", True])
+def test_limit_must_be_a_number_of_bytes(memory):
+    with pytest.raises(SceneError, match="memory must be a positive number of bytes"):
+        simulate(SHEARED, resolution=8, memory=memory)
+
+
+def test_nearly_incompressible_blocks_cost_hours_and_gigabytes():
+    """c_l / c_t is 71: unknowns go with its square."""
+    usual, extreme = cost(SHEARED, resolution=40), cost(NEARLY_INCOMPRESSIBLE, resolution=40)
+    ratio = NEARLY_INCOMPRESSIBLE.material.longitudinal_speed / UNIT.longitudinal_speed
+    assert extreme.unknowns == pytest.approx(ratio**2 * usual.unknowns, rel=0.2)
+    assert extreme.steps > ratio * usual.steps  # the damping of so stiff elements shortens steps
+    assert extreme.seconds > 100 * usual.seconds
+    sentence = refusal(scene=NEARLY_INCOMPRESSIBLE, resolution=40, memory=4e9)
+    assert 8 <= named_number(sentence, "lower the resolution to ") < 40
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(61.0, "1 minute"), (600.0, "10 minutes"), (9000.0, "2.5 hours")]
+)
+def test_cost_is_told_in_words(seconds, words):
+    told = str(Cost(10, 20_000, 3000, 2_500_000_000, seconds, 1, 1, 1))
+    assert told == f"20,000 unknowns and 3,000 steps will take about {words} and 2.5 GB"

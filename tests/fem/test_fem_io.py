@@ -1,0 +1,237 @@
+"""Files of a simulation: its histories, and pictures of its fields."""
+
+import dataclasses
+import xml.etree.ElementTree as ET
+
+import h5py
+import meshio
+import numpy as np
+import pytest
+
+from fem import load_simulation, simulate
+from fem.results import ARRAYS, HISTORIES
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.friction import RateWeakening, SlipWeakening
+from semianalytic.scene.loads import Pulse, Tabulated
+from semianalytic.scene.scene import Material, Scene, Tractions
+
+UNIT = Material(1.0, 1.0, 1 / 3)
+MIXED = Scene(UNIT, 0.5, Tractions(1.0, 0.2), Tractions(0.5, 0.5))
+OPENING = Scene(UNIT, 0.5, Tractions(1.0, 0.0), Tractions(-1.0, 0.5))
+
+
+@pytest.fixture(scope="module")
+def simulation(mesh_cache):
+    return simulate(MIXED, resolution=12, every=3)
+
+
+def index(directory):
+    """Times and frames a PVD index lists."""
+    entries = ET.parse(directory / "fields.pvd").getroot().iter("DataSet")
+    return [(float(e.get("timestep")), meshio.read(directory / e.get("file"))) for e in entries]
+
+
+def test_saved_simulation_comes_back_equal(simulation, tmp_path):
+    assert_comes_back(simulation, tmp_path)
+
+
+@pytest.mark.parametrize("law", [RateWeakening(0.4, 1.0), SlipWeakening(0.6, 0.02)])
+def test_saved_simulation_knows_its_loads_and_law(law, mesh_cache, tmp_path):
+    scene = dataclasses.replace(
+        MIXED,
+        pressure_history=Tabulated((0.1, 0.4, 0.6, 0.6), (0.0, 1.0, 1.0, 0.5)),
+        shear_history=Pulse(0.4, "haversine"),
+        friction_law=law,
+    )
+    assert_comes_back(simulate(scene, resolution=20), tmp_path)
+
+
+def assert_comes_back(simulation, tmp_path):
+    simulation.save(tmp_path / "new" / "folder")
+    loaded = load_simulation(tmp_path / "new" / "folder")
+    assert [p.name for p in (tmp_path / "new" / "folder").iterdir()] == ["simulation.h5"]
+    for field in dataclasses.fields(simulation):
+        saved, read = getattr(simulation, field.name), getattr(loaded, field.name)
+        if field.name in HISTORIES:
+            for part in dataclasses.fields(saved):
+                np.testing.assert_array_equal(getattr(saved, part.name), getattr(read, part.name))
+        elif field.name in ARRAYS:
+            np.testing.assert_array_equal(saved, read)
+        else:
+            assert saved == read
+    assert loaded.energy.residual == simulation.energy.residual
+
+
+def truncate(path):
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def scribble(path):
+    path.write_text("not a simulation")
+
+
+def be_foreign(path):
+    with h5py.File(path, "w") as file:
+        file.attrs["format"] = "something else"
+
+
+def lose_a_field(path):
+    with h5py.File(path, "a") as file:
+        del file["slot/velocity_y"]
+
+
+def lose_a_group(path):
+    with h5py.File(path, "a") as file:
+        del file["energy"]
+
+
+def spoil_the_scene(path):
+    with h5py.File(path, "a") as file:
+        file.attrs["scene"] = file.attrs["scene"].replace('"friction": 0.5', '"friction": -1')
+
+
+def lose_the_friction(path):
+    with h5py.File(path, "a") as file:
+        file.attrs["scene"] = file.attrs["scene"].replace('"friction"', '"fiction"')
+
+
+def invent_a_law(path):
+    with h5py.File(path, "a") as file:
+        law = '{"friction_law": {"kind": "none"}, '
+        file.attrs["scene"] = file.attrs["scene"].replace("{", law, 1)
+
+
+def be_no_table(path):
+    with h5py.File(path, "a") as file:
+        file.attrs["scene"] = "[1, 2]"
+
+
+def spoil_the_facts(path):
+    with h5py.File(path, "a") as file:
+        file.attrs["facts"] = "[1, 2]"
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        truncate,
+        scribble,
+        be_foreign,
+        lose_a_field,
+        lose_a_group,
+        spoil_the_scene,
+        lose_the_friction,
+        invent_a_law,
+        be_no_table,
+        spoil_the_facts,
+    ],
+)
+def test_damaged_simulation_is_an_error(damage, simulation, tmp_path):
+    simulation.save(tmp_path)
+    damage(tmp_path / "simulation.h5")
+    with pytest.raises(DataFileError, match=r"simulation\.h5"):
+        load_simulation(tmp_path)
+
+
+def test_missing_simulation_is_an_error(tmp_path):
+    with pytest.raises(DataFileError, match="does not exist"):
+        load_simulation(tmp_path)
+
+
+def test_pictures_are_evenly_spaced_and_indexed(tmp_path):
+    sim = simulate(MIXED, resolution=16, snapshots=tmp_path, frames=4)
+    frames = index(tmp_path)
+    times = [time for time, _ in frames]
+    np.testing.assert_allclose(times, [0.25, 0.5, 0.75, 1.0], atol=sim.time_step / 2)
+    assert not list(tmp_path.glob("*.part"))
+    assert sim.seconds["snapshots"] <= sim.seconds["steps"]
+
+
+def test_fields_agree_with_the_interface_history(tmp_path):
+    sim = simulate(MIXED, resolution=16, snapshots=tmp_path, frames=1)
+    (_, frame), history = index(tmp_path)[0], sim.interface
+    displacement, velocity = frame.point_data["displacement"], frame.point_data["velocity"]
+    on_contact = (frame.points[:, 1] == 0) & (frame.points[:, 0] >= 0)
+    upper, lower = faces(frame, on_contact)
+    # tractions are carried by nodes, stresses by elements: only displacements must agree exactly
+    np.testing.assert_allclose(
+        (displacement[upper] - displacement[lower])[:, 0], history.slip[-1], atol=1e-14
+    )
+    np.testing.assert_allclose(
+        (velocity[upper] - velocity[lower])[:, 0], history.slip_rate[-1], atol=1e-14
+    )
+    on_slot = (frame.points[:, 1] == 0) & (frame.points[:, 0] < 0)
+    upper, _ = faces(frame, on_slot & (frame.points[:, 0] >= sim.slot.x[0] - 1e-9))
+    np.testing.assert_allclose(velocity[upper, 1], sim.slot.velocity_y[-1], atol=1e-14)
+
+
+def faces(frame, nodes):
+    """Nodes of the upper and of the lower face among `nodes`, both by increasing x."""
+    cells = frame.cells[0].data
+    above = np.unique(cells[frame.points[cells][:, :, 1].mean(axis=1) > 0])
+    numbers = np.flatnonzero(nodes)
+    numbers = numbers[np.argsort(frame.points[numbers, 0], kind="stable")]
+    is_upper = np.isin(numbers, above)
+    return numbers[is_upper], numbers[~is_upper]
+
+
+def test_plane_waves_carry_the_right_stress(tmp_path):
+    """Far left nothing is felt of the edge: behind each front stands the load itself."""
+    simulate(MIXED, resolution=48, snapshots=tmp_path, frames=2)
+    time, frame = index(tmp_path)[0]
+    x, y, _ = frame.points[frame.cells[0].data].mean(axis=1).T / time
+    c = UNIT.longitudinal_speed
+    sxx, syy, sxy = (frame.cell_data[f"sigma_{name}"][0] for name in ("xx", "yy", "xy"))
+    lateral = UNIT.poisson_ratio / (1 - UNIT.poisson_ratio)
+    for side in (1, -1):
+        height = np.where((x < -1.1 * c) & (x > -1.5 * c), side * y, np.inf)
+        behind = (height > 0.1) & (height < 0.8)
+        between = (height > 1.2) & (height < 0.8 * c)
+        ahead = (height > 1.2 * c) & np.isfinite(height)
+        for where, pressure, shear in (
+            (behind, 1.0 - 0.5, 0.2 - 0.5),
+            (between, 1.0 - 0.5, 0.2),
+            (ahead, 1.0, 0.2),
+        ):
+            # means over each region, to 1 % of the step: single elements ring by a few percent
+            assert where.sum() > 50
+            assert syy[where].mean() == pytest.approx(-pressure, abs=5e-3)
+            assert sxy[where].mean() == pytest.approx(shear, abs=5e-3)
+            assert sxx[where].mean() == pytest.approx(lateral * (1.0 - pressure), abs=5e-3)
+
+
+def test_faces_never_interpenetrate(tmp_path):
+    simulate(OPENING, resolution=40, snapshots=tmp_path, frames=10)
+    opened = []
+    for _, frame in index(tmp_path):
+        upper, lower = faces(frame, (frame.points[:, 1] == 0) & (frame.points[:, 0] >= 0))
+        displacement = frame.point_data["displacement"][:, 1]
+        opened.append(displacement[upper] - displacement[lower])
+    assert np.min(opened) > -1e-14
+    assert np.max(opened) > 0.05  # and it does open
+
+
+def test_mirrored_half_and_two_blocks_show_the_same_fields(tmp_path):
+    frames = []
+    for model in ("auto", "two-blocks"):
+        simulate(MIXED, resolution=16, snapshots=tmp_path / model, frames=1, model=model)
+        ((_, frame),) = index(tmp_path / model)
+        centre = frame.points[frame.cells[0].data].mean(axis=1).round(6)
+        order = np.lexsort(centre.T)
+        corners = frame.point_data["velocity"][frame.cells[0].data].mean(axis=1)
+        fields = [frame.cell_data[name][0] for name in ("sigma_xx", "sigma_yy", "sigma_xy")]
+        frames.append([f[order] for f in (*fields, corners, centre)])
+    for one, two in zip(*frames, strict=True):
+        np.testing.assert_allclose(one, two, atol=1e-10)
+
+
+def test_interrupted_run_leaves_a_valid_index(tmp_path):
+    simulate(MIXED, resolution=10, snapshots=tmp_path, frames=5)  # an older run in the same folder
+
+    def stop_half_way(step, steps):
+        if step > steps // 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate(MIXED, resolution=12, snapshots=tmp_path, frames=4, progress=stop_half_way)
+    assert len(index(tmp_path)) == 2

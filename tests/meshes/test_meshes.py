@@ -1,0 +1,308 @@
+"""The blocks: their size, their two separate faces, their files."""
+
+import builtins
+import signal
+import sys
+from dataclasses import replace
+
+import meshio
+import numpy as np
+import pytest
+
+from meshes import Blocks, build_mesh, cached_mesh, causal_blocks, read_mesh
+from meshes.cache import cache_path
+from semianalytic.scene.errors import DataFileError, MissingLibraryError, SceneError
+from semianalytic.scene.scene import Material
+
+BLOCKS = Blocks(size=0.1, left=4, right=6, height=3, lower=True)
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("SLIPFRONT_CACHE", str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def side_nodes(mesh, side):
+    nodes = np.unique(mesh.facets[:, mesh.boundaries[side]])
+    return nodes[np.argsort(mesh.p[0, nodes])]
+
+
+@pytest.mark.parametrize("lower", [False, True])
+def test_elements_are_squares_on_the_grid(lower):
+    blocks = Blocks(size=0.1, left=4, right=6, height=3, lower=lower)
+    mesh = cached_mesh(blocks)
+    x, y = mesh.p[:, mesh.t]
+    area = (np.roll(y, -1, axis=0) * x - np.roll(x, -1, axis=0) * y).sum(axis=0) / 2
+    np.testing.assert_allclose(area, 0.01, rtol=1e-12)  # positive: counter-clockwise
+    assert mesh.nelements == (2 if lower else 1) * 10 * 3
+    assert set(mesh.subdomains) == set(blocks.names)
+    for block in blocks.names:
+        assert set(blocks.sides(block)) <= set(mesh.boundaries)
+
+
+def test_rows_of_a_graded_mesh_grow_away_from_the_interface():
+    blocks = replace(BLOCKS, pattern="graded", height=12)
+    mesh = cached_mesh(blocks)
+    rows = np.unique(mesh.p[1, mesh.p[1] >= 0])
+    np.testing.assert_allclose(rows, blocks.rows, atol=1e-12)
+    heights = np.diff(rows)
+    np.testing.assert_allclose(heights, 0.1 + 0.05 * rows[:-1], rtol=1e-12)
+    assert rows[-1] == pytest.approx(blocks.far)
+    np.testing.assert_allclose(np.unique(-mesh.p[1, mesh.p[1] <= 0]), rows, atol=1e-12)
+
+
+@pytest.mark.parametrize("lower", [False, True])
+def test_triangles_cover_the_blocks(lower):
+    blocks = replace(BLOCKS, pattern="triangles", lower=lower)
+    mesh = cached_mesh(blocks)
+    assert mesh.t.shape[0] == 3
+    (x, y) = mesh.p[:, mesh.t]
+    area = ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / 2
+    assert np.abs(area).sum() == pytest.approx((2 if lower else 1) * 1.0 * 0.3, rel=1e-9)
+    assert np.abs(area).min() > 0.1 * 0.1**2  # no slivers
+    on_side = side_nodes(mesh, "upper_contact")
+    np.testing.assert_allclose(mesh.p[0, on_side], 0.1 * np.arange(7), atol=1e-15)
+
+
+@pytest.mark.parametrize("pattern", ["graded", "triangles"])
+def test_graded_meshes_and_triangles_are_cached_and_checked(pattern, tmp_path):
+    blocks = replace(BLOCKS, pattern=pattern)
+    first, second = cached_mesh(blocks), cached_mesh(blocks)
+    np.testing.assert_array_equal(first.p, second.p)
+    np.testing.assert_array_equal(first.t, second.t)
+    path = tmp_path / "blocks.msh"
+    for other in (BLOCKS, replace(blocks, left=5), replace(blocks, height=4)):
+        build_mesh(other, path)
+        with pytest.raises(DataFileError, match=r"blocks\.msh"):
+            read_mesh(path, blocks)
+
+
+def drop_a_triangle(raw):
+    for block in raw.cells:
+        if block.type == "triangle":
+            block.data[0] = block.data[1]
+
+
+def move_an_inner_node(raw):
+    raw.points[np.argmin(np.abs(raw.points - [0.0, 0.15, 0.0]).sum(axis=1))] += [0.0, 9.0, 0.0]
+
+
+@pytest.mark.parametrize("damage", [drop_a_triangle, move_an_inner_node])
+def test_triangles_that_do_not_cover_a_block_are_an_error(damage, tmp_path, monkeypatch):
+    blocks = replace(BLOCKS, pattern="triangles")
+    build_mesh(blocks, tmp_path / "blocks.msh")
+    read = meshio.gmsh.read
+
+    def damaged(path):
+        raw = read(path)
+        damage(raw)
+        return raw
+
+    monkeypatch.setattr(meshio.gmsh, "read", damaged)
+    with pytest.raises(DataFileError, match=r"do not cover it once|has a boundary besides"):
+        read_mesh(tmp_path / "blocks.msh", blocks)
+
+
+@pytest.mark.parametrize("pattern", ["squares", "graded"])
+def test_extents_do_not_depend_on_the_pattern(pattern):
+    material, end, size = Material(1.0, 1.0, 1 / 3), 1.0, 0.02
+    squares, other = (
+        causal_blocks(material, end, size, pattern=kind) for kind in ("squares", pattern)
+    )
+    assert (other.left, other.right) == (squares.left, squares.right)
+    assert squares.far - size < other.far < 1.1 * squares.far
+
+
+def test_free_walls_are_farther_away():
+    material = Material(1.0, 1.0, 1 / 3)
+    held, free = (causal_blocks(material, 1.0, 0.02, free_walls=w) for w in (False, True))
+    assert free.left * 0.02 > material.longitudinal_speed * 1.5
+    assert (free.right, free.height) == (held.right, held.height)
+
+
+def test_faces_match_but_share_no_node():
+    mesh = cached_mesh(BLOCKS)
+    for face in ("slot", "contact"):
+        upper, lower = (side_nodes(mesh, f"{block}_{face}") for block in BLOCKS.names)
+        assert not set(upper) & set(lower)
+        np.testing.assert_array_equal(mesh.p[:, upper], mesh.p[:, lower])
+    parts = [set(mesh.t[:, mesh.subdomains[block]].ravel()) for block in BLOCKS.names]
+    assert not parts[0] & parts[1]
+    assert len(parts[0] | parts[1]) == mesh.nvertices
+
+
+@pytest.mark.parametrize("block", ["upper", "lower"])
+def test_slot_and_contact_meet_at_the_edge_node(block):
+    mesh = cached_mesh(BLOCKS)
+    slot, contact = (side_nodes(mesh, f"{block}_{face}") for face in ("slot", "contact"))
+    assert slot[-1] == contact[0]
+    np.testing.assert_array_equal(mesh.p[:, contact[0]], [0, 0])
+
+
+@pytest.mark.parametrize("nu", [-0.5, 0.0, 1 / 3, 0.45])
+def test_extents_follow_causality(nu):
+    material, end, size = Material(2.0, 0.5, nu), 3.0, 0.05
+    reach = material.longitudinal_speed * end
+    blocks = causal_blocks(material, end, size)
+    left, right, height = (n * size for n in (blocks.left, blocks.right, blocks.height))
+    slack = 10 * size  # 8 h of margin, and rounding up to whole elements
+    assert reach < right < reach + slack
+    assert reach < 2 * height < reach + slack + size
+    assert reach < 2 * left - reach / 2 < reach + slack + size
+    full = causal_blocks(material, end, size, full=True)
+    assert full.left == full.right == full.height == blocks.right
+
+
+def test_damping_widens_the_margin():
+    material = Material(1.0, 1.0, 0.3)
+    sharp, smeared = (causal_blocks(material, 1.0, 0.01, damping_time=d) for d in (0.0, 0.01))
+    assert smeared.right > sharp.right
+    assert smeared.height > sharp.height
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"size": 0.0},
+        {"size": np.inf},
+        {"left": 0},
+        {"height": -1},
+        {"right": 10**7},
+        {"pattern": "x"},
+    ],
+)
+def test_impossible_blocks_are_refused(changes):
+    with pytest.raises(SceneError, match="mesh:"):
+        Blocks(**{"size": 0.1, "left": 4, "right": 6, "height": 3, **changes})
+
+
+def test_second_use_needs_no_gmsh(cache, monkeypatch):
+    first = cached_mesh(BLOCKS)
+    assert [path.suffix for path in cache.iterdir()] == [".msh"]  # no temporary file is left
+    monkeypatch.setitem(sys.modules, "gmsh", None)  # importing it would fail
+    second = cached_mesh(BLOCKS)
+    np.testing.assert_array_equal(first.p, second.p)
+    with pytest.raises(ImportError):
+        cached_mesh(Blocks(size=0.2, left=4, right=6, height=3))
+
+
+def test_every_parameter_has_its_own_cache_entry():
+    variants = [
+        Blocks(0.1, 4, 6, 3),
+        Blocks(0.2, 4, 6, 3),
+        Blocks(0.1, 5, 6, 3),
+        Blocks(0.1, 4, 5, 3),
+        Blocks(0.1, 4, 6, 4),
+        BLOCKS,
+        replace(BLOCKS, pattern="graded"),
+        replace(BLOCKS, pattern="triangles"),
+    ]
+    assert len({cache_path(blocks) for blocks in variants}) == len(variants)
+
+
+def test_missing_library_names_the_packages(monkeypatch):
+    original = builtins.__import__
+
+    def without_glu(name, *args, **kwargs):
+        if name == "gmsh":
+            raise OSError("libGLU.so.1: cannot open shared object file")
+        return original(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", without_glu)
+    with pytest.raises(MissingLibraryError, match=r"libGLU\.so\.1.*apt install .*libglu1-mesa"):
+        cached_mesh(BLOCKS)
+
+
+def test_building_leaves_ctrl_c_alone(tmp_path):
+    before = signal.getsignal(signal.SIGINT)
+    build_mesh(BLOCKS, tmp_path / "blocks.msh")
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_building_leaves_other_signals_alone(tmp_path):
+    """gmsh sets SIGTERM and SIGPIPE back to what ends a process, behind the back of Python."""
+    heard = []
+    before = signal.signal(signal.SIGTERM, lambda number, frame: heard.append(number))
+    try:
+        build_mesh(BLOCKS, tmp_path / "blocks.msh")
+        signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(signal.SIGPIPE)  # which Python ignores
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert heard == [signal.SIGTERM]
+
+
+def test_building_leaves_an_open_gmsh_session_alone(tmp_path):
+    import gmsh
+
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.model.add("theirs")
+        build_mesh(BLOCKS, tmp_path / "blocks.msh")
+        assert gmsh.isInitialized()
+        assert gmsh.model.getCurrent() == "theirs"
+    finally:
+        gmsh.finalize()
+
+
+def test_unusable_cache_is_named(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("not a folder")
+    monkeypatch.setenv("SLIPFRONT_CACHE", str(tmp_path / "file" / "cache"))
+    with pytest.raises(DataFileError, match="SLIPFRONT_CACHE"):
+        cached_mesh(BLOCKS)
+
+
+def truncate(path):
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def empty(path):
+    path.write_bytes(b"")
+
+
+def scribble(path):
+    path.write_bytes(bytes(range(256)) * 20)
+
+
+def move_a_node(path):
+    """Overwrite the ordinate of one corner, stored as a binary double."""
+    data = path.read_bytes()
+    corner = np.array([6 * 0.1, 3 * 0.1, 0.0]).tobytes()
+    assert corner in data
+    path.write_bytes(data.replace(corner, np.array([0.6, 0.34, 0.0]).tobytes()))
+
+
+def replace_by_triangles(path):
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    meshio.write(path, meshio.Mesh(points, [("triangle", [[0, 1, 2]])]), file_format="gmsh")
+
+
+def replace_by_other_blocks(path):
+    build_mesh(Blocks(size=0.1, left=6, right=4, height=3, lower=True), path)
+
+
+DAMAGES = [truncate, empty, scribble, move_a_node, replace_by_triangles, replace_by_other_blocks]
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_file_is_an_error(damage, tmp_path):
+    path = tmp_path / "blocks.msh"
+    build_mesh(BLOCKS, path)
+    read_mesh(path, BLOCKS)
+    damage(path)
+    with pytest.raises(DataFileError, match=r"blocks\.msh"):
+        read_mesh(path, BLOCKS)
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damaged_cache_entry_is_built_again(damage):
+    intact = cached_mesh(BLOCKS)
+    damage(cache_path(BLOCKS))
+    np.testing.assert_array_equal(cached_mesh(BLOCKS).p, intact.p)
+    read_mesh(cache_path(BLOCKS), BLOCKS)
+
+
+def test_missing_file_is_an_error(tmp_path):
+    with pytest.raises(DataFileError, match="does not exist"):
+        read_mesh(tmp_path / "nothing.msh", BLOCKS)

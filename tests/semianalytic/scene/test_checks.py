@@ -1,0 +1,222 @@
+"""Numbers of any type are taken, everything else is refused in one sentence; results compare."""
+
+from dataclasses import fields, is_dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import fem
+import semianalytic
+from fem.settings import Pace, Settings
+from semianalytic import (
+    Harmonic,
+    InterfaceHistory,
+    Material,
+    Pulse,
+    Ramp,
+    RateWeakening,
+    Scene,
+    SceneError,
+    SlipWeakening,
+    Tabulated,
+    Tractions,
+    march,
+    slip_history,
+    solve,
+    sweep,
+)
+from semianalytic.scene.checks import LARGEST, SMALLEST, shown
+
+SOLID = Material(1.0, 1.0, 1 / 3)
+SCENE = Scene(SOLID, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
+SETTINGS = {
+    "end_time": 1.0,
+    "resolution": 10,
+    "damping": 0.02,
+    "step_ratio": 0.9,
+    "model": "auto",
+    "element": "Q1",
+    "mesh": "squares",
+    "every": 1,
+    "frames": 1,
+}
+
+TAKES_A_NUMBER = {
+    "shear_modulus": lambda value: Material(value, 1.0, 0.3),
+    "density": lambda value: Material(1.0, value, 0.3),
+    "poisson_ratio": lambda value: Material(1.0, 1.0, value),
+    "pressure": lambda value: Tractions(value, 0.0),
+    "shear": lambda value: Tractions(0.0, value),
+    "friction": lambda value: replace(SCENE, friction=value),
+    "rise_time": Ramp,
+    "duration": Pulse,
+    "frequency": Harmonic,
+    "reduction": lambda value: RateWeakening(value, 1.0),
+    "rate": lambda value: RateWeakening(0.5, value),
+    "distance": lambda value: SlipWeakening(0.5, value),
+    "times": lambda value: Tabulated((value,), (1.0,)),
+    "values": lambda value: Tabulated((1.0,), (value,)),
+    "end_time": lambda value: Settings(**(SETTINGS | {"end_time": value})),
+    "damping": lambda value: Settings(**(SETTINGS | {"damping": value})),
+    "step_ratio": lambda value: Settings(**(SETTINGS | {"step_ratio": value})),
+    "checkpoint_seconds": lambda value: Pace(seconds=value if value is not None else "None"),
+}
+TAKES_A_SIZE = ("shear_modulus", "density", "duration", "frequency", "rate", "distance", "end_time")
+
+NO_NUMBERS = [
+    True,
+    np.True_,
+    "0.25",
+    b"0.25",
+    None,
+    [0.25],
+    (0.25,),
+    {},
+    0.25 + 0j,
+    np.array(0.25),
+    np.array([[0.25, 0.5]] * 40),
+    float("nan"),
+    float("inf"),
+    10**400,
+    10**5000,
+    -(10**400),
+    np.float64("inf"),
+    1e300,
+]
+
+
+def stored(made):
+    """All numbers a description holds, tables included."""
+    for field in fields(made):
+        value = getattr(made, field.name)
+        if is_dataclass(value):
+            yield from stored(value)
+        else:
+            yield from value if isinstance(value, tuple) else (value,)
+
+
+@pytest.mark.parametrize("make", TAKES_A_NUMBER.values(), ids=TAKES_A_NUMBER)
+@pytest.mark.parametrize(
+    "value", [np.float64(0.25), np.float32(0.25), np.float16(0.25), Fraction(1, 4)], ids=repr
+)
+def test_numbers_of_other_types_are_the_same_number(make, value):
+    made = make(value)
+    assert made == make(0.25)
+    kinds = {type(one) for one in stored(made)}
+    assert kinds <= {float, int, str, type(None)} | {type(p) for p in stored(make(0.25))}
+    assert 0.25 in list(stored(made))
+
+
+@pytest.mark.parametrize(
+    "make",
+    [make for name, make in TAKES_A_NUMBER.items() if name not in ("poisson_ratio", "damping")],
+)
+def test_integers_are_numbers(make):
+    assert make(np.int64(1)) == make(np.uint8(1)) == make(1) == make(1.0)
+
+
+@pytest.mark.parametrize("make", TAKES_A_NUMBER.values(), ids=TAKES_A_NUMBER)
+@pytest.mark.parametrize("value", NO_NUMBERS, ids=lambda value: shown(value)[:20])
+def test_anything_else_is_refused_in_one_short_sentence(make, value):
+    with pytest.raises(SceneError) as caught:
+        make(value)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert message.endswith(".")
+    assert len(message) < 250
+
+
+@pytest.mark.parametrize("name", TAKES_A_SIZE)
+def test_sizes_whose_products_overflow_are_refused_with_the_range(name):
+    make = TAKES_A_NUMBER[name]
+    for value in (SMALLEST, LARGEST):
+        make(value)
+    for value in (SMALLEST / 10, 10 * LARGEST):
+        with pytest.raises(SceneError, match=r"1e-60 and 1e\+60"):
+            make(value)
+
+
+def test_tables_refuse_what_is_not_a_number_and_slopes_beyond_range():
+    for bad in ("12", [True, 1.0], ["0", 1.0], 3.0, None):
+        with pytest.raises(SceneError, match="lists of numbers"):
+            Tabulated(bad, (0.0, 1.0))
+    with pytest.raises(SceneError, match="give the same time twice"):
+        Tabulated((0.0, 1e-300), (0.0, 1.0))
+    table = Tabulated(np.array([0, 1]), np.array([0.0, 2.0], dtype=np.float32))
+    assert table == Tabulated((0.0, 1.0), (0.0, 2.0))
+
+
+@pytest.mark.parametrize("name", ["material", "base", "step"])
+@pytest.mark.parametrize("value", [(1.0, 0.0), None, {"pressure": 1.0}, 1.0, "rock"], ids=repr)
+def test_parts_of_a_scene_of_the_wrong_type_are_named(name, value):
+    with pytest.raises(SceneError, match=f"scene: {name} must be a "):
+        replace(SCENE, **{name: value})
+
+
+@pytest.mark.parametrize("value", [50.0, True, "50", None, 10**400, 10**17], ids=shown)
+def test_counts_are_whole_numbers_of_bounded_size(value):
+    given = value if value is not None else "None"  # no number of nodes is the default one
+    for take in (
+        lambda: march(SCENE, nodes=given),
+        lambda: march(SCENE, every=value),
+        lambda: slip_history(SCENE, nodes=given),
+        lambda: Settings(**(SETTINGS | {"resolution": value})),
+        lambda: Settings(**(SETTINGS | {"frames": value})),
+    ):
+        with pytest.raises(SceneError, match=r"whole number|integer|at most"):
+            take()
+
+
+def test_options_of_a_march_are_numbers_of_any_type():
+    plain = march(SCENE, 0.25, 32, damping=0.5, step_ratio=0.5)
+    other = march(
+        SCENE, np.float32(0.25), np.int64(32), damping=np.float32(0.5), step_ratio=Fraction(1, 2)
+    )
+    np.testing.assert_array_equal(plain.interface.slip, other.interface.slip)
+    for name in ("end_time", "length", "latest", "damping", "step_ratio", "tolerance"):
+        for value in ("1", True, 10**400, 1e300, float("nan")):
+            with pytest.raises(SceneError, match=f"march: {name} must"):
+                march(SCENE, **{"nodes": 32, name: value})
+
+
+def test_options_of_a_slip_history_are_checked_whatever_the_method():
+    for bad in ({"end_time": -1.0}, {"end_time": "1"}, {"length": 0.0}, {"nodes": 0}):
+        with pytest.raises(SceneError, match="slip_history: "):
+            slip_history(SCENE, **bad)
+
+
+def test_a_sweep_takes_numbers_only():
+    swept = sweep(SCENE, [np.float32(0.25), Fraction(1, 2)], rtol=1e-4)
+    assert swept.friction.tolist() == [0.25, 0.5]
+    for bad in (["0.3"], [True], [None], [[1.0], 2.0], [10**400]):
+        with pytest.raises(SceneError, match="friction"):
+            sweep(SCENE, bad)
+
+
+def test_results_can_be_compared_and_kept_in_sets():
+    history = [slip_history(SCENE, nodes=20) for _ in range(2)]
+    simulations = [fem.simulate(SCENE, resolution=8) for _ in range(2)]
+    marches = [march(SCENE, nodes=16) for _ in range(2)]
+    solutions = [solve(SCENE) for _ in range(2)]
+    sweeps = [sweep(SCENE, [0.3], rtol=1e-3) for _ in range(2)]
+    for one, other in (history, simulations, marches, solutions, sweeps):
+        assert one == one
+        assert one != other
+        assert len({one, other}) == 2
+        assert [one, other].index(other) == 1
+
+
+@pytest.mark.parametrize("package", [semianalytic, fem])
+def test_no_public_result_compares_arrays_with_each_other(package):
+    public = [getattr(package, name) for name in package.__all__]
+    results = [kind for kind in public if isinstance(kind, type) and is_dataclass(kind)]
+    with_arrays = [
+        kind
+        for kind in results
+        if any("Array" in str(field.type) or "Profile" in str(field.type) for field in fields(kind))
+    ]
+    assert InterfaceHistory in with_arrays or package is fem
+    assert with_arrays
+    for kind in with_arrays:
+        assert kind.__eq__ is object.__eq__, kind

@@ -1,0 +1,146 @@
+"""Scenes by name, from TOML files and with overrides."""
+
+import pytest
+
+from semianalytic import Material, Scene, Tractions
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import (
+    DEFAULT_SCENE,
+    NAMED_SCENES,
+    find_scene,
+    override_scene,
+    read_scene,
+    scene_label,
+)
+
+STEEL = """
+friction = 0.4
+[material]
+shear_modulus = 80e9
+density = 7800
+poisson_ratio = 0.29
+[base]
+pressure = 1e6
+shear = 0
+[step]
+pressure = 0
+shear = 5e5
+"""
+
+
+@pytest.fixture
+def steel(tmp_path):
+    """Path of a valid scene file, and a function that rewrites part of it."""
+    path = tmp_path / "steel.toml"
+    path.write_text(STEEL)
+
+    def rewrite(old, new):
+        assert old in STEEL
+        path.write_text(STEEL.replace(old, new))
+        return path
+
+    return path, rewrite
+
+
+def test_default_scene_is_constant_pressure_and_sudden_shear():
+    scene = find_scene(DEFAULT_SCENE)
+    assert scene.friction * scene.base.pressure / scene.step.shear == pytest.approx(0.3)
+    assert scene.material.poisson_ratio == pytest.approx(1 / 3)
+    assert scene.step.pressure == scene.base.shear == 0
+
+
+@pytest.mark.parametrize(("name", "ratio"), [("remote-shock", 1.25), ("stuck", 2.0)])
+def test_remote_scenes_have_base_equal_to_step(name, ratio):
+    scene = find_scene(name)
+    assert scene.base == scene.step
+    assert scene.friction * scene.step.pressure / scene.step.shear == ratio
+
+
+def test_every_named_scene_has_a_one_line_summary():
+    for named in NAMED_SCENES.values():
+        assert named.summary
+        assert "\n" not in named.summary
+
+
+def test_file_gives_the_scene_it_describes(steel):
+    path, _ = steel
+    expected = Scene(Material(80e9, 7800, 0.29), 0.4, Tractions(1e6, 0), Tractions(0, 5e5))
+    assert read_scene(path) == expected
+    assert find_scene(str(path)) == expected
+    assert scene_label(str(path)) == "steel"
+
+
+def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
+    path, _ = steel
+    plain = path.rename(tmp_path / "steel")
+    assert find_scene(str(plain)).friction == 0.4
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ("friction = 0.4", "frction = 0.4", "unknown key frction; did you mean friction?"),
+        ("friction = 0.4", "friction = 0.4\nzzz = 1", "unknown key zzz; known are friction, "),
+        ("friction = 0.4", "", "friction is missing"),
+        ("friction = 0.4", "friction = [1]", r"friction must be a number, got \[1\]"),
+        ("density = 7800", "", "material.density is missing"),
+        ("density = 7800", "density = '7800'", "material.density must be a number, got '7800'"),
+        ("density = 7800", "density = true", "material.density must be a number, got True"),
+        ("density = 7800", "density = -1", "density must be positive"),
+        ("pressure = 1e6", "presure = 1e6", "base.presure; did you mean pressure?"),
+        ("[step]", "[stap]", "unknown key stap; did you mean step?"),
+        ("friction = 0.4", "friction = ", "not a valid TOML file"),
+    ],
+)
+def test_a_faulty_file_is_named_with_the_key(steel, old, new, named):
+    _, rewrite = steel
+    path = rewrite(old, new)
+    with pytest.raises(SceneError, match=named) as caught:
+        read_scene(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_value_in_place_of_a_table_is_refused(tmp_path):
+    path = tmp_path / "flat.toml"
+    path.write_text("friction = 0.4\nmaterial = 1\nbase = 2\nstep = 3\n")
+    with pytest.raises(SceneError, match="material must be a table"):
+        read_scene(path)
+
+
+def test_binary_and_missing_files_are_refused(tmp_path):
+    path = tmp_path / "mesh.toml"
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(SceneError, match="not a valid TOML file"):
+        read_scene(path)
+    with pytest.raises(SceneError, match="Cannot read the scene file"):
+        find_scene(str(tmp_path / "absent.toml"))
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"), [("preloadd", "did you mean preloaded"), ("xyz", "choose preloaded, ")]
+)
+def test_unknown_names_are_answered_with_known_ones(name, hint):
+    with pytest.raises(SceneError, match=hint):
+        find_scene(name)
+
+
+def test_every_parameter_can_be_overridden():
+    values = {
+        "shear_modulus": 2.0,
+        "density": 3.0,
+        "poisson_ratio": 0.1,
+        "friction": 0.7,
+        "base_pressure": 4.0,
+        "base_shear": 0.5,
+        "step_pressure": 0.25,
+        "step_shear": 6.0,
+    }
+    expected = Scene(Material(2.0, 3.0, 0.1), 0.7, Tractions(4.0, 0.5), Tractions(0.25, 6.0))
+    scene = find_scene("preloaded")
+    assert override_scene(scene, **values) == expected
+    assert override_scene(scene) == scene
+
+
+def test_an_override_out_of_range_is_refused():
+    with pytest.raises(SceneError, match="poisson_ratio"):
+        override_scene(find_scene("preloaded"), poisson_ratio=0.5)

@@ -1,0 +1,105 @@
+"""Panels between zone edges: their ends and layout, and integrals over them against quad."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.panels import lay_panels
+
+RULE = rule_for(1e-11)
+
+
+def two_zones(nu, gap=0.01):
+    """Slip around the shear front, a stick gap around c, slip up to the contact edge."""
+    factors = rayleigh_factors(nu)
+    front = factors.beside("b", [-0.3 * (1 - factors.a)])
+    healed, opened = factors.beside("c", [-gap]), factors.beside("c", [gap])
+    return factors, (Zone(front, healed, 1), Zone(opened, None, 1))
+
+
+@pytest.mark.parametrize("nu", [-0.5, 0.2, 1 / 3, 0.45])
+def test_panels_lie_end_to_end_from_the_longitudinal_front(nu):
+    factors, zones = two_zones(nu)
+    panels = lay_panels(factors, zones, RULE)
+    assert panels.left[0] is factors.front_a
+    assert panels.right[-1] is None
+    assert panels.right[:-1] == panels.left[1:]
+    slipping = [bool(sense) for sense in panels.sense]
+    assert slipping == [False] * slipping.index(True) + [True, True, False, True]
+    # each distance is exact at its own end; they add up to the panel
+    widths = panels.widths[:, 0]
+    for i, width in enumerate(widths):
+        assert panels.from_left[i] + panels.from_right[i] == pytest.approx(width, rel=1e-14)
+    inverse_square = panels.integrals(1 / np.square(panels.at.v)).sum()
+    assert inverse_square == pytest.approx(1 / factors.a, rel=1e-10)
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    nu=st.floats(-0.8, 0.45),
+    gap=st.floats(-9.0, -1.5).map(lambda power: 10.0**power),
+    source=st.sampled_from(["a stick panel ahead", "the gap"]),
+)
+def test_cauchy_integrals_between_panels(nu, gap, source):
+    factors, zones = two_zones(nu, gap)
+    panels = lay_panels(factors, zones, RULE)
+    chosen = 0 if source != "the gap" else panels.layout.over_c
+    width = float(panels.widths[chosen, 0])
+    share = panels.from_left[chosen] / width
+    weights = panels.jacobian[chosen] * share * (1 - share)
+    pairs = panels.layout.pairs_from((chosen,))
+    found = panels.cauchy(pairs, np.array([weights] * len(pairs.source)))
+    for row, target in zip(found, pairs.target, strict=True):
+        for node in range(len(row) // 5, len(row), len(row) // 4):
+            # in units of the panel, from its left end
+            to = float(panels.from_ends[chosen, target, node]) / width
+            if min(abs(to), abs(to - 1)) < 1e-3 or abs(to) > 1e3:
+                continue
+            exact, _ = quad(lambda s, to=to: s * (1 - s) / (s - to), 0, 1, epsabs=1e-13)
+            assert row[node] == pytest.approx(exact, rel=1e-8, abs=1e-12), target
+
+
+def test_far_nodes_are_left_to_the_panels_around_a_narrow_gap():
+    """What is skipped on the others is below the accuracy of the rule."""
+    factors, zones = two_zones(0.2, 1e-12)
+    panels = lay_panels(factors, zones, RULE)
+    assert panels.rule.further > 20
+    weights = panels.jacobian[0] * (1 - panels.from_left[0] / panels.widths[0])
+    pairs = panels.layout.pairs_from((0,))
+    rows = np.array([weights] * len(pairs.source))
+    found = panels.cauchy(pairs, rows)
+    own = panels.from_right[0]
+    for row, target in zip(found, pairs.target, strict=True):
+        other = panels.from_ends[1, target]
+        exact = -panels.rule.spacing * (weights / (own + other[:, None])).sum(axis=1)
+        kept = panels.jacobian[target] * np.abs(row - exact)
+        assert kept.max() < 1e-11 * np.abs(panels.jacobian[target] * exact).max()
+
+
+def test_principal_values_inside_a_panel():
+    factors, zones = two_zones(1 / 3)
+    panels = lay_panels(factors, zones, RULE)
+    share = panels.from_left[0] / panels.widths[0]
+    weights = panels.jacobian[0] * share * (1 - share)
+    found = panels.principal_values(np.array([0]), weights[None])[0]
+    middle = np.flatnonzero(np.abs(share - 0.5) < 0.3)
+    for node in middle:
+        # PV of s (1 - s) / (s - t): the polynomial part and the logarithm
+        t = share[node]
+        exact = (0.5 - t) + t * (1 - t) * np.log((1 - t) / t)
+        assert found[node] == pytest.approx(exact, abs=1e-9)
+
+
+def test_sets_of_zones_share_their_panels():
+    factors, zones = two_zones(1 / 3)
+    front = factors.beside("b", np.array([[-0.2], [-0.1]]))
+    both = lay_panels(factors, (Zone(front, zones[0].right, 1), zones[1]), RULE)
+    for k in range(2):
+        single = lay_panels(factors, (Zone(front[k], zones[0].right, 1), zones[1]), both.rule)
+        assert single.layout is both.layout
+        assert both.ends.v[:, k] == pytest.approx(single.ends.v, rel=1e-14)

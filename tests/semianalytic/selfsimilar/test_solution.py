@@ -1,0 +1,198 @@
+"""Evaluation anywhere: consistent fields, limits, and refusals."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from semianalytic import Material, Scene, SceneError, Tractions, solve
+from semianalytic.halfplane.stuck import stuck_traction
+
+STEEL = Material(80e9, 7800.0, 1 / 3)
+UNIT = Material(1.0, 1.0, 1 / 3)
+
+
+def scene(friction=0.3, base=(1.0, 0.0), step=(0.0, 1.0), material=UNIT):
+    return Scene(material, friction, Tractions(*base), Tractions(*step))
+
+
+@pytest.fixture(scope="module")
+def preloaded():
+    return solve(scene())
+
+
+@pytest.fixture(scope="module")
+def shock():
+    return solve(scene(1.25, (1.0, 1.0), (1.0, 1.0)))
+
+
+@pytest.fixture(scope="module")
+def stuck():
+    return solve(scene(2.0, (1.0, 1.0), (1.0, 1.0)))
+
+
+@pytest.fixture(scope="module")
+def sliding():
+    return solve(scene(0.5, (1.0, 1.0), (1.0, 1.0)))
+
+
+@pytest.mark.parametrize("name", ["preloaded", "shock", "sliding"])
+def test_slip_is_the_time_integral_of_slip_rate(name, request):
+    solution = request.getfixturevalue(name)
+    for x in (0.3, 0.9, 1.02, 1.4):
+        fronts = [x / 2, x, x / UNIT.rayleigh_speed]
+        fronts += [x / v for z in solution.zones for v in (z.inner, z.outer) if 0 < v < np.inf]
+        points = sorted(t for t in fronts if 0 < t < 2)
+        expected = quad(
+            lambda t, x=x: float(solution.slip_rate(x, t)),
+            0,
+            2,
+            points=points,
+            limit=400,
+            epsabs=1e-11,
+        )[0]
+        assert float(solution.slip(x, 2.0)) == pytest.approx(expected, abs=2e-8)
+
+
+def test_fields_broadcast_and_depend_on_the_ratio_only(preloaded):
+    x, t = np.array([0.2, 0.5, 1.01]), np.array([[1.0], [3.0]])
+    rate = preloaded.slip_rate(x * t, t)
+    assert rate.shape == (2, 3)
+    np.testing.assert_allclose(rate[0], rate[1], rtol=1e-12)
+    np.testing.assert_allclose(preloaded.slip(x * t, t)[1], 3 * preloaded.slip(x, 1.0), rtol=1e-12)
+
+
+def test_before_the_load_all_is_at_rest(preloaded):
+    assert preloaded.slip_rate(0.5, -1.0) == 0
+    assert preloaded.slip(0.5, 0.0) == 0
+    assert preloaded.shear_traction(0.5, -1.0) == 0
+    assert preloaded.pressure(0.5, -1.0) == 1
+
+
+@pytest.mark.parametrize("name", ["preloaded", "shock"])
+def test_traction_is_continuous_and_bounded_by_friction(name, request):
+    solution = request.getfixturevalue(name)
+    edges = [v for z in solution.zones for v in (z.inner, z.outer) if 0 < v < np.inf]
+    for edge in edges:
+        below, above = solution.shear_traction(edge * np.array([1 - 1e-9, 1 + 1e-9]), 1.0)
+        assert below == pytest.approx(above, abs=1e-3)  # square root of 1e-9 beside an edge
+    x = np.linspace(0.01, 1.99, 500)
+    assert np.all(solution.stick_margin(x, 1.0) > -1e-7)
+
+
+def test_shear_traction_of_the_stuck_scene_is_the_diffracted_load(stuck):
+    x = np.array([0.05, 0.5, 0.99, 1.2, 1.8])
+    np.testing.assert_allclose(
+        stuck.shear_traction(x, 1.0), 1 + stuck_traction(1 / 3, "II")(1 / x), rtol=1e-8
+    )
+    np.testing.assert_allclose(
+        stuck.pressure(x, 1.0), 1 + stuck_traction(1 / 3, "I")(1 / x), rtol=1e-12
+    )
+    assert np.all(stuck.slip(x, 1.0) == 0)
+
+
+@pytest.mark.parametrize("friction", [1.25, 1.5, 2.0])
+def test_stress_intensity_is_the_limit_of_the_tractions(friction):
+    solution = solve(scene(friction, (1.0, 1.0), (1.0, 1.0)))
+    x = 1e-10
+    mode_one, mode_two = solution.stress_intensity(1.0)
+    near = np.sqrt(2 * np.pi * x)
+    # The next term is the base traction itself, smaller by sqrt(x).
+    assert solution.pressure(x, 1.0) * near == pytest.approx(mode_one, rel=1e-4)
+    assert solution.shear_traction(x, 1.0) * near == pytest.approx(mode_two, rel=1e-4)
+
+
+def test_edge_slip_rate_is_the_limit(preloaded, stuck):
+    assert preloaded.edge_slip_rate == pytest.approx(
+        float(preloaded.slip_rate(1e-9, 1.0)), rel=1e-7
+    )
+    assert stuck.edge_slip_rate == 0
+
+
+def test_frictional_power_is_traction_times_slip_rate(preloaded, stuck, sliding):
+    zones = preloaded.zones
+
+    def density(x):
+        return float(preloaded.shear_traction(x, 1.0) * preloaded.slip_rate(x, 1.0))
+
+    power = quad(density, 0, zones[0].outer, epsabs=1e-10)[0]
+    power += quad(density, zones[1].inner, zones[1].outer, points=[1.0], epsabs=1e-10)[0]
+    assert preloaded.frictional_power(1.0) == pytest.approx(power, rel=1e-8)
+    assert preloaded.frictional_power(2.5) == pytest.approx(2.5 * power, rel=1e-8)
+    assert stuck.frictional_power(1.0) == 0
+    assert sliding.frictional_power(1.0) == np.inf
+    assert sliding.frictional_power(0.0) == 0
+
+
+def test_energy_leaves_through_friction_alone(shock, sliding):
+    """Traction times slip rate over the contact; the fronts are free of singular energy flux."""
+    edges = shock.front_speeds
+    power = sum(
+        quad(
+            lambda x: float(shock.shear_traction(x, 1.0) * shock.slip_rate(x, 1.0)),
+            inner,
+            outer,
+            points=[1.0] if inner < 1 < outer else None,
+            epsabs=1e-10,
+        )[0]
+        for inner, outer in edges
+    )
+    np.testing.assert_allclose(shock.energy_flux([1.0, 3.0]), [power, 3 * power], rtol=1e-7)
+    for edge in edges[edges > 0]:
+        distance = np.array([1e-4, 1e-6, 1e-8])
+        for side in (-1, 1):
+            x = edge * (1 + side * distance)
+            product = np.abs(shock.slip_rate(x, 1.0) * shock.stick_margin(x, 1.0))
+            assert np.all(product < 1e-9)  # one of them vanishes on either side
+            concentration = np.abs(shock.shear_traction(x, 1.0)) * np.sqrt(distance)
+            assert np.all(np.diff(concentration) < 0)
+    assert sliding.energy_flux(1.0) == np.inf
+
+
+def test_front_speeds_are_the_edges_of_the_zones(preloaded, stuck):
+    assert preloaded.front_speeds.tolist() == [[z.inner, z.outer] for z in preloaded.zones]
+    assert stuck.front_speeds.shape == (0, 2)
+
+
+def test_far_slot_faces_carry_plane_waves(shock):
+    tangential, normal = shock.slot_velocity(np.array([-2.5, -9.0]), 1.0)
+    np.testing.assert_allclose(tangential, 1.0, rtol=1e-12)  # Q_0 / mu b
+    np.testing.assert_allclose(normal, -0.5, rtol=1e-12)  # -P_0 / rho c_l
+
+
+def test_slot_and_contact_meet_with_one_velocity(preloaded):
+    """x -> 0 from the slot and from the contact: the slipping edge is continuous."""
+    tangential, _ = preloaded.slot_velocity(-1e-7, 1.0)
+    assert 2 * float(tangential) == pytest.approx(preloaded.edge_slip_rate, rel=1e-3)
+
+
+def test_history_samples_every_field(preloaded):
+    x, t = np.array([0.2, 0.6, 1.0]), np.array([0.5, 1.0])
+    history = preloaded.history(x, t)
+    assert history.slip.shape == (2, 3)
+    np.testing.assert_allclose(history.slip_rate[1], preloaded.slip_rate(x, 1.0), rtol=1e-14)
+    np.testing.assert_array_equal(history.pressure, 1.0)
+
+
+def test_bad_positions_are_refused(preloaded):
+    with pytest.raises(SceneError, match="x > 0"):
+        preloaded.slip_rate(np.array([0.1, 0.0]), 1.0)
+    with pytest.raises(SceneError, match="x < 0"):
+        preloaded.slot_velocity(0.1, 1.0)
+    with pytest.raises(SceneError, match="finite"):
+        preloaded.shear_traction(0.1, np.nan)
+
+
+def test_dimensional_fields():
+    solution = solve(scene(1.25, (5e6, 5e6), (5e6, 5e6), STEEL))
+    unit = solve(scene(1.25, (1.0, 1.0), (1.0, 1.0)))
+    t, speed = 1e-4, STEEL.shear_speed
+    x = np.array([0.3, 0.9, 1.02]) * speed * t
+    np.testing.assert_allclose(
+        solution.shear_traction(x, t), 5e6 * unit.shear_traction(x / (speed * t), 1.0), rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        solution.slip(x, t),
+        5e6 / STEEL.shear_impedance * t * unit.slip(x / (speed * t), 1.0),
+        rtol=1e-9,
+        atol=1e-22,
+    )

@@ -1,0 +1,186 @@
+"""Friction that is weak against the load, thresholds of zones, bases at friction: all converge."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from semianalytic import ComputationError, Material, Scene, Tractions, solve
+from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.selfsimilar import solver
+from semianalytic.selfsimilar.solver import scaled_load
+from semianalytic.selfsimilar.weak import frictionless_profile, slip_senses
+
+
+def scene(nu, friction, base_shear=0.0, step=(0.0, 1.0)):
+    return Scene(Material(1.0, 1.0, nu), friction, Tractions(1.0, base_shear), Tractions(*step))
+
+
+def edges_from_c(solution):
+    """Zone edges in slowness over that of the Rayleigh wave, less 1, from the front inward."""
+    speed = solution.scene.material.rayleigh_speed
+    edges = [edge for zone in solution.zones[::-1] for edge in (zone.outer, zone.inner)]
+    return np.array([speed / edge - 1 for edge in edges[1:-1]])
+
+
+def random_weak_scenes(count, seed=5):
+    """Friction 1e-13 ... 1e-2, base up to friction, shear step with and without pressure."""
+    random = np.random.default_rng(seed)
+    for _ in range(count):
+        nu = float(random.choice([1 / 3, 0.25, 0.0, 0.45, -0.5, random.uniform(-0.95, 0.49)]))
+        friction = float(10 ** random.uniform(-13, -2))
+        share = float(random.choice([0, 0, random.uniform(-1, 1), 1, -1]))
+        pressure = float(random.choice([0, 1, min(random.lognormal(), 2.0)]))  # more may open it
+        yield scene(nu, friction, share * friction, (pressure, float(random.normal() + 0.01)))
+
+
+@pytest.mark.parametrize("nu", [-0.5, 0.0])
+def test_gaps_shrink_to_where_a_frictionless_interface_changes_sense(nu):
+    """As wide as 4 f p / (pi m |V'|), and off by no more than a few widths."""
+    factors = rayleigh_factors(nu)
+    load, _ = scaled_load(scene(nu, 0.0))
+    profile = frictionless_profile(factors, load, rule_for(1e-10))
+    senses, changes = slip_senses(profile)
+    assert senses == [1, -1, 1]
+    for friction, error in ((1e-5, 0.05), (1e-7, 2e-3), (1e-9, 1e-3)):
+        solution = solve(scene(nu, friction), rtol=1e-9)
+        assert [zone.sense for zone in solution.zones] == senses
+        v = factors.c * (1 + edges_from_c(solution))
+        for change, start, end in zip(changes, v[::2], v[1::2], strict=True):
+            beside = factors.cut(change.v + np.array([-1e-5, 1e-5]))
+            slope = np.diff(profile.slip_rate_at(beside))[0] / 2e-5
+            impedance = factors.impedance_behind(change)[0]
+            width = abs(4 * friction / (np.pi * impedance * slope))
+            assert end - start == pytest.approx(width, rel=error)
+            assert abs((start + end) / 2 - change.v[0]) < 10 * width
+
+
+@pytest.mark.parametrize("nu", [0.25, 1 / 3, 0.42])
+def test_reversed_strip_begins_at_a_gap_of_the_same_shape_whatever_its_width(nu):
+    """Beside c the slip rate is r ln(|v - c| / d): with the impedance m' |v - c| the strip is there
+    below f P = m' r d."""
+    factors = rayleigh_factors(nu)
+    profile = frictionless_profile(factors, scaled_load(scene(nu, 0.0))[0], rule_for(1e-10))
+    change = slip_senses(profile)[1][0]
+    distance = abs(change.from_c[0])
+    near = factors.beside("c", [-1e-3 * distance, -1e-6 * distance])
+    residue = abs(np.diff(profile.slip_rate_at(near))[0] / np.log(1e-3))
+    impedance = abs(factors.impedance_behind(near)[1] / near.from_c[1])
+    threshold = impedance * residue * distance
+    for share, senses in ((0.99, [1, -1, 1]), (1.01, [1, 1])):
+        solution = solve(scene(nu, share * threshold), rtol=1e-8)
+        assert solution.status == "converged"
+        assert [zone.sense for zone in solution.zones] == senses
+        if share > 1:  # a gap twice as wide as the frictionless strip
+            np.testing.assert_allclose(
+                np.abs(edges_from_c(solution)), 2 * distance / factors.c, rtol=1e-3
+            )
+
+
+@pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.slow)])
+def test_weak_friction_converges_and_its_estimates_are_honest(count):
+    random = np.random.default_rng(1)
+    for one in random_weak_scenes(count):
+        rtol = float(10 ** random.uniform(-10, -3))
+        rough, fine = solve(one, rtol=rtol), solve(one, rtol=1e-11)
+        assert rough.status == fine.status == "converged", one
+        assert len(rough.zones) == len(fine.zones), one
+        shift = np.abs(edges_from_c(rough) - edges_from_c(fine)).max(initial=0.0)
+        assert shift <= rough.error_estimate + fine.error_estimate, one
+        xi = np.concatenate([np.linspace(0.02, 0.85, 40), np.linspace(1.01, 1.1, 5)])
+        rates = [solution.slip_rate(xi, 1.0) for solution in (rough, fine)]
+        error = np.abs(rates[0] - rates[1]).mean() / np.abs(rates[1]).max()
+        assert error <= rough.error_estimate + fine.error_estimate, one
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-11])
+@pytest.mark.parametrize(
+    ("nu", "friction", "base_shear", "step"),
+    [
+        # a zone at the contact edge, 2e-8 to 1e-3 c_t wide
+        (-0.668412, 1.175155, 0.0, (0.144159, -0.155212)),
+        (-0.341855, 2.053364, 0.0, (0.196097, 0.360653)),
+        (0.25, 6.490977552443996, 1.9762036453781235, (0.0, -0.15675240784210584)),
+        (-0.5135369447652877, 6.550784944967467, -6.550784944967467, (0.0, 0.05347031962798677)),
+        # a zone that begins at the shear front
+        (0.106102, 5.370015, 3.293087, (7.085569, 8.792634)),
+        # two zones that have just met ahead of the shear front
+        (1 / 3, 0.9720500888564216, 0.9720500888564216, (2.606598022703546, -0.6606035659153582)),
+        # a base at friction against the step slips from the longitudinal front, hardly at all
+        (-0.0016717099939256297, 0.0425947043849407, 0.0425947043849407, (1.51, -0.58)),
+        # a reversed strip of 1e-11 c_R, and friction near its threshold
+        (0.4309416337316456, 6.722243237448132e-13, -4.14e-14, (0.1856025051715419, 1.0)),
+        (0.40531283926675066, 1.0056741452272527e-10, -9.47e-11, (9.429929, 0.273157)),
+        (0.2, 5.6e-7, 0.0, (0.0, 1.0)),
+        (0.2, 1e-12, 0.0, (0.0, 1.0)),
+    ],
+)
+def test_thresholds_that_used_to_end_in_a_status(nu, friction, base_shear, step, rtol):
+    solution = solve(scene(nu, friction, base_shear, step), rtol=rtol)
+    assert solution.status == "converged"
+    assert solution.error_estimate <= rtol
+
+
+@pytest.mark.parametrize(("excess", "rtol"), [(1e-4, 1e-10), (2e-6, 1e-8), (1e-8, 1e-4)])
+def test_edge_just_below_its_threshold(excess, rtol):
+    """Remote load at nu = 1/3: the zone is 8 (1 - chi / sqrt(b/a)) c_t wide.
+
+    Slip falls like the square of the excess: rounding leaves it fewer digits.
+    """
+    load = Tractions(1.0, 1.0)
+    near = Scene(Material(1.0, 1.0, 1 / 3), np.sqrt(2) * (1 - excess), load, load)
+    solution = solve(near, rtol=rtol)
+    assert solution.status == "converged"
+    assert solution.zones[0].outer == pytest.approx(8 * excess, rel=20 * excess + 1e-15 / excess)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_nothing_happens_without_a_step_though_the_base_is_at_friction(sign):
+    for friction in (1e-3, 0.3, 1 / 3):
+        solution = solve(scene(0.25, friction, sign * friction, (0.0, 0.0)))
+        assert solution.status == "converged"
+        assert solution.zones == ()
+        assert not solution.slip_rate(np.linspace(0.1, 2.0, 5), 1.0).any()
+
+
+def test_a_base_above_friction_by_rounding_does_not_slide():
+    friction = 8.783039916140936e-05
+    just_above = scene(1 / 3, friction, float(np.nextafter(friction, 1.0)), (0.0, 1.0))
+    assert just_above.far_slip_rate == 0.0
+    sliding = Tractions(1.0, friction * 1.001)
+    assert replace(just_above, base=sliding, step=sliding).far_slip_rate > 0
+    solution = solve(just_above)
+    assert solution.status == "converged"
+    assert solution.zones[-1].outer == pytest.approx(just_above.material.longitudinal_speed)
+
+
+def test_grids_on_which_pivoting_fails_are_passed_over(monkeypatch):
+    """Lemke's method may end on a ray by rounding; then the next grid is tried, or a status."""
+    first_stage, sizes = solver.first_stage, []
+
+    def failing(factors, load, size, most=1):
+        sizes.append(size)
+        if len(sizes) <= most:
+            raise ComputationError("ended on a ray")
+        return first_stage(factors, load, size)
+
+    expected = solve(scene(0.25, 0.3)).zones
+    monkeypatch.setattr(solver, "first_stage", failing)
+    found = solve(scene(0.25, 0.3))
+    assert sizes == [48, 96]
+    assert found.status == "converged"
+    assert found.zones[0].outer == pytest.approx(expected[0].outer, rel=1e-8)
+    monkeypatch.setattr(solver, "first_stage", partial(failing, most=99))
+    failed = solve(scene(0.25, 0.3))
+    assert "no set of slip zones" in failed.status
+    assert failed.error_estimate == np.inf
+
+
+def test_friction_that_rounding_takes_from_the_load_is_none():
+    none = solve(scene(0.25, 0.0))
+    for friction in (1e-300, 1e-16):
+        faint = solve(scene(0.25, friction))
+        assert faint.status == "converged"
+        assert faint.zones == none.zones
