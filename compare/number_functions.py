@@ -567,7 +567,7 @@ def article_edge_rate(chi: float, base: str) -> float:
 
 def article_edges(chi: float, base: str, nu: float, first: int = 0) -> Array:
     """Zone edges from the first of them on, 0 left out."""
-    edges = _article(chi, base, nu).front_speeds.ravel() / article_cases.SHEAR_SPEED
+    edges = _article(chi, base, nu).edge_speeds.ravel() / article_cases.SHEAR_SPEED
     return edges[edges > 0][first:]
 
 

@@ -13,16 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import Body
-from semianalytic.scene.loads import History, Step
+from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.scene import Scene
 
 
-def kick_means(history: History, step: float, steps: int) -> NDArray[np.float64]:
+def kick_means(history: LoadHistory, step: float, steps: int) -> NDArray[np.float64]:
     """Mean of f(t) over the interval of each kick, (steps + 1,).
 
     Parameters
     ----------
-    history : History
+    history : LoadHistory
     step : float
         dt [time].
     steps : int

@@ -40,9 +40,9 @@ def choose_model(scene: Scene, model: str, lower_material: Material | None = Non
         return TWO_MATERIALS
     if model == "two-blocks":
         return TWO_BLOCKS
-    if scene.step.pressure == 0:
+    if scene.load.pressure == 0:
         return ANTISYMMETRIC
-    return SYMMETRIC if scene.step.shear == 0 == scene.base.shear else LOCKSTEP
+    return SYMMETRIC if scene.load.shear == 0 == scene.base.shear else LOCKSTEP
 
 
 @dataclass(frozen=True)
@@ -291,7 +291,7 @@ class _Parts:
         """Unknowns on a slot face and the forces on them at f = 1: (Q_0, -P_0) on the upper
         block."""
         nodes, length = tributary_length(self.space, f"{block}_slot")
-        step = self.scene.step
+        step = self.scene.load
         traction = (step.shear, -step.pressure)[component]
         sign = 1 if block == "upper" else -1
         return self.numbering.unknowns(nodes, component), sign * traction * length

@@ -9,7 +9,7 @@ spreads it and lowers its peak, and it is the peak that friction answers to.
 from __future__ import annotations
 
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.loads import History
+from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Material, Scene
 
 LARGEST_TURN = {1.5: 0.2, 4.0: 0.5}
@@ -21,12 +21,12 @@ MOST = 2**60
 ROUNDING = 1e-9
 
 
-def resolves(history: History, crossing: float, end_time: float) -> bool:
+def resolves(history: LoadHistory, crossing: float, end_time: float) -> bool:
     """Whether a mesh follows a history until the end time.
 
     Parameters
     ----------
-    history : History
+    history : LoadHistory
     crossing : float
         Time in which the slowest shear wave covers a node distance [time].
     end_time : float
@@ -38,12 +38,12 @@ def resolves(history: History, crossing: float, end_time: float) -> bool:
     )
 
 
-def needed_resolution(history: History, crossing: float, end_time: float) -> int | None:
+def needed_resolution(history: LoadHistory, crossing: float, end_time: float) -> int | None:
     """Least number of node distances per c_t T that follows a history; None if none does.
 
     Parameters
     ----------
-    history : History
+    history : LoadHistory
     crossing : float
         Time in which the slowest shear wave covers c_t T [time].
     end_time : float

@@ -11,7 +11,7 @@ from semianalytic.scene.errors import (
     TensionError,
 )
 from semianalytic.scene.friction import CoulombFriction, RateWeakening, SlipWeakening
-from semianalytic.scene.loads import Harmonic, History, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
@@ -24,8 +24,8 @@ __all__ = [
     "CoulombFriction",
     "DataFileError",
     "Harmonic",
-    "History",
     "InterfaceHistory",
+    "LoadHistory",
     "Marched",
     "Material",
     "MissingLibraryError",

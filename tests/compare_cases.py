@@ -10,7 +10,7 @@ from semianalytic.scene.named import NAMED_SCENES
 SELF_SIMILAR = [
     name
     for name, named in NAMED_SCENES.items()
-    if named.scene.is_self_similar and named.scene.step.pressure >= 0
+    if named.scene.is_self_similar and named.scene.load.pressure >= 0
 ]
 
 

@@ -16,7 +16,7 @@ TRACTIONS = {
         "pressure": ["1.0", "1", "2", "5", "1e6", "0", "1e-300", "1e60"],
         "shear": ["0", "0", "0.0", "0.01", "-0.2"],
     },
-    "step": {
+    "load": {
         "pressure": ["0", "0", "0.0", "0.5", "1", "-0.5"],
         "shear": ["1.0", "-1", "0.7", "0", "1e-9", "1e60"],
     },
@@ -116,8 +116,8 @@ SCENE_OPTIONS = (
     "friction",
     "base-pressure",
     "base-shear",
-    "step-pressure",
-    "step-shear",
+    "load-pressure",
+    "load-shear",
 )
 WRONG_COMMANDS = [
     [],

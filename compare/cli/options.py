@@ -24,10 +24,10 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         "density": "Mass density [mass / length³].",
         "poisson_ratio": "Poisson ratio.",
         "friction": "Coulomb friction coefficient.",
-        "base_pressure": "Pressure in place before the step [stress].",
-        "base_shear": "Shear traction in place before the step [stress].",
-        "step_pressure": "Pressure taken off the slot faces at t = 0 [stress].",
-        "step_shear": "Shear traction taken off the slot faces at t = 0 [stress].",
+        "base_pressure": "Pressure in place before the load [stress].",
+        "base_shear": "Shear traction in place before the load [stress].",
+        "load_pressure": "Pressure taken off the slot faces at t = 0 [stress].",
+        "load_shear": "Shear traction taken off the slot faces at t = 0 [stress].",
     }.items()
 }
 

@@ -197,7 +197,7 @@ def _tolerance(what: str, elements: int, simulation: Simulation) -> tuple[float,
     """Elements over c_t times the time of the load, half an order less under a pressure shock."""
     scene, end = simulation.scene, simulation.end_time
     cell = element_over_length(simulation) * end / load_time(scene, end)
-    if scene.step.pressure == 0 or scene.pressure_history.pieces.jumps == ():
+    if scene.load.pressure == 0 or scene.pressure_history.pieces.jumps == ():
         count = "one element" if elements == 1 else f"{elements} elements"
         return elements * cell, f"{what}: {count} over c_t times the time of the load"
     return (

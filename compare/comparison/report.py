@@ -181,7 +181,7 @@ def march_document(marched: Marched) -> dict[str, Any]:
     length = scene.material.shear_speed * marched.end_time
     threshold = SENSE_THRESHOLD * largest
     mode_one, mode_two = (
-        intensity_history(history, scene.step, scene.material, marched.end_time)[mode]
+        intensity_history(history, scene.load, scene.material, marched.end_time)[mode]
         for mode, history in enumerate((scene.pressure_history, scene.shear_history))
     )
     return {

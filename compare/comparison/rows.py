@@ -27,7 +27,7 @@ from compare.comparison.measures import (
     relative_error,
     slip_zones,
 )
-from compare.comparison.scales import front_speeds, slip_rate_scale, speed_regime, stress_scale
+from compare.comparison.scales import slip_rate_scale, speed_regime, stress_scale, wave_speeds
 from compare.comparison.snapshots import SlipRateProfile
 from semianalytic import SlipZone, Solution
 
@@ -118,7 +118,7 @@ def arrival_rows(solution: Solution, simulation: Simulation) -> Iterator[Row]:
     relative to the reference stress or slip rate, at the last time at which the surroundings of
     the front are still on the recorded part of the face.
     """
-    fronts = front_speeds(solution.scene.material)
+    fronts = wave_speeds(solution.scene.material)
     edges = [e for z in solution.zones for e in (z.inner, z.outer) if 0 < e < math.inf]
     for face, others, fields in (
         ("interface", edges, _interface_fields(solution, simulation)),
@@ -397,7 +397,7 @@ def _slip_rate_tolerance(
     """First order in h, half of it where the friction bound jumps or slip covers c_R."""
     refinement = 100 * element_over_length(simulation)
     rayleigh = simulation.scene.material.rayleigh_speed
-    if simulation.scene.step.pressure != 0:
+    if simulation.scene.load.pressure != 0:
         return (
             (0.05 if order == 1 else 0.07) * math.sqrt(refinement),
             "slip rate under a pressure shock: damping smears the friction bound over √h at the "

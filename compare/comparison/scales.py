@@ -10,7 +10,7 @@ from semianalytic import Material, Scene
 
 def stress_scale(scene: Scene) -> float:
     """Reference stress τ₀ [stress], positive: the larger step, or the larger base without one."""
-    for tractions in (scene.step, scene.base):
+    for tractions in (scene.load, scene.base):
         largest = max(abs(tractions.pressure), abs(tractions.shear))
         if largest > 0:
             return largest
@@ -36,7 +36,7 @@ def load_time(scene: Scene, end_time: float) -> float:
     return min(times)
 
 
-def front_speeds(material: Material) -> dict[str, float]:
+def wave_speeds(material: Material) -> dict[str, float]:
     """Speeds [length / time] of the three signals, slowest first, by the name of the signal."""
     return {
         "Rayleigh": material.rayleigh_speed,

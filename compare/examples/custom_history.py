@@ -23,7 +23,7 @@ def main(folder: Path = Path(".")) -> float:
         ALUMINIUM,
         friction=0.2,
         base=Tractions(pressure=4e6, shear=0.0),
-        step=Tractions(pressure=0.0, shear=3e6),
+        load=Tractions(pressure=0.0, shear=3e6),
         shear_history=Tabulated(tuple(t), tuple(signal / signal.max())),
     )
     first = march(scene, end_time=30e-6, nodes=300, length=0.15, latest=60e-6)

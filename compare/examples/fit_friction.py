@@ -15,7 +15,7 @@ from scipy.optimize import least_squares
 from semianalytic import Material, Scene, Tractions, solve
 
 STEEL = Material(shear_modulus=80e9, density=7800.0, poisson_ratio=0.29)
-SCENE = Scene(STEEL, 0.5, base=Tractions(5e6, 0.0), step=Tractions(0.0, 5e6))
+SCENE = Scene(STEEL, 0.5, base=Tractions(5e6, 0.0), load=Tractions(0.0, 5e6))
 PLACE, TRUE, NOISE = 0.05, 0.43, 0.05  # [m], friction to be found, part of the largest slip rate
 
 

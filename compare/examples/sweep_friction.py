@@ -15,7 +15,7 @@ from semianalytic import Material, Scene, Tractions, sweep
 from semianalytic.reference.closed_forms import edge_speed_under_shear_step
 
 MATERIAL = Material(1.0, 1.0, 1 / 3)
-SCENE = Scene(MATERIAL, 0.3, base=Tractions(1.0, 0.0), step=Tractions(0.0, 1.0))
+SCENE = Scene(MATERIAL, 0.3, base=Tractions(1.0, 0.0), load=Tractions(0.0, 1.0))
 
 
 def main(folder: Path = Path(".")) -> float:

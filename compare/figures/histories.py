@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from compare.comparison.history_rows import sense_maps, slips
 from compare.comparison.predictions import contact_nodes
 from compare.comparison.report import Report
-from compare.comparison.scales import front_speeds, slip_rate_scale, stress_scale
+from compare.comparison.scales import slip_rate_scale, stress_scale, wave_speeds
 from compare.figures.interface import (
     PREDICTION,
     RATE_LABEL,
@@ -167,5 +167,5 @@ def march_figure(marched: Marched) -> Figure:
 
 def _mark_fronts(panel: Axes, report: Report) -> None:
     material = report.simulation.scene.material
-    for speed in front_speeds(material).values():
+    for speed in wave_speeds(material).values():
         panel.plot([0, speed / material.shear_speed], [0, 1], "--", color="0.3", linewidth=0.7)

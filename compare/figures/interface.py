@@ -21,7 +21,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 from PIL import Image
 
-from compare.comparison.scales import front_speeds, slip_rate_scale, stress_scale
+from compare.comparison.scales import slip_rate_scale, stress_scale, wave_speeds
 from semianalytic import Scene, SlipZone, Solution
 from semianalytic.results.files import write_bytes
 from semianalytic.results.interface_history import InterfaceHistory
@@ -167,7 +167,7 @@ def fronts_figure(
     _figure(panel).colorbar(image, ax=panel, label=RATE_LABEL + ", finite elements")
     right = _right_end(scene)
     line_colour = "black" if signed else "white"
-    for name, speed in front_speeds(scene.material).items():
+    for name, speed in wave_speeds(scene.material).items():
         slope = speed / scene.material.shear_speed
         panel.plot([0, slope], [0, 1], "--", color=line_colour, linewidth=0.9)
         panel.annotate(
@@ -308,7 +308,7 @@ def _shade_zones(panel: Axes, zones: tuple[SlipZone, ...], scene: Scene) -> None
 
 
 def _mark_fronts(panel: Axes, scene: Scene, *, label: bool = True) -> None:
-    for name, speed in front_speeds(scene.material).items():
+    for name, speed in wave_speeds(scene.material).items():
         position = speed / scene.material.shear_speed
         panel.axvline(position, color="0.35", linestyle="--", linewidth=0.8, zorder=1)
         if label:

@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from compare.figures.interface import save_figure
 from compare.output.files import write_rows
 from compare.studies.workers import Progress, counted
-from semianalytic import History, Material, Pulse, Ramp, Scene, Step, Tractions, march
+from semianalytic import LoadHistory, Material, Pulse, Ramp, Scene, Step, Tractions, march
 
-LOADS: dict[str, History] = {"step": Step(), "ramp": Ramp(0.5), "pulse": Pulse(0.4)}
+LOADS: dict[str, LoadHistory] = {"step": Step(), "ramp": Ramp(0.5), "pulse": Pulse(0.4)}
 POISSON_RATIOS = (1 / 3, 0.2)
 COLOURS = {"step": "#12355b", "ramp": "#7f8c3a", "pulse": "#d1495b"}
 LENGTH = 2.0

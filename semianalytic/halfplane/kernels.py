@@ -8,13 +8,13 @@ In space and time
     X = x - x', T = t - t',
 
 the kernel of (4.39), (4.40).  Taken over x > 0 only, V being 0 on x < 0, this is the
-paper's result (4.31), (4.37): an interface whose slot faces are *held*.  It needs tractions on the
-slot.  Removing them (Wiener-Hopf, M = kappa M_+ M_-) adds a wave diffracted by the edge,
+result (4.31), (4.37) of the article: an interface whose slot faces are *held*.  It needs tractions
+on the slot.  Removing them (Wiener-Hopf, M = kappa M_+ M_-) adds a wave diffracted by the edge,
 
     s_d(x, t) = (kappa/pi^2) int_a^inf int_a^inf n(v) n(w) / (v + w)
                 d/dt int_0^inf V(x', t - w x' - v x) dx' dw dv,     n(v) = Im M_+(-v + i0):
 
-slip at x' runs to the edge with slowness w and from there to x with slowness v.  The paper
+slip at x' runs to the edge with slowness w and from there to x with slowness v.  The article
 loses it in (4.30): across the cut the root changes sign and the direction reverses, so the two
 integrals add instead of cancelling.
 
@@ -46,7 +46,7 @@ _MOST_PANELS = 16
 class KernelTerms:
     """The two terms of a kernel, the one with (b^2 - 2 u^2)^2 and the one with 4 u^2.
 
-    Their difference `four - square` is right; the paper prints a sum.
+    Their difference `four - square` is right; the article prints a sum.
     """
 
     square: Array
@@ -106,7 +106,7 @@ def point_kernel(
     Parameters
     ----------
     x, t : positions other than 0 [length], times [time]; they broadcast.
-    as_printed : the two terms added, as in the paper; grows like t^2 / x^5 where it should decay.
+    as_printed : the two terms added, as in the article; grows like t^2 / x^5 where it should decay.
     """
     distance = np.abs(np.asarray(x, dtype=float))
     speed = material.shear_speed
@@ -127,7 +127,7 @@ def regularised_kernel(
     Parameters
     ----------
     x, t : positions other than 0 [length], times above 0 [time]; they broadcast.
-    as_printed : both terms negative, as in the paper.
+    as_printed : both terms negative, as in the article.
 
     Returns
     -------

@@ -164,7 +164,7 @@ class RayleighFactors:
     def m_plus(self, k: ArrayLike, mode: Mode = "II") -> Array:
         """Impedance factor M_+(k) = (c + k) S_+(k) / sqrt(b + k) (mode I: sqrt(a + k)), k >= 0.
 
-        The reciprocal of the paper's F_+ (3.11) and G_+ (3.15).
+        The reciprocal of the article's F_+ (3.11) and G_+ (3.15).
         """
         k = np.asarray(k, dtype=float)
         return (self.c + k) * self.s_plus(k) / np.sqrt((1.0 if mode == "II" else self.a) + k)

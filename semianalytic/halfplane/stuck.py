@@ -1,6 +1,6 @@
 """Tractions on a fully stuck interface: the diffraction of unit step loads by the slot.
 
-q*(u) and p*(u) of the paper's (3.10)-(3.16) without the constant, as functions of the
+q*(u) and p*(u) of the article's (3.10)-(3.16) without the constant, as functions of the
 slowness u = t/x.  Each is tabulated once per Poisson ratio as Chebyshev series of what is
 left after its square-root behaviour at the wave fronts is divided out.
 """
@@ -134,7 +134,7 @@ def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
 
 
 def stress_intensity(
-    material: Material, step: Tractions, t: ArrayLike
+    material: Material, load: Tractions, t: ArrayLike
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Stress intensity factors (K_I, K_II) of a stuck interface at times t (3.13), (3.16).
 
@@ -143,6 +143,6 @@ def stress_intensity(
     """
     root = np.sqrt(np.maximum(np.asarray(t, dtype=float), 0.0) / np.pi)
     nu = material.poisson_ratio
-    mode_one = 2 * step.pressure * np.sqrt((1 - 2 * nu) * material.longitudinal_speed) / (1 - nu)
-    mode_two = 2 * step.shear * np.sqrt(2 * material.shear_speed / (1 - nu))
+    mode_one = 2 * load.pressure * np.sqrt((1 - 2 * nu) * material.longitudinal_speed) / (1 - nu)
+    mode_two = 2 * load.shear * np.sqrt(2 * material.shear_speed / (1 - nu))
     return mode_one * root, mode_two * root

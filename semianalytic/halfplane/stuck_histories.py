@@ -25,7 +25,7 @@ from semianalytic.halfplane.rayleigh import Array, Mode
 from semianalytic.halfplane.stuck import StuckTraction, stress_intensity, stuck_traction
 from semianalytic.halfplane.velocities import square_root_panels
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.loads import History, Wave
+from semianalytic.scene.loads import LoadHistory, Wave
 from semianalytic.scene.scene import Material, Tractions
 
 Response = Callable[[Array], Array]
@@ -83,7 +83,12 @@ def _wave(wave: Wave, stuck: StuckTraction, t: float, per: float, order: int) ->
 
 
 def _stuck(
-    history: History, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike, mode: Mode
+    history: LoadHistory,
+    amplitude: float,
+    material: Material,
+    x: ArrayLike,
+    t: ArrayLike,
+    mode: Mode,
 ) -> StuckHistory:
     x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
     if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))) or np.any(x <= 0):
@@ -111,13 +116,13 @@ def _stuck(
 
 
 def stuck_pressure(
-    history: History, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
+    history: LoadHistory, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
 ) -> StuckHistory:
     """Pressure a slot load P_0 f(t) adds to a stuck interface, (3.10) with (3.20).
 
     Parameters
     ----------
-    history : History
+    history : LoadHistory
     amplitude : P_0 [stress], compression positive.
     material : Material
     x, t : positions x > 0 [length] and times [time]; they broadcast.
@@ -131,7 +136,7 @@ def stuck_pressure(
 
 
 def stuck_shear(
-    history: History, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
+    history: LoadHistory, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
 ) -> StuckHistory:
     """Shear traction a slot load Q_0 f(t) adds to a stuck interface, (3.14) with (3.20).
 
@@ -140,7 +145,7 @@ def stuck_shear(
     return _stuck(history, amplitude, material, x, t, "II")
 
 
-def _root_response(history: History, t: Array) -> Array:
+def _root_response(history: LoadHistory, t: Array) -> Array:
     """int f'(s) sqrt(t - s) ds [time^(1/2)]."""
     from scipy.special import fresnel
 
@@ -161,7 +166,7 @@ def _root_response(history: History, t: Array) -> Array:
 
 
 def intensity_history(
-    history: History, step: Tractions, material: Material, t: ArrayLike
+    history: LoadHistory, load: Tractions, material: Material, t: ArrayLike
 ) -> tuple[Array, Array]:
     """(K_I, K_II) of a stuck interface under the loads P_0 f(t), Q_0 f(t), (3.13), (3.16), (3.20).
 
@@ -169,14 +174,14 @@ def intensity_history(
 
     Parameters
     ----------
-    history : History
-    step : Tractions
+    history : LoadHistory
+    load : Tractions
         Amplitudes (P_0, Q_0).
     material : Material
     t : times [time], any shape.
     """
     response = _root_response(history, np.asarray(t, dtype=float))
-    mode_one, mode_two = stress_intensity(material, step, 1.0)
+    mode_one, mode_two = stress_intensity(material, load, 1.0)
     return mode_one * response, mode_two * response
 
 

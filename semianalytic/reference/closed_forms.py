@@ -24,7 +24,7 @@ def edge_speed_under_shear_step(material: Material, strength_ratio: float) -> fl
 
 
 def slip_rate_under_shear_step(
-    material: Material, step_shear: float, strength_ratio: float, velocity: ArrayLike
+    material: Material, load_shear: float, strength_ratio: float, velocity: ArrayLike
 ) -> Array:
     """Relative slip rate [length / time] of that zone at x/t = velocity [length / time] >= 0.
 
@@ -41,7 +41,7 @@ def slip_rate_under_shear_step(
         density = np.sqrt(1 + v) / (v * (factors.c + v) * factors.s_plus(v))
         return float(2 * density / (1 - s) ** 2)
 
-    unit = 2 * step_shear / material.shear_impedance
+    unit = 2 * load_shear / material.shear_impedance
     scale = unit * np.sqrt(start) / (np.pi * factors.kappa * factors.m_plus_at_zero["II"])
     xi = np.asarray(velocity, dtype=float) / material.shear_speed
     result = np.zeros(xi.shape)
@@ -85,7 +85,7 @@ def slip_rate_under_remote_shock(
     return result
 
 
-def slip_rate_without_friction(material: Material, step_shear: float, velocity: ArrayLike) -> Array:
+def slip_rate_without_friction(material: Material, load_shear: float, velocity: ArrayLike) -> Array:
     """Relative slip rate [length / time] on a frictionless interface under a shear step.
 
     Lamb's surface velocity: 2 V, V = (Q_0 b^2 / (pi mu)) PV int_a^u U_1(w) / w dw, u = 1/xi, with
@@ -123,5 +123,5 @@ def slip_rate_without_friction(material: Material, step_shear: float, velocity: 
             points = [pole] if stop > pole else None
             value += quad(behind, 0, stop, epsabs=1e-14, epsrel=1e-12, limit=400, points=points)[0]
             value += regular(c) * np.log(abs((u - c) / (1 - c)))
-        result[index] = 2 * step_shear / (np.pi * material.shear_impedance) * value
+        result[index] = 2 * load_shear / (np.pi * material.shear_impedance) * value
     return result

@@ -1,4 +1,4 @@
-"""The paper's own algorithm (section 5, Appendix B), in every reading its text allows.
+"""The article's own algorithm (section 5, Appendix B), in every reading its text allows.
 
 It collocates  F(u) = q(u) - f sign(V) p(u) = sum_j b_j L_j(u)  in the slowness u = t/x, with
 L_j the integral of basis function j against the kernels of (4.42) at the difference u - u'.
@@ -14,7 +14,7 @@ The text leaves open
 - the signs of the two terms: equal as printed, or opposite, in two ways;
 - whether p and q hold the remote load (the constant of (3.10), (3.14)) or, as section 6 says, not;
 - triangular functions (7.8) or boxes;
-- the arctan of (7.10) with the factor b^3 it needs, or as printed, which in the paper's units
+- the arctan of (7.10) with the factor b^3 it needs, or as printed, which in the article's units
   (b = 0.2) makes the term 125 times larger.
 """
 
@@ -41,9 +41,9 @@ Basis = Literal["box", "hat"]
 
 PAPER_POISSON_RATIO = 1 / 3
 PAPER_B = 0.2
-"""1 / c_t in the paper's units (c_t = 5; section 6 prints a and b interchanged and b halved)."""
+"""1 / c_t in the article's units (c_t = 5; section 6 prints a and b interchanged and b halved)."""
 REVERSE_LIMIT = 0.0575
-"""chi below which the paper finds reverse slip."""
+"""chi below which the article finds reverse slip."""
 _LAST = 5.0
 _MOST_REVERSALS = 15
 _SIGNS = {"equal": (1, 1), "four minus square": (1, -1), "square minus four": (-1, 1)}
@@ -93,7 +93,7 @@ def kernel_primitives(
     Parameters
     ----------
     u : slowness, any shape [1/b].
-    printed_arctan : the arctan without its factor b^3, in the paper's units b = 0.2.
+    printed_arctan : the arctan without its factor b^3, in the article's units b = 0.2.
     """
     a = rayleigh_factors(poisson_ratio).a
     root = np.sqrt(np.maximum(u * u - 1, 0.0))
@@ -273,7 +273,7 @@ def reverse_slip_limit(reading: Reading, size: int = 200) -> float:
 
 @dataclass(frozen=True)
 class ReadingResult:
-    """How one reading fares at the paper's parameters.
+    """How one reading fares at the article's parameters.
 
     Attributes
     ----------
@@ -283,7 +283,7 @@ class ReadingResult:
         relative to its mean size there (chi = 0.5)
     settled : bool, whether the sign reversals end at chi = 0.5 and chi = 2
     slip_end : float, x / (c_t t) at which slip first changes sense behind the shear front at
-        chi = 2; the paper's slip wave ends near a/b = 0.5; 0 if it does not within x > c_t t / 5
+        chi = 2; the article's slip wave ends near a/b = 0.5; 0 if it does not within x > c_t t / 5
     maximum : float, x / (c_t t) of the largest slip rate at chi = 0.5
     reverse_limit : float, chi below which slip is reversed between c_R t and c_t t
     off_middle : float, as `change`, between collocating at 0.5 and at 0.25 of each interval
@@ -301,7 +301,7 @@ class ReadingResult:
 
 @lru_cache(maxsize=256)
 def examine_reading(reading: Reading, size: int = 100) -> ReadingResult:
-    """Run a reading at the paper's parameters on `size` and twice as many intervals."""
+    """Run a reading at the article's parameters on `size` and twice as many intervals."""
     fine_grid = published_grid(reading, 2 * size)
     if not np.isfinite(fine_grid.condition):
         nan = float("nan")

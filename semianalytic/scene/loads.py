@@ -412,4 +412,4 @@ class _Least:
         return least
 
 
-History = Step | Ramp | Pulse | Harmonic | Tabulated
+LoadHistory = Step | Ramp | Pulse | Harmonic | Tabulated

@@ -17,7 +17,7 @@ from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_docu
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),
     "base": ("pressure", "shear"),
-    "step": ("pressure", "shear"),
+    "load": ("pressure", "shear"),
 }
 OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law")
 
@@ -37,19 +37,19 @@ DEFAULT_SCENE = "preloaded"
 
 NAMED_SCENES: Mapping[str, NamedScene] = {
     "preloaded": NamedScene(
-        Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.0), step=Tractions(0.0, 1.0)),
+        Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.0), load=Tractions(0.0, 1.0)),
         "constant pressure, sudden shear: two slip zones, one ahead of the shear wave",
     ),
     "remote-shock": NamedScene(
-        Scene(_UNIT_SOLID, 1.25, base=Tractions(1.0, 1.0), step=Tractions(1.0, 1.0)),
+        Scene(_UNIT_SOLID, 1.25, base=Tractions(1.0, 1.0), load=Tractions(1.0, 1.0)),
         "sudden remote pressure and shear, friction just low enough for the edge to slip",
     ),
     "stuck": NamedScene(
-        Scene(_UNIT_SOLID, 2.0, base=Tractions(1.0, 1.0), step=Tractions(1.0, 1.0)),
+        Scene(_UNIT_SOLID, 2.0, base=Tractions(1.0, 1.0), load=Tractions(1.0, 1.0)),
         "sudden remote pressure and shear, friction high enough to hold everywhere",
     ),
     "auxetic": NamedScene(
-        Scene(Material(1.0, 1.0, -0.5), 0.005, base=_PRELOAD, step=_SHEAR),
+        Scene(Material(1.0, 1.0, -0.5), 0.005, base=_PRELOAD, load=_SHEAR),
         "nu = -0.5 and little friction: reverse slip in a strip around the Rayleigh front",
     ),
     "ramp": NamedScene(
@@ -69,11 +69,11 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
         "constant pressure, shear that oscillates: slip reverses each half cycle",
     ),
     "pressure-drop": NamedScene(
-        Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.295), step=Tractions(1.0, 0.0)),
+        Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.295), load=Tractions(1.0, 0.0)),
         "constant shear, sudden loss of pressure on the slot: slip ahead of the shear wave",
     ),
     "lift-off": NamedScene(
-        Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, step=Tractions(-1.0, 0.0)),
+        Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, load=Tractions(-1.0, 0.0)),
         "pressure put on the slot: the contact opens at its edge (finite elements only)",
     ),
 }
@@ -128,7 +128,7 @@ def read_scene(path: str | Path) -> Scene:
     """Scene described by a TOML file.
 
     The file holds ``friction``, ``[material]`` with shear_modulus, density and poisson_ratio, and
-    ``[base]`` and ``[step]`` with pressure and shear, in any consistent set of units; and if
+    ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units; and if
     wanted ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
     ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).
 
@@ -165,8 +165,8 @@ def override_scene(
     friction: float | None = None,
     base_pressure: float | None = None,
     base_shear: float | None = None,
-    step_pressure: float | None = None,
-    step_shear: float | None = None,
+    load_pressure: float | None = None,
+    load_shear: float | None = None,
 ) -> Scene:
     """The scene with every parameter that is not None replaced.
 
@@ -184,7 +184,7 @@ def override_scene(
             poisson_ratio=poisson_ratio,
         ),
         base=_replace_given(scene.base, pressure=base_pressure, shear=base_shear),
-        step=_replace_given(scene.step, pressure=step_pressure, shear=step_shear),
+        load=_replace_given(scene.load, pressure=load_pressure, shear=load_shear),
         friction=scene.friction if friction is None else friction,
     )
 

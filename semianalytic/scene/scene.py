@@ -18,7 +18,7 @@ from typing import Any
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
-from semianalytic.scene.loads import Harmonic, History, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 
 HISTORY_KINDS: Mapping[str, type] = {
     "step": Step,
@@ -75,7 +75,7 @@ class Material:
 
     @cached_property
     def longitudinal_speed(self) -> float:
-        """Speed c_l of pressure waves [length / time] (paper, (3.18))."""
+        """Speed c_l of pressure waves [length / time] (article, (3.18))."""
         nu = self.poisson_ratio
         return self.shear_speed * math.sqrt(2 * (1 - nu) / (1 - 2 * nu))
 
@@ -83,7 +83,7 @@ class Material:
     def rayleigh_speed(self) -> float:
         """Speed c_R of Rayleigh waves [length / time]: the root of the Rayleigh function (4.17).
 
-        Found from the cubic in (c_R/c_t)^2 (the paper's closed form, Appendix A, is garbled).
+        Found from the cubic in (c_R/c_t)^2 (the article's closed form, Appendix A, is garbled).
         """
         ratio2 = (self.shear_speed / self.longitudinal_speed) ** 2
 
@@ -127,11 +127,11 @@ class Scene:
         Coulomb friction coefficient f >= 0.
     base : Tractions
         Uniform tractions (P_b, Q_b) on the whole line y = 0.
-    step : Tractions
+    load : Tractions
         Load (P_0, Q_0): from t = 0 the slot faces x < 0 receive the traction change
-        (-P_0 f(t), -Q_0 f(t)).  With base == step and f a step this is a sudden uniform remote
+        (-P_0 f(t), -Q_0 f(t)).  With base == load and f a step this is a sudden uniform remote
         load.
-    pressure_history, shear_history : History
+    pressure_history, shear_history : LoadHistory
         How P_0 and Q_0 rise and fall, f(t); steps unless given.
     friction_law : FrictionLaw
         What multiplies friction during slip; nothing unless given.
@@ -140,20 +140,20 @@ class Scene:
     ------
     SceneError
         If friction is negative or not finite, if the base presses the interface apart, if
-        neither the base nor the state before a remote shock (base - step) can be at rest, or if
+        neither the base nor the state before a remote shock (base - load) can be at rest, or if
         friction falls with slip rate faster than radiation can balance under the base pressure.
     """
 
     material: Material
     friction: float
     base: Tractions
-    step: Tractions
-    pressure_history: History = field(default_factory=Step)
-    shear_history: History = field(default_factory=Step)
+    load: Tractions
+    pressure_history: LoadHistory = field(default_factory=Step)
+    shear_history: LoadHistory = field(default_factory=Step)
     friction_law: FrictionLaw = field(default_factory=CoulombFriction)
 
     def __post_init__(self) -> None:
-        for name, kind in (("material", Material), ("base", Tractions), ("step", Tractions)):
+        for name, kind in (("material", Material), ("base", Tractions), ("load", Tractions)):
             if not isinstance(getattr(self, name), kind):
                 raise SceneError(
                     f"scene: {name} must be a {kind.__name__}, got {shown(getattr(self, name))}."
@@ -176,13 +176,13 @@ class Scene:
                 f"got {self.base.pressure}."
             )
         before = Tractions(
-            self.base.pressure - self.step.pressure, self.base.shear - self.step.shear
+            self.base.pressure - self.load.pressure, self.base.shear - self.load.shear
         )
         shock = self.is_step and self._at_rest(before)
         if not (self._at_rest(self.base) or shock):
             raise SceneError(
                 "scene: the interface would already slide before the load arrives; lower the base "
-                "shear below friction times base pressure, or make base and step equal "
+                "shear below friction times base pressure, or make base and load equal "
                 "(a sudden remote load)."
             )
         self.check_weakening(self.base.pressure)
@@ -205,10 +205,10 @@ class Scene:
         return tractions.pressure >= 0 and abs(tractions.shear) <= strength * (1 + 1e-12)
 
     @property
-    def acting_histories(self) -> dict[str, History]:
+    def acting_histories(self) -> dict[str, LoadHistory]:
         """Histories of the loads that are not zero, by name: pressure, shear."""
         histories = {"pressure": self.pressure_history, "shear": self.shear_history}
-        return {name: one for name, one in histories.items() if getattr(self.step, name)}
+        return {name: one for name, one in histories.items() if getattr(self.load, name)}
 
     @property
     def is_step(self) -> bool:
@@ -250,7 +250,7 @@ def scene_document(scene: Scene) -> dict[str, Any]:
         "friction": scene.friction,
         "material": asdict(scene.material),
         "base": asdict(scene.base),
-        "step": asdict(scene.step),
+        "load": asdict(scene.load),
     }
     parts = (
         ("pressure_history", HISTORY_KINDS, Step()),
@@ -287,7 +287,7 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
         material=Material(**document["material"]),
         friction=document["friction"],
         base=Tractions(**document["base"]),
-        step=Tractions(**document["step"]),
+        load=Tractions(**document["load"]),
         **parts,
     )
 

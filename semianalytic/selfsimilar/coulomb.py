@@ -157,7 +157,7 @@ def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
 def _excess_intensity(profile: Profile) -> Array:
     """K_II / (f K_I) - 1 at a stuck contact edge, () or (k,); where positive, it must slip."""
     load = profile.fields.load
-    strength = np.asarray(per_set(load.friction) * load.step_pressure)
+    strength = np.asarray(per_set(load.friction) * load.load_pressure)
     traction = np.abs(profile.edge_intensity) / np.sqrt(profile.fields.factors.a)
     # Without strength nothing bounds the traction: seen at the nodes.
     return np.where(strength > 0, traction / np.where(strength > 0, strength, 1.0) - 1, 0.0)

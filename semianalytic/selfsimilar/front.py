@@ -32,10 +32,10 @@ def opening_behind_front(factors: RayleighFactors, load: Load, sense: int) -> Cu
     if that is nowhere ahead of the shear front.
     """
     at = _behind(factors)
-    slope = load.step_shear * np.sin(factors.phase(at)) / (np.pi * at.v) * at.from_a
+    slope = load.load_shear * np.sin(factors.phase(at)) / (np.pi * at.v) * at.from_a
     gained = np.cumsum((slope[1:] + slope[:-1]) / 2 * _STEP)
     mode_one = stuck_traction(factors.poisson_ratio, "I")
-    strength = load.friction * (load.base_pressure + load.step_pressure * mode_one(at.v[1:]))
+    strength = load.friction * (load.base_pressure + load.load_pressure * mode_one(at.v[1:]))
     above = np.flatnonzero(sense * (load.base_shear + gained) >= strength)
     return at[[above[0] + 1]] if len(above) else None
 
@@ -47,13 +47,13 @@ def with_slip_at_front(edges: Edges, unknowns: Array, load: Load) -> tuple[Edges
     """
     zones, factors = edges.zones(unknowns), edges.factors
     sense = int(np.sign(load.base_shear))
-    at_rest = not (load.critical and sense and load.step_pressure) or bool(load.far_slip_rate)
+    at_rest = not (load.critical and sense and load.load_pressure) or bool(load.far_slip_rate)
     if at_rest or (zones and zones[0].left is None):
         return edges, unknowns
     at, nu = _behind(factors), factors.poisson_ratio
     at = at[at.from_a > _NARROWEST]
-    pressure = load.friction * load.step_pressure * stuck_traction(nu, "I")(at.v)
-    excess = sense * load.step_shear * stuck_traction(nu, "II")(at.v) - pressure
+    pressure = load.friction * load.load_pressure * stuck_traction(nu, "I")(at.v)
+    excess = sense * load.load_shear * stuck_traction(nu, "II")(at.v) - pressure
     kept = np.flatnonzero(excess <= 0)
     if not len(kept) or not kept[0]:  # at nu = 0 pressure falls too late
         return edges, unknowns

@@ -231,10 +231,10 @@ class Profile:
 
     def pressure_change(self, u: Array) -> Array:
         """P_0 p* at slownesses u."""
-        if not self._load.step_pressure:
+        if not self._load.load_pressure:
             return np.zeros(u.shape)
         mode_one = stuck_traction(self.fields.factors.poisson_ratio, "I")
-        return self._load.step_pressure * mode_one(u)
+        return self._load.load_pressure * mode_one(u)
 
     def strength(self, u: Array) -> Array:
         """Friction bound f p at slownesses u."""
@@ -279,7 +279,7 @@ class Profile:
         factors = self.fields.factors
         shear = self.fields.stick_transform_off_cut(k) * factors.m_plus(k)
         unit = factors.m_plus(k, "I") / factors.m_plus_at_zero["I"]
-        return shear, self._load.step_pressure * unit
+        return shear, self._load.load_pressure * unit
 
     @cached_property
     def _slot_direct(self) -> tuple[RunningIntegral, RunningIntegral]:
@@ -323,7 +323,7 @@ class Profile:
     def slot_velocity(self, v: Array) -> tuple[Array, Array]:
         """Tangential and normal velocity of the upper slot face at v = -t/x >= 0."""
         load, factors = self._load, self.fields.factors
-        plane_waves = (load.step_shear, -load.step_pressure * factors.a)
+        plane_waves = (load.load_shear, -load.load_pressure * factors.a)
         lefts = [left.v[0] for left in self._slot_panels.left]
         panel = np.searchsorted(lefts, v, "right") - 1
         result = []

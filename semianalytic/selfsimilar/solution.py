@@ -166,9 +166,9 @@ class Solution:
         state; a slipping edge has |K_II| = f K_I.
         """
         scene = self.scene
-        unit = type(scene.step)(1.0, 1.0)
+        unit = type(scene.load)(1.0, 1.0)
         mode_one, mode_two = stress_intensity(scene.material, unit, t)
-        mode_one = scene.step.pressure * mode_one
+        mode_one = scene.load.pressure * mode_one
         if self.profile.edge_slips:
             return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one
         return mode_one, self.stress * self.profile.edge_intensity * mode_two
@@ -247,7 +247,7 @@ class Solution:
         return self.frictional_power(t)
 
     @property
-    def front_speeds(self) -> Array:
+    def edge_speeds(self) -> Array:
         """(m, 2) velocities of the inner and outer edge of each zone [length / time].
 
         From the contact edge outward; 0 is the contact edge itself, inf slip ahead of all waves.

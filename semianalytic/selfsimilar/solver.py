@@ -59,12 +59,12 @@ SAFETY = 5.0  # slip rates near edges and fronts change more than the quantities
 
 def check_pressure(scene: Scene) -> None:
     """Raise TensionError where the contact pressure of a scene would turn tensile."""
-    base, step = scene.base.pressure, scene.step.pressure
+    base, step = scene.base.pressure, scene.load.pressure
     mode_one = stuck_traction(scene.material.poisson_ratio, "I")
     if step < 0:
         raise TensionError(
             "scene: a negative pressure step opens the contact at its edge x = 0; "
-            "make step pressure positive, or simulate the scene with finite elements."
+            "make load pressure positive, or simulate the scene with finite elements."
         )
     least = base + step * mode_one.at_rayleigh_front
     if least < 0:
@@ -77,13 +77,13 @@ def check_pressure(scene: Scene) -> None:
 
 def frictionless(scene: Scene) -> bool:
     """Whether nothing resists slip, or only what rounding takes from the step of shear."""
-    strength = scene.friction * max(scene.base.pressure, scene.step.pressure)
-    return strength == 0 or strength < _NEGLIGIBLE * abs(scene.step.shear)
+    strength = scene.friction * max(scene.base.pressure, scene.load.pressure)
+    return strength == 0 or strength < _NEGLIGIBLE * abs(scene.load.shear)
 
 
 def scaled_load(scene: Scene) -> tuple[Load, float]:
     """Load in units of its largest traction, and that unit."""
-    f, base, step = scene.friction, scene.base, scene.step
+    f, base, step = scene.friction, scene.base, scene.load
     parts = (step.shear, f * step.pressure, base.shear, f * base.pressure)
     stress = max(abs(part) for part in parts) or 1.0
     load = Load(
@@ -159,7 +159,7 @@ def first_stage(factors: RayleighFactors, load: Load, size: int = _GRIDS[0]) -> 
         factors.poisson_ratio,
         float(load.friction),
         (load.base_pressure, load.base_shear),
-        (load.step_pressure, load.step_shear),
+        (load.load_pressure, load.load_shear),
         float(load.far_slip_rate),
         size,
     )
@@ -175,7 +175,7 @@ def _find_zones(
     none = edges_of(factors, ())
     found = _Found(*none, np.zeros((0, 0)), _profile(*none, load, checking), False)
     for size in (0, *_GRIDS):
-        if not (load.step_shear or load.step_pressure or load.far_slip_rate):
+        if not (load.load_shear or load.load_pressure or load.far_slip_rate):
             start = none  # nothing happens, though the base may be at friction
         elif size:
             try:

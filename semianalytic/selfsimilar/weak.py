@@ -79,12 +79,12 @@ def weak_friction_zones(factors: RayleighFactors, load: Load) -> tuple[Edges, Ar
     None where it is not weak, or its gaps would be wide or ahead of the shear front.
     """
     friction, far = float(load.friction), float(load.far_slip_rate)
-    strongest = friction * max(load.base_pressure, load.step_pressure)
-    if not strongest < _WEAK * abs(load.step_shear):
+    strongest = friction * max(load.base_pressure, load.load_pressure)
+    if not strongest < _WEAK * abs(load.load_shear):
         return None
     profile = frictionless_profile(factors, replace(load, friction=0.0), rule_for(_TOLERANCE))
     senses, changes = slip_senses(profile)
-    first = int(np.sign(far or load.step_shear))
+    first = int(np.sign(far or load.load_shear))
     if senses[:1] != [first] or any(change.from_b[0] <= 0 for change in changes):
         return None
     left = None

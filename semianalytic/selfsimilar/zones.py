@@ -44,8 +44,8 @@ class Load:
     friction: float | Array
     base_pressure: float
     base_shear: float
-    step_pressure: float
-    step_shear: float
+    load_pressure: float
+    load_shear: float
     far_slip_rate: float | Array
 
     @property
@@ -136,7 +136,7 @@ class ZoneFields:
     def _reference_pressure(self) -> float | Array:
         """s f P_0 / M_+^I(0) of the reference sense s."""
         load = self.load
-        amount = self._reference_sense * load.friction * load.step_pressure
+        amount = self._reference_sense * load.friction * load.load_pressure
         return amount / self.factors.m_plus_at_zero["I"]
 
     @cached_property
@@ -233,7 +233,7 @@ class ZoneFields:
         (real, imag), ahead = self._impedance, self.layout.ahead
         slope = imag * self._mode_ratio
         slope[:ahead] = -real * self._mode_ratio[:ahead]
-        slope *= self.load.step_pressure / (np.pi * self.factors.kappa * zero)
+        slope *= self.load.load_pressure / (np.pi * self.factors.kappa * zero)
         return slope / (self._m_plus * self.panels.at.v)
 
     @cached_property
@@ -241,7 +241,7 @@ class ZoneFields:
         """Panels on which C has an imaginary part, and Im C at all nodes, (p, ..., n)."""
         load, panels, stick = self.load, self.panels, self.layout.stick_ahead
         imag = np.zeros_like(panels.jacobian)
-        if load.step_pressure == 0 or not self.zones:
+        if load.load_pressure == 0 or not self.zones:
             return stick[:0], imag
         imag[stick] = self._reference_pressure * self._mode_ratio[stick] / self.canonical[stick]
         other = np.array([i for i in self.layout.slip if panels.sense[i] != self._reference_sense])
@@ -255,8 +255,8 @@ class ZoneFields:
     def constant(self) -> Array:
         """R, from T(0) = Q_0 - mu b V(inf), (1,) or (k, 1)."""
         load, panels = self.load, self.panels
-        at_zero = load.step_shear - load.far_slip_rate
-        at_zero -= self._reference_sense * load.friction * load.step_pressure
+        at_zero = load.load_shear - load.far_slip_rate
+        at_zero -= self._reference_sense * load.friction * load.load_pressure
         value = at_zero / self._canonical_at_zero
         sources, imag = self._sources
         if len(sources):
@@ -284,7 +284,7 @@ class ZoneFields:
     def stick_transform(self) -> Array:
         """(p, ..., n): T / M_+ where the interface sticks (meaningless elsewhere)."""
         result, ahead = self._reduced.copy(), self.layout.ahead
-        if self.load.step_pressure:
+        if self.load.load_pressure:
             result[ahead:] += self._reference_pressure * self._mode_ratio[ahead:]
         return result
 
@@ -340,10 +340,10 @@ class ZoneFields:
         slope[behind] = self._reduced[behind] / imag[behind]
         if len(ahead):
             product = self._reduced[ahead] * imag[ahead]
-            if load.step_pressure:
+            if load.load_pressure:
                 product -= self.canonical[ahead] * self._sources[1][ahead] * real[ahead]
             slope[ahead] = product / (np.square(real[ahead]) + np.square(imag[ahead]))
-            if load.step_pressure:
+            if load.load_pressure:
                 by_pressure = self._reference_pressure * self._mode_ratio[ahead]
                 slope[ahead] += by_pressure / (self.factors.kappa * self._m_plus[ahead])
         return slope / (np.pi * self.panels.at.v)
@@ -360,16 +360,16 @@ class ZoneFields:
         """Friction bound f p at an edge."""
         load = self.load
         pressure = np.full(edge.v.shape, load.base_pressure)
-        if load.step_pressure:
+        if load.load_pressure:
             mode_one = stuck_traction(self.factors.poisson_ratio, "I")
-            pressure = pressure + load.step_pressure * mode_one(edge.v)
+            pressure = pressure + load.load_pressure * mode_one(edge.v)
         return load.friction * pressure
 
     @cached_property
     def _excess_slope(self) -> Array:
         """(p, ..., n): slope of traction less the following zone's sense times strength."""
         load, slope = self.load, self.traction_slope
-        if load.step_pressure == 0 or not self.zones:
+        if load.load_pressure == 0 or not self.zones:
             return slope
         senses = [zone.sense for zone in self.zones]
         following = np.array([*senses, senses[-1]])[list(self.layout.zone)]

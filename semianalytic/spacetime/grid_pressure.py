@@ -29,7 +29,7 @@ def table_bytes(scene: Scene, count: int, steps: float) -> float:
 
 def _needs_table(scene: Scene) -> bool:
     pieces = scene.pressure_history.pieces
-    return bool(scene.step.pressure and (pieces.waves or len(pieces.kinks) > _EXACT_KINKS))
+    return bool(scene.load.pressure and (pieces.waves or len(pieces.kinks) > _EXACT_KINKS))
 
 
 class GridPressure:
@@ -61,7 +61,7 @@ class GridPressure:
         self._x = (np.arange(count) + offset) * spacing
         self._arrival = self._x / scene.material.longitudinal_speed
         self._per = self._x / scene.material.shear_speed
-        self._pieces = scene.pressure_history.pieces if scene.step.pressure else Pieces()
+        self._pieces = scene.pressure_history.pieces if scene.load.pressure else Pieces()
         nu = scene.material.poisson_ratio
         self._stuck, self._primitive = stuck_traction(nu, "I"), stuck_primitive(nu, "I")
         self._base = np.full(count, float(scene.base.pressure))
@@ -85,7 +85,7 @@ class GridPressure:
 
     def _block(self, times: Array) -> Iterator[Array]:
         scene = self._scene
-        if scene.step.pressure == 0:
+        if scene.load.pressure == 0:
             yield from (self._base for _ in times)
             return
         response = np.zeros((len(times), len(self._x)))
@@ -98,7 +98,7 @@ class GridPressure:
             response += self._table[low] + (at - low)[:, None] * step
         # what is singular at the edge is the response together with the load itself
         load = scene.pressure_history.value(times)[:, None]
-        yield from self._base + scene.step.pressure * ((response + load) * self._factor - load)
+        yield from self._base + scene.load.pressure * ((response + load) * self._factor - load)
 
     def _add(
         self,

@@ -286,7 +286,7 @@ def _advance(
         if begin == 0 or begin in _jumps(scene):
             # a jump of the loads acts at once
             stop = stopping(exerted(modes, lasting))
-            load = scene.step.shear * float(
+            load = scene.load.shear * float(
                 scene.shear_history.value(math.nextafter(begin, math.inf))
             )
             rate = interface.slip_rate(stop, load, pressure, path)
@@ -375,11 +375,11 @@ def _shear_loads(scene: Scene, levels: Array, breaks: Array) -> Array:
     held = np.searchsorted(breaks, inner + half) - np.searchsorted(breaks, inner - half)
     means = history.mean(inner - half, inner + half)
     loads[1:-1] = np.where(held >= _SEVERAL, means, loads[1:-1])
-    return np.asarray(scene.step.shear * loads)
+    return np.asarray(scene.load.shear * loads)
 
 
 def _check_pressure(scene: Scene, pressure: Array, spacing: float, t: float) -> None:
-    if scene.step.pressure == 0:
+    if scene.load.pressure == 0:
         return
     node = int(np.argmin(pressure))
     if pressure[node] < 0:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.loads import History
+from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ _MOST_SAMPLES = 4 * 10**6
 _NO_INTENSITY = 1e-9
 
 
-def _follows(history: History, step: float, latest: float) -> bool:
+def _follows(history: LoadHistory, step: float, latest: float) -> bool:
     return all(
         history.turn(steps * step, latest) <= allowed for steps, allowed in _LARGEST_TURN.items()
     )
@@ -126,15 +126,15 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     times = np.concatenate([times, [at for at in breaks[:count] if at < end_time]])
     mode_one, mode_two = np.zeros(times.shape), np.zeros(times.shape)
     for name, history in scene.acting_histories.items():
-        intensities = intensity_history(history, scene.step, scene.material, times)
+        intensities = intensity_history(history, scene.load, scene.material, times)
         if name == "pressure":
             mode_one = intensities[0]
         else:
             mode_two = intensities[1]
     excess = np.abs(mode_two) - scene.friction * mode_one
     strength = scene.friction * (
-        scene.base.pressure - scene.step.pressure * scene.pressure_history.value(times)
-    ) - np.sign(mode_two) * (scene.base.shear - scene.step.shear * scene.shear_history.value(times))
+        scene.base.pressure - scene.load.pressure * scene.pressure_history.value(times)
+    ) - np.sign(mode_two) * (scene.base.shear - scene.load.shear * scene.shear_history.value(times))
     scale = np.abs(mode_two).max() + scene.friction * np.abs(mode_one).max()
     slips = excess > _NO_INTENSITY * scale
     bounded = strength > 0

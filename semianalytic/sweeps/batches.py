@@ -84,7 +84,7 @@ def batches(
 def common_load(scenes: Sequence[Scene], unit: float) -> Load:
     """Loads of scenes that differ in friction alone, in one unit of stress."""
     scene = scenes[0]
-    base, step = scene.base, scene.step
+    base, step = scene.base, scene.load
     friction = np.array([[scene.friction] for scene in scenes])
     far = np.array([[scene.far_slip_rate] for scene in scenes])
     return Load(

@@ -219,7 +219,7 @@ def remotely_loaded(resolution):
         step_ratio=0.95,
     )
     nodes, length = tributary_length(model.space, "upper_top")
-    tractions = {0: REMOTE.step.shear / 2, 1: -REMOTE.step.pressure / 2}
+    tractions = {0: REMOTE.load.shear / 2, 1: -REMOTE.load.pressure / 2}
     launch = {}
     for component, body in zip(model.odd, model.bodies, strict=True):
         body.loaded = model.numbering.unknowns(nodes, component)

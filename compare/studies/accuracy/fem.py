@@ -22,7 +22,7 @@ from compare.comparison.measures import norm
 from semianalytic import Solution, solve
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.friction import RateWeakening, SlipWeakening
-from semianalytic.scene.loads import Harmonic, History, Pulse, Ramp, Step
+from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.scene import Material, Scene, Tractions
 
@@ -238,7 +238,7 @@ def peak_table(scene: str) -> Table:
 
 
 UNIT = Material(1.0, 1.0, 1 / 3)
-LOADS: Mapping[str, History] = {
+LOADS: Mapping[str, LoadHistory] = {
     "step": Step(),
     "ramp over 0.3 T": Ramp(0.3),
     "haversine over T/2": Pulse(0.5, "haversine"),
@@ -261,7 +261,7 @@ EDGE_OFFSET = {"pressure": 0.27, "shear": 0.45}
 """How far the effective edge of a stuck interface lies from x = 0, over h."""
 
 
-def stuck_errors(history: History, resolution: int) -> dict[str, tuple[float, float]]:
+def stuck_errors(history: LoadHistory, resolution: int) -> dict[str, tuple[float, float]]:
     """Relative L1 errors of stuck pressure and shear at T under a load history, c_t = T = 1.
 
     Returns

@@ -165,9 +165,9 @@ class StaticZone:
 
 def static_zone(scene: Scene, t: float) -> StaticZone:
     """The static zone at a time of a scene with slow shear under constant pressure."""
-    load = scene.step.shear * float(scene.shear_history.value(t))
+    load = scene.load.shear * float(scene.shear_history.value(t))
     strength = scene.friction * scene.base.pressure - scene.base.shear + load
-    _, intensity = intensity_history(scene.shear_history, scene.step, scene.material, t)
+    _, intensity = intensity_history(scene.shear_history, scene.load, scene.material, t)
     length = np.pi / 8 * (float(intensity) / strength) ** 2
     return StaticZone(strength, float(length), scene.material)
 

@@ -61,9 +61,9 @@ def article_scene(chi: float, base: str, poisson_ratio: float = POISSON_RATIO) -
     material = article_material(poisson_ratio)
     if base == "remote":
         loads = Tractions(1.0, 1 / chi)
-        return Scene(material, 1.0, base=loads, step=loads)
+        return Scene(material, 1.0, base=loads, load=loads)
     if base == "preloaded":
-        return Scene(material, 1.0, base=Tractions(1.0, 0.0), step=Tractions(0.0, 1 / chi))
+        return Scene(material, 1.0, base=Tractions(1.0, 0.0), load=Tractions(0.0, 1 / chi))
     raise SceneError(
         f"article_scene: base must be 'remote' or 'preloaded', got {base!r}; without a base load "
         "the friction bound is negative on part of the interface."

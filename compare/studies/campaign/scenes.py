@@ -20,7 +20,7 @@ from semianalytic import (
     Tractions,
 )
 from semianalytic.scene.friction import FrictionLaw
-from semianalytic.scene.loads import PULSE_SHAPES, History
+from semianalytic.scene.loads import PULSE_SHAPES, LoadHistory
 
 _SPECIAL_RATIOS = (1 / 3, 0.25, 0.0, 0.45, -0.5)
 
@@ -40,7 +40,7 @@ def random_step_scene(random: np.random.Generator) -> Scene:
     return Scene(solid, friction, Tractions(1.0, share * friction), Tractions(pressure, shear))
 
 
-def random_history(random: np.random.Generator) -> History:
+def random_history(random: np.random.Generator) -> LoadHistory:
     """A ramp, pulse, wave or table that lasts between a tenth and all of the time 1."""
     length = float(random.uniform(0.1, 1.0))
     kind = random.integers(4)

@@ -57,7 +57,7 @@ class SolvedRow:
     Attributes
     ----------
     index : int, which seeds its draw
-    poisson_ratio ... step_shear : the scene, with shear modulus and density 1
+    poisson_ratio ... load_shear : the scene, with shear modulus and density 1
     outcome : "converged", "refused" (the contact opens) or the status to rtol 1e-11 or 1e-8
     seconds, fine_seconds : processor time at either rtol, tables of the Poisson ratio included [s]
     estimate, error : of zone edges over c_t and slip rate in L1 at rtol 1e-8
@@ -70,8 +70,8 @@ class SolvedRow:
     friction: float
     base_pressure: float
     base_shear: float
-    step_pressure: float
-    step_shear: float
+    load_pressure: float
+    load_shear: float
     outcome: str
     seconds: float = 0.0
     fine_seconds: float = 0.0
@@ -118,8 +118,8 @@ def solved_row(seed: int, index: int) -> SolvedRow:
         scene.friction,
         scene.base.pressure,
         scene.base.shear,
-        scene.step.pressure,
-        scene.step.shear,
+        scene.load.pressure,
+        scene.load.shear,
     )
     try:
         times = [process_time()]
@@ -188,7 +188,7 @@ def _broken_law(solution: Solution, random: np.random.Generator) -> tuple[float,
     x = scene.material.longitudinal_speed * random.uniform(1e-3, 1.0, _LAW_POINTS)
     shear, rate = solution.shear_traction(x, 1.0), solution.slip_rate(x, 1.0)
     strength = scene.friction * solution.pressure(x, 1.0)
-    loads = (scene.base.shear, scene.step.shear, scene.friction * scene.step.pressure)
+    loads = (scene.base.shear, scene.load.shear, scene.friction * scene.load.pressure)
     largest = max(float(strength.max()), *(abs(load) for load in loads))
     fastest = float(np.abs(rate).max()) or 1.0
     excess = float((np.abs(shear) - strength).max()) / largest
@@ -228,7 +228,7 @@ def marched_row(seed: int, index: int) -> MarchedRow:
 
 def _scale(scene: Scene) -> float:
     """Slip that the loads could drive at most [length]."""
-    return (abs(scene.step.shear) + abs(scene.base.shear)) / scene.material.shear_impedance
+    return (abs(scene.load.shear) + abs(scene.base.shear)) / scene.material.shear_impedance
 
 
 def _excess(marched: Marched) -> float:

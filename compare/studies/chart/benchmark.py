@@ -115,7 +115,7 @@ class SweepTiming:
 def edge_difference(one: Solution, other: Solution) -> float | None:
     """Largest difference of zone edges over c_t; None if there are other zones."""
     speed = one.scene.material.shear_speed
-    mine, theirs = (_joined(solution.front_speeds / speed) for solution in (one, other))
+    mine, theirs = (_joined(solution.edge_speeds / speed) for solution in (one, other))
     if len(mine) != len(theirs):
         return None
     apart = [abs(p - q) for p, q in zip(mine, theirs, strict=True) if p != q]

@@ -163,7 +163,7 @@ def _first_stage(scene: Scene, size: float) -> Answer:
         scene.material.poisson_ratio,
         scene.friction,
         (float(load.base_pressure), float(load.base_shear)),
-        (float(load.step_pressure), float(load.step_shear)),
+        (float(load.load_pressure), float(load.load_shear)),
         float(load.far_slip_rate),
         int(size),
     )
@@ -178,11 +178,11 @@ def _published(scene: Scene, size: float) -> Answer:
     """Slip rate behind x = c_t t / 5, where the algorithm ends, and constant from there on."""
     forget_tables()
     published_grid.cache_clear()
-    nu, strength = scene.material.poisson_ratio, scene.friction * scene.step.pressure
+    nu, strength = scene.material.poisson_ratio, scene.friction * scene.load.pressure
     started = time.perf_counter()
     published_grid(DEFAULT_READING, int(size), nu, _MIDDLE)
     ready = time.perf_counter()
-    ratio = strength / scene.step.shear
+    ratio = strength / scene.load.shear
     found = published_slip(ratio, DEFAULT_READING, int(size), poisson_ratio=nu, place=_MIDDLE)
     solved = time.perf_counter()
     unit = 2 * strength / scene.material.shear_impedance
@@ -237,9 +237,9 @@ def published_obstacle(scene: Scene) -> str:
     """
     if not scene.is_self_similar:
         return _not_self_similar(scene)
-    if scene.base != scene.step:
-        return "its only load is a sudden remote one, base and step equal"
-    return "" if scene.friction * scene.step.pressure * scene.step.shear > 0 else "f P_0 is zero"
+    if scene.base != scene.load:
+        return "its only load is a sudden remote one, base and load equal"
+    return "" if scene.friction * scene.load.pressure * scene.load.shear > 0 else "f P_0 is zero"
 
 
 def _elements(

@@ -227,13 +227,13 @@ def closed_form_errors(scene: Scene) -> tuple[float, float]:
     """
     solution, speed = solve(scene, rtol=FINEST), scene.material.shear_speed
     found = solution.slip_rate(PLACES * speed, 1.0)
-    if scene.base == scene.step:
+    if scene.base == scene.load:
         exact = slip_rate_under_remote_shock(
-            scene.material, scene.step.pressure, scene.step.shear, scene.friction, PLACES * speed
+            scene.material, scene.load.pressure, scene.load.shear, scene.friction, PLACES * speed
         )
         return relative_error(found, exact, PLACES, 1), math.nan
-    ratio = scene.friction * scene.base.pressure / scene.step.shear
-    exact = slip_rate_under_shear_step(scene.material, scene.step.shear, ratio, PLACES * speed)
+    ratio = scene.friction * scene.base.pressure / scene.load.shear
+    exact = slip_rate_under_shear_step(scene.material, scene.load.shear, ratio, PLACES * speed)
     edge = edge_speed_under_shear_step(scene.material, ratio)
     moved = abs(solution.zones[-1].outer - edge) / speed
     return relative_error(found, exact, PLACES, 1), moved

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from compare.comparison.rows import EDGE_CELLS
-from compare.comparison.scales import front_speeds, slip_rate_scale, stress_scale
+from compare.comparison.scales import slip_rate_scale, stress_scale, wave_speeds
 from compare.figures.interface import PREDICTION, RATE_LABEL, SIMULATION
 from compare.studies.evidence.study import FEM, OPEN, PUBLISHED, SceneEvidence
 
@@ -110,7 +110,7 @@ def opening_figure(found: SceneEvidence) -> Figure:
         cmap="Greys",
         rasterized=True,
     )
-    for speed in front_speeds(material).values():
+    for speed in wave_speeds(material).values():
         panel.plot([0, speed / material.shear_speed], [0, 1], "--", color="0.4", linewidth=0.8)
     panel.set(xlabel=r"$x/(c_t T)$", ylabel=r"$t/T$", ylim=(0, 1), title="open (dark) or closed")
     return figure
@@ -162,7 +162,7 @@ def profiles(anchor: str, scene: SceneEvidence) -> dict[str, Any]:
             "curves": [*_curves(shear, limits[1]), *_curves(bound, limits[1], bound=True)],
         },
     ]
-    symbols = zip(("c_R", "c_t", "c_l"), front_speeds(material).values(), strict=True)
+    symbols = zip(("c_R", "c_t", "c_l"), wave_speeds(material).values(), strict=True)
     return {
         "x": [round(float(x), 5) for x in place],
         "t": [round(float(t), 5) for t in first.t[levels] / end],
@@ -211,7 +211,7 @@ def _pair(found: SceneEvidence) -> tuple[Figure, tuple[Axes, Axes], Array]:
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     for panel in (upper, lower):
         panel.axhline(0, color="0.6", linewidth=0.6)
-        for speed in front_speeds(material).values():
+        for speed in wave_speeds(material).values():
             panel.axvline(
                 speed / material.shear_speed, color="0.5", linestyle="--", linewidth=0.7, zorder=0
             )

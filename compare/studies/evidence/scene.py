@@ -14,7 +14,7 @@ from compare.comparison.measures import slip_zones
 from compare.comparison.predictions import FINER
 from compare.comparison.report import edge_state
 from compare.comparison.rows import shown_number
-from compare.comparison.scales import front_speeds, slip_rate_scale, speed_regime, stress_scale
+from compare.comparison.scales import slip_rate_scale, speed_regime, stress_scale, wave_speeds
 from compare.figures.histories import history_figure, sense_figure, wear_figure
 from compare.figures.interface import fronts_figure
 from compare.studies.evidence.figures import (
@@ -138,7 +138,7 @@ def _zones(scene: SceneEvidence) -> str:
     material, simulation = scene.scene.material, scene.simulation
     speeds = [
         (f"{name} wave", number(f"{speed / material.shear_speed:.6f}"))
-        for name, speed in front_speeds(material).items()
+        for name, speed in wave_speeds(material).items()
     ]
     parts = [table(("front", "speed / c_t"), speeds, "Wave speeds")]
     rows = []

@@ -131,7 +131,7 @@ class SceneEvidence:
             raise SceneError(f"the published algorithm does not apply to {self.source}.")
         scene, history = self.scene, contact_nodes(self.simulation)
         slowness = scene.material.shear_speed * history.t[:, None] / history.x
-        unit = 2 * scene.friction * scene.step.pressure / scene.material.shear_impedance
+        unit = 2 * scene.friction * scene.load.pressure / scene.material.shear_impedance
         return np.asarray(unit * self.published.at(slowness))
 
 
@@ -250,7 +250,7 @@ def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
 def _published(scene: Scene) -> PublishedSlip | None:
     if published_obstacle(scene):
         return None
-    ratio = scene.friction * scene.step.pressure / scene.step.shear
+    ratio = scene.friction * scene.load.pressure / scene.load.shear
     return published_slip(ratio, poisson_ratio=scene.material.poisson_ratio)
 
 
@@ -268,20 +268,20 @@ def closed_forms(resolution: int = RESOLUTION) -> tuple[ClosedForm, ...]:
         _closed_form(
             "constant pressure, sudden shear, friction 1: one slow zone, "
             "slip_rate_under_shear_step",
-            Scene(solid, 1.0, base=pressure, step=shear),
+            Scene(solid, 1.0, base=pressure, load=shear),
             lambda velocity: slip_rate_under_shear_step(solid, 1.0, 1.0, velocity),
             resolution,
             edge_speed_under_shear_step(solid, 1.0) / solid.shear_speed,
         ),
         _closed_form(
             "sudden remote load, friction 0.5: slip everywhere, slip_rate_under_remote_shock",
-            Scene(solid, 0.5, base=both, step=both),
+            Scene(solid, 0.5, base=both, load=both),
             lambda velocity: slip_rate_under_remote_shock(solid, 1.0, 1.0, 0.5, velocity),
             resolution,
         ),
         _closed_form(
             "sudden shear without friction: slip behind the P wave, slip_rate_without_friction",
-            Scene(solid, 0.0, base=pressure, step=shear),
+            Scene(solid, 0.0, base=pressure, load=shear),
             lambda velocity: slip_rate_without_friction(solid, 1.0, velocity),
             resolution,
         ),

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from compare.comparison.scales import front_speeds
+from compare.comparison.scales import wave_speeds
 from compare.figures.interface import PREDICTION, SIMULATION, SYMBOLS, save_figure
 from compare.studies.regimes.points import (
     POISSON_RATIOS,
@@ -149,7 +149,7 @@ def save_fronts(path: Path, results: RegimeResults) -> None:
 
 
 def _draw_fronts(panel: Axes, loading: str, nu: float, points: Sequence[MapPoint]) -> None:
-    waves = front_speeds(Material(1.0, 1.0, nu))
+    waves = wave_speeds(Material(1.0, 1.0, nu))
     top = 1.06 * waves["P"]
     for name, speed in waves.items():
         panel.axhline(speed, color="0.35", linestyle="--", linewidth=0.7)

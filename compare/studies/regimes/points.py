@@ -76,7 +76,7 @@ def regime(solution: Solution) -> str:
     if solution.status != "converged":
         return "failed"
     scene = solution.scene
-    forward = math.copysign(1, scene.step.shear or scene.base.shear)
+    forward = math.copysign(1, scene.load.shear or scene.base.shear)
     if any(zone.sense != forward for zone in solution.zones):
         return "reverse"
     if not solution.zones:

@@ -66,7 +66,7 @@ def grid_problem(
     """
     grid = slip_grid(poisson_ratio, size)
     scene = scene_of(loading, poisson_ratio, chi)
-    base, step = scene.base, scene.step
+    base, step = scene.base, scene.load
     if placement == "galerkin":
         shear, pressure, weight = grid.shear, grid.pressure, grid.weight
         matrix = -grid.operator

@@ -26,19 +26,19 @@ from semianalytic.scene.named import NAMED_SCENES, override_scene
 from semianalytic.scene.scene import scene_from_document
 
 STEEL = {"shear_modulus": 80e9, "density": 7800.0}
-SI = {"base_pressure": 1e6, "step_shear": 1e6, **STEEL}
+SI = {"base_pressure": 1e6, "load_shear": 1e6, **STEEL}
 SCENES = {
     "frictionless": ("preloaded", {"friction": 0.0}),
-    "frictionless, reversed": ("preloaded", {"friction": 0.0, "step_shear": -1.0}),
+    "frictionless, reversed": ("preloaded", {"friction": 0.0, "load_shear": -1.0}),
     "frictionless in SI": ("preloaded", {"friction": 0.0} | SI),
     "auxetic and frictionless": ("auxetic", {"friction": 0.0}),
     "without pressure": ("preloaded", {"base_pressure": 0.0}),
     "frictionless remote shock": ("remote-shock", {"friction": 0.0}),
     "slip ahead of all waves": ("remote-shock", {"friction": 0.5}),
-    "no load": ("preloaded", {"step_shear": 0.0}),
-    "no load, no pressure": ("preloaded", {"step_shear": 0.0, "base_pressure": 0.0}),
-    "no load in SI": ("preloaded", SI | {"step_shear": 0.0}),
-    "small load": ("preloaded", {"step_shear": 0.001}),
+    "no load": ("preloaded", {"load_shear": 0.0}),
+    "no load, no pressure": ("preloaded", {"load_shear": 0.0, "base_pressure": 0.0}),
+    "no load in SI": ("preloaded", SI | {"load_shear": 0.0}),
+    "small load": ("preloaded", {"load_shear": 0.001}),
     "much friction": ("preloaded", {"friction": 5.0}),
     "more friction": ("preloaded", {"friction": 20.0}),
     "most friction": ("preloaded", {"friction": 1e3}),
@@ -159,10 +159,10 @@ def test_json_has_null_for_what_is_not_finite():
     assert finite_everywhere(json_text(numbers)) == {"a": [None, None, [1, 2]], "b": {"c": 0.5}}
 
 
-COMPARED = ["preloaded --friction 0", "preloaded --step-shear 0", "harmonic --friction 1"]
+COMPARED = ["preloaded --friction 0", "preloaded --load-shear 0", "harmonic --friction 1"]
 COMPARED_SLOWLY = [
     "preloaded --friction 20",
-    "preloaded --step-shear 0.001",
+    "preloaded --load-shear 0.001",
     "harmonic --friction 0",
     "ramp --friction 50",
     "preloaded --friction 0 --method space-time",
@@ -194,7 +194,7 @@ def random_document(rng):
     stress, modulus, density = (1e6, 80e9, 7800.0) if si else (1.0, 1.0, 1.0)
     friction = float(rng.choice([0, 1e-9, 1e-3, 0.1, 0.3, 1, 5, 20, 1e3]))
     pressure = float(rng.choice([0, 1, 1, 1]))
-    step_pressure, step_shear = rng.choice(
+    load_pressure, load_shear = rng.choice(
         [[0, 1], [0, -1], [0, 1e-3], [0, 0], [0.5, 0], [0.5, 0.5], [1, 1e-6], [0, 100]]
     )
     shear = float(rng.choice([0, 0, 0.5, -1])) * friction * pressure
@@ -207,7 +207,7 @@ def random_document(rng):
             "poisson_ratio": float(rng.choice([-0.5, 0, 0.25, 1 / 3, 0.45])),
         },
         "base": {"pressure": pressure * stress, "shear": shear * stress},
-        "step": {"pressure": float(step_pressure) * stress, "shear": float(step_shear) * stress},
+        "load": {"pressure": float(load_pressure) * stress, "shear": float(load_shear) * stress},
     }
     histories = [
         {"kind": "ramp", "rise_time": 0.3 * time},

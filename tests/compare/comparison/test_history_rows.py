@@ -104,7 +104,7 @@ poisson_ratio = 0.3
 [base]
 pressure = 1.0
 shear = 0.0
-[step]
+[load]
 pressure = 0.0
 shear = 1.0
 """

@@ -82,7 +82,7 @@ def test_units_do_not_matter(preloaded):
         shear_modulus=80e9,
         density=7800.0,
         base_pressure=1e6,
-        step_shear=1e6,
+        load_shear=1e6,
     )
     scaled = solve(steel)
     plain, rows = (

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from compare.comparison.scales import front_speeds, slip_rate_scale, speed_regime, stress_scale
+from compare.comparison.scales import slip_rate_scale, speed_regime, stress_scale, wave_speeds
 from semianalytic import Material, Scene, Tractions
 from semianalytic.scene.named import find_scene
 
@@ -23,8 +23,8 @@ def test_slip_rate_scale_is_twice_stress_over_impedance():
     assert slip_rate_scale(scene) == pytest.approx(2 * 3.0 / (1.0 * 2.0))
 
 
-def test_front_speeds_come_slowest_first():
-    speeds = front_speeds(MATERIAL)
+def test_wave_speeds_come_slowest_first():
+    speeds = wave_speeds(MATERIAL)
     assert list(speeds) == ["Rayleigh", "S", "P"]
     assert list(speeds.values()) == sorted(speeds.values())
     assert speeds["S"] == pytest.approx(2.0)

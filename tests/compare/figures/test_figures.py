@@ -92,7 +92,7 @@ def test_figures_draw_into_axes_of_others(case):
 
 def test_reverse_slip_is_named_in_the_legend_and_mapped_with_two_colours():
     scene = NAMED_SCENES["preloaded"].scene
-    mirrored = solve(type(scene)(scene.material, 0.3, scene.base, type(scene.step)(0.0, -1.0)))
+    mirrored = solve(type(scene)(scene.material, 0.3, scene.base, type(scene.load)(0.0, -1.0)))
     history = sampled_run(mirrored, resolution=50).interface
     upper, _ = slip_rate_figure(mirrored, history).axes
     assert "reverse slip" in [text.get_text() for text in upper.get_legend().get_texts()]

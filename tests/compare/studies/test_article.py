@@ -45,7 +45,7 @@ def test_parameters_are_the_articles():
     assert material.longitudinal_speed == pytest.approx(10)
     assert material.rayleigh_speed == pytest.approx(4.662, abs=1e-3)
     scene = article_scene(0.5, "remote")
-    assert scene.friction * scene.step.pressure / scene.step.shear == 0.5
+    assert scene.friction * scene.load.pressure / scene.load.shear == 0.5
 
 
 def test_the_two_honest_methods_agree(cases):

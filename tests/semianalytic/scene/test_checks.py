@@ -147,7 +147,7 @@ def test_tables_refuse_what_is_not_a_number_and_slopes_beyond_range():
     assert table == Tabulated((0.0, 1.0), (0.0, 2.0))
 
 
-@pytest.mark.parametrize("name", ["material", "base", "step"])
+@pytest.mark.parametrize("name", ["material", "base", "load"])
 @pytest.mark.parametrize("value", [(1.0, 0.0), None, {"pressure": 1.0}, 1.0, "rock"], ids=repr)
 def test_parts_of_a_scene_of_the_wrong_type_are_named(name, value):
     with pytest.raises(SceneError, match=f"scene: {name} must be a "):

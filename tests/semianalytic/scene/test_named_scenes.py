@@ -22,7 +22,7 @@ poisson_ratio = 0.29
 [base]
 pressure = 1e6
 shear = 0
-[step]
+[load]
 pressure = 0
 shear = 5e5
 """
@@ -44,16 +44,16 @@ def steel(tmp_path):
 
 def test_default_scene_is_constant_pressure_and_sudden_shear():
     scene = find_scene(DEFAULT_SCENE)
-    assert scene.friction * scene.base.pressure / scene.step.shear == pytest.approx(0.3)
+    assert scene.friction * scene.base.pressure / scene.load.shear == pytest.approx(0.3)
     assert scene.material.poisson_ratio == pytest.approx(1 / 3)
-    assert scene.step.pressure == scene.base.shear == 0
+    assert scene.load.pressure == scene.base.shear == 0
 
 
 @pytest.mark.parametrize(("name", "ratio"), [("remote-shock", 1.25), ("stuck", 2.0)])
 def test_remote_scenes_have_base_equal_to_step(name, ratio):
     scene = find_scene(name)
-    assert scene.base == scene.step
-    assert scene.friction * scene.step.pressure / scene.step.shear == ratio
+    assert scene.base == scene.load
+    assert scene.friction * scene.load.pressure / scene.load.shear == ratio
 
 
 def test_every_named_scene_has_a_one_line_summary():
@@ -88,7 +88,7 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
         ("density = 7800", "density = true", "material.density must be a number, got True"),
         ("density = 7800", "density = -1", "density must be positive"),
         ("pressure = 1e6", "presure = 1e6", "base.presure; did you mean pressure?"),
-        ("[step]", "[stap]", "unknown key stap; did you mean step?"),
+        ("[load]", "[stap]", "unknown key stap; did you mean step?"),
         ("friction = 0.4", "friction = ", "not a valid TOML file"),
     ],
 )
@@ -132,8 +132,8 @@ def test_every_parameter_can_be_overridden():
         "friction": 0.7,
         "base_pressure": 4.0,
         "base_shear": 0.5,
-        "step_pressure": 0.25,
-        "step_shear": 6.0,
+        "load_pressure": 0.25,
+        "load_shear": 6.0,
     }
     expected = Scene(Material(2.0, 3.0, 0.1), 0.7, Tractions(4.0, 0.5), Tractions(0.25, 6.0))
     scene = find_scene("preloaded")

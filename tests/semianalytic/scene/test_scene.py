@@ -41,8 +41,8 @@ def test_material_names_the_bad_parameter(field, value):
         Material(**(good | {field: value}))
 
 
-def _scene(friction=0.3, base=(1.0, 0.0), step=(0.0, 1.0)):
-    return Scene(Material(1.0, 1.0, 1 / 3), friction, Tractions(*base), Tractions(*step))
+def _scene(friction=0.3, base=(1.0, 0.0), load=(0.0, 1.0)):
+    return Scene(Material(1.0, 1.0, 1 / 3), friction, Tractions(*base), Tractions(*load))
 
 
 @pytest.mark.parametrize("friction", [-0.1, float("nan"), None])
@@ -62,13 +62,13 @@ def test_scene_refuses_an_interface_that_slides_before_the_load():
 
 
 def test_remote_shock_on_a_preload_is_admissible():
-    scene = _scene(friction=0.5, base=(2.0, 1.5), step=(1.0, 1.5))
+    scene = _scene(friction=0.5, base=(2.0, 1.5), load=(1.0, 1.5))
     assert scene.far_slip_rate == pytest.approx(2 * (1.5 - 0.5 * 2.0))
 
 
 def test_far_slip_rate_follows_the_excess_of_a_remote_shock():
-    assert _scene(friction=1.25, base=(1.0, 1.0), step=(1.0, 1.0)).far_slip_rate == 0
-    assert _scene(friction=0.4, base=(1.0, -1.0), step=(1.0, -1.0)).far_slip_rate == -1.2
+    assert _scene(friction=1.25, base=(1.0, 1.0), load=(1.0, 1.0)).far_slip_rate == 0
+    assert _scene(friction=0.4, base=(1.0, -1.0), load=(1.0, -1.0)).far_slip_rate == -1.2
 
 
 def test_tractions_must_be_finite():

@@ -41,7 +41,7 @@ def singular_speeds(solution):
     """Zone edges and wave fronts."""
     material = solution.scene.material
     fronts = [material.rayleigh_speed, material.shear_speed, material.longitudinal_speed]
-    return [*fronts, *(v for v in solution.front_speeds.ravel() if 0 < v < np.inf)]
+    return [*fronts, *(v for v in solution.edge_speeds.ravel() if 0 < v < np.inf)]
 
 
 def power_density(solution):
@@ -62,7 +62,7 @@ def test_frictional_power_of_named_scenes_against_quad(name):
 
         expected += quad(mapped, 0, 1, epsabs=1e-14, epsrel=1e-11, limit=200)[0]
     assert solution.frictional_power(1.0) == pytest.approx(expected, rel=1e-10)
-    assert solution.energy_flux(2.0) == 2 * solution.frictional_power(1.0)
+    assert solution.frictional_power(2.0) == 2 * solution.frictional_power(1.0)
 
 
 def test_frictional_power_where_slip_covers_the_rayleigh_front():
@@ -127,7 +127,7 @@ def test_momentum_balance(name):
         lambda x: solution.shear_traction(x, 1.0) - scene.base.shear, 0.0, front, speeds
     )
     slot = integral(
-        lambda x: impedance * solution.slot_velocity(-x, 1.0)[0] - scene.step.shear,
+        lambda x: impedance * solution.slot_velocity(-x, 1.0)[0] - scene.load.shear,
         0.0,
         front,
         speeds,

@@ -120,7 +120,7 @@ def check_estimates(count, thorough):
                 np.abs(rate).sum(), 1e-300
             )
             if len(solution.zones) == len(exact.zones):  # else one that hardly slips is missing
-                edges = np.abs(solution.front_speeds - exact.front_speeds)
+                edges = np.abs(solution.edge_speeds - exact.edge_speeds)
                 error = max(error, edges[np.isfinite(edges)].max(initial=0.0))
             assert error <= solution.error_estimate <= rtol, exact.scene
             if index >= thorough:
@@ -134,7 +134,7 @@ def check_estimates(count, thorough):
 def pointwise_errors(solution, exact):
     """Largest errors of slip rate and shear traction away from zone edges and c_R."""
     material = exact.scene.material
-    edges = exact.front_speeds[np.isfinite(exact.front_speeds)]
+    edges = exact.edge_speeds[np.isfinite(exact.edge_speeds)]
     marks = np.array([material.rayleigh_speed, *edges[edges > 0]])
     steps = CLEAR * np.array([1.0, 1.1, 1.5, 3.0])
     x = np.linspace(0.002, 1.1 * material.longitudinal_speed, 300)

@@ -11,8 +11,8 @@ STEEL = Material(80e9, 7800.0, 1 / 3)
 UNIT = Material(1.0, 1.0, 1 / 3)
 
 
-def scene(friction=0.3, base=(1.0, 0.0), step=(0.0, 1.0), material=UNIT):
-    return Scene(material, friction, Tractions(*base), Tractions(*step))
+def scene(friction=0.3, base=(1.0, 0.0), load=(0.0, 1.0), material=UNIT):
+    return Scene(material, friction, Tractions(*base), Tractions(*load))
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +125,7 @@ def test_frictional_power_is_traction_times_slip_rate(preloaded, stuck, sliding)
 
 def test_energy_leaves_through_friction_alone(shock, sliding):
     """Traction times slip rate over the contact; the fronts are free of singular energy flux."""
-    edges = shock.front_speeds
+    edges = shock.edge_speeds
     power = sum(
         quad(
             lambda x: float(shock.shear_traction(x, 1.0) * shock.slip_rate(x, 1.0)),
@@ -136,7 +136,7 @@ def test_energy_leaves_through_friction_alone(shock, sliding):
         )[0]
         for inner, outer in edges
     )
-    np.testing.assert_allclose(shock.energy_flux([1.0, 3.0]), [power, 3 * power], rtol=1e-7)
+    np.testing.assert_allclose(shock.frictional_power([1.0, 3.0]), [power, 3 * power], rtol=1e-7)
     for edge in edges[edges > 0]:
         distance = np.array([1e-4, 1e-6, 1e-8])
         for side in (-1, 1):
@@ -145,12 +145,12 @@ def test_energy_leaves_through_friction_alone(shock, sliding):
             assert np.all(product < 1e-9)  # one of them vanishes on either side
             concentration = np.abs(shock.shear_traction(x, 1.0)) * np.sqrt(distance)
             assert np.all(np.diff(concentration) < 0)
-    assert sliding.energy_flux(1.0) == np.inf
+    assert sliding.frictional_power(1.0) == np.inf
 
 
-def test_front_speeds_are_the_edges_of_the_zones(preloaded, stuck):
-    assert preloaded.front_speeds.tolist() == [[z.inner, z.outer] for z in preloaded.zones]
-    assert stuck.front_speeds.shape == (0, 2)
+def test_edge_speeds_are_the_edges_of_the_zones(preloaded, stuck):
+    assert preloaded.edge_speeds.tolist() == [[z.inner, z.outer] for z in preloaded.zones]
+    assert stuck.edge_speeds.shape == (0, 2)
 
 
 def test_far_slot_faces_carry_plane_waves(shock):

@@ -15,23 +15,23 @@ from semianalytic.regimes.reverse_slip import reverse_threshold
 POISSON_RATIOS = [-0.9, -0.5, 0.0, 0.2, 1 / 3, 0.45, 0.499]
 
 
-def scene(nu=1 / 3, friction=0.3, base=(1.0, 0.0), step=(0.0, 1.0)):
-    return Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), Tractions(*step))
+def scene(nu=1 / 3, friction=0.3, base=(1.0, 0.0), load=(0.0, 1.0)):
+    return Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), Tractions(*load))
 
 
 PRELOADED = scene()
-REMOTE = scene(friction=1.25, base=(1.0, 1.0), step=(1.0, 1.0))
+REMOTE = scene(friction=1.25, base=(1.0, 1.0), load=(1.0, 1.0))
 MANY = {
     "two zones": PRELOADED,
     "two zones under a shock": REMOTE,
     "narrow gap around c_R": scene(friction=0.1),
-    "gap of 1e-6 around c_R": scene(nu=0.2, friction=1.1, base=(1.0, 1.0), step=(1.0, 1.0)),
-    "gap of 1e-9 around c_R": scene(friction=0.3, base=(0.25, 0.075), step=(1.2, 1.3)),
+    "gap of 1e-6 around c_R": scene(nu=0.2, friction=1.1, base=(1.0, 1.0), load=(1.0, 1.0)),
+    "gap of 1e-9 around c_R": scene(friction=0.3, base=(0.25, 0.075), load=(1.2, 1.3)),
     "auxetic": scene(nu=-0.5, friction=0.05),
-    "slip everywhere": scene(friction=0.5, base=(1.0, 1.0), step=(1.0, 1.0)),
-    "backward": scene(friction=0.3, step=(0.0, -1.0)),
-    "shear base released by pressure": scene(friction=0.5, base=(2.0, 0.99), step=(1.5, 0.0)),
-    "both senses": scene(friction=0.2, base=(1.0, -0.19), step=(0.5, 0.6)),
+    "slip everywhere": scene(friction=0.5, base=(1.0, 1.0), load=(1.0, 1.0)),
+    "backward": scene(friction=0.3, load=(0.0, -1.0)),
+    "shear base released by pressure": scene(friction=0.5, base=(2.0, 0.99), load=(1.5, 0.0)),
+    "both senses": scene(friction=0.2, base=(1.0, -0.19), load=(0.5, 0.6)),
 }
 
 
@@ -149,8 +149,8 @@ def test_second_zone_runs_ahead_of_the_shear_wave():
 
 def test_edge_sticks_above_the_ratio_of_wave_speeds():
     """Remote load: the edge sticks iff chi >= sqrt(b/a) = sqrt 2 at nu = 1/3."""
-    stuck = solve(scene(friction=np.sqrt(2) * 1.001, base=(1.0, 1.0), step=(1.0, 1.0)))
-    slips = solve(scene(friction=np.sqrt(2) * 0.995, base=(1.0, 1.0), step=(1.0, 1.0)))
+    stuck = solve(scene(friction=np.sqrt(2) * 1.001, base=(1.0, 1.0), load=(1.0, 1.0)))
+    slips = solve(scene(friction=np.sqrt(2) * 0.995, base=(1.0, 1.0), load=(1.0, 1.0)))
     assert stuck.zones == ()
     assert slips.zones[0].inner == 0.0
     assert slips.zones[0].outer < 0.1
@@ -193,23 +193,23 @@ def test_rtol_out_of_range(rtol):
 
 def test_tension_names_the_place():
     with pytest.raises(TensionError, match="Rayleigh front"):
-        solve(scene(friction=1.0, base=(0.0, 0.0), step=(1.0, 1.0)))
+        solve(scene(friction=1.0, base=(0.0, 0.0), load=(1.0, 1.0)))
     with pytest.raises(TensionError, match="edge x = 0"):
-        solve(scene(friction=1.0, base=(1.0, 0.0), step=(-0.5, 0.0)))
+        solve(scene(friction=1.0, base=(1.0, 0.0), load=(-0.5, 0.0)))
 
 
 @pytest.mark.parametrize("excess", [1e-3, 1e-5])
 def test_narrow_zone_at_the_edge_just_below_its_threshold(excess):
     """The zone is about 8 (1 - chi / sqrt(b/a)) c_t wide: seen by K_II > f K_I, not by nodes."""
     friction = np.sqrt(2) * (1 - excess)
-    (zone,) = solve(scene(friction=friction, base=(1.0, 1.0), step=(1.0, 1.0))).zones
+    (zone,) = solve(scene(friction=friction, base=(1.0, 1.0), load=(1.0, 1.0))).zones
     assert zone.inner == 0.0
     assert zone.outer == pytest.approx(8 * excess, rel=0.01)
 
 
 def test_slip_rate_at_the_rayleigh_front_itself_is_finite():
     """Inside a zone that covers c_R, where the gap is narrower than rounding."""
-    solution = solve(scene(friction=1.1, base=(1.0, 1.0), step=(1.0, 1.0)))
+    solution = solve(scene(friction=1.1, base=(1.0, 1.0), load=(1.0, 1.0)))
     speed = solution.scene.material.rayleigh_speed
     assert solution.zones[0].outer > speed
     assert np.isfinite(solution.slip_rate(speed, 1.0))
@@ -226,7 +226,7 @@ def test_nearly_incompressible(distance):
 
 def test_a_threshold_scene_has_a_status_not_a_wrong_curve():
     """Within 2e-7 of the edge threshold a zone of width 1e-5 cannot be settled: it says so."""
-    limit = scene(nu=0.25, friction=1.31607255659514, base=(1.0, 1.0), step=(1.0, 1.0))
+    limit = scene(nu=0.25, friction=1.31607255659514, base=(1.0, 1.0), load=(1.0, 1.0))
     solution = solve(limit)
     assert solution.status == "converged" or "no set of slip zones" in solution.status
 

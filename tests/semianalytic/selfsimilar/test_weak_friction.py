@@ -14,8 +14,8 @@ from semianalytic.selfsimilar.solver import scaled_load
 from semianalytic.selfsimilar.weak import frictionless_profile, slip_senses
 
 
-def scene(nu, friction, base_shear=0.0, step=(0.0, 1.0)):
-    return Scene(Material(1.0, 1.0, nu), friction, Tractions(1.0, base_shear), Tractions(*step))
+def scene(nu, friction, base_shear=0.0, load=(0.0, 1.0)):
+    return Scene(Material(1.0, 1.0, nu), friction, Tractions(1.0, base_shear), Tractions(*load))
 
 
 def edges_from_c(solution):
@@ -150,7 +150,7 @@ def test_a_base_above_friction_by_rounding_does_not_slide():
     just_above = scene(1 / 3, friction, float(np.nextafter(friction, 1.0)), (0.0, 1.0))
     assert just_above.far_slip_rate == 0.0
     sliding = Tractions(1.0, friction * 1.001)
-    assert replace(just_above, base=sliding, step=sliding).far_slip_rate > 0
+    assert replace(just_above, base=sliding, load=sliding).far_slip_rate > 0
     solution = solve(just_above)
     assert solution.status == "converged"
     assert solution.zones[-1].outer == pytest.approx(just_above.material.longitudinal_speed)

@@ -273,7 +273,7 @@ def test_no_slip_is_only_said_where_the_first_node_holds():
         marched = march(scene, nodes=64)
         if marched.seen.slip_rate.any() or marched.status == "unresolved":
             continue
-        x, t, solid, step = marched.grid.x[0], marched.interface.t[1:], scene.material, scene.step
+        x, t, solid, step = marched.grid.x[0], marched.interface.t[1:], scene.material, scene.load
         shear = stuck_shear(scene.shear_history, step.shear, solid, x, t).value
         pressure = stuck_pressure(scene.pressure_history, step.pressure, solid, x, t).value
         strength = friction * (scene.base.pressure + pressure)

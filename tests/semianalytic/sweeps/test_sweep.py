@@ -12,12 +12,12 @@ from semianalytic import Material, Scene, SceneError, Tractions, solve
 from semianalytic.sweeps.sweep import COMPUTED, FROM_SCRATCH, INTERPOLATED, sweep
 
 
-def scene(nu=1 / 3, friction=0.3, base=(1.0, 0.0), step=(0.0, 1.0)):
-    return Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), Tractions(*step))
+def scene(nu=1 / 3, friction=0.3, base=(1.0, 0.0), load=(0.0, 1.0)):
+    return Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), Tractions(*load))
 
 
 PRELOADED = scene()
-REMOTE = scene(friction=1.25, base=(1.0, 1.0), step=(1.0, 1.0))
+REMOTE = scene(friction=1.25, base=(1.0, 1.0), load=(1.0, 1.0))
 
 
 def check_against_single(swept, rtol):
@@ -38,8 +38,8 @@ def check_against_single(swept, rtol):
         (PRELOADED, 0.2, 0.6),  # a second zone until 0.34
         (REMOTE, 0.9, 1.6),  # everywhere, past c_R, two zones, one, none
         (scene(nu=-0.5), 1e-3, 0.2),  # reverse slip, two zones, one
-        (scene(nu=-0.5, friction=1.1, base=(1.0, 1.0), step=(1.0, 1.0)), 1.05, 1.2),  # stuck edge
-        (scene(base=(2.0, 0.1), step=(0.5, 0.6)), 0.1, 0.9),  # both senses
+        (scene(nu=-0.5, friction=1.1, base=(1.0, 1.0), load=(1.0, 1.0)), 1.05, 1.2),  # stuck edge
+        (scene(base=(2.0, 0.1), load=(0.5, 0.6)), 0.1, 0.9),  # both senses
     ],
 )
 def test_sweep_agrees_with_single_solutions_across_thresholds(start, low, high):
@@ -53,7 +53,7 @@ def start_of(nu, remote, low):
     """A shear step or a remote load, and where a sweep over friction may start: under the second
     above 1, its base being at friction there."""
     load = (1.0, 1.0) if remote else (0.0, 1.0)
-    start = scene(nu, friction=2.0, base=(1.0, load[0] * load[1]), step=load)
+    start = scene(nu, friction=2.0, base=(1.0, load[0] * load[1]), load=load)
     return start, 1.001 + low / 4 if remote else low
 
 
