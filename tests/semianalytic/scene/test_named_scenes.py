@@ -88,7 +88,7 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
         ("density = 7800", "density = true", "material.density must be a number, got True"),
         ("density = 7800", "density = -1", "density must be positive"),
         ("pressure = 1e6", "presure = 1e6", "base.presure; did you mean pressure?"),
-        ("[load]", "[stap]", "unknown key stap; did you mean step?"),
+        ("[load]", "[laod]", "unknown key laod; did you mean load?"),
         ("friction = 0.4", "friction = ", "not a valid TOML file"),
     ],
 )
