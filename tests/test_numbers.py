@@ -169,12 +169,12 @@ def test_every_test_named_in_docs_exists(page):
     text = page.read_text()
     missing = [
         f"{file}::{function}"
-        for file, function in re.findall(r"(tests/test_\w+\.py)::(test_\w+)", text)
+        for file, function in re.findall(r"(tests/[\w/]+\.py)::(test_\w+)", text)
         if not (ROOT / file).is_file() or function not in functions_of(file)
     ]
     alone = {one for one in re.findall(r"`(test_\w+)`", text)}
     everywhere = set().union(
-        *(functions_of(f"tests/{p.name}") for p in (ROOT / "tests").glob("test_*"))
+        *(functions_of(str(p.relative_to(ROOT))) for p in (ROOT / "tests").rglob("test_*.py"))
     )
     assert missing == []
     assert alone - everywhere == set()
