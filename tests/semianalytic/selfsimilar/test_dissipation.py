@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from laws import random_scenes
 from scipy.integrate import quad
-from test_invariants import random_scenes
 
 from semianalytic import Material, Scene, SceneError, Tractions, solve
 from semianalytic.scene.named import NAMED_SCENES
