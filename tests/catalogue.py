@@ -76,6 +76,10 @@ def unit_scene(
 REMOTE = (1.0, 1.0), (1.0, 1.0)
 """Base and load of a sudden remote load."""
 
+PRELOADED = unit_scene()
+SHOCK = unit_scene(1.25, *REMOTE)
+"""The two scenes of the article's kind: a shear step under pressure, a sudden remote load."""
+
 
 def _exact(name: str, senses: str, tags: str, scene: Scene) -> Problem:
     known = {"+": 1, "-": -1}
@@ -95,9 +99,9 @@ PROBLEMS = (
     _exact("pressed further", "", "stuck witness", unit_scene(load=(1.0, 0.0))),
     _exact("one zone", "+", "witness", unit_scene(1.2)),
     _exact("one zone, strong", "+", "", unit_scene(2.5)),
-    _exact("two zones", "++", "witness", unit_scene()),
+    _exact("two zones", "++", "witness", PRELOADED),
     _exact("backward", "--", "", unit_scene(load=(0.0, -1.0))),
-    _exact("two zones under a shock", "++", "remote witness", unit_scene(1.25, *REMOTE)),
+    _exact("two zones under a shock", "++", "remote witness", SHOCK),
     _exact("slip everywhere", "+", "remote slides witness", unit_scene(0.5, *REMOTE)),
     _exact("narrow gap around c_R", "++", "thin", unit_scene(0.1)),
     _exact("gap of 1e-6 around c_R", "++", "thin remote", unit_scene(1.1, *REMOTE, nu=0.2)),

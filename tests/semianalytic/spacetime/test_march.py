@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import UNIT, unit_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -34,11 +35,9 @@ from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.named import find_scene
 from semianalytic.spacetime.exponentials import fit_memory, impedance_transform
 
-SOLID = Material(1.0, 1.0, 1 / 3)
-
 
 def preloaded(friction=0.3, shear=1.0, **parts):
-    return Scene(SOLID, friction, Tractions(1.0, 0.0), Tractions(0.0, shear), **parts)
+    return unit_scene(friction, load=(0.0, shear), **parts)
 
 
 def relative_l1(found, wanted):
@@ -168,7 +167,7 @@ def stuck_error(history, where):
     offset, factors = edge_offset_and_factors()
     x = (np.arange(60) + (offset if where is None else where)) * marched.grid.spacing
     load = float(history.value(1.0))
-    exact = stuck_shear(history, 1.0, SOLID, x, 1.0).value + load
+    exact = stuck_shear(history, 1.0, UNIT, x, 1.0).value + load
     found = marched.interface.shear_traction[-1, :60] + load
     return relative_l1(found / (factors[:60] if where is None else 1.0), exact)
 
@@ -207,12 +206,12 @@ HISTORIES = st.one_of(
 @given(HISTORIES)
 def test_stuck_traction_of_any_history(history):
     """High friction: shear traction is the exact stuck one, and nothing moves."""
-    scene = Scene(SOLID, 1e3, Tractions(5.0, 0.0), Tractions(0.1, 1.0), history, history)
+    scene = Scene(UNIT, 1e3, Tractions(5.0, 0.0), Tractions(0.1, 1.0), history, history)
     marched = march(scene, nodes=200, every=10**6)
     assert not marched.interface.slip_rate.any()
     x = marched.grid.x[20:]
-    shear = stuck_shear(history, 1.0, SOLID, x, 1.0).value
-    pressure = 5 + stuck_pressure(history, 0.1, SOLID, x, 1.0).value
+    shear = stuck_shear(history, 1.0, UNIT, x, 1.0).value
+    pressure = 5 + stuck_pressure(history, 0.1, UNIT, x, 1.0).value
     assert np.abs(marched.interface.shear_traction[-1, 20:] - shear).mean() < 0.01
     assert np.abs(marched.interface.pressure[-1, 20:] - pressure).mean() < 0.001
 
@@ -310,7 +309,7 @@ def test_too_steep_rate_weakening_is_refused():
         preloaded(friction_law=RateWeakening(1.0, 0.5))
     # the pressure that rises behind the front makes a law ill posed that was not at the start
     law = RateWeakening(0.5, 0.5)
-    scene = Scene(SOLID, 0.3, Tractions(1.0, 0.0), Tractions(1.0, 1.0), friction_law=law)
+    scene = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(1.0, 1.0), friction_law=law)
     with pytest.raises(SceneError, match="faster than radiation can balance"):
         march(scene, nodes=400)
 
@@ -417,6 +416,6 @@ def test_bad_options(options, message):
 
 
 def test_tension_is_refused():
-    scene = Scene(SOLID, 0.3, Tractions(0.02, 0.0), Tractions(1.0, 0.0), Pulse(0.5))
+    scene = Scene(UNIT, 0.3, Tractions(0.02, 0.0), Tractions(1.0, 0.0), Pulse(0.5))
     with pytest.raises(TensionError, match="turn tensile at x"):
         march(scene, nodes=100)
