@@ -237,9 +237,9 @@ def test_invariants(history, friction, share, nu):
         fields.shear_traction[slips], (np.sign(fields.slip_rate) * strength)[slips], atol=1e-12
     )
     assert (fields.slip_rate * fields.shear_traction >= 0).all()
-    assert (marched.friction_work >= 0).all()
-    np.testing.assert_allclose(marched.friction_work, friction * marched.path, atol=1e-9)
-    assert (np.abs(fields.slip[-1]) <= marched.path + 1e-12).all()
+    assert (marched.final_work_density >= 0).all()
+    np.testing.assert_allclose(marched.final_work_density, friction * marched.final_path, atol=1e-9)
+    assert (np.abs(fields.slip[-1]) <= marched.final_path + 1e-12).all()
     ahead = fields.x > scene.material.longitudinal_speed * fields.t[:, None] + 0.1
     assert np.abs(fields.slip_rate[ahead]).max(initial=0.0) <= 0.02 * np.abs(fields.slip_rate).max()
 
@@ -295,7 +295,7 @@ def test_friction_laws_hold_at_every_point(law):
     slips = np.abs(rate) > 1e-3
     np.testing.assert_allclose(np.abs(fields.shear_traction[slips]), strength[slips], atol=2e-3)
     constant = march(preloaded(friction_law=CoulombFriction()), nodes=300)
-    assert marched.path.sum() > 1.05 * constant.path.sum()
+    assert marched.final_path.sum() > 1.05 * constant.final_path.sum()
 
 
 def test_laws_without_reduction_are_coulombs():
@@ -339,7 +339,7 @@ def test_continued_march_equals_one_march(history, tmp_path):
     for name in ("slip", "slip_rate"):
         found, wanted = getattr(continued.interface, name), getattr(whole.interface, name)
         np.testing.assert_allclose(found, wanted, atol=1e-12)
-    np.testing.assert_allclose(continued.path, whole.path, atol=1e-12)
+    np.testing.assert_allclose(continued.final_path, whole.final_path, atol=1e-12)
 
 
 def test_interrupted_march_keeps_what_it_has():
