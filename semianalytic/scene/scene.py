@@ -222,8 +222,9 @@ class Scene:
         """Raise SceneError unless all fields depend on x/t alone."""
         if not self.is_self_similar:
             raise SceneError(
-                "the self-similar solver takes step loads and constant friction only; "
-                "use the space-time solver for this scene."
+                "the self-similar solver takes step loads and constant friction only; use the "
+                "space-time solver for this scene, `march` or --method space-time "
+                "(docs/limits.md)."
             )
 
     @property

@@ -290,6 +290,6 @@ def _check_pressure(scene: Scene, level: Level, spacing: float) -> None:
         raise TensionError(
             f"the pressure would turn tensile at x = {(node + 0.5) * spacing:.4g}, "
             f"t = {level.time:.4g}; raise the base pressure, or simulate the scene with finite "
-            "elements, which open."
+            "elements, which open (docs/limits.md)."
         )
     scene.check_weakening(float(pressure.max()))
