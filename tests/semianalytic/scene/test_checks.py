@@ -22,7 +22,7 @@ from semianalytic import (
     Tabulated,
     Tractions,
     march,
-    slip_history,
+    predict,
     solve,
     sweep,
 )
@@ -158,7 +158,7 @@ def test_counts_are_whole_numbers_of_bounded_size(value):
     for take in (
         lambda: march(PRELOADED, nodes=given),
         lambda: march(PRELOADED, every=value),
-        lambda: slip_history(PRELOADED, nodes=given),
+        lambda: predict(PRELOADED, nodes=given),
         lambda: Settings(**(SETTINGS | {"resolution": value})),
         lambda: Settings(**(SETTINGS | {"frames": value})),
     ):
@@ -182,10 +182,11 @@ def test_options_of_a_march_are_numbers_of_any_type():
                 march(PRELOADED, **{"nodes": 32, name: value})
 
 
-def test_options_of_a_slip_history_are_checked_whatever_the_method():
+@pytest.mark.parametrize("method", ["auto", "space-time"])
+def test_options_of_a_prediction_are_checked_whatever_the_method(method):
     for bad in ({"end_time": -1.0}, {"end_time": "1"}, {"length": 0.0}, {"nodes": 0}):
-        with pytest.raises(SceneError, match="slip_history: "):
-            slip_history(PRELOADED, **bad)
+        with pytest.raises(SceneError, match="predict: "):
+            predict(PRELOADED, method=method, **bad)
 
 
 def test_a_sweep_takes_numbers_only():
@@ -197,7 +198,7 @@ def test_a_sweep_takes_numbers_only():
 
 
 def test_results_can_be_compared_and_kept_in_sets():
-    history = [slip_history(PRELOADED, nodes=20) for _ in range(2)]
+    history = [solve(PRELOADED).history([0.1, 0.2], [1.0]) for _ in range(2)]
     simulations = [fem.simulate(PRELOADED, resolution=8) for _ in range(2)]
     marches = [march(PRELOADED, nodes=16) for _ in range(2)]
     solutions = [solve(PRELOADED) for _ in range(2)]
