@@ -20,7 +20,8 @@ from rich.console import Console
 from rich.table import Table
 
 from compare.comparison.measures import in_profile
-from compare.figures.interface import PREDICTION, SIMULATION, save_figure
+from compare.figures.saving import save_figure
+from compare.figures.style import PREDICTION, SIMULATION
 from compare.output.files import write_rows
 from compare.studies.workers import Progress, counted
 from semianalytic import Marched, Material, Ramp, Scene, Tractions, march, solve

@@ -17,7 +17,8 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from compare.comparison.scales import wave_speeds
-from compare.figures.interface import PREDICTION, SIMULATION, SYMBOLS, save_figure
+from compare.figures.saving import save_figure
+from compare.figures.style import PREDICTION, SIMULATION, SYMBOLS
 from compare.studies.regimes.points import (
     POISSON_RATIOS,
     REGIMES,

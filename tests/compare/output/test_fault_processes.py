@@ -304,7 +304,7 @@ def no_computing(monkeypatch):
         "compare.studies.article.study.run_cases",
         "compare.studies.chart.study.run_task",
         "compare.studies.wear.wear_rows",
-        "compare.studies.evidence.study.collect",
+        "compare.studies.evidence.page.collect",
     ):
         monkeypatch.setattr(name, compute)
 
