@@ -32,7 +32,6 @@ SPEED_LABEL = r"$\xi/c_t = x/(c_t t)$"
 RATE_LABEL = r"slip rate $/\ V_0$"
 PATH_LABEL = r"$\int |V|\,dt\ /\ (V_0 T)$"
 TRACTION_LABEL, WORK_LABEL = r"traction $/\ \tau_0$", r"frictional work $/\ (\tau_0 V_0 T)$"
-UNIT_RATE = r"$V_0 = 2\tau_0/(\rho c_t)$"
 SMALL = 8
 """Size of legends and notes [points]."""
 
@@ -47,8 +46,8 @@ def scene_words(scene: Scene) -> str:
     law = scene.friction_law
     kind = "" if isinstance(law, CoulombFriction) else f" ({type(law).__name__})"
     return (
-        rf"$\nu$ = {scene.material.poisson_ratio:.3g},  $f$ = {scene.friction:.3g}{kind},  "
-        rf"$\tau_0$ = {_unit_name(scene)} = {stress_scale(scene):.3g},  {UNIT_RATE}"
+        f"ν = {scene.material.poisson_ratio:.3g},  f = {scene.friction:.3g}{kind},  "
+        f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g},  V₀ = 2 τ₀ / ρcₜ"
     )
 
 

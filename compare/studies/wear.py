@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from compare.figures.saving import save_figure
-from compare.output.files import write_rows
+from compare.output.tables import write_rows
 from compare.studies.workers import Progress, counted
 from semianalytic import LoadHistory, Material, Pulse, Ramp, Scene, Step, Tractions, march
 

@@ -22,7 +22,7 @@ from rich.table import Table
 from compare.comparison.measures import in_profile
 from compare.figures.saving import save_figure
 from compare.figures.style import PREDICTION, SIMULATION
-from compare.output.files import write_rows
+from compare.output.tables import write_rows
 from compare.studies.workers import Progress, counted
 from semianalytic import Marched, Material, Ramp, Scene, Tractions, march, solve
 from semianalytic.halfplane.stuck_histories import intensity_history, stuck_shear

@@ -237,7 +237,7 @@ def _draw_differences(panel: Axes, place: Array, fields: dict[str, Array]) -> No
         panel.plot(place, values, color=COLOURS[name], linewidth=1)
     if differences:
         panel.set_ylim(*_panel_limits([values[_ahead(place)] for values in differences.values()]))
-    panel.set_ylabel(f"less {first}")
+    panel.set_ylabel(f"less {first}", fontsize=SMALL)
 
 
 def _handles(names: Iterable[str]) -> list[Line2D]:

@@ -165,8 +165,8 @@ def _zones(evidence: SceneEvidence) -> str:
         parts.append(
             paragraph(
                 f"The contact edge is {edge_state(solution)}; slip rate there {edge_rate:.6f} "
-                f"V₀. At T its stress intensities are K_I = {float(mode_one) / unit:.6f} and K_II = "
-                f"{float(mode_two) / unit:.6f} in units of τ₀ √(c_t T)."
+                f"V₀. At T its stress intensities are K_I = {float(mode_one) / unit:.6f} and "
+                f"K_II = {float(mode_two) / unit:.6f} in units of τ₀ √(c_t T)."
             )
         )
     read = [(name, words(_read_zones(evidence, name))) for name in evidence.histories]

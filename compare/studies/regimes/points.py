@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.output.files import append_text, are_sound, checked_cells, write_text
+from compare.output.files import write_text
+from compare.output.tables import append_rows, sound_rows
 from semianalytic import Solution, solve
 from semianalytic.regimes import reverse_slip
 from semianalytic.regimes import thresholds as boundaries
@@ -203,11 +204,6 @@ def sorted_points(points: Iterable[MapPoint]) -> list[MapPoint]:
     return sorted(points, key=lambda point: (point.loading, point.poisson_ratio, point.chi))
 
 
-def append_points(path: Path, points: Sequence[MapPoint]) -> None:
-    """Append points to an unfinished table."""
-    append_text(path, _table(points))
-
-
 def kept_columns(path: Path, loading: Loading, count: int) -> dict[float, list[MapPoint]]:
     """Columns of a map that an unfinished table holds whole, by Poisson ratio.
 
@@ -215,19 +211,11 @@ def kept_columns(path: Path, loading: Loading, count: int) -> dict[float, list[M
     """
     if not path.exists():
         return {}
-    columns: dict[float, list[MapPoint]] = {}
-    for line in path.read_bytes().decode("utf-8", "replace").splitlines():
-        row = line.split(",")  # no cell holds a comma
-        if are_sound(row) and row[0] == loading:
-            _, nu, chi, name, zones, status, estimate, _ = row
-            point = MapPoint(loading, float(nu), float(chi), name, zones, status, float(estimate))
-            columns.setdefault(point.poisson_ratio, []).append(point)
-    wanted = set(poisson_ratios(count).tolist())
-    whole = {nu: rows for nu, rows in columns.items() if nu in wanted and len(rows) == count}
-    write_text(path, "".join(map(_table, whole.values())))
+    columns: dict[float, list[MapPoint]] = {nu: [] for nu in poisson_ratios(count).tolist()}
+    for point in sound_rows(path, MapPoint):
+        if point.loading == loading and point.poisson_ratio in columns:
+            columns[point.poisson_ratio].append(point)
+    whole = {nu: points for nu, points in columns.items() if len(points) == count}
+    write_text(path, "")
+    append_rows(path, [point for points in whole.values() for point in points])
     return whole
-
-
-def _table(points: Sequence[MapPoint]) -> str:
-    """Rows with their checksums, without a heading."""
-    return "".join(",".join(checked_cells(point)) + "\n" for point in points)

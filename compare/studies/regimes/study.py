@@ -12,13 +12,12 @@ from typing import get_args
 
 import numpy as np
 
-from compare.output.files import write_rows
+from compare.output.tables import append_rows, write_rows
 from compare.studies.regimes.figures import RegimeResults, save_fronts, save_regimes, save_reverse
 from compare.studies.regimes.points import (
     POISSON_RATIOS,
     BoundaryPoint,
     MapPoint,
-    append_points,
     kept_columns,
     map_column,
     map_points,
@@ -142,7 +141,7 @@ def _computed(
         destination = tasks[index][0]
         destination += result
         if destination is columns:
-            append_points(_part(output, result[0].loading, count), result)
+            append_rows(_part(output, result[0].loading, count), result)
     points = {
         name: sorted_points(
             [point for rows in kept[name].values() for point in rows]

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from compare.output.tables import append_rows
 from compare.studies.regimes import study as regimes
 from compare.studies.regimes.points import (
     MapPoint,
-    append_points,
     closed_form_speed,
     frictions,
     kept_columns,
@@ -175,8 +175,8 @@ def test_unfinished_tables_keep_whole_columns_only(tmp_path):
     first, second = poisson_ratios(2).tolist()
     rest = ("slow", "0:0.5:+1", "converged", 1e-9)
     whole = [MapPoint("preload", first, chi, *rest) for chi in (1.0, 2.0)]
-    append_points(path, whole)
-    append_points(path, [MapPoint("preload", second, 1.0, *rest)])
+    append_rows(path, whole)
+    append_rows(path, [MapPoint("preload", second, 1.0, *rest)])
     with path.open("a") as stream:
         stream.write("preload,0.1")
     kept = kept_columns(path, "preload", 2)
