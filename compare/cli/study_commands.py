@@ -70,7 +70,7 @@ def stability(
 
         chosen.append(fem_stability)
     if space_time:
-        from compare.studies.accuracy.spacetime import write_stability
+        from compare.studies.stability.spacetime import write_stability
 
         chosen.append(write_stability)
     with working_folder(directory):

@@ -19,7 +19,7 @@ from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from time import process_time
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,6 @@ from semianalytic import (
 )
 
 Array = NDArray[np.float64]
-Row = TypeVar("Row")
 
 ROUGH, FINE = 1e-8, 1e-11
 SCENES, HISTORIES, SEED = 5000, 300, 1
@@ -154,9 +153,7 @@ def error_between(one: Solution, other: Solution) -> float:
     for solution in (one, other):
         peaks = np.array([_peak(solution, zone) for zone in solution.zones])
         certain = peaks > one.error_estimate * peaks.max(initial=0.0)
-        zones = [
-            zone for zone, is_certain in zip(solution.zones, certain, strict=True) if is_certain
-        ]
+        zones = [zone for zone, kept in zip(solution.zones, certain, strict=True) if kept]
         pairs = [(zone.inner, zone.outer) for zone in zones]
         edges.append(np.array(pairs).ravel() / speed)
     if len(edges[0]) != len(edges[1]):
@@ -267,7 +264,7 @@ def run_campaign(
     results: list[dict[int, Any]] = []
     tasks, owners = [], []
     for owner, ((kind, function, count), table) in enumerate(zip(plan, tables, strict=True)):
-        known = {row.index: row for row in _known_rows(table, kind)}
+        known: dict[int, Any] = {row.index: row for row in _known_rows(table, kind)}
         results.append({index: row for index, row in known.items() if index < count})
         left = [index for index in range(count) if index not in known]
         for start in range(0, len(left), _PER_TASK):
@@ -281,10 +278,10 @@ def run_campaign(
     return solved, marched
 
 
-def _known_rows(table: Path, kind: type[Row]) -> list[Row]:
+def _known_rows(table: Path, kind: type) -> list[Any]:
     """Whole rows of an earlier run; the heading is written if there is no table."""
     if not table.exists():
-        names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+        names = [field.name for field in fields(kind)]
         write_text(table, ",".join([*names, "checksum"]) + "\n")
     return sound_rows(table, kind)
 

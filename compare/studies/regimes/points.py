@@ -1,4 +1,4 @@
-"""Slip regime of a solution, and tables of regimes and boundary points over (nu, chi).
+"""Tables of regimes and boundary points over (nu, chi).
 
 Loadings and units are those of `semianalytic.regimes.thresholds`.
 """
@@ -18,6 +18,7 @@ from compare.output.tables import append_rows, sound_rows
 from semianalytic import Solution, solve
 from semianalytic.regimes import reverse_slip
 from semianalytic.regimes import thresholds as boundaries
+from semianalytic.regimes.classification import regime, stuck_threshold
 from semianalytic.regimes.thresholds import Loading, scene_of
 from semianalytic.scene.errors import ComputationError
 from semianalytic.sweeps.sweep import sweep
@@ -69,29 +70,6 @@ class BoundaryPoint:
     log10_chi: float
 
 
-def regime(solution: Solution) -> str:
-    """Regime of a solution, a key of `REGIMES`; "failed" unless its status is "converged".
-
-    Slip counts as reverse if it opposes the shear of the load.
-    """
-    if solution.status != "converged":
-        return "failed"
-    scene = solution.scene
-    forward = math.copysign(1, scene.load.shear or scene.base.shear)
-    if any(zone.sense != forward for zone in solution.zones):
-        return "reverse"
-    if not solution.zones:
-        return "stuck"
-    if math.isinf(solution.zones[-1].outer):
-        return "everywhere"
-    rayleigh = scene.material.rayleigh_speed
-    if any(zone.inner < rayleigh < zone.outer for zone in solution.zones):
-        return "one"
-    if solution.zones[0].inner > 0:
-        return "front"
-    return "slow" if len(solution.zones) == 1 else "two"
-
-
 def poisson_ratios(count: int, corners: bool = False) -> NDArray[np.float64]:
     """Poisson ratios of a map: middles of equal cells, or their corners."""
     return (_corners if corners else _middles)(*POISSON_RATIOS, count)
@@ -108,13 +86,7 @@ def frictions(
     levels = _corners if corners else _middles
     if loading == "preload":
         return 10.0 ** levels(*_PRELOAD_DECADES, count)
-    return 1 + levels(*_REMOTE_SHARES, count) * (stuck_above(poisson_ratio) - 1)
-
-
-def stuck_above(poisson_ratio: float) -> float:
-    """Friction above which a remotely loaded interface is fully stuck."""
-    alone = boundaries.edge_threshold_alone(poisson_ratio)
-    return max(alone, boundaries.front_threshold_stuck(poisson_ratio))
+    return 1 + levels(*_REMOTE_SHARES, count) * (stuck_threshold(poisson_ratio) - 1)
 
 
 def _middles(low: float, high: float, count: int) -> NDArray[np.float64]:
@@ -183,14 +155,6 @@ def trace(loading: Loading, poisson_ratio: float) -> list[BoundaryPoint]:
         for curve, value in found.items()
         if value is not None
     ]
-
-
-def closed_form_speed(poisson_ratio: float, chi: float) -> float:
-    """Front of the only zone of a preloaded interface [c_t]: 1 / ((1 - nu)(1 + chi)^2).
-
-    Holds above the friction of nucleation.
-    """
-    return 1 / ((1 - poisson_ratio) * (1 + chi) ** 2)
 
 
 def zone_speeds(point: MapPoint) -> list[tuple[float, float, int]]:

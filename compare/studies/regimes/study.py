@@ -23,10 +23,10 @@ from compare.studies.regimes.points import (
     map_points,
     poisson_ratios,
     sorted_points,
-    stuck_above,
     trace,
 )
 from compare.studies.workers import Progress, Task, run_tasks
+from semianalytic.regimes.classification import stuck_threshold
 from semianalytic.regimes.reverse_slip import reverse_threshold
 from semianalytic.regimes.thresholds import Loading
 from semianalytic.scene.checks import checked_count
@@ -41,7 +41,7 @@ def front_frictions(loading: Loading, poisson_ratio: float, count: int) -> list[
     """Frictions chi of one panel of the figure of front speeds."""
     if loading == "preload":
         return (10.0 ** np.linspace(-3, 0.5, count)).tolist()
-    return np.linspace(0.98, 1.02 * stuck_above(poisson_ratio), count).tolist()
+    return np.linspace(0.98, 1.02 * stuck_threshold(poisson_ratio), count).tolist()
 
 
 def reverse_points(poisson_ratio: float, count: int) -> list[MapPoint]:

@@ -300,7 +300,7 @@ def no_computing(monkeypatch):
         "compare.studies.regimes.study._computed",
         "compare.studies.stability.solver.run_tasks",
         "compare.studies.stability.fem.run_trial",
-        "compare.studies.accuracy.spacetime.stability_rows",
+        "compare.studies.stability.spacetime.stability_rows",
         "compare.studies.article.study.run_cases",
         "compare.studies.chart.study.run_task",
         "compare.studies.wear.wear_rows",
