@@ -303,7 +303,7 @@ def no_computing(monkeypatch):
         "compare.studies.stability.spacetime.stability_rows",
         "compare.studies.article.study.run_cases",
         "compare.studies.chart.study.run_task",
-        "compare.studies.wear.wear_rows",
+        "compare.studies.wear.swept_rows",
         "compare.studies.evidence.page.collect",
     ):
         monkeypatch.setattr(name, compute)
