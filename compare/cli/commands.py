@@ -159,7 +159,7 @@ def solve_command(
     """
     wanted = override_scene(find_scene(scene), **overrides)
     if plot is not None:
-        from compare.figures.interface import figure_format
+        from compare.figures.saving import figure_format
 
         figure_format(plot)
         check_file(plot)
@@ -172,7 +172,8 @@ def solve_command(
         )
     solution = solve(wanted)
     if plot is not None:
-        from compare.figures.interface import prediction_figure, save_figure
+        from compare.figures.interface import prediction_figure
+        from compare.figures.saving import save_figure
 
         save_figure(prediction_figure(solution), plot)
     if as_json:
@@ -410,7 +411,7 @@ def _march(
         )
     if plot is not None:
         from compare.figures.histories import march_figure
-        from compare.figures.interface import save_figure
+        from compare.figures.saving import save_figure
 
         save_figure(march_figure(marched), plot)
     if as_json:
@@ -448,7 +449,7 @@ def _earlier_simulation(
 
 def _write_comparison(report: Report, directory: Path) -> None:
     from compare.figures.histories import comparison_figures
-    from compare.figures.interface import save_figure
+    from compare.figures.saving import save_figure
 
     drawn = comparison_figures(report)
     for name, draw in drawn.items():

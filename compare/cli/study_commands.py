@@ -70,7 +70,7 @@ def stability(
 
         chosen.append(fem_stability)
     if space_time:
-        from compare.studies.accuracy.spacetime import write_stability
+        from compare.studies.stability.spacetime import write_stability
 
         chosen.append(write_stability)
     with working_folder(directory):
@@ -162,7 +162,7 @@ def evidence(
 
     The exit code is 0 if every quantity is within its tolerance, 1 if one is not.
     """
-    from compare.studies.evidence.study import write_evidence
+    from compare.studies.evidence.page import write_evidence
 
     path = output or Path("results", "evidence.html")
     with _progress(quiet, "collecting") as progress:

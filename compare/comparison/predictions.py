@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic import InterfaceHistory, Scene, Solution, march, solve
+from semianalytic import InterfaceHistory, Marched, Scene, Solution, march, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.selfsimilar.solver import check_pressure
 from semianalytic.spacetime.resolution import check_loads
@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 FINER = 4
 """Nodes of a march per element of the simulation."""
 
+CURVE_POINTS = 1500
+"""Places at which a self-similar slip rate is drawn."""
+
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
@@ -32,8 +35,8 @@ class Prediction:
     ----------
     method : str
         "self-similar" or "space-time".
-    solution : Solution or None
-        The self-similar solution, where that is the method.
+    answer : Solution or Marched
+        What was computed.
     interface : InterfaceHistory
         At the nodes x > 0 and the times of the simulation.
     path : (n,) array
@@ -47,12 +50,29 @@ class Prediction:
     """
 
     method: str
-    solution: Solution | None
+    answer: Solution | Marched
     interface: InterfaceHistory
     path: Array
     friction_work: Array
     seconds: float
     caution: str = ""
+
+    @property
+    def solution(self) -> Solution | None:
+        """The self-similar solution, where that is the method."""
+        return self.answer if isinstance(self.answer, Solution) else None
+
+    def curve(self, time: float) -> tuple[Array, Array]:
+        """Positions and slip rates there (n,), as fine as the answer itself is known."""
+        if isinstance(self.answer, Solution):
+            end = self.interface.x[-1]
+            x = np.linspace(end / CURVE_POINTS, end, CURVE_POINTS)
+            return x, self.answer.slip_rate(x, time)
+        own = self.answer.interface
+        level = int(np.clip(np.searchsorted(own.t, time), 1, len(own.t) - 1))
+        before, after = own.t[level - 1 : level + 1]
+        share = (time - before) / (after - before)
+        return own.x, (1 - share) * own.slip_rate[level - 1] + share * own.slip_rate[level]
 
 
 def check_predictable(scene: Scene, method: str = "auto") -> None:
@@ -111,7 +131,7 @@ def predict(
     own = marched.interface
     return Prediction(
         chosen,
-        None,
+        marched,
         marched.history(x, t),
         np.interp(x, own.x, marched.final_path),
         np.interp(x, own.x, marched.final_work_density),

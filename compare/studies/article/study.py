@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from compare.figures.interface import save_figure
+from compare.figures.saving import save_figure
 from compare.output.files import write_text
 from compare.studies.article.cases import (
     END_TIME,

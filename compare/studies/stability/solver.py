@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from compare.output.files import write_rows
+from compare.output.tables import write_rows
 from compare.studies.stability.figures import save_figures
 from compare.studies.stability.methods import PLACEMENTS
 from compare.studies.stability.sweeps import (
