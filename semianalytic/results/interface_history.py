@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
-from semianalytic.scene.errors import DataFileError, MissingLibraryError
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.extras import needing
 
 FORMAT = "slipfront interface history 1"
 
@@ -59,12 +60,9 @@ class InterfaceHistory:
         MissingLibraryError
             If xarray is not installed.
         """
-        try:
+        with needing("to_xarray"):
             import xarray
-        except ImportError as error:
-            raise MissingLibraryError(
-                "xarray is not installed; install it with `pip install xarray`."
-            ) from error
+
         values = {
             field.name: (("t", "x"), getattr(self, field.name))
             for field in fields(self)
