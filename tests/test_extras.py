@@ -1,6 +1,7 @@
 """What an installation without extras can do, and the one sentence it says where it cannot."""
 
 import importlib
+import json
 import subprocess
 import sys
 import tomllib
@@ -19,14 +20,54 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PACKAGES = PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
 SLIM = """
 import sys
+from importlib.machinery import PathFinder
 
-class Blocked:
+class Slim(PathFinder):
+    @staticmethod
     def find_spec(name, path=None, target=None):
-        if name.split(".")[0] in {blocked}:
-            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+        missing = name.split(".")[0] in {blocked}
+        return None if missing else PathFinder.find_spec(name, path, target)
 
-sys.meta_path.insert(0, Blocked)
+sys.meta_path[sys.meta_path.index(PathFinder)] = Slim
 """
+COMMANDS = """
+import contextlib, io, json
+from compare.cli.commands import main
+
+for line in {lines}:
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = main(line.split())
+    print(json.dumps([code, out.getvalue(), err.getvalue()]))
+"""
+ALL = (*FEM, *PLOT, "xarray")
+FINE = [
+    "--help",
+    "scenes",
+    "solve preloaded",
+    "solve preloaded --json",
+    "solve ramp --nodes 100 --quiet",
+    "compare --help",
+    "evidence --help",
+]
+REFUSED = [
+    (PLOT, "solve preloaded --plot a.png", "plot"),
+    (PLOT, "solve ramp --plot a.pdf", "plot"),
+    (PLOT, "compare", "plot"),
+    (PLOT, "regimes --quick", "plot"),
+    (PLOT, "stability --solver", "plot"),
+    (PLOT, "wear --quick", "plot"),
+    (PLOT, "evidence --quick", "plot"),
+    (FEM, "solve ramp --save a.h5", "fem"),
+    (FEM, "solve ramp --go-on a.h5", "fem"),
+    (FEM, "simulate preloaded", "fem"),
+    (FEM, "compare --from somewhere", "fem"),
+    (FEM, "stability --fem", "fem"),
+    (FEM, "evidence --quick", "fem"),
+    (ALL, "compare", "fem,plot"),
+    (ALL, "article", "fem,plot"),
+    (ALL, "chart", "fem,plot"),
+]
 
 
 def run_without(blocked, code, folder):
@@ -40,87 +81,51 @@ def run_without(blocked, code, folder):
     )
 
 
-def command_without(blocked, arguments, folder):
-    code = f"from compare.cli.commands import main\nsys.exit(main({arguments.split()!r}))"
-    return run_without(blocked, code, folder)
+@pytest.fixture(scope="module")
+def commands(tmp_path_factory):
+    """Exit code, output and errors of every command by (what is missing, its line)."""
+    found = {}
+    for blocked in (PLOT, FEM, ALL):
+        lines = [line for missing, line, _ in REFUSED if missing == blocked]
+        lines += FINE if blocked == ALL else []
+        folder = tmp_path_factory.mktemp("empty")
+        run = run_without(blocked, COMMANDS.format(lines=lines), folder)
+        assert run.returncode == 0, run.stderr
+        assert list(folder.iterdir()) == []
+        for line, shown in zip(lines, run.stdout.splitlines(), strict=True):
+            found[blocked, line] = json.loads(shown)
+    return found
 
 
-ALL = (*FEM, *PLOT, "xarray")
+@pytest.mark.parametrize("line", FINE)
+def test_solver_and_help_need_no_extra(line, commands):
+    code, out, err = commands[ALL, line]
+    assert (code, err) == (0, "")
+    assert out
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        "--help",
-        "scenes",
-        "solve preloaded",
-        "solve preloaded --json",
-        "solve ramp --nodes 100 --quiet",
-        "compare --help",
-        "evidence --help",
-    ],
-)
-def test_solver_and_help_need_no_extra(arguments, tmp_path):
-    run = command_without(ALL, arguments, tmp_path)
-    assert (run.returncode, run.stderr) == (0, "")
-    assert run.stdout
+@pytest.mark.parametrize(("blocked", "line", "extras"), REFUSED)
+def test_missing_extra_is_one_sentence(blocked, line, extras, commands):
+    code, out, err = commands[blocked, line]
+    assert (code, out) == (5, "")
+    assert err.count("\n") == 1
+    assert err.endswith(f"not installed; run `pip install 'slipfront[{extras}]'`.\n")
 
 
-@pytest.mark.parametrize(
-    ("blocked", "arguments", "extras"),
-    [
-        (PLOT, "solve preloaded --plot a.png", "plot"),
-        (PLOT, "solve ramp --plot a.pdf", "plot"),
-        (HDF5, "solve ramp --save a.h5", "fem"),
-        (HDF5, "solve ramp --go-on a.h5", "fem"),
-        (FEM, "simulate preloaded", "fem"),
-        (["gmsh"], "simulate preloaded", "fem"),
-        (["h5py"], "simulate preloaded", "fem"),
-        (ALL, "compare", "fem,plot"),
-        (PLOT, "compare", "plot"),
-        (["meshio"], "compare --from somewhere", "fem"),
-        (PLOT, "regimes --quick", "plot"),
-        (PLOT, "stability --solver", "plot"),
-        (FEM, "stability --fem", "fem"),
-        (ALL, "article", "fem,plot"),
-        (ALL, "chart", "fem,plot"),
-        (PLOT, "wear --quick", "plot"),
-        (["PIL"], "evidence --quick", "plot"),
-        (FEM, "evidence --quick", "fem"),
-    ],
-)
-def test_missing_extra_is_one_sentence(blocked, arguments, extras, tmp_path):
-    run = command_without(blocked, arguments, tmp_path)
-    assert run.returncode == 5, run.stderr
-    assert run.stdout == ""
-    assert run.stderr.count("\n") == 1
-    assert "not installed; run `pip install 'slipfront[" in run.stderr
-    assert f"'slipfront[{extras}]'`." in run.stderr
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    ("blocked", "call"),
-    [
-        (FEM, "sf.simulate(sf.Scene)"),
-        (FEM, "sf.load_simulation('somewhere')"),
-        (FEM, "sf.cost"),
-        (FEM, "import fem"),
-        (FEM, "import meshes"),
-        (["skfem"], "import meshes"),
-        (HDF5, "sf.Marched.load('a.h5')"),
-        (HDF5, "sf.InterfaceHistory.load('a.h5')"),
-    ],
-)
-def test_missing_extra_of_a_function_is_one_sentence(blocked, call, tmp_path):
-    code = (
-        "import slipfront as sf\n"
-        f"try:\n    {call}\nexcept sf.MissingLibraryError as error:\n    print(error)\n"
+def test_missing_extra_of_a_function_is_one_sentence(tmp_path):
+    calls = (
+        *("sf.simulate(sf.Scene)", "sf.load_simulation('somewhere')", "sf.cost"),
+        *("import fem", "import meshes", "sf.Marched.load('a')", "sf.InterfaceHistory.load('a')"),
     )
-    run = run_without(blocked, code, tmp_path)
+    code = "import slipfront as sf\n" + "".join(
+        f"try:\n    {call}\nexcept sf.MissingLibraryError as error:\n    print(error)\n"
+        for call in calls
+    )
+    run = run_without(FEM, code, tmp_path)
     assert run.returncode == 0, run.stderr
-    assert "not installed; run `pip install 'slipfront[fem]'`." in run.stdout
-    assert run.stdout.count("\n") == 1
+    said = run.stdout.splitlines()
+    assert len(said) == len(calls)
+    assert all(line.endswith("not installed; run `pip install 'slipfront[fem]'`.") for line in said)
 
 
 def test_results_are_saved_with_h5py_only(tmp_path):
