@@ -12,7 +12,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from semianalytic import InterfaceHistory, Scene, Solution, march, solve
 from semianalytic.prediction import chosen_method
-from semianalytic.selfsimilar.solver import check_pressure
+from semianalytic.selfsimilar.load import check_pressure
 from semianalytic.spacetime.resolution import MOST_NODES, check_loads
 
 if TYPE_CHECKING:

@@ -24,9 +24,10 @@ from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.load import Load
 from semianalytic.selfsimilar.profile import Profile
 from semianalytic.selfsimilar.solver import solve
-from semianalytic.selfsimilar.zones import Load, ZoneFields
+from semianalytic.selfsimilar.zones import ZoneFields
 
 Loading = Literal["preload", "remote"]
 

@@ -29,34 +29,10 @@ from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.selfsimilar.layout import Layout, Zone
+from semianalytic.selfsimilar.load import Load, per_set
 from semianalytic.selfsimilar.panels import Panels, lay_panels
 
 _SMALL = 1 / np.arange(2.0, 11.0)  # -(1 + ln(1 - s) / s) / s in powers of s
-
-
-@dataclass(frozen=True)
-class Load:
-    """Friction and tractions in one unit of stress, slip rate far ahead in that unit / (mu b).
-
-    For k sets of zones that differ in friction, friction and far_slip_rate are (k, 1) arrays.
-    """
-
-    friction: float | Array
-    base_pressure: float
-    base_shear: float
-    load_pressure: float
-    load_shear: float
-    far_slip_rate: float | Array
-
-    @property
-    def critical(self) -> bool:
-        """Whether the base shear traction reaches friction ahead of all waves (one set)."""
-        return bool(abs(self.base_shear) >= self.friction * self.base_pressure * (1 - 1e-12))
-
-
-def per_set(value: float | Array) -> float | Array:
-    """A number, or a (k, 1) array as (k,)."""
-    return np.asarray(value)[..., 0] if np.ndim(value) else value
 
 
 def _log_share(part: Array, whole: Array, rest: Array) -> Array:

@@ -9,12 +9,13 @@ import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import Rule, rule_for
-from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.coulomb import admissible
 from semianalytic.selfsimilar.edges import Edges, broyden, moves
+from semianalytic.selfsimilar.estimate import difference, loose_tolerance, missed_slip
+from semianalytic.selfsimilar.load import Load
 from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.solver import SAFETY, difference, loose_tolerance, missed_slip
-from semianalytic.selfsimilar.zones import Load, ZoneFields
+from semianalytic.selfsimilar.tuning import SAFETY
+from semianalytic.selfsimilar.zones import ZoneFields
 
 AT_ONCE = 24  # sets of zones in one batch: more leave the processor's cache
 _MOST_STEPS = 4
@@ -79,22 +80,6 @@ def batches(
             group.sort(key=lambda j: trusted[j])
         parts = -(-len(group) // AT_ONCE)
         yield from (part.tolist() for part in np.array_split(group, parts))
-
-
-def common_load(scenes: Sequence[Scene], unit: float) -> Load:
-    """Loads of scenes that differ in friction alone, in one unit of stress."""
-    scene = scenes[0]
-    base, step = scene.base, scene.load
-    friction = np.array([[scene.friction] for scene in scenes])
-    far = np.array([[scene.far_slip_rate] for scene in scenes])
-    return Load(
-        friction,
-        base.pressure / unit,
-        base.shear / unit,
-        step.pressure / unit,
-        step.shear / unit,
-        far * scene.material.shear_impedance / (2 * unit),
-    )
 
 
 def _chosen(load: Load, which: np.ndarray) -> Load:

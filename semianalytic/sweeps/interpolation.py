@@ -9,10 +9,11 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.coulomb import admissible
-from semianalytic.selfsimilar.edges import FARTHEST, Edges, edge_shift, moves
+from semianalytic.selfsimilar.edges import Edges, edge_shift, moves
+from semianalytic.selfsimilar.load import Load, scaled_load
 from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.solver import SAFETY, scaled_load
-from semianalytic.selfsimilar.zones import Load, ZoneFields
+from semianalytic.selfsimilar.tuning import FARTHEST, SAFETY
+from semianalytic.selfsimilar.zones import ZoneFields
 
 _LOOSE_CHECK, _LOOSE_MOVE = 10, 100  # of interpolated zones, in tolerances of the loose rule
 _CONVERGING = 0.5  # differences that shrink less are no estimate

@@ -23,23 +23,19 @@ from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.edges import FARTHEST, NUDGE, Edges, edges_of, moves
+from semianalytic.selfsimilar.edges import Edges, edges_of, moves
+from semianalytic.selfsimilar.estimate import loose_tolerance
+from semianalytic.selfsimilar.load import common_load, scaled_load
 from semianalytic.selfsimilar.profile import Profile
 from semianalytic.selfsimilar.solution import Solution, Statistics
-from semianalytic.selfsimilar.solver import (
-    frictionless,
-    loose_tolerance,
-    scaled_load,
-    slip_zones,
-    solve,
-)
+from semianalytic.selfsimilar.solver import slip_zones, solve
+from semianalytic.selfsimilar.tuning import FARTHEST, NUDGE
 from semianalytic.selfsimilar.zones import ZoneFields
 from semianalytic.sweeps.batches import (
     AT_ONCE,
     TRUSTED,
     Predicted,
     batches,
-    common_load,
     followed,
     linearised,
 )
@@ -247,8 +243,8 @@ class _Sweeping:
         solution = solve(self.scenes[i], rtol=self.rtol)
         self.origin[i] = FROM_SCRATCH
         self.solutions[i] = solution
-        if solution.status == "converged" and not frictionless(self.scenes[i]):
-            fields = solution.profile.fields
+        fields = solution.profile.fields
+        if solution.status == "converged" and not fields.load.frictionless:
             edges, unknowns = edges_of(fields.factors, fields.zones)
             wanted, estimate = fields.rule.tolerance, solution.error_estimate
             self.known[i] = _Known(edges, unknowns, None, wanted, estimate)
