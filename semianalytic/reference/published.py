@@ -230,11 +230,11 @@ def published_slip(
     sense, settled, reversals = np.ones(size), False, 0
     while True:
         rate = lu_solve(factored, shear - sense * pressure)
-        found = np.where(rate < 0, -1.0, 1.0)
-        settled = bool(np.array_equal(found, sense))
+        slip_sense = np.where(rate < 0, -1.0, 1.0)
+        settled = bool(np.array_equal(slip_sense, sense))
         if settled or reversals == _MOST_REVERSALS:
             break
-        sense, reversals = found, reversals + 1
+        sense, reversals = slip_sense, reversals + 1
     u = grid.points if reading.basis == "box" else grid.edges[:-1]
     return PublishedSlip(u, rate, settled, reversals, grid.condition)
 

@@ -167,14 +167,14 @@ def _at_rayleigh_front(profile: Profile, region: list[int], misses: Array) -> li
 
 def _hidden_violations(profile: Profile, tolerance: float) -> list[Violation]:
     """Violations between nodes, where there are none at them."""
-    found, panels = [], profile.panels
+    result, panels = [], profile.panels
     for one in hidden(profile, tolerance):
         sense, zone = panels.sense[one.panel], panels.layout.zone[one.panel]
         if not sense:
             nearest = np.argmin(np.abs(panels.at.v[one.panel] - one.left.v))
             sense, zone = int(np.sign(profile.traction_at_nodes[one.panel, nearest])), -1
-        found.append(Violation(zone, sense, one.left, one.right, *_APART))
-    return found
+        result.append(Violation(zone, sense, one.left, one.right, *_APART))
+    return result
 
 
 def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
@@ -228,7 +228,7 @@ def doubtful(profile: Profile) -> np.ndarray:
 
 def hidden(profile: Profile, tolerance: float) -> list[Hidden]:
     """Where the law of one set of zones fails between nodes by more than a tolerance."""
-    panels, found = profile.panels, []
+    panels, result = profile.panels, []
     steps = np.linspace(-1, 1, 2 * tuning.CLOSER_POINTS + 1)
     for panel, node in np.argwhere(doubtful(profile)):
         centre, step = panels.rule.y[node + 1], panels.rule.spacing
@@ -242,5 +242,5 @@ def hidden(profile: Profile, tolerance: float) -> list[Hidden]:
         if bend > 0 and (top := top + (after - before) ** 2 / (8 * bend)) > tolerance:
             half = step * np.sqrt(2 * top / bend)
             ends = panels.inside(panel, centre + np.array([-half, half]))
-            found.append(Hidden(int(panel), ends[[0]], ends[[1]]))
-    return found
+            result.append(Hidden(int(panel), ends[[0]], ends[[1]]))
+    return result

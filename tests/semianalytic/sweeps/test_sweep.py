@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from compare.studies.chart.benchmark import edge_difference
 from semianalytic import Material, Scene, SceneError, Tractions, solve
-from semianalytic.sweeps.sweep import COMPUTED, FROM_SCRATCH, INTERPOLATED, sweep
+from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
+from semianalytic.sweeps.sweep import sweep
 
 
 def scene(nu=1 / 3, friction=0.3, base=(1.0, 0.0), load=(0.0, 1.0)):
