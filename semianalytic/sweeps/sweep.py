@@ -20,6 +20,7 @@ from semianalytic.sweeps.continuation import FROM_SCRATCH, Continuation
 _FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 _OF_SWEEPS = {
     "friction": ("1", "Coulomb friction coefficient"),
+    "edge": ("", "which edge of a slip zone"),
     "edges": ("length / time", "velocity of the edge of a slip zone"),
     "error_estimate": ("1", "relative error estimate"),
     "status": ("", "converged, or what to distrust"),
