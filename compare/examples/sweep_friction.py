@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from semianalytic import Material, Scene, Tractions, sweep
-from semianalytic.reference.closed_forms import edge_speed_under_shear_step
+from semianalytic.reference import edge_speed_under_shear_step
 
 MATERIAL = Material(1.0, 1.0, 1 / 3)
 SCENE = Scene(MATERIAL, 0.3, base=Tractions(1.0, 0.0), load=Tractions(0.0, 1.0))

@@ -26,7 +26,7 @@ from compare.comparison.measures import slip_zones
 from compare.studies.chart.benchmark import forget_tables
 from compare.studies.workers import LIFELINE, hang_on
 from semianalytic import Scene, SlipZone, Solution, march, solve
-from semianalytic.reference.published import DEFAULT_READING, published_grid, published_slip
+from semianalytic.reference import DEFAULT_READING, published_grid, published_slip
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.selfsimilar.collocation import slip_grid, slip_on_grid

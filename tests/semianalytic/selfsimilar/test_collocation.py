@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from semianalytic import Material, Scene, Tractions, solve
-from semianalytic.reference.closed_forms import (
+from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_shear_step,
 )
