@@ -8,10 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.profile import Profile
-
-_NEVER = 1e-200  # slowness of what has not begun
-_GROWTH = 4.0  # of slowness from piece to piece towards a slipping contact edge
 
 
 def dissipation(profile: Profile, u: Array) -> Array:
@@ -24,7 +22,7 @@ def dissipation(profile: Profile, u: Array) -> Array:
     front = panels.left[0].v[0]
     ahead = panels.sense[0] * load.friction * load.base_pressure * load.far_slip_rate
     reached = np.minimum(u, front)
-    result = ahead * np.stack([1 / front - 1 / np.maximum(reached, _NEVER), reached])
+    result = ahead * np.stack([1 / front - 1 / np.maximum(reached, tuning.EARLIEST), reached])
     at = profile.fields.factors.cut(u)
     for panel in panels.layout.slip:
         for left, right in _pieces(profile, int(panel), float(u.max(initial=0.0))):
@@ -48,7 +46,7 @@ def _pieces(profile: Profile, panel: int, most: float) -> Iterator[tuple[CutPoin
     if right is not None:
         ends.append(right)
     while right is None and ends[-1].v[0] < most:
-        ends.append(factors.cut(_GROWTH * ends[-1].v))
+        ends.append(factors.cut(tuning.PIECE_GROWTH * ends[-1].v))
     return pairwise(ends)
 
 

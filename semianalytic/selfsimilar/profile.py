@@ -56,7 +56,7 @@ class Profile:
         fields = self.fields
         tail = np.zeros(())
         if self.edge_slips:
-            sign = np.sign(fields.canonical[-1, ..., -1])
+            sign = np.sign(fields.canonical.values[-1, ..., -1])
             tail = sign * fields.constant[..., 0] / (np.pi * fields.factors.kappa)
         return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
 
