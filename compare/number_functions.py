@@ -31,7 +31,7 @@ from semianalytic import Harmonic, Material, Scene, Solution, march, solve
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import Mode, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.reference.closed_forms import (
+from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,

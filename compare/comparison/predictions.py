@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from semianalytic import InterfaceHistory, Marched, Scene, Solution, march, solve
 from semianalytic.prediction import chosen_method
-from semianalytic.selfsimilar.solver import check_pressure
+from semianalytic.selfsimilar.load import check_pressure
 from semianalytic.spacetime.resolution import check_loads
 from semianalytic.spacetime.tuning import MOST_NODES
 

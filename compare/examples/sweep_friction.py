@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import slipfront as sf
-from semianalytic.reference.closed_forms import edge_speed_under_shear_step
+from semianalytic.reference import edge_speed_under_shear_step
 
 MATERIAL = sf.Material(1.0, 1.0, 1 / 3)
 SCENE = sf.Scene(MATERIAL, 0.3, base=sf.Tractions(1.0, 0.0), load=sf.Tractions(0.0, 1.0))

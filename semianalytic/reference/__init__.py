@@ -1,1 +1,67 @@
-"""Answers to verify against: closed forms, prescribed slip, the algorithm of the article."""
+"""What solvers are verified against: exact solutions in closed form, and the article's algorithm.
+
+None of it uses the solvers: only the Rayleigh function, its factors and quadrature.  Every slip
+rate is relative, both sides, in the units of the scene; `published_slip` alone is in the article's
+own, one-sided and over f P_0 / (mu b).
+
+Closed forms, at velocities x/t (chi = f P / Q_0):
+
+- `edge_speed_under_shear_step`, `slip_rate_under_shear_step`: one zone that grows from the contact
+  edge under a step of shear, large chi;
+- `slip_rate_under_remote_shock`: slip everywhere under a sudden remote load, chi <= 1;
+- `slip_rate_without_friction`: Lamb's surface velocity under a step of shear, chi = 0.
+
+The algorithm of section 5 and Appendix B, in every reading its text allows:
+
+- `Reading`, `readings`, `DEFAULT_READING`: ways to read it;
+- `published_grid`, `kernel_primitives`: its matrix (5.2)-(5.4), (7.5)-(7.10);
+- `published_slip`: its slip rate (5.1), (7.11);
+- `examine_reading`, `examine_all`, `reverse_slip_limit`: how readings fare against what the article
+  says, `REVERSE_LIMIT` among it, at `ARTICLE_POISSON_RATIO` and `ARTICLE_SHEAR_SLOWNESS`.
+"""
+
+from semianalytic.reference.closed_forms import (
+    edge_speed_under_shear_step,
+    slip_rate_under_remote_shock,
+    slip_rate_under_shear_step,
+    slip_rate_without_friction,
+)
+from semianalytic.reference.published import (
+    ARTICLE_POISSON_RATIO,
+    ARTICLE_SHEAR_SLOWNESS,
+    DEFAULT_READING,
+    REVERSE_LIMIT,
+    PublishedGrid,
+    PublishedSlip,
+    Reading,
+    ReadingResult,
+    examine_all,
+    examine_reading,
+    kernel_primitives,
+    published_grid,
+    published_slip,
+    readings,
+    reverse_slip_limit,
+)
+
+__all__ = [
+    "ARTICLE_POISSON_RATIO",
+    "ARTICLE_SHEAR_SLOWNESS",
+    "DEFAULT_READING",
+    "REVERSE_LIMIT",
+    "PublishedGrid",
+    "PublishedSlip",
+    "Reading",
+    "ReadingResult",
+    "edge_speed_under_shear_step",
+    "examine_all",
+    "examine_reading",
+    "kernel_primitives",
+    "published_grid",
+    "published_slip",
+    "readings",
+    "reverse_slip_limit",
+    "slip_rate_under_remote_shock",
+    "slip_rate_under_shear_step",
+    "slip_rate_without_friction",
+]

@@ -39,8 +39,8 @@ Delay = Literal["printed", "front"]
 Signs = Literal["equal", "four minus square", "square minus four"]
 Basis = Literal["box", "hat"]
 
-PAPER_POISSON_RATIO = 1 / 3
-PAPER_B = 0.2
+ARTICLE_POISSON_RATIO = 1 / 3
+ARTICLE_SHEAR_SLOWNESS = 0.2
 """1 / c_t in the article's units (c_t = 5; section 6 prints a and b interchanged and b halved)."""
 REVERSE_LIMIT = 0.0575
 """chi below which the article finds reverse slip."""
@@ -97,7 +97,7 @@ def kernel_primitives(
     """
     a = rayleigh_factors(poisson_ratio).a
     root = np.sqrt(np.maximum(u * u - 1, 0.0))
-    factor = PAPER_B**-3 if printed_arctan else 1.0
+    factor = ARTICLE_SHEAR_SLOWNESS**-3 if printed_arctan else 1.0
     first = 4 / 3 * np.maximum(u * u - a * a, 0.0) ** 1.5 * (u > a)
     return first, (4 / 3 * root**3 + factor * np.arctan(root)) * (u > 1)
 
@@ -122,7 +122,7 @@ class PublishedGrid:
 
 @lru_cache(maxsize=64)
 def published_grid(
-    reading: Reading, size: int, poisson_ratio: float = PAPER_POISSON_RATIO, place: float = 0.5
+    reading: Reading, size: int, poisson_ratio: float = ARTICLE_POISSON_RATIO, place: float = 0.5
 ) -> PublishedGrid:
     """Matrix of a reading on `size` equal intervals up to u = 5 b, x = c_t t / 5.
 
@@ -201,7 +201,7 @@ def published_slip(
     reading: Reading = DEFAULT_READING,
     size: int = 200,
     *,
-    poisson_ratio: float = PAPER_POISSON_RATIO,
+    poisson_ratio: float = ARTICLE_POISSON_RATIO,
     place: float = 0.5,
 ) -> PublishedSlip:
     """Run a reading: solve, reverse friction where slip has the other sign, repeat.
@@ -230,11 +230,11 @@ def published_slip(
     sense, settled, reversals = np.ones(size), False, 0
     while True:
         rate = lu_solve(factored, shear - sense * pressure)
-        found = np.where(rate < 0, -1.0, 1.0)
-        settled = bool(np.array_equal(found, sense))
+        slip_sense = np.where(rate < 0, -1.0, 1.0)
+        settled = bool(np.array_equal(slip_sense, sense))
         if settled or reversals == _MOST_REVERSALS:
             break
-        sense, reversals = found, reversals + 1
+        sense, reversals = slip_sense, reversals + 1
     u = grid.points if reading.basis == "box" else grid.edges[:-1]
     return PublishedSlip(u, rate, settled, reversals, grid.condition)
 
@@ -257,7 +257,7 @@ def reverse_slip_limit(reading: Reading, size: int = 200) -> float:
 
     0 if it is not at chi = 0.005, inf if it still is at chi = 2; the mean over b < u < c decides.
     """
-    c = rayleigh_factors(PAPER_POISSON_RATIO).c
+    c = rayleigh_factors(ARTICLE_POISSON_RATIO).c
     strip = np.linspace(1.0, c, 42)[1:-1]
 
     def mean(log_chi: float) -> float:

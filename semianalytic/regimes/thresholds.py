@@ -24,9 +24,10 @@ from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.load import Load
 from semianalytic.selfsimilar.profile import Profile
 from semianalytic.selfsimilar.solver import solve
-from semianalytic.selfsimilar.zones import Load, ZoneFields
+from semianalytic.selfsimilar.zones import ZoneFields
 
 Loading = Literal["preload", "remote"]
 
@@ -227,7 +228,7 @@ def front_zone_unknowns(poisson_ratio: float, healed: float, front: float) -> tu
 
 def rooted(residual: Callable[[Array], Array], start: Sequence[float]) -> Array:
     """Root of a system of equations near a start."""
-    found = root(residual, start, options={"xtol": 1e-11, "factor": 0.1})  # small first steps
-    if not np.abs(found.fun).max() < 1e-8:
-        raise ComputationError(f"a regime boundary was not found: {found.message}")
-    return found.x
+    result = root(residual, start, options={"xtol": 1e-11, "factor": 0.1})  # small first steps
+    if not np.abs(result.fun).max() < 1e-8:
+        raise ComputationError(f"a regime boundary was not found: {result.message}")
+    return result.x

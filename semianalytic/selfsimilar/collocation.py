@@ -18,9 +18,9 @@ import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array, gauss, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.complementarity import lemke
-
-_GAUSS = 6
+from semianalytic.selfsimilar.load import Load
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
     factors = rayleigh_factors(poisson_ratio)
     ends = np.array([0.0, 1 / factors.c, 1.0, 1 / factors.a])
     counts = np.maximum(np.round(size * np.array([0.4, 0.25, 0.35])).astype(int), 4)
-    t, weight = gauss(_GAUSS)
+    t, weight = gauss(tuning.GAUSS_PER_ELEMENT)
     nodes, points, weights = [np.zeros(1)], [], []
     for left, right, count in zip(ends[:-1], ends[1:], counts, strict=True):
         s = np.arange(count + 1) / count
@@ -87,7 +87,7 @@ def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
     at_point = node_density[:-1] - slope * offset[:, :-1]
     cauchy = at_point * log + slope * width
     gradient = -(impedance.imag / (np.pi * density))[:, None] * cauchy
-    own = np.repeat(np.arange(n), _GAUSS)
+    own = np.repeat(np.arange(n), tuning.GAUSS_PER_ELEMENT)
     gradient[np.arange(len(own)), own] -= impedance.real
     # From V' on elements to V at nodes.
     by_node = np.zeros((len(own), n + 1))
@@ -98,14 +98,14 @@ def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
     # Test with hats: int hat tau dxi = tau(c_l) int hat - int (dtau/dxi) (int_0^xi hat) dxi.
     local = (point - xi[:-1, None]) / width[:, None]
     area = np.convolve(width, [0.5, 0.5])  # hat areas, (n + 1,)
-    passed = np.zeros((n, _GAUSS, n))
+    passed = np.zeros((n, tuning.GAUSS_PER_ELEMENT, n))
     rows = np.arange(n)
     for i in range(n):
         passed[i + 1 :, :, i] = area[i]
     passed[rows, :, rows] = area[:n, None] - (width[:, None] / 2 * (1 - local) ** 2)
     passed[rows[:-1], :, rows[1:]] = width[:-1, None] / 2 * local[:-1] ** 2
     test = (passed * dxi[:, :, None]).reshape(-1, n)
-    hats = np.zeros((n, _GAUSS, n))
+    hats = np.zeros((n, tuning.GAUSS_PER_ELEMENT, n))
     hats[rows, :, rows] = 1 - local
     hats[rows[:-1], :, rows[1:]] = local[:-1]
     sample = (hats * dxi[:, :, None]).reshape(-1, n)
@@ -119,41 +119,32 @@ def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
     )
 
 
-def slip_on_grid(
-    poisson_ratio: float,
-    friction: float,
-    base: tuple[float, float],
-    step: tuple[float, float],
-    far_slip_rate: float,
-    size: int,
-) -> GridSlip:
+def slip_on_grid(poisson_ratio: float, load: Load, size: int = tuning.GRIDS[0]) -> GridSlip:
     """Solve Coulomb's law on the grid: |tau| <= f p, V (tau -+ f p) = 0.
 
     Parameters
     ----------
-    base, step : (pressure, shear) in one unit of stress.
-    far_slip_rate : V(inf), one-sided, in that unit over mu b.
-    size : number of nodes, about.
+    poisson_ratio : float
+    load : Load of one scene
+    size : int, number of nodes, about
 
     Raises
     ------
     ComputationError
         If complementary pivoting fails.
     """
-    grid = slip_grid(poisson_ratio, size)
-    load = base[1] * grid.weight + step[1] * grid.shear + far_slip_rate * grid.far
-    strength = friction * (base[0] * grid.weight + step[0] * grid.pressure)
-    stiff = -grid.operator
+    grid, far_slip_rate = slip_grid(poisson_ratio, size), float(load.far_slip_rate)
+    stuck = load.base_shear * grid.weight + load.load_shear * grid.shear + far_slip_rate * grid.far
+    pressure = load.base_pressure * grid.weight + load.load_pressure * grid.pressure
+    strength, stiffness = float(load.friction) * pressure, -grid.operator
     # Most scenes slip one way only: half the unknowns, if the other inequality then holds.
-    sense = float(np.sign(load[np.argmax(np.abs(load) - strength)])) or 1.0
-    solved = lemke(stiff, strength - sense * load)
-    rate = sense * solved.z
-    pivots = solved.pivots
-    if np.any(strength + sense * load < stiff @ solved.z - 1e-9 * np.abs(load).max()):
-        matrix = np.block([[stiff, -stiff], [-stiff, stiff]])
-        solved = lemke(matrix, np.concatenate([strength - load, strength + load]))
-        forward, backward = np.split(solved.z, 2)
-        rate = forward - backward
-        pivots += solved.pivots
-    slip_rate = np.append(rate, far_slip_rate)
-    return GridSlip(grid.xi, slip_rate, pivots)
+    sense = float(np.sign(stuck[np.argmax(np.abs(stuck) - strength)])) or 1.0
+    one_way = lemke(stiffness, strength - sense * stuck)
+    rate, pivots = sense * one_way.z, one_way.pivots
+    least = stiffness @ one_way.z - 1e-9 * np.abs(stuck).max()
+    if np.any(strength + sense * stuck < least):
+        matrix = np.block([[stiffness, -stiffness], [-stiffness, stiffness]])
+        both_ways = lemke(matrix, np.concatenate([strength - stuck, strength + stuck]))
+        forward, backward = np.split(both_ways.z, 2)
+        rate, pivots = forward - backward, pivots + both_ways.pivots
+    return GridSlip(grid.xi, np.append(rate, far_slip_rate), pivots)

@@ -1,25 +1,25 @@
-"""Coulomb's inequalities on solved zones: where they fail, and which zones to try next."""
+"""Coulomb's inequalities on solved zones: where they fail, at the nodes of a rule and between them.
+
+Between nodes a narrow zone may hide.  What the law forbids is followed there as one number:
+traction over friction where the interface sticks, slip rate against the sense of its zone where it
+slips.  Where a parabola through three nodes comes near to what is allowed, the number is evaluated
+more and more closely around its peak.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.selfsimilar.between import doubtful, hidden
-from semianalytic.selfsimilar.edges import Edges, edges_of, place_edges
+from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.load import per_set
 from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.zones import Load, ZoneFields, per_set
+from semianalytic.selfsimilar.zones import ZoneFields
 
 _APART = (False, False)
-NARROWEST_GAP = 1e-14  # a stick gap around c_R narrower than x/t can resolve is left out
-
-ELSEWHERE = 0.3  # slip rate over the traction that exceeds friction, 0.1 was seen
-_LEAST_IMPEDANCE = 1e-3  # times that, over rho c_t; at the longitudinal front for nu near 0
-_NARROW = 0.1  # gap over slowness between zones that may have met
 
 
 @dataclass(frozen=True)
@@ -46,19 +46,16 @@ def largest_excess(profile: Profile) -> Array:
     excess = profile.wrong_at_nodes[layout.stick]
     ahead = layout.stick_ahead
     real, imag = profile.fields.factors.impedance_ahead(panels.at[ahead])
-    excess[: len(ahead)] /= np.clip(ELSEWHERE * np.hypot(real, imag), _LEAST_IMPEDANCE, 1.0)
+    impedance = tuning.SLIP_PER_EXCESS * np.hypot(real, imag)
+    excess[: len(ahead)] /= np.clip(impedance, tuning.LEAST_IMPEDANCE, 1.0)
     return np.asarray(excess.max(axis=(0, -1), initial=0.0))
 
 
 def _misses(profile: Profile, tolerance: float) -> Array:
     """(p, ..., n): at the nodes, the sense in which Coulomb's law is missed: of V in a zone, of the
     traction where it sticks; 0 where it is kept."""
-    rate, stick, wrong = (
-        profile.slip_rate_at_nodes,
-        profile.panels.layout.stick,
-        profile.wrong_at_nodes,
-    )
-    misses = np.sign(rate) * (wrong > tolerance)
+    stick, wrong = profile.panels.layout.stick, profile.wrong_at_nodes
+    misses = np.sign(profile.slip_rate_at_nodes) * (wrong > tolerance)
     misses[stick] = np.sign(profile.traction_at_nodes[stick]) * (wrong[stick] > tolerance)
     return misses
 
@@ -73,13 +70,13 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
     for inward, outward in zip(profile.fields.zones[1:], profile.fields.zones[:-1], strict=True):
         if inward.left is not None and outward.right is not None:
             width = inward.left.minus(outward.right)[..., 0]
-            sound &= (width > 4 * NARROWEST_GAP) | (inward.left.from_c.flat[0] < 0)
+            sound &= (width > 4 * tuning.NARROWEST_GAP) | (inward.left.from_c.flat[0] < 0)
     if not profile.edge_slips:
         sound &= _excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
     if (pole := panels.layout.pole) >= 0:
         reverses = panels.sense[pole] * profile.residues(pole) > 0
         if reverses.any():
-            sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= NARROWEST_GAP)
+            sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= tuning.NARROWEST_GAP)
     for j in np.flatnonzero(sound & doubtful(profile).any(axis=(0, -1))):
         sound[j] = not hidden(_one_of(profile, int(j)), tolerance)
     return sound
@@ -98,7 +95,7 @@ def _one_of(profile: Profile, j: int) -> Profile:
     return Profile(ZoneFields(fields.factors, load, zones, fields.rule))
 
 
-@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # told by None
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # answered by None
 def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
     """Where the slip rate of one set of zones has the wrong sign or the traction exceeds friction.
 
@@ -107,51 +104,81 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
     tolerance is relative to the largest slip rate, and for tractions to strength plus the load,
     in a narrow stick gap plus its share of the load.
     """
-    panels, every = profile.panels, _misses(profile, tolerance)
-    if np.isnan(every).any():
+    if profile.fields.load.frictionless:
+        return []  # free slip may have either sense
+    misses = _misses(profile, tolerance)
+    if np.isnan(misses).any():
         return None
-    found = []
-    for region in panels.layout.regions:
-        sense, misses = panels.sense[region[0]], every[region].ravel()
-        unbounded, pole = panels.right[region[-1]] is None, panels.layout.pole
-        zone = panels.layout.zone[region[0]] if sense else -1
-        wrong = misses != 0
-        if wrong.any():
-            at, last = CutPoints(panels.at.parts[:, region].reshape(4, -1)), len(wrong) - 1
-            wrong[1:-1] |= wrong[:-2] & wrong[2:]
-            bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
-            for start, stop in zip(bounds[::2], bounds[1::2], strict=True):
-                to_edge = bool(stop > last) and unbounded
-                left = at[[max(start - 1, 0)]]
-                right = None if to_edge else at[[min(stop, last)]]
-                touches = (bool(start == 0), bool(stop > last) and not unbounded)
-                found.append(Violation(zone, sense or int(misses[start]), left, right, *touches))
-        excess = float(_excess_intensity(profile)) if unbounded and not sense else 0.0
-        if not wrong[-1] and excess > _intensity_tolerance(profile, tolerance):
-            begin = profile.fields.factors.cut([1 / (4 * min(excess, 0.02))])
-            found.append(Violation(-1, int(np.sign(profile.edge_intensity)), begin, None, *_APART))
-        if pole in region and not wrong.any() and sense * profile.residue(pole) > 0:
-            width = float(reversal_at_rayleigh_front(profile, pole))
-            if width > NARROWEST_GAP:
-                ends = profile.fields.factors.beside("c", [-width, width])
-                found.append(Violation(zone, sense, ends[[0]], ends[[1]], *_APART))
-    return found or _hidden_violations(profile, tolerance)
+    broken: list[Violation] = []
+    for region in profile.panels.layout.regions:
+        broken += _at_nodes(profile, region, misses[region].ravel())
+        broken += _at_contact_edge(profile, region, misses, tolerance)
+        broken += _at_rayleigh_front(profile, region, misses)
+    return broken or _hidden_violations(profile, tolerance)
+
+
+def _at_nodes(profile: Profile, region: list[int], misses: Array) -> list[Violation]:
+    """Violations at the nodes of a zone or a stretch of stick, `misses` (m,) of them all in a row;
+    those two nodes apart are one."""
+    wrong = misses != 0
+    if not wrong.any():
+        return []
+    panels, result, last = profile.panels, [], len(wrong) - 1
+    sense, unbounded = panels.sense[region[0]], panels.right[region[-1]] is None
+    zone = panels.layout.zone[region[0]] if sense else -1
+    at = CutPoints(panels.at.parts[:, region].reshape(4, -1))
+    wrong[1:-1] |= wrong[:-2] & wrong[2:]
+    bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
+    for start, stop in zip(bounds[::2], bounds[1::2], strict=True):
+        to_edge = bool(stop > last) and unbounded
+        left = at[[max(start - 1, 0)]]
+        right = None if to_edge else at[[min(stop, last)]]
+        touches = (bool(start == 0), bool(stop > last) and not unbounded)
+        result.append(Violation(zone, sense or int(misses[start]), left, right, *touches))
+    return result
+
+
+def _at_contact_edge(
+    profile: Profile, region: list[int], misses: Array, tolerance: float
+) -> list[Violation]:
+    """A stuck contact edge that must slip, though at no node the traction shows it yet."""
+    if profile.panels.sense[region[0]] or profile.panels.right[region[-1]] is not None:
+        return []
+    excess = float(_excess_intensity(profile))
+    if misses[region[-1], ..., -1] or not excess > _intensity_tolerance(profile, tolerance):
+        return []
+    width = 4 * min(excess, tuning.WIDEST_FIRST_EDGE_ZONE)
+    begin = profile.fields.factors.cut([1 / width])
+    return [Violation(-1, int(np.sign(profile.edge_intensity)), begin, None, *_APART)]
+
+
+def _at_rayleigh_front(profile: Profile, region: list[int], misses: Array) -> list[Violation]:
+    """The strip around c in which the logarithm in V reverses slip, where no node shows it."""
+    panels, pole = profile.panels, profile.panels.layout.pole
+    sense = panels.sense[region[0]]
+    if pole not in region or misses[region].any() or not sense * profile.residue(pole) > 0:
+        return []
+    width = float(reversal_at_rayleigh_front(profile, pole))
+    if not width > tuning.NARROWEST_GAP:
+        return []
+    ends = profile.fields.factors.beside("c", [-width, width])
+    return [Violation(panels.layout.zone[pole], sense, ends[[0]], ends[[1]], *_APART)]
 
 
 def _hidden_violations(profile: Profile, tolerance: float) -> list[Violation]:
     """Violations between nodes, where there are none at them."""
-    found, panels = [], profile.panels
+    result, panels = [], profile.panels
     for one in hidden(profile, tolerance):
         sense, zone = panels.sense[one.panel], panels.layout.zone[one.panel]
         if not sense:
             nearest = np.argmin(np.abs(panels.at.v[one.panel] - one.left.v))
             sense, zone = int(np.sign(profile.traction_at_nodes[one.panel, nearest])), -1
-        found.append(Violation(zone, sense, one.left, one.right, *_APART))
-    return found
+        result.append(Violation(zone, sense, one.left, one.right, *_APART))
+    return result
 
 
 def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
-    return tolerance if profile.fields.zones else 1e-12
+    return tolerance if profile.fields.zones else tuning.UNDRIVEN_EXCESS
 
 
 def _excess_intensity(profile: Profile) -> Array:
@@ -177,84 +204,43 @@ def reversal_at_rayleigh_front(profile: Profile, panel: int) -> Array:
     return np.exp(np.clip(-level / residue, -690.0, 690.0))
 
 
-def corrected(
-    edges: Edges, unknowns: Array, found: list[Violation], load: Load
-) -> tuple[Edges, Array]:
-    """Zones without the intervals that slip the wrong way, and with those that must slip.
+@dataclass(frozen=True)
+class Hidden:
+    """An interval of slowness between nodes of a panel where Coulomb's law fails."""
 
-    New zones are made only when the present ones are sound.  With a critical base the first one
-    starts at the longitudinal front if it slips as the base would.
-    """
-    zones = list(edges.zones(unknowns))
-    wrong_slip = sorted((bad for bad in found if bad.zone >= 0), key=lambda bad: bad.left.v[0])
-    for bad in reversed(wrong_slip):
-        zone = zones[bad.zone]
-        if bad.touches_left:
-            zones[bad.zone] = replace(zone, left=bad.right)
-        elif bad.touches_right and zone.right is not None:
-            zones[bad.zone] = replace(zone, right=bad.left)
-        else:
-            inner = [] if bad.right is None else [replace(zone, left=bad.right)]
-            zones[bad.zone : bad.zone + 1] = [replace(zone, right=bad.left), *inner]
-    for bad in (bad for bad in found if bad.zone < 0):
-        after = sum(zone.left is None or bool(zone.left.v < bad.left.v) for zone in zones)
-        if bad.touches_right and after < len(zones) and zones[after].sense == bad.sense:
-            zones[after] = replace(zones[after], left=bad.left)
-        elif bad.touches_left and after > 0 and zones[after - 1].sense == bad.sense:
-            zones[after - 1] = replace(zones[after - 1], right=bad.right)
-        elif not wrong_slip:
-            at_front = after == 0 and load.critical and bad.sense * load.base_shear > 0
-            zones.insert(after, Zone(None if at_front else bad.left, bad.right, bad.sense))
-    return edges_of(edges.factors, zones)
+    panel: int
+    left: CutPoints
+    right: CutPoints
 
 
-def across_shear_front(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | None:
-    """The same zones with edges that ran into the shear front started on its other side."""
-    factors, points = edges.factors, edges.points(unknowns)
-    at_front = [
-        segment < 2 and abs(p.from_b[0]) < 1e-4
-        for p, segment in zip(points, edges.segments, strict=True)
-    ]
-    if not any(at_front):
-        return None
-    behind, ahead = 1 + 0.1 * (factors.c - 1), 1 - 0.02 * (1 - factors.a)
-    moved = [
-        factors.cut([ahead if p.from_b[0] > 0 else behind]) if stopped else p
-        for p, stopped in zip(points, at_front, strict=True)
-    ]
-    return place_edges(factors, edges.senses, edges.open_ends, moved)
+def doubtful(profile: Profile) -> np.ndarray:
+    """(p, ..., n - 2): inner nodes beside which the law may fail though it holds at all nodes."""
+    value, y = profile.wrong_at_nodes, profile.panels.rule.y
+    before, middle, after = value[..., :-2], value[..., 1:-1], value[..., 2:]
+    bend = 2 * middle - before - after
+    top = middle + np.square(after - before) / (8 * np.where(bend > 0, bend, np.inf))
+    result = (middle >= before) & (middle > after) & (top > -tuning.PARABOLA_ERROR)
+    result &= np.abs(y[1:-1]) < tuning.HIDING_REACH
+    if profile.panels.layout.pole >= 0:
+        result[profile.panels.layout.pole] = False  # V is unbounded there
+    return np.asarray(result)
 
 
-def joined(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | None:
-    """The zones with those two made one that slip alike on both sides of the narrowest stick gap;
-    None if no gap off c is narrow.
-
-    Newton's method closes a gap where the zones have just met.
-    """
-    zones, gaps = edges.zones(unknowns), {}
-    for i, (outer, inner) in enumerate(pairwise(zones)):
-        if outer.sense == inner.sense and outer.right is not None and inner.left is not None:
-            off_c = bool(outer.right.from_c[0] * inner.left.from_c[0] > 0)
-            width = float(inner.left.minus(outer.right)[0] / outer.right.v[0])
-            if off_c and width < _NARROW:
-                gaps[i] = width
-    if not gaps:
-        return None
-    i = min(gaps, key=lambda i: gaps[i])
-    one = replace(zones[i], right=zones[i + 1].right)
-    return edges_of(edges.factors, [*zones[:i], one, *zones[i + 2 :]])
-
-
-def without_vanished(edges: Edges, unknowns: Array) -> tuple[Edges, Array] | None:
-    """The zones without those that Newton's method has all but closed; None if there are none."""
-    zones = edges.zones(unknowns)
-    kept = [
-        zone
-        for zone in zones
-        if zone.left is None
-        or zone.right is None
-        or zone.right.minus(zone.left)[0] > 1e-4 * float(zone.left.v[0])
-    ]
-    if len(kept) == len(zones):
-        return None
-    return edges_of(edges.factors, kept)
+def hidden(profile: Profile, tolerance: float) -> list[Hidden]:
+    """Where the law of one set of zones fails between nodes by more than a tolerance."""
+    panels, result = profile.panels, []
+    steps = np.linspace(-1, 1, 2 * tuning.CLOSER_POINTS + 1)
+    for panel, node in np.argwhere(doubtful(profile)):
+        centre, step = panels.rule.y[node + 1], panels.rule.spacing
+        for _ in range(2):
+            y = centre + step * steps
+            value = profile.wrong(panel, panels.inside(panel, y))
+            best = int(np.clip(np.argmax(value), 1, len(y) - 2))
+            centre, step = y[best], step / tuning.CLOSER_POINTS
+        before, top, after = value[best - 1 : best + 2]
+        bend = 2 * top - before - after
+        if bend > 0 and (top := top + (after - before) ** 2 / (8 * bend)) > tolerance:
+            half = step * np.sqrt(2 * top / bend)
+            ends = panels.inside(panel, centre + np.array([-half, half]))
+            result.append(Hidden(int(panel), ends[[0]], ends[[1]]))
+    return result

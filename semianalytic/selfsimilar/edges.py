@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -11,16 +11,10 @@ import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
-from semianalytic.selfsimilar.collocation import GridSlip
+from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.zones import Load, ZoneFields
-
-_MOST_STEPS = 40
-_LONGEST_MOVE = 1.5
-FARTHEST = 300.0  # unknowns beyond put an edge on a wave front or at the contact edge
-NUDGE = 1e-6
-_ROUNDING, _LONGEST_NUDGE = 1e-13, 0.3
-_LEAST_WIDTH = 1e-10  # over the distance from a front; of a narrower zone rounding leaves little
+from semianalytic.selfsimilar.load import Load
+from semianalytic.selfsimilar.zones import ZoneFields
 
 
 @dataclass(frozen=True)
@@ -103,11 +97,11 @@ class Edges:
 
         () or (k,).
         """
-        near = np.abs(unknowns).max(axis=0) < FARTHEST
+        near = np.abs(unknowns).max(axis=0) < tuning.FARTHEST
         opens = self.open_ends[0]
         for index, (p, q) in enumerate(pairwise(self.points(np.where(near, unknowns, 0.0)))):
             inside = (index % 2 == 0) != opens  # between the edges of one zone
-            least = _LEAST_WIDTH * np.abs(p.parts[p.nearest]) if inside else np.zeros(1)
+            least = tuning.LEAST_WIDTH * np.abs(p.parts[p.nearest]) if inside else np.zeros(1)
             near &= (q.minus(p) > least)[..., 0]
         return near
 
@@ -117,13 +111,13 @@ class Edges:
         A narrow stick gap is the difference of two distances from a front: a nudge has to change
         it by more than their rounding.
         """
-        result = np.full(unknowns.shape, NUDGE)
+        result = np.full(unknowns.shape, tuning.NUDGE)
         points = self.points(unknowns)
         for edge in np.flatnonzero(self._gaps):
             outward = points[edge - 1]
             gap = points[edge].minus(outward)[..., 0]
-            rounding = _ROUNDING * np.abs(outward.parts[outward.nearest])[..., 0]
-            result[edge] = np.clip(rounding / gap, NUDGE, _LONGEST_NUDGE)
+            rounding = tuning.GAP_ROUNDING * np.abs(outward.parts[outward.nearest])[..., 0]
+            result[edge] = np.clip(rounding / gap, tuning.NUDGE, tuning.LONGEST_NUDGE)
         return result
 
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
@@ -175,41 +169,6 @@ def edges_of(factors: RayleighFactors, zones: Sequence[Zone]) -> tuple[Edges, Ar
     return place_edges(factors, tuple(zone.sense for zone in zones), open_ends, points)
 
 
-def edges_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> tuple[Edges, Array]:
-    """Zones seen by the first stage, edges placed by the two outermost values of V there.
-
-    With a critical base, shear traction equal to friction ahead of all waves, slip starts at the
-    longitudinal front itself if it starts there at all.
-    """
-    xi, rate = grid.xi[::-1], grid.slip_rate[::-1]  # from the longitudinal front inward
-    sense = np.sign(rate).astype(int)
-    if critical and sense[0] == 0:
-        sense[0] = sense[1]
-    bounds = [0, *(np.flatnonzero(sense[1:] != sense[:-1]) + 1).tolist(), len(sense)]
-    at_front = (xi == 0) | (xi == 1 / factors.c) | (xi == 1) | (xi == xi[0])
-    senses, points = [], []
-    for start, stop in pairwise(bounds):
-        if sense[start] == 0:
-            continue
-        senses.append(int(sense[start]))
-        for node, outside, inward in ((start, start - 1, 1), (stop - 1, stop, -1)):
-            if not 0 <= outside < len(xi):
-                continue
-            inner, most = node + inward, 1.25
-            if sense[outside]:
-                most = 0.4
-            elif at_front[outside] or sense[outside - inward]:
-                most = 0.95
-            ratio = abs(rate[node] / rate[inner]) if start <= inner < stop and rate[inner] else 0.5
-            share = float(min(0.25 + 0.75 * ratio, most))
-            place = xi[node] + share * (xi[outside] - xi[node])
-            if xi[outside] == 1:  # a zone that comes this near to the shear front crosses it
-                place = 1 + share * (1 - xi[node])
-            points.append(factors.cut([1 / place]))
-    open_ends = (bool(sense[0]), bool(sense[-1]))
-    return place_edges(factors, tuple(senses), open_ends, points)
-
-
 def moves(inverse: Array, values: Array) -> Array:
     """Products of (e, e) or (k, e, e) matrices and (e,) or (e, k) vectors."""
     return (inverse @ values.T[..., None])[..., 0].T
@@ -239,53 +198,129 @@ def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     shifts = np.abs(before[0] / after[0] - 1) * np.maximum(1.0, 1 / before[0])
     scales = np.abs(np.log(after[3] / before[3]))
     scales[np.flatnonzero(np.array(edges.segments) == 0)] = 0.0
-    return np.asarray(np.maximum(shifts, 0.1 * scales).max(axis=0, initial=0.0))
+    counted = np.maximum(shifts, tuning.GAP_LOGARITHM_SHARE * scales)
+    return np.asarray(counted.max(axis=0, initial=0.0))
 
 
 @dataclass(frozen=True)
-class Located:
-    """Unknowns after Newton, whether they converged, inverse Jacobian and steps taken."""
+class Placement:
+    """Where Newton's method has put the edges of zones.
 
+    Attributes
+    ----------
+    edges : Edges
+    unknowns : (e,) array
+    inverse : (e, e) array, inverse Jacobian of the mismatch
+    converged : bool
+    steps : int, taken
+    """
+
+    edges: Edges
     unknowns: Array
-    converged: bool
     inverse: Array
-    steps: int
+    converged: bool = True
+    steps: int = 0
+
+    @property
+    def zones(self) -> tuple[Zone, ...]:
+        """The zones between these edges, from the longitudinal front inward."""
+        return self.edges.zones(self.unknowns)
 
 
-def locate_edges(edges: Edges, load: Load, rule: Rule, start: Array, tolerance: float) -> Located:
+def placement_of(factors: RayleighFactors, zones: Sequence[Zone]) -> Placement:
+    """Zones as they are, before any step."""
+    edges, unknowns = edges_of(factors, zones)
+    return Placement(edges, unknowns, np.zeros((len(unknowns), len(unknowns))))
+
+
+def locate_edges(
+    factors: RayleighFactors, zones: Sequence[Zone], load: Load, rule: Rule, tolerance: float
+) -> Placement:
     """Newton's method for the edges, damped by natural monotonicity, until the next move would
-    shift them by less than a tolerance.
+    shift them by less than a tolerance [c_t].
 
     The Jacobian is formed from neighbouring sets of zones in one sweep with the first set.
     """
-    unknowns, size = start, len(start)
-    inverse: Array = np.zeros((size, size))
-    for step in range(1, _MOST_STEPS + 1):
-        nudges = edges.nudges(unknowns)
-        beside = np.concatenate([np.zeros((size, 1)), np.diag(nudges)], axis=1)
-        values = edges.mismatch(unknowns[:, None] + beside, load, rule)
+    start = placement_of(factors, zones)
+    edges, unknowns, inverse = start.edges, start.unknowns, start.inverse
+    if not len(unknowns):
+        return start
+    for step in range(1, tuning.MOST_NEWTON_STEPS + 1):
+        values, jacobian = _linearised(edges, unknowns, load, rule)
         try:
-            inverse = np.asarray(np.linalg.inv((values[:, 1:] - values[:, :1]) / nudges))
+            inverse = np.asarray(np.linalg.inv(jacobian))
         except np.linalg.LinAlgError:
-            return Located(unknowns, False, inverse, step)
-        move = -inverse @ values[:, 0]
+            break
+        move = -inverse @ values
         largest = float(np.abs(move).max())
         if not largest < np.inf:
-            return Located(unknowns, False, inverse, step)
+            break
         # the next move is smaller by a factor of this one
         if largest < 1 and largest * edge_shift(edges, unknowns, unknowns + move) < 2 * tolerance:
             accepted = bool(edges.admits(unknowns + move))
-            return Located(unknowns + move if accepted else unknowns, accepted, inverse, step)
-        cautious = largest > 1.0
-        move *= min(1.0, _LONGEST_MOVE / largest)
-        for _ in range(8):
-            trial = unknowns + move
-            if edges.admits(trial) and not (
-                cautious and np.abs(inverse @ edges.mismatch(trial, load, rule)).max() > largest
-            ):
-                break
-            move /= 2
-        else:
-            return Located(unknowns, False, inverse, step)
-        unknowns = trial
-    return Located(unknowns, False, inverse, _MOST_STEPS)
+            last = unknowns + move if accepted else unknowns
+            return Placement(edges, last, inverse, accepted, step)
+        damped = _damped(edges, unknowns, move, inverse, load, rule)
+        if damped is None:
+            break
+        unknowns = damped
+    return Placement(edges, unknowns, inverse, False, step)
+
+
+def _linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, Array]:
+    """Mismatch (e,) and its Jacobian (e, e) at unknowns (e,)."""
+    nudges = edges.nudges(unknowns)
+    beside = np.concatenate([np.zeros((len(unknowns), 1)), np.diag(nudges)], axis=1)
+    values = edges.mismatch(unknowns[:, None] + beside, load, rule)
+    return values[:, 0], (values[:, 1:] - values[:, :1]) / nudges
+
+
+def _damped(
+    edges: Edges, unknowns: Array, move: Array, inverse: Array, load: Load, rule: Rule
+) -> Array | None:
+    """Unknowns after a move, or a fraction of it, that keeps edges in order and, if it is long,
+    leads to a shorter one; None if there is none."""
+    largest = float(np.abs(move).max())
+    cautious = largest > tuning.CAUTIOUS_MOVE
+    move = move * min(1.0, tuning.LONGEST_MOVE / largest)
+    for _ in range(tuning.MOST_HALVINGS):
+        trial = unknowns + move
+        if edges.admits(trial) and not (
+            cautious and np.abs(inverse @ edges.mismatch(trial, load, rule)).max() > largest
+        ):
+            return np.asarray(trial)
+        move = move / 2
+    return None
+
+
+def polish_edges(
+    placement: Placement, fields: ZoneFields, rule: Rule, target: float
+) -> tuple[Placement, ZoneFields, float]:
+    """Broyden steps on a rule, until the next would shift edges by less than a target [c_t].
+
+    Parameters
+    ----------
+    fields : ZoneFields of the placement, on whatever rule
+
+    Returns
+    -------
+    Placement with the steps of this call, its fields on the rule, and the shift that is left
+    """
+    edges, unknowns, inverse = placement.edges, placement.unknowns, placement.inverse
+    factors, load, new_rule = edges.factors, fields.load, fields.rule is not rule
+    if not len(unknowns):
+        fields = ZoneFields(factors, load, placement.zones, rule) if new_rule else fields
+        return replace(placement, steps=0), fields, 0.0
+    steps, before, move, shift = 0, None, np.zeros(len(unknowns)), np.inf
+    while True:
+        value = fields.mismatch()
+        if before is not None:
+            inverse = broyden(inverse, move, value - before)
+        move = -inverse @ value
+        if fields.rule is rule:
+            before, shift = value, float(edge_shift(edges, unknowns, unknowns + move))
+        settled = shift <= target or steps == tuning.MOST_BROYDEN_STEPS
+        if settled or not edges.admits(unknowns + move):
+            return Placement(edges, unknowns, inverse, True, steps), fields, shift
+        steps, unknowns = steps + 1, unknowns + move
+        fields = ZoneFields(factors, load, edges.zones(unknowns), rule)

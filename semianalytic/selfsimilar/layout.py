@@ -6,6 +6,7 @@ function.  What follows from their order alone is worked out once per layout.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import groupby
@@ -178,49 +179,53 @@ _layout = lru_cache(maxsize=256)(Layout)
 def outline(
     factors: RayleighFactors, zones: tuple[Zone, ...], tail: bool
 ) -> tuple[list[CutPoints], Layout]:
-    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root."""
-    ends, senses, owners = [factors.front_a], [], []
+    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root.
 
-    def extend(right: CutPoints | None, sense: int, zone: int) -> None:
+    Without `tail` the unbounded panel after others is left out.
+    """
+    ends, stretches = [factors.front_a], []
+    for right, sense, zone in _stretches(zones):
         for end in (*factors.cuts, right):
             if end is right or (end and lies_between(ends[-1], end, right)):
-                senses.append(sense)
-                owners.append(zone)
+                stretches.append((sense, zone))
                 if end:
                     ends.append(end)
-
-    for index, zone in enumerate(zones):
-        if zone.left is not None:
-            extend(zone.left, 0, index)
-        extend(zone.right, zone.sense, index)
-    if not zones or zones[-1].right is not None:
-        extend(None, 0, len(zones))
+    if not tail and len(stretches) > 1:
+        del stretches[-1]
+    senses, owners = zip(*stretches, strict=True)
+    before_b, before_c = (sum(end.first[front] < 0 for end in ends) for front in (2, 3))
+    over_c = before_c - 1 if before_c <= len(senses) else -1
     slips_at_b, slips_at_c = (
         any(lies_between(zone.left, front, zone.right) for zone in zones)
         for front in (factors.front_b, factors.front_c)
     )
-    if not tail and len(senses) > 1:
-        del senses[-1], owners[-1]
+    gap = not slips_at_c and over_c >= 0 and 0 < owners[over_c] < len(zones)
+    ahead, roots = min(before_b, len(senses)), _roots(zones, ends)
+    return ends, _layout(senses, owners, ahead, slips_at_b, slips_at_c, over_c, gap, roots)
+
+
+def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, int, int]]:
+    """Stretches of slip and stick from the front inward: where they end, their sense, and the zone
+    they are or, of stick, that follows."""
+    for index, zone in enumerate(zones):
+        if zone.left is not None:
+            yield zone.left, 0, index
+        yield zone.right, zone.sense, index
+    if not zones or zones[-1].right is not None:
+        yield None, 0, len(zones)
+
+
+def _roots(zones: tuple[Zone, ...], ends: list[CutPoints]) -> tuple[tuple[int, float], ...]:
+    """(end, exponent) of X at the zone edges slower than c_t: 1/2 where an edge opens ahead of the
+    Rayleigh front or heals behind it, -1/2 elsewhere."""
     place = {id(end): index for index, end in enumerate(ends)}
-    before_b, before_c = (sum(end.first[front] < 0 for end in ends) for front in (2, 3))
-    over_c = before_c - 1 if before_c <= len(senses) else -1
     roots = []
     for zone in zones:
         for edge, opening in ((zone.left, True), (zone.right, False)):
             if edge is not None and edge.first[2] > 0:
                 smooth = opening == (edge.first[3] < 0)
                 roots.append((place[id(edge)], 0.5 if smooth else -0.5))
-    layout = _layout(
-        tuple(senses),
-        tuple(owners),
-        min(before_b, len(senses)),
-        slips_at_b,
-        slips_at_c,
-        over_c,
-        not slips_at_c and over_c >= 0 and 0 < owners[over_c] < len(zones),
-        tuple(roots),
-    )
-    return ends, layout
+    return tuple(roots)
 
 
 def lies_between(left: CutPoints | None, point: CutPoints, right: CutPoints | None) -> bool:

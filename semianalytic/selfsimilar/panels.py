@@ -18,12 +18,8 @@ import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, finer_rule
+from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.layout import Layout, Pairs, Zone, outline
-
-_CACHED = 50_000  # kernel values formed at once, so that they stay in the processor's cache
-_STRIP = 0.01  # width in slowness of a zone around c that is narrow
-_MANY = 100  # nodes from which it pays to leave some out
-_NEGLIGIBLE = 1e-6  # of what the reach of a rule leaves out
 
 
 @dataclass(frozen=True)
@@ -111,9 +107,9 @@ class Panels:
         own[behind:] = self.from_right[source[behind:]]
         weights = self.rule.spacing * weights
         weights[behind:] *= -1
-        if own.shape[-1] < _MANY:
+        if own.shape[-1] < tuning.MANY_NODES:
             return _summed(weights, own, other)
-        result, least = np.zeros_like(own), _NEGLIGIBLE * np.exp(-self.rule.reach / 2)
+        result, least = np.zeros_like(own), tuning.NEGLIGIBLE_WEIGHT * np.exp(-self.rule.reach / 2)
         for i, (sizes, target) in enumerate(zip(np.abs(weights) / own, pairs.target, strict=True)):
             bound = sizes.reshape(-1, own.shape[-1]).max(axis=0)
             matter = np.flatnonzero(bound > self.rule.spacing * least)
@@ -138,8 +134,8 @@ class Panels:
         if over_c < 0:
             return tuple(unbounded)
         # what slips beside a strip around c begins beyond the stick gaps on either side of it
-        strip = 0 <= self.layout.pole < last and bool(np.all(self.widths[over_c] < _STRIP))
-        near = 2 if strip else 1
+        slips = 0 <= self.layout.pole < last
+        near = 2 if slips and bool(np.all(self.widths[over_c] < tuning.NARROW_STRIP)) else 1
         return (*range(max(over_c - near, 0), min(over_c + near, last) + 1), *unbounded)
 
     def principal_values(self, sources: np.ndarray, weights: Array) -> Array:
@@ -156,7 +152,7 @@ def _summed(weights: Array, own: Array, other: Array) -> Array:
     m, n = own.shape[-1], other.shape[-1]
     rows, sources, to = weights.reshape(-1, m, 1), own.reshape(-1, 1, m), other.reshape(-1, n, 1)
     result = np.empty((len(to), n, 1))
-    step = max(1, min(len(to), _CACHED // (m * n)))
+    step = max(1, min(len(to), tuning.CACHED_KERNEL // (m * n)))
     kernel = np.empty((step, n, m))
     for start in range(0, len(to), step):
         part = slice(start, start + step)
@@ -214,54 +210,99 @@ def lay_panels(
 ) -> Panels:
     """Panels for a set of zones on a rule as fine and as long as they need.
 
-    `sets` is (k, 1) if k sets of zones are wanted whatever the shape of their edges.  Without
+    `sets` is (k, 1) if there are k sets of zones whatever the shape of their edges.  Without
     `tail` an unbounded panel after others is left out.
     """
     points, layout = outline(factors, zones, tail)
+    ends = _aligned_ends(points, sets)
+    rule = _fitted_rule(factors, layout, ends, rule)
+    widths = _steps(ends, np.array([point.nearest for point in points]))
+    skew, bounded = _skews(layout, ends, rule), len(points) - 1
+    nodes = _Nodes.unset((len(layout.sense), *ends.shape[2:-1], len(rule.y)))
+    nodes.lay_bounded(ends, widths, rule)
+    if 0 <= layout.pole < bounded:
+        nodes.lay_around_pole(ends, widths, skew, rule, layout.pole)
+    if len(layout.sense) > bounded:
+        nodes.lay_unbounded(ends, skew, rule)
+    return Panels(
+        layout,
+        tuple(points[: len(layout.sense)]),
+        (*points[1:], *[None] * (len(layout.sense) - bounded)),
+        CutPoints(ends),
+        widths,
+        nodes.from_left,
+        nodes.from_right,
+        nodes.jacobian,
+        CutPoints(nodes.parts),
+        skew,
+        rule,
+    )
+
+
+@dataclass(frozen=True)
+class _Nodes:
+    """Nodes of panels while they are laid: v - left, right - v and dv/dy (p, ..., n), and the parts
+    of v (4, p, ..., n)."""
+
+    from_left: Array
+    from_right: Array
+    jacobian: Array
+    parts: Array
+
+    @classmethod
+    def unset(cls, shape: tuple[int, ...]) -> _Nodes:
+        """Arrays of a shape (p, ..., n) to be filled."""
+        return cls(np.empty(shape), np.empty(shape), np.empty(shape), np.empty((4, *shape)))
+
+    def lay_bounded(self, ends: Array, widths: Array, rule: Rule) -> None:
+        """Panels between two ends, even about their middle."""
+        bounded, middle = len(widths), len(rule.y) // 2
+        np.multiply(widths, rule.share, out=self.from_left[:bounded])
+        np.multiply(widths, rule.share[::-1], out=self.from_right[:bounded])
+        np.multiply(widths, rule.bell, out=self.jacobian[:bounded])
+        near_left = ends[:, :bounded] + self.from_left[:bounded, ..., :middle]
+        near_right = ends[:, 1:] - self.from_right[:bounded, ..., middle:]
+        self.parts[:, :bounded, ..., :middle] = near_left
+        self.parts[:, :bounded, ..., middle:] = near_right
+
+    def lay_around_pole(
+        self, ends: Array, widths: Array, skew: Array, rule: Rule, pole: int
+    ) -> None:
+        """The panel that slips across c, skewed so that its nodes straddle c."""
+        ratio = skew[pole] * rule.decay
+        self.from_left[pole] = widths[pole] / (1 + ratio)
+        self.from_right[pole] = ratio * self.from_left[pole]
+        self.jacobian[pole] = self.from_right[pole] / (1 + ratio)
+        near_left = ends[:, pole] + self.from_left[pole]
+        near_right = ends[:, pole + 1] - self.from_right[pole]
+        self.parts[:, pole] = np.where(ratio > 1, near_left, near_right)
+
+    def lay_unbounded(self, ends: Array, skew: Array, rule: Rule) -> None:
+        """The panel that reaches the contact edge, v to infinity."""
+        self.from_left[-1] = self.jacobian[-1] = skew[-1] / rule.decay
+        self.from_right[-1] = np.inf
+        self.parts[:, -1] = ends[:, -1] + self.from_left[-1]
+
+
+def _skews(layout: Layout, ends: Array, rule: Rule) -> Array:
+    """rho of the maps, (p, ..., 1): 1 but on the panel that slips across c and the unbounded one.
+
+    A node grid that straddles c evenly has its principal values from the plain sum.
+    """
+    bounded, pole = ends.shape[1] - 1, layout.pole
+    skew = np.ones((len(layout.sense), *ends.shape[2:]))
+    if len(layout.sense) > bounded:
+        skew[-1] = ends[0, -1]
+    if pole >= 0:
+        before = -ends[3, pole] * np.exp(-rule.spacing / 2)
+        skew[pole] = before if pole == bounded else ends[3, pole + 1] / before
+    return skew
+
+
+def _aligned_ends(points: list[CutPoints], sets: tuple[int, ...]) -> Array:
+    """Parts of all ends, (4, m, 1), or (4, m, k, 1) if there are k sets of zones."""
     batch = max((sets, *(point.v.shape for point in points)), key=len)
     ends = np.empty((4, len(points), *batch))
     for i, point in enumerate(points):
         ends[:, i] = _aligned(point, batch)
-    rule = _fitted_rule(factors, layout, ends, rule)
-    bounded, middle = len(points) - 1, len(rule.y) // 2
-    shape = (len(layout.sense), *batch[:-1], len(rule.y))
-    from_left, from_right, jacobian = (np.empty(shape) for _ in range(3))
-    parts = np.empty((4, *shape))
-    width = _steps(ends, np.array([point.nearest for point in points]))
-    np.multiply(width, rule.share, out=from_left[:bounded])
-    np.multiply(width, rule.share[::-1], out=from_right[:bounded])
-    np.multiply(width, rule.bell, out=jacobian[:bounded])
-    lefts, rights = ends[:, :bounded], ends[:, 1:]
-    parts[:, :bounded, ..., :middle] = lefts + from_left[:bounded, ..., :middle]
-    parts[:, :bounded, ..., middle:] = rights - from_right[:bounded, ..., middle:]
-    skew, pole = np.ones((shape[0], *batch)), layout.pole
-    if len(layout.sense) > bounded:
-        skew[-1] = ends[0, -1]
-    if pole >= 0:
-        # A node grid that straddles c evenly has its principal values from the plain sum.
-        before = -ends[3, pole] * np.exp(-rule.spacing / 2)
-        skew[pole] = before if pole == bounded else ends[3, pole + 1] / before
-    if 0 <= pole < bounded:
-        ratio = skew[pole] * rule.decay
-        from_left[pole] = width[pole] / (1 + ratio)
-        from_right[pole] = ratio * from_left[pole]
-        jacobian[pole] = from_right[pole] / (1 + ratio)
-        near_left = lefts[:, pole] + from_left[pole]
-        parts[:, pole] = np.where(ratio > 1, near_left, rights[:, pole] - from_right[pole])
-    if len(layout.sense) > bounded:
-        from_left[-1] = jacobian[-1] = skew[-1] / rule.decay
-        from_right[-1] = np.inf
-        parts[:, -1] = ends[:, -1] + from_left[-1]
-    return Panels(
-        layout,
-        tuple(points[: shape[0]]),
-        (*points[1:], *[None] * (shape[0] - bounded)),
-        CutPoints(ends),
-        width,
-        from_left,
-        from_right,
-        jacobian,
-        CutPoints(parts),
-        skew,
-        rule,
-    )
+    return ends

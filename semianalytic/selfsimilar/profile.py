@@ -11,9 +11,10 @@ import numpy as np
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
 from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.load import Load, per_set
 from semianalytic.selfsimilar.panels import Panels, lay_panels
 from semianalytic.selfsimilar.running import RunningIntegral
-from semianalytic.selfsimilar.zones import Load, ZoneFields, per_set
+from semianalytic.selfsimilar.zones import ZoneFields
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class Profile:
         fields = self.fields
         tail = np.zeros(())
         if self.edge_slips:
-            sign = np.sign(fields.canonical[-1, ..., -1])
+            sign = np.sign(fields.canonical.values[-1, ..., -1])
             tail = sign * fields.constant[..., 0] / (np.pi * fields.factors.kappa)
         return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
 

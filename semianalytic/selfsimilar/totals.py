@@ -8,12 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.profile import Profile
-
-_NEVER = 1e-200  # slowness of what has not begun
-_GROWTH = 4.0  # of slowness from piece to piece towards a slipping contact edge
-_ZOOM_POINTS = 33  # in a bracket around the largest slip, which each zoom narrows 16 times
-_ZOOMS = 6  # the bracket ends 10^-7 as wide: slip, flat at its maximum, is right to rounding
 
 
 def largest_slip_over_time(profile: Profile) -> float:
@@ -27,11 +23,11 @@ def largest_slip_over_time(profile: Profile) -> float:
     if not slipping:
         return max(limits)
     u = np.sort(profile.panels.at.v[slipping].ravel())
-    for _ in range(_ZOOMS):
+    for _ in range(tuning.ZOOMS):
         size = np.abs(profile.slip_over_time(u))
         top = int(np.argmax(size))
         limits.append(float(size[top]))
-        u = np.linspace(u[max(top - 1, 0)], u[min(top + 1, len(u) - 1)], _ZOOM_POINTS)
+        u = np.linspace(u[max(top - 1, 0)], u[min(top + 1, len(u) - 1)], tuning.ZOOM_POINTS)
     return max(limits)
 
 
@@ -45,7 +41,7 @@ def dissipation(profile: Profile, u: Array) -> Array:
     front = panels.left[0].v[0]
     ahead = panels.sense[0] * load.friction * load.base_pressure * load.far_slip_rate
     reached = np.minimum(u, front)
-    result = ahead * np.stack([1 / front - 1 / np.maximum(reached, _NEVER), reached])
+    result = ahead * np.stack([1 / front - 1 / np.maximum(reached, tuning.EARLIEST), reached])
     at = profile.fields.factors.cut(u)
     for panel in panels.layout.slip:
         for left, right in _pieces(profile, int(panel), float(u.max(initial=0.0))):
@@ -69,7 +65,7 @@ def _pieces(profile: Profile, panel: int, most: float) -> Iterator[tuple[CutPoin
     if right is not None:
         ends.append(right)
     while right is None and ends[-1].v[0] < most:
-        ends.append(factors.cut(_GROWTH * ends[-1].v))
+        ends.append(factors.cut(tuning.PIECE_GROWTH * ends[-1].v))
     return pairwise(ends)
 
 

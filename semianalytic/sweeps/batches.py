@@ -9,52 +9,46 @@ import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import Rule, rule_for
-from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.coulomb import admissible
 from semianalytic.selfsimilar.edges import Edges, broyden, moves
+from semianalytic.selfsimilar.estimate import difference, loose_tolerance, missed_slip
+from semianalytic.selfsimilar.load import Load
 from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.solver import SAFETY, difference, loose_tolerance, missed_slip
-from semianalytic.selfsimilar.zones import Load, ZoneFields
-
-AT_ONCE = 24  # sets of zones in one batch: more leave the processor's cache
-_MOST_STEPS = 4
-_LONGEST_MOVE = 1.5
-_NEAR = 2e-3  # move of an edge unknown after which its Jacobian is kept
-_SLOW = 0.5  # Newton moves that shrink less are given up
-_CONTRACTION, _LEAST_CONTRACTION = 20.0, 1e-3  # of chord steps, by the doubt of a prediction
-TRUSTED = 1e-3  # doubt of a prediction that needs no Newton's method
-_MOST_REFINEMENTS = 3
-_LOOSEST = 1e-4  # check of Coulomb's law: neighbours lend zones where a new one just begins
-_CLOSE = 1e-3  # to a front, in slowness: differences are then formed there
-_PREDICTED = 0.2  # doubt of a prediction that needs no full Newton's method
-_CHORDS = 4  # steps with lent Jacobians before they are formed anew
-_WITHOUT_JACOBIAN = 1e-5  # rtol from which those steps suffice
+from semianalytic.selfsimilar.tuning import (
+    COARSER_COMPANION,
+    HOPED_ERROR,
+    LEAST_LEFT_SHIFT,
+    LEFT_SHIFT,
+    SAFETY,
+)
+from semianalytic.selfsimilar.zones import ZoneFields
+from semianalytic.sweeps import tuning
 
 
 @dataclass(frozen=True)
-class Predicted:
+class Prediction:
     """Unknowns at one friction and the inverse Jacobian from those near it, how far they may be
     off, and the tolerance of the rule that is likely needed."""
 
     unknowns: Array
     inverse: Array
     doubt: float
-    wanted: float
+    tolerance: float
 
 
 @dataclass(frozen=True)
-class Followed:
+class ContinuedZones:
     """Sets of zones of neighbouring frictions, k columns of unknowns, and how they were found.
 
-    inverse (k, e, e) is that of the Jacobian, wanted are the tolerances of their rules, nodes
-    the number per set on the last.
+    inverse (k, e, e) is that of the Jacobian, tolerances (k,) are those of their rules, nodes the
+    number per set on the last.
     """
 
     unknowns: Array
     estimate: Array
     sound: np.ndarray
     inverse: Array
-    wanted: Array
+    tolerances: Array
     steps: int
     nodes: int
 
@@ -71,30 +65,17 @@ def batches(
     for j, unknowns in enumerate(starts):
         points = edges.points(unknowns)
         sides = [[p.first_below(cut) for cut in edges.factors.cuts] for p in points]
-        close = [p.nearest if np.abs(p.parts[p.nearest]).min() < _CLOSE else 0 for p in points]
+        close = [
+            p.nearest if np.abs(p.parts[p.nearest]).min() < tuning.CLOSE_TO_FRONT else 0
+            for p in points
+        ]
         key = (*close, *np.ravel(sides).tolist())
         groups.setdefault(key, []).append(j)
     for group in groups.values():
         if trusted is not None:
             group.sort(key=lambda j: trusted[j])
-        parts = -(-len(group) // AT_ONCE)
+        parts = -(-len(group) // tuning.BATCH)
         yield from (part.tolist() for part in np.array_split(group, parts))
-
-
-def common_load(scenes: Sequence[Scene], unit: float) -> Load:
-    """Loads of scenes that differ in friction alone, in one unit of stress."""
-    scene = scenes[0]
-    base, step = scene.base, scene.load
-    friction = np.array([[scene.friction] for scene in scenes])
-    far = np.array([[scene.far_slip_rate] for scene in scenes])
-    return Load(
-        friction,
-        base.pressure / unit,
-        base.shear / unit,
-        step.pressure / unit,
-        step.shear / unit,
-        far * scene.material.shear_impedance / (2 * unit),
-    )
 
 
 def _chosen(load: Load, which: np.ndarray) -> Load:
@@ -128,39 +109,40 @@ def _newton(edges: Edges, start: Array, load: Load, rule: Rule) -> tuple[Array, 
     waiting = np.flatnonzero(edges.admits(unknowns))
     last, previous = np.full(count, np.inf), np.full(count, np.inf)
     step = 0
-    while len(waiting) and step < _MOST_STEPS:
+    while len(waiting) and step < tuning.MOST_STEPS:
         step += 1
-        found = linearised(edges, unknowns[:, waiting], _chosen(load, waiting), rule)
-        inverse[waiting] = found[0]
-        move = -moves(*found)
+        part = linearised(edges, unknowns[:, waiting], _chosen(load, waiting), rule)
+        inverse[waiting] = part[0]
+        move = -moves(*part)
         largest = np.abs(move).max(axis=0)
         finite = largest < np.inf
         waiting, move, largest = waiting[finite], move[:, finite], largest[finite]
         if not len(waiting):
             break
-        unknowns[:, waiting] += move * np.minimum(1.0, _LONGEST_MOVE / np.maximum(largest, 1e-300))
-        admitted = edges.admits(unknowns[:, waiting]) & (largest < _SLOW * previous[waiting])
+        share = np.minimum(1.0, tuning.LONGEST_MOVE / np.maximum(largest, 1e-300))
+        unknowns[:, waiting] += move * share
+        admitted = edges.admits(unknowns[:, waiting]) & (largest < tuning.SLOW * previous[waiting])
         previous[waiting] = largest
-        last[waiting] = np.where(admitted & (largest < _NEAR), largest, np.inf)
-        waiting = waiting[admitted & (largest >= _NEAR)]
+        last[waiting] = np.where(admitted & (largest < tuning.NEAR), largest, np.inf)
+        waiting = waiting[admitted & (largest >= tuning.NEAR)]
     return unknowns, inverse, last, step
 
 
 def _approached(
-    edges: Edges, start: Array, lent: Array, load: Load, rule: Rule
+    edges: Edges, start: Array, neighbours: Array, load: Load, rule: Rule
 ) -> tuple[Array, Array, Array, int]:
-    """Broyden steps on a rule from lent inverse Jacobians (k, e, e).
+    """Broyden steps on a rule from neighbours' inverse Jacobians (k, e, e).
 
     Unknowns (e, k), or the start where that did not succeed; inverse Jacobians; what a step
     leaves of itself (k,), infinite where it did not succeed; the steps taken.
     """
     count = start.shape[1]
-    unknowns, inverse = start.copy(), lent.copy()
-    waiting = np.flatnonzero(edges.admits(unknowns) & np.isfinite(lent).all(axis=(1, 2)))
-    left, previous = np.full(count, np.inf), np.full(count, 1 / _SLOW)
+    unknowns, inverse = start.copy(), neighbours.copy()
+    waiting = np.flatnonzero(edges.admits(unknowns) & np.isfinite(neighbours).all(axis=(1, 2)))
+    left, previous = np.full(count, np.inf), np.full(count, 1 / tuning.SLOW)
     move = before = np.zeros((len(start), 0))
     step = 0
-    while len(waiting) and step < _CHORDS:
+    while len(waiting) and step < tuning.BROYDEN_STEPS:
         values = edges.mismatch(unknowns[:, waiting], _chosen(load, waiting), rule)
         if step:
             inverse[waiting] = broyden(inverse[waiting], move, values - before)
@@ -168,11 +150,12 @@ def _approached(
         move = -moves(inverse[waiting], values)
         largest = np.abs(move).max(axis=0)
         share = largest / previous[waiting]
-        kept = (share < _SLOW) & edges.admits(unknowns[:, waiting] + np.where(share < 1, move, 0))
+        trial = unknowns[:, waiting] + np.where(share < 1, move, 0)
+        kept = (share < tuning.SLOW) & edges.admits(trial)
         waiting, move, before, share = waiting[kept], move[:, kept], values[:, kept], share[kept]
         unknowns[:, waiting] += move
         previous[waiting] = largest[kept]
-        arrived = largest[kept] * share < _NEAR if step > 1 else largest[kept] < _NEAR
+        arrived = largest[kept] * share < tuning.NEAR if step > 1 else largest[kept] < tuning.NEAR
         left[waiting[arrived]] = share[arrived]
         waiting, move, before = waiting[~arrived], move[:, ~arrived], before[:, ~arrived]
     failed = ~(left < np.inf)
@@ -181,7 +164,7 @@ def _approached(
 
 
 def _located(
-    edges: Edges, start: Array, lent: Array, doubt: Array, load: Load, rtol: float
+    edges: Edges, start: Array, neighbours: Array, doubt: Array, load: Load, rtol: float
 ) -> tuple[Array, Array, Array, int]:
     """Unknowns (e, k) near their places on the loose rule, inverse Jacobians (k, e, e), what a
     chord step with them leaves of itself (k,), infinite for sets that did not get there, and the
@@ -190,19 +173,21 @@ def _located(
     Where predictions (e, k) with little doubt (k,) lead nowhere there are other zones.
     """
     rule = rule_for(loose_tolerance(rtol))
-    unknowns, inverse, contraction, steps = _approached(edges, start, lent, load, rule)
+    unknowns, inverse, contraction, steps = _approached(edges, start, neighbours, load, rule)
     arrived = contraction < np.inf
-    rest = np.flatnonzero(np.where(arrived, rtol < _WITHOUT_JACOBIAN, ~(doubt < _PREDICTED)))
+    misled = ~arrived & (doubt < tuning.LEADING_DOUBT)
+    rest = np.flatnonzero(~misled & ~(arrived & (rtol >= tuning.LOOSE_RTOL)))
     if len(rest):
-        found = _newton(edges, unknowns[:, rest], _chosen(load, rest), rule)
-        unknowns[:, rest], inverse[rest] = found[0], found[1]
-        contraction[rest] = 2 * found[2]
-        steps += found[3]
+        at_rest, inverse[rest], last, more = _newton(
+            edges, unknowns[:, rest], _chosen(load, rest), rule
+        )
+        unknowns[:, rest], contraction[rest] = at_rest, 2 * last
+        steps += more
     return unknowns, inverse, contraction, steps
 
 
 @dataclass(frozen=True)
-class _Polished:
+class _PolishedZones:
     """Sets of zones on a rule: which, whether settled, their unknowns (e, k), how far these may
     be off, and the fields beside them."""
 
@@ -222,16 +207,16 @@ def _polished(
     contraction: Array,
     load: Load,
     rtol: float,
-    wanted: float,
-) -> _Polished:
+    tolerance: float,
+) -> _PolishedZones:
     """Chord steps on the rule of a tolerance until what is left of the mismatch is negligible.
 
     A step leaves `contraction` (k,) of itself, at least what has been seen.  The fields are those
     before the last step, which is far below what Coulomb's law is checked to.
     """
-    kept, unknowns, rule = np.arange(start.shape[1]), start, rule_for(wanted)
+    kept, unknowns, rule = np.arange(start.shape[1]), start, rule_for(tolerance)
     previous, sound = np.full(len(kept), np.inf), np.zeros(len(kept), dtype=bool)
-    for step in range(_MOST_STEPS):
+    for step in range(tuning.MOST_STEPS):
         beside, left = unknowns, np.zeros(len(kept))
         zones = edges.zones(beside)
         fields = ZoneFields(edges.factors, _chosen(load, kept), zones, rule)
@@ -242,60 +227,71 @@ def _polished(
         unknowns, size = beside + move, np.abs(move).max(axis=0)
         contraction[kept] = np.maximum(contraction[kept], size / previous)
         left = size * contraction[kept]
-        settled = (left <= max(0.02 * rtol, 1e-13)) & (size <= 10 * rtol)
-        going = edges.admits(unknowns) & (size < _SLOW * previous)
-        if np.all(settled | ~going) or step == _MOST_STEPS - 1:
+        near = left <= max(LEFT_SHIFT * rtol, LEAST_LEFT_SHIFT)
+        settled = near & (size <= tuning.LAST_MOVE * rtol)
+        going = edges.admits(unknowns) & (size < tuning.SLOW * previous)
+        if np.all(settled | ~going) or step == tuning.MOST_STEPS - 1:
             sound[kept] = settled
             unknowns = np.where(settled, unknowns, beside)
             break
         kept, unknowns, previous = kept[going], unknowns[:, going], size[going]
-    return _Polished(kept, sound[kept], unknowns, left, beside, fields, step + 1)
+    return _PolishedZones(kept, sound[kept], unknowns, left, beside, fields, step + 1)
 
 
-def followed(edges: Edges, predicted: list[Predicted], load: Load, rtol: float) -> Followed:
+def _estimates(
+    edges: Edges, zones: _PolishedZones, profile: Profile, inverse: Array, tolerance: float
+) -> Array:
+    """Error estimates (k,) of sets of zones on the rule of a tolerance, from a coarser companion,
+    shifts that are left and slip that is missed."""
+    fields = profile.fields
+    rule = rule_for(COARSER_COMPANION * tolerance)
+    coarse = ZoneFields(edges.factors, fields.load, fields.zones, rule)
+    moved = zones.beside
+    if edges.segments:
+        moved = moved - np.clip(moves(inverse, coarse.mismatch()), -1.0, 1.0)
+    others = SAFETY * zones.left + missed_slip(profile)
+    return difference(edges, zones.unknowns, moved, fields, coarse) + others
+
+
+def continued(
+    edges: Edges, predictions: list[Prediction], load: Load, rtol: float
+) -> ContinuedZones:
     """Edges at several frictions from predictions, polished, estimated and checked.
 
     Those whose error estimate exceeds rtol are taken to finer rules.
     """
-    count, size = len(predicted), len(edges.segments)
-    unknowns = np.array([one.unknowns for one in predicted]).T.reshape(size, count)
-    inverse = np.array([one.inverse for one in predicted])
-    wanted = np.array([one.wanted for one in predicted])
-    doubt = np.array([one.doubt for one in predicted])
+    count, size = len(predictions), len(edges.segments)
+    unknowns = np.array([one.unknowns for one in predictions]).T.reshape(size, count)
+    inverse = np.array([one.inverse for one in predictions])
+    tolerances = np.array([one.tolerance for one in predictions])
+    doubt = np.array([one.doubt for one in predictions])
     estimate, sound = np.full(count, np.inf), np.zeros(count, dtype=bool)
     kept, steps, nodes = np.arange(count), 0, 0
-    contraction = np.maximum(_CONTRACTION * doubt, _LEAST_CONTRACTION)
-    if size and not np.all(doubt < TRUSTED):
+    contraction = np.maximum(tuning.CONTRACTION * doubt, tuning.LEAST_CONTRACTION)
+    if size and not np.all(doubt < tuning.TRUSTED_DOUBT):
         unknowns, inverse, left, steps = _located(edges, unknowns, inverse, doubt, load, rtol)
-        contraction = np.maximum(left, _LEAST_CONTRACTION)
+        contraction = np.maximum(left, tuning.LEAST_CONTRACTION)
         kept = np.flatnonzero(left < np.inf)
         loose = loose_tolerance(rtol)
-        if len(kept) and wanted[kept].min() < 1e-2 * loose:
-            between = rule_for(float(np.sqrt(loose * wanted[kept].min())))
+        if len(kept) and tolerances[kept].min() < tuning.FAR_RULES * loose:
+            between = rule_for(float(np.sqrt(loose * tolerances[kept].min())))
             values = edges.mismatch(unknowns[:, kept], _chosen(load, kept), between)
             unknowns[:, kept] -= moves(inverse[kept], values)
             kept = kept[edges.admits(unknowns[:, kept])]
             steps += 1
-    for _ in range(_MOST_REFINEMENTS):
+    for _ in range(tuning.MOST_REFINEMENTS):
         if not len(kept):
             break
-        finest = float(wanted[kept].max())
+        finest = float(tolerances[kept].max())
         start, loads = unknowns[:, kept], _chosen(load, kept)
-        polished = _polished(edges, start, inverse[kept], contraction[kept], loads, rtol, finest)
-        steps += polished.steps
-        kept = kept[polished.kept]
-        unknowns[:, kept], wanted[kept] = polished.unknowns, finest
-        fields = polished.fields
-        nodes = fields.panels.jacobian[:, 0].size
-        profile = Profile(fields)
-        lawful = polished.settled & admissible(profile, min(rtol, _LOOSEST))
-        coarse = ZoneFields(edges.factors, fields.load, fields.zones, rule_for(5 * finest))
-        moved = polished.beside
-        if size:
-            moved = moved - np.clip(moves(inverse[kept], coarse.mismatch()), -1.0, 1.0)
-        estimate[kept] = difference(edges, polished.unknowns, moved, fields, coarse)
-        estimate[kept] += SAFETY * polished.left + missed_slip(profile)
+        zones = _polished(edges, start, inverse[kept], contraction[kept], loads, rtol, finest)
+        kept, steps = kept[zones.kept], steps + zones.steps
+        unknowns[:, kept], tolerances[kept] = zones.unknowns, finest
+        profile, nodes = Profile(zones.fields), zones.fields.panels.jacobian[:, 0].size
+        lawful = zones.settled & admissible(profile, min(rtol, tuning.LOOSEST_LAW))
+        estimate[kept] = _estimates(edges, zones, profile, inverse[kept], finest)
         sound[kept] = lawful & (estimate[kept] <= rtol)
         kept = kept[lawful & ~sound[kept]]
-        wanted[kept] *= np.maximum(0.1 * rtol / estimate[kept], 1e-3)
-    return Followed(unknowns, estimate, sound, inverse, wanted, steps, nodes)
+        finer = HOPED_ERROR * rtol / estimate[kept]
+        tolerances[kept] *= np.maximum(finer, tuning.FASTEST_REFINEMENT)
+    return ContinuedZones(unknowns, estimate, sound, inverse, tolerances, steps, nodes)

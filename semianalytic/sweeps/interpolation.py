@@ -9,14 +9,12 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.coulomb import admissible
-from semianalytic.selfsimilar.edges import FARTHEST, Edges, edge_shift, moves
+from semianalytic.selfsimilar.edges import Edges, edge_shift, moves
+from semianalytic.selfsimilar.load import Load, scaled_load
 from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.solver import SAFETY, scaled_load
-from semianalytic.selfsimilar.zones import Load, ZoneFields
-
-_LOOSE_CHECK, _LOOSE_MOVE = 10, 100  # of interpolated zones, in tolerances of the loose rule
-_CONVERGING = 0.5  # differences that shrink less are no estimate
-_DOUBT = 5.0  # true errors were up to three times the plain estimate beside thresholds
+from semianalytic.selfsimilar.tuning import FARTHEST, SAFETY
+from semianalytic.selfsimilar.zones import ZoneFields
+from semianalytic.sweeps import tuning
 
 
 def confirmed(
@@ -25,10 +23,10 @@ def confirmed(
     """Whether zones of unknowns (e, k) pass as right on the loose rule, (k,), and its nodes."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         fields = ZoneFields(edges.factors, load, edges.zones(unknowns), rule_for(loose))
-        sound = admissible(Profile(fields), _LOOSE_CHECK * loose)
+        sound = admissible(Profile(fields), tuning.LOOSE_CHECK * loose)
         if edges.segments:
             move = np.abs(moves(inverse, fields.mismatch())).max(axis=0)
-            sound = sound & (move < _LOOSE_MOVE * loose)
+            sound = sound & (move < tuning.LOOSE_MOVE * loose)
     return sound, fields.panels.jacobian[:, 0].size
 
 
@@ -63,8 +61,8 @@ def _in_edge(at: Array, unknowns: Array, to: Array) -> Array:
     if not (np.all(steps > 0) or np.all(steps < 0)):
         return np.full((len(to), unknowns.shape[1]), np.nan)
     place = np.interp(to, at[order], s[order])
-    nudge = 1e-4 * float(np.ptp(s))
-    for _ in range(4):
+    nudge = tuning.INVERSION_NUDGE * float(np.ptp(s))
+    for _ in range(tuning.INVERSION_STEPS):
         beside = np.stack([place, place + nudge, place - nudge])
         now, up, down = lagrange(s, beside) @ (at - at[0])
         slope = (up - down) / (2 * nudge)
@@ -95,7 +93,9 @@ def interpolated(
         )
         both = _apart(edges, np.concatenate([full, fewer]), np.concatenate([fewer, fewest]))
         first, second = np.split(both, 2)
-        doubt = _DOUBT * np.where(first < _CONVERGING * second, first, np.maximum(first, second))
+        doubt = tuning.DOUBT * np.where(
+            first < tuning.CONVERGING * second, first, np.maximum(first, second)
+        )
         better = doubt < least
         best[better], least[better] = full[better], doubt[better]
         if np.all(least + amplified <= rtol):

@@ -27,7 +27,8 @@ from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.named import find_scene
 from semianalytic.selfsimilar.collocation import slip_grid
-from semianalytic.sweeps.sweep import COMPUTED, FROM_SCRATCH, INTERPOLATED, Sweep, sweep
+from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
+from semianalytic.sweeps.sweep import Sweep, sweep
 
 SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}  # each crosses thresholds
 _FRICTIONS = 100

@@ -26,11 +26,11 @@ from compare.comparison.measures import slip_zones
 from compare.studies.chart.benchmark import forget_tables
 from compare.studies.workers import LIFELINE, hang_on
 from semianalytic import Scene, SlipZone, Solution, march, solve
-from semianalytic.reference.published import DEFAULT_READING, published_grid, published_slip
+from semianalytic.reference import DEFAULT_READING, published_grid, published_slip
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.selfsimilar.collocation import slip_grid, slip_on_grid
-from semianalytic.selfsimilar.solver import scaled_load
+from semianalytic.selfsimilar.load import scaled_load
 from semianalytic.spacetime.exponentials import fit_memory
 
 Array = NDArray[np.float64]
@@ -159,19 +159,10 @@ def _first_stage(scene: Scene, size: float) -> Answer:
     slip_grid(scene.material.poisson_ratio, int(size))
     ready = time.perf_counter()
     load, stress = scaled_load(scene)
-    found = slip_on_grid(
-        scene.material.poisson_ratio,
-        scene.friction,
-        (float(load.base_pressure), float(load.base_shear)),
-        (float(load.load_pressure), float(load.load_shear)),
-        float(load.far_slip_rate),
-        int(size),
-    )
+    grid = slip_on_grid(scene.material.poisson_ratio, load, int(size))
     solved = time.perf_counter()
     unit = 2 * stress / scene.material.shear_impedance
-    return Answer(
-        ready - started, solved - ready, *sampled(scene, found.xi, unit * found.slip_rate)
-    )
+    return Answer(ready - started, solved - ready, *sampled(scene, grid.xi, unit * grid.slip_rate))
 
 
 def _published(scene: Scene, size: float) -> Answer:

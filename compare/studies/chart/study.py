@@ -29,7 +29,7 @@ from compare.output.tables import read_rows, write_rows
 from compare.studies.chart.methods import METHODS, PLACES, scaled_zones
 from compare.studies.workers import LIFELINE, ONE_THREAD, Progress, lifeline
 from semianalytic import Scene, SlipZone, solve
-from semianalytic.reference.closed_forms import (
+from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,

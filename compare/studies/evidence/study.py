@@ -23,7 +23,7 @@ from compare.comparison.scales import slip_rate_scale
 from compare.studies.chart.methods import published_obstacle
 from compare.studies.workers import Progress, counted
 from semianalytic import InterfaceHistory, Material, Scene, Tractions
-from semianalytic.reference.closed_forms import (
+from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,

@@ -46,7 +46,7 @@ from compare.studies.regimes.points import (
     zone_speeds,
 )
 from semianalytic import Material
-from semianalytic.reference.closed_forms import edge_speed_under_shear_step
+from semianalytic.reference import edge_speed_under_shear_step
 from semianalytic.regimes.classification import stuck_threshold
 from semianalytic.regimes.reverse_slip import log_narrow_reverse_threshold
 from semianalytic.regimes.thresholds import Loading, nucleation

@@ -22,7 +22,7 @@ from compare.studies.stability.methods import (
 from semianalytic import Material, Solution, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.reference.closed_forms import (
+from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_shear_step,
 )
@@ -31,11 +31,13 @@ from semianalytic.regimes import thresholds as boundaries
 from semianalytic.regimes.classification import stuck_threshold
 from semianalytic.regimes.thresholds import Loading, one_zone, scene_of
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar.edges import edges_of, edges_on_grid
+from semianalytic.selfsimilar.collocation import slip_on_grid
+from semianalytic.selfsimilar.edges import edges_of
+from semianalytic.selfsimilar.guesses import zones_on_grid
 from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.load import Load
 from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.solver import first_stage
-from semianalytic.selfsimilar.zones import Load, ZoneFields
+from semianalytic.selfsimilar.zones import ZoneFields
 
 RTOL = 1e-10
 
@@ -253,8 +255,9 @@ def guess_errors(loading: Loading, count: int) -> Array:
     for nu, log_chi in random.uniform((-0.5, math.log(0.1)), (0.45, math.log(2.0)), (count, 2)):
         fields = solve(scene_of(loading, nu, math.exp(log_chi)), rtol=1e-6).profile.fields
         edges, unknowns = edges_of(fields.factors, fields.zones)
-        grid = first_stage(fields.factors, fields.load)
-        seen, guess = edges_on_grid(fields.factors, grid, fields.load.critical)
+        grid = slip_on_grid(nu, fields.load)
+        zones = zones_on_grid(fields.factors, grid, fields.load.critical)
+        seen, guess = edges_of(fields.factors, zones)
         if seen == edges:
             errors.append(np.abs(guess - unknowns))
     return np.concatenate(errors)

@@ -23,7 +23,7 @@ from compare.studies.regimes.study import write_regimes
 from compare.studies.workers import run_tasks
 from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.reference.closed_forms import edge_speed_under_shear_step
+from semianalytic.reference import edge_speed_under_shear_step
 from semianalytic.regimes.classification import regime
 from semianalytic.regimes.reverse_slip import (
     log_frictionless_half_width,

@@ -5,16 +5,17 @@ import pytest
 from catalogue import UNIT
 
 from semianalytic import Scene, Tractions, solve
-from semianalytic.reference.closed_forms import (
+from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_shear_step,
 )
 from semianalytic.selfsimilar.collocation import slip_grid, slip_on_grid
+from semianalytic.selfsimilar.load import Load
 
 
 @pytest.mark.parametrize("strength", [1.0, 0.5])
 def test_shear_step_on_constant_strength(strength):
-    grid = slip_on_grid(1 / 3, strength, (1.0, 0.0), (0.0, 1.0), 0.0, 96)
+    grid = slip_on_grid(1 / 3, Load(strength, 1.0, 0.0, 0.0, 1.0, 0.0), 96)
     slipping = np.flatnonzero(grid.slip_rate)
     edge = edge_speed_under_shear_step(UNIT, strength)
     assert grid.xi[slipping[-1]] < edge < grid.xi[slipping[-1] + 2]
@@ -27,7 +28,7 @@ def test_slip_rate_converges_to_the_exact_zones():
     exact = solve(Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0)))
     errors = []
     for size in (48, 96, 192):
-        grid = slip_on_grid(1 / 3, 0.3, (1.0, 0.0), (0.0, 1.0), 0.0, size)
+        grid = slip_on_grid(1 / 3, Load(0.3, 1.0, 0.0, 0.0, 1.0, 0.0), size)
         x = np.linspace(0.02, 1.9, 400)
         difference = 2 * np.interp(x, grid.xi, grid.slip_rate) - exact.slip_rate(x, 1.0)
         errors.append(np.abs(difference).sum() / np.abs(exact.slip_rate(x, 1.0)).sum())

@@ -5,13 +5,13 @@ import pytest
 from catalogue import PRELOADED, REMOTE, unit_scene
 
 from semianalytic import Material, Scene, SceneError, TensionError, Tractions, solve
-from semianalytic.reference.closed_forms import (
+from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,
     slip_rate_without_friction,
 )
-from semianalytic.regimes.reverse_slip import reverse_threshold
+from semianalytic.regimes import reverse_threshold
 
 POISSON_RATIOS = [-0.9, -0.5, 0.0, 0.2, 1 / 3, 0.45, 0.499]
 

@@ -10,9 +10,9 @@ from catalogue import unit_scene
 from semianalytic import ComputationError, Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.selfsimilar import solver
-from semianalytic.selfsimilar.solver import scaled_load
-from semianalytic.selfsimilar.weak import frictionless_profile, slip_senses
+from semianalytic.selfsimilar import guesses
+from semianalytic.selfsimilar.guesses import frictionless_profile, slip_senses
+from semianalytic.selfsimilar.load import scaled_load
 
 
 def edges_from_c(solution):
@@ -157,21 +157,21 @@ def test_a_base_above_friction_by_rounding_does_not_slide():
 
 def test_grids_on_which_pivoting_fails_are_passed_over(monkeypatch):
     """Lemke's method may end on a ray by rounding; then the next grid is tried, or a status."""
-    first_stage, sizes = solver.first_stage, []
+    slip_on_grid, sizes = guesses.slip_on_grid, []
 
-    def failing(factors, load, size, most=1):
+    def failing(poisson_ratio, load, size, most=1):
         sizes.append(size)
         if len(sizes) <= most:
             raise ComputationError("ended on a ray")
-        return first_stage(factors, load, size)
+        return slip_on_grid(poisson_ratio, load, size)
 
     expected = solve(unit_scene(0.3, nu=0.25)).zones
-    monkeypatch.setattr(solver, "first_stage", failing)
+    monkeypatch.setattr(guesses, "slip_on_grid", failing)
     found = solve(unit_scene(0.3, nu=0.25))
     assert sizes == [48, 96]
     assert found.status == "converged"
     assert found.zones[0].outer == pytest.approx(expected[0].outer, rel=1e-8)
-    monkeypatch.setattr(solver, "first_stage", partial(failing, most=99))
+    monkeypatch.setattr(guesses, "slip_on_grid", partial(failing, most=99))
     failed = solve(unit_scene(0.3, nu=0.25))
     assert "no set of slip zones" in failed.status
     assert failed.error_estimate == np.inf

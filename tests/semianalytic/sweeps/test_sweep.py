@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from compare.studies.chart.benchmark import edge_difference
 from semianalytic import SceneError, solve
-from semianalytic.sweeps.sweep import COMPUTED, FROM_SCRATCH, INTERPOLATED, sweep
+from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
+from semianalytic.sweeps.sweep import sweep
 
 
 def check_against_single(swept, rtol):

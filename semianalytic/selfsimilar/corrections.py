@@ -1,0 +1,120 @@
+"""Which zones to try next: after Newton's method failed, and where Coulomb's law does.
+
+Zones are in slowness, from the longitudinal front inward.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
+from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.coulomb import Violation
+from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.load import Load
+
+
+def rearranged(factors: RayleighFactors, zones: Sequence[Zone]) -> list[Zone] | None:
+    """What to try where Newton's method did not place the edges of zones; None if nothing."""
+    other = _across_shear_front(factors, zones)
+    if other is None:
+        other = _without_vanished(zones)
+    return _joined(zones) if other is None else other
+
+
+def _across_shear_front(factors: RayleighFactors, zones: Sequence[Zone]) -> list[Zone] | None:
+    """The same zones with edges that ran into the shear front started on its other side."""
+    behind = 1 + tuning.BEHIND_SHEAR_FRONT * (factors.c - 1)
+    ahead = 1 - tuning.AHEAD_OF_SHEAR_FRONT * (1 - factors.a)
+    moved = False
+
+    def started(edge: CutPoints | None) -> CutPoints | None:
+        nonlocal moved
+        if edge is None or abs(edge.from_b[0]) >= tuning.AT_SHEAR_FRONT:
+            return edge
+        moved = True
+        return factors.cut([ahead if edge.from_b[0] > 0 else behind])
+
+    others = [replace(zone, left=started(zone.left), right=started(zone.right)) for zone in zones]
+    return others if moved else None
+
+
+def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
+    """The zones without those that Newton's method has all but closed; None if there are none."""
+    kept = [
+        zone
+        for zone in zones
+        if zone.left is None
+        or zone.right is None
+        or zone.right.minus(zone.left)[0] > tuning.VANISHED_ZONE * float(zone.left.v[0])
+    ]
+    return None if len(kept) == len(zones) else kept
+
+
+def _joined(zones: Sequence[Zone]) -> list[Zone] | None:
+    """The zones with those two made one that slip alike on both sides of the narrowest stick gap;
+    None if no gap off c is narrow.
+
+    Newton's method closes a gap where the zones have just met.
+    """
+    gaps = {}
+    for i, (outer, inner) in enumerate(pairwise(zones)):
+        if outer.sense == inner.sense and outer.right is not None and inner.left is not None:
+            off_c = bool(outer.right.from_c[0] * inner.left.from_c[0] > 0)
+            width = float(inner.left.minus(outer.right)[0] / outer.right.v[0])
+            if off_c and width < tuning.NARROW_GAP:
+                gaps[i] = width
+    if not gaps:
+        return None
+    i = min(gaps, key=lambda i: gaps[i])
+    return [*zones[:i], replace(zones[i], right=zones[i + 1].right), *zones[i + 2 :]]
+
+
+def corrected(zones: Sequence[Zone], violations: list[Violation], load: Load) -> list[Zone]:
+    """Zones without the intervals that slip the wrong way, and with those that must slip.
+
+    New zones are made only when the present ones are sound.
+    """
+    wrong_slip = [one for one in violations if one.zone >= 0]
+    missing_slip = [one for one in violations if one.zone < 0]
+    kept = _without_wrong_slip(zones, wrong_slip)
+    return _with_missing_slip(kept, missing_slip, load, sound=not wrong_slip)
+
+
+def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> list[Zone]:
+    """Zones cut where they slip against their sense: at one end, or in two."""
+    result = list(zones)
+    for one in reversed(sorted(violations, key=lambda one: float(one.left.v[0]))):
+        zone = result[one.zone]
+        if one.touches_left:
+            result[one.zone] = replace(zone, left=one.right)
+        elif one.touches_right and zone.right is not None:
+            result[one.zone] = replace(zone, right=one.left)
+        else:
+            inner = [] if one.right is None else [replace(zone, left=one.right)]
+            result[one.zone : one.zone + 1] = [replace(zone, right=one.left), *inner]
+    return result
+
+
+def _with_missing_slip(
+    zones: list[Zone], violations: list[Violation], load: Load, sound: bool
+) -> list[Zone]:
+    """Zones widened to where traction exceeds friction beside them, and new ones elsewhere if the
+    present ones are sound.
+
+    With a critical base the first one starts at the longitudinal front if it slips as the base
+    would.
+    """
+    result = list(zones)
+    for one in violations:
+        after = sum(zone.left is None or bool(zone.left.v < one.left.v) for zone in result)
+        if one.touches_right and after < len(result) and result[after].sense == one.sense:
+            result[after] = replace(result[after], left=one.left)
+        elif one.touches_left and after > 0 and result[after - 1].sense == one.sense:
+            result[after - 1] = replace(result[after - 1], right=one.right)
+        elif sound:
+            at_front = after == 0 and load.critical and one.sense * load.base_shear > 0
+            result.insert(after, Zone(None if at_front else one.left, one.right, one.sense))
+    return result

@@ -1,0 +1,105 @@
+"""How far a solution may be off: two rules compared, shifts that are left, slip that is missed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.coulomb import largest_excess
+from semianalytic.selfsimilar.edges import Edges, Placement, edge_shift, moves
+from semianalytic.selfsimilar.load import per_set
+from semianalytic.selfsimilar.profile import Profile
+from semianalytic.selfsimilar.running import RunningIntegral
+from semianalytic.selfsimilar.zones import ZoneFields
+
+
+def loose_tolerance(rtol: float) -> float:
+    """Tolerance of the rule on which zones are looked for."""
+    return max(rtol / tuning.RULE_SHARE, tuning.LOOSEST_RULE)
+
+
+def numerical_error(
+    placement: Placement, fields: ZoneFields, tolerance: float, left: float
+) -> float:
+    """Error estimate of placed edges and their fields on the rule of a tolerance, without slip
+    that is missed; `left` is the shift that another step would bring.
+
+    From a coarser companion: fields of the same zones, and edges moved to where it wants them.
+    """
+    rule = rule_for(tuning.COARSER_COMPANION * tolerance)
+    coarse = ZoneFields(fields.factors, fields.load, fields.zones, rule)
+    unknowns = moved = placement.unknowns
+    if len(unknowns):
+        moved = unknowns - moves(placement.inverse, coarse.mismatch())
+    error = float(difference(placement.edges, unknowns, moved, fields, coarse))
+    return error + tuning.LEFT_SAFETY * tuning.SAFETY * left
+
+
+def missed_slip(profile: Profile) -> Array:
+    """About how much slip is missed, over the largest slip rate, where traction exceeds friction by
+    no more than is tolerated; () or (k,).
+
+    What edges leave unfulfilled shows as traction beside them; it is counted with their shift.
+    """
+    largest = profile.largest_rate
+    mismatch = np.abs(profile.fields.mismatch()).max(axis=0, initial=0.0)
+    known = tuning.TRACTION_ROUNDING + mismatch
+    excess = np.maximum(largest_excess(profile) - known, 0.0)
+    return tuning.SLIP_PER_EXCESS * excess / np.where(largest > 0, largest, np.inf)
+
+
+def difference(
+    edges: Edges, unknowns: Array, moved: Array, fine: ZoneFields, coarse: ZoneFields
+) -> Array:
+    """Error estimate from the difference of two rules, () or (k,).
+
+    Of edges over the lesser of themselves and c_t, and of slip rates over the largest, which move
+    with them: compared in the middle and at the end of every panel, by their residues, and by the
+    widths of zones.
+
+    Parameters
+    ----------
+    unknowns, moved : (e,) or (e, k) arrays, edges that are right on the fine and the coarse rule
+    fine, coarse : ZoneFields of the same zones on two rules
+    """
+    compared, scale, peaks = [], np.ones(()), np.zeros(())
+    for fields in (coarse, fine):
+        panels = fields.panels
+        rate = RunningIntegral(panels, fields.slip_rate_slope, fields.factors.c)
+        halves = panels.rule.halved(rate.density * panels.jacobian)
+        ends = np.cumsum(rate.totals, axis=0) + per_set(fields.load.far_slip_rate)
+        peaks = np.maximum(np.abs(ends), np.abs(ends - rate.totals + halves))
+        scale = peaks.max(axis=0)
+        halves[rate.residues != 0] = 0.0  # the middle of such a panel depends on the rule
+        compared.append(np.concatenate([rate.totals, halves, rate.residues]))
+    scale = np.where(scale > 0, scale, 1.0)
+    rates = np.abs(compared[0] - compared[1]).max(axis=0) / scale
+    covers_c = fine.layout.pole >= 0
+    share = tuning.BETWEEN_NODES_AT_POLE if covers_c else tuning.BETWEEN_NODES
+    least = share * fine.rule.tolerance
+    if len(unknowns):
+        by_width = _share_of_width(edges, unknowns, moved, fine, peaks) / scale
+        rates = np.maximum(np.maximum(rates, by_width), edge_shift(edges, unknowns, moved))
+    return tuning.LEAST_ERROR + least + tuning.SAFETY * rates
+
+
+def _share_of_width(
+    edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields, peaks: Array
+) -> Array:
+    """How much slip rates change with the width of zones that end on both sides, () or (k,).
+
+    `peaks` (p, ...) are the largest slip rates in panels.
+    """
+    v = edges.parts(unknowns)[0]
+    change, slipping = np.abs(edges.parts(moved)[0] - v), fields.layout.slipping
+    worst, edge = np.zeros(unknowns.shape[1:]), 0
+    for index, zone in enumerate(fields.zones):
+        ends = (zone.left is not None) + (zone.right is not None)
+        if ends == 2:
+            here = slipping & (np.array(fields.layout.zone) == index)
+            share = 2 * (change[edge] + change[edge + 1]) / (v[edge + 1] - v[edge])
+            worst = np.maximum(worst, peaks[here].max(axis=0) * share)
+        edge += ends
+    return worst

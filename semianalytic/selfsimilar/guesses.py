@@ -1,0 +1,259 @@
+"""Which zones to begin with: those of weak friction, and those seen on a grid.
+
+Where friction is small against the load, the interface slips behind the longitudinal front at
+nearly the rate V of a frictionless one, and a stick gap opens where V changes sense: across it the
+traction goes from one bound of friction to the other.  Behind the shear front the impedance is
+i m, and around a gap between slownesses l and r
+
+    T = pi v m V' ((v - l) / (v - r))^(1/2),    r - l = 4 f p / (pi m |V'|),
+
+for Im T / (pi v), integrated over the gap, is 2 f p.  Gaps of the order of friction are seen by no
+grid; as a start for Newton's method this is good to the order of their width.
+
+Just behind the longitudinal front zones may be narrower than any grid sees.  There q* falls behind
+p*: behind c_l the pressure falls like (v - a)^(1/2), shear rises like (v - a)^(3/2).  A base at
+friction against the step therefore slips from the front itself as soon as pressure falls at all,
+until the step of shear has the upper hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
+from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.errors import ComputationError
+from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.collocation import GridSlip, slip_on_grid
+from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.load import Load
+from semianalytic.selfsimilar.profile import Profile
+from semianalytic.selfsimilar.zones import ZoneFields
+
+
+@dataclass(frozen=True)
+class Guess:
+    """Zones to begin with, from the longitudinal front inward.
+
+    Attributes
+    ----------
+    zones : sequence of Zone
+    pivots : int, of complementary pivoting that it took
+    doubtful : bool, whether guesses before it have failed on a coarser grid
+    """
+
+    zones: Sequence[Zone]
+    pivots: int = 0
+    doubtful: bool = False
+
+
+def guesses(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
+    """Zones of weak friction where it is weak, then those seen on finer and finer grids."""
+    if load.frictionless:
+        yield Guess((Zone(None, None, 1),))
+    elif load.rests:
+        yield Guess(())
+    else:
+        for guess in _behind_all_fronts(factors, load):
+            yield replace(guess, zones=with_slip_at_front(factors, guess.zones, load))
+
+
+def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
+    """Guesses that do not look for narrow zones at the longitudinal front."""
+    weak = weak_friction_zones(factors, load)
+    if weak is not None:
+        yield Guess(weak)
+    for size in tuning.GRIDS:
+        try:
+            grid = slip_on_grid(factors.poisson_ratio, load, size)
+        except ComputationError:  # pivoting ended on a ray, by rounding
+            continue
+        zones = zones_on_grid(factors, grid, load.critical)
+        yield Guess(zones, grid.pivots, size > tuning.GRIDS[0])
+
+
+def zones_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> list[Zone]:
+    """Zones seen by the first stage, edges placed by the two outermost values of V there.
+
+    With a critical base, shear traction equal to friction ahead of all waves, slip starts at the
+    longitudinal front itself if it starts there at all.
+    """
+    xi, rate = grid.xi[::-1], grid.slip_rate[::-1]  # from the longitudinal front inward
+    sense = np.sign(rate).astype(int)
+    if critical and sense[0] == 0:
+        sense[0] = sense[1]
+    bounds = [0, *(np.flatnonzero(sense[1:] != sense[:-1]) + 1).tolist(), len(sense)]
+    fronts = (xi == 0) | (xi == 1 / factors.c) | (xi == 1) | (xi == xi[0])
+    zones = []
+    for start, stop in pairwise(bounds):
+        if sense[start] == 0:
+            continue
+        edges: list[CutPoints | None] = []
+        for node, outside, inward in ((start, start - 1, 1), (stop - 1, stop, -1)):
+            if not 0 <= outside < len(xi):
+                edges.append(None)
+                continue
+            inner, most = node + inward, tuning.FARTHEST_SHARE
+            if sense[outside]:
+                most = tuning.SHARE_TO_OTHER_SENSE
+            elif fronts[outside] or sense[outside - inward]:
+                most = tuning.SHARE_BEFORE_NODE
+            seen = start <= inner < stop and rate[inner]
+            ratio = abs(rate[node] / rate[inner]) if seen else tuning.EDGE_SHARE_UNKNOWN
+            share = float(min(tuning.EDGE_SHARE + tuning.EDGE_SHARE_SLOPE * ratio, most))
+            place = xi[node] + share * (xi[outside] - xi[node])
+            if xi[outside] == 1:  # a zone that comes this near to the shear front crosses it
+                place = 1 + share * (1 - xi[node])
+            edges.append(factors.cut([1 / place]))
+        zones.append(Zone(edges[0], edges[1], int(sense[start])))
+    return zones
+
+
+def frictionless_profile(factors: RayleighFactors, load: Load, rule: Rule) -> Profile:
+    """Slip everywhere, without friction."""
+    return Profile(ZoneFields(factors, load, (Zone(None, None, 1),), rule))
+
+
+def slip_senses(profile: Profile) -> tuple[list[int], list[CutPoints]]:
+    """Senses of slip of a profile without friction, from the longitudinal front inward, and where
+    they change; none where it does not slip."""
+    from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
+
+    factors = profile.fields.factors
+    least = tuning.FRICTIONLESS_NOISE * profile.fields.rule.tolerance * float(profile.largest_rate)
+    low, ahead = np.log(tuning.NEAREST_TO_C), factors.c - factors.a * (1 + 1e-6)
+    senses: list[int] = []
+    changes: list[CutPoints] = []
+    for side, high in ((-1, np.log(ahead)), (1, np.log(tuning.FARTHEST_FROM_C))):
+
+        def rate(log: float, side: int = side) -> float:
+            at = factors.beside("c", [side * np.exp(log)])
+            return float(profile.slip_rate_at(at)[0])
+
+        logs = np.linspace(high, low, int(tuning.POINTS_PER_E * (high - low)))[::-side]
+        rates = profile.slip_rate_at(factors.beside("c", side * np.exp(logs)))
+        before = None
+        for log, sense in zip(logs, np.sign(rates) * (np.abs(rates) > least), strict=True):
+            if not sense:
+                continue
+            if not senses or sense != senses[-1]:
+                if senses and before is not None:
+                    root = brentq(rate, before, log, xtol=1e-14)
+                    changes.append(factors.beside("c", [side * np.exp(root)]))
+                elif senses:
+                    changes.append(factors.front_c)
+                senses.append(int(sense))
+            before = log
+    return senses, changes
+
+
+def weak_friction_zones(factors: RayleighFactors, load: Load) -> list[Zone] | None:
+    """Zones under friction that is weak against the step of shear traction.
+
+    None where it is not weak, or its gaps would be wide or ahead of the shear front.
+    """
+    friction, far = float(load.friction), float(load.far_slip_rate)
+    strongest = friction * max(load.base_pressure, load.load_pressure)
+    if not strongest < tuning.WEAK_FRICTION * abs(load.load_shear):
+        return None
+    without = replace(load, friction=0.0)
+    profile = frictionless_profile(factors, without, rule_for(tuning.FRICTIONLESS_RULE))
+    senses, changes = slip_senses(profile)
+    first = int(np.sign(far or load.load_shear))
+    if senses[:1] != [first] or any(change.from_b[0] <= 0 for change in changes):
+        return None
+    left = None
+    if not far and not (load.critical and first * load.base_shear > 0):
+        left = _opening_behind_front(factors, load, first)
+        if left is None:
+            return None
+    zones = []
+    for start, end, sense in _gaps(profile, load, senses, changes):
+        zones.append(Zone(left, start, sense))
+        left = end
+    return [*zones, Zone(left, None, senses[-1])]
+
+
+def _gaps(
+    profile: Profile, load: Load, senses: list[int], changes: list[CutPoints]
+) -> list[tuple[CutPoints, CutPoints, int]]:
+    """Stick gaps where V changes sense, with the sense of the zone ahead of each.
+
+    Too wide for the strip around c that slips the other way they join to a single one, which is
+    twice as wide as the strip would be.
+    """
+    widths = [_gap_width(profile, load, change) for change in changes]
+    if len(changes) == 2 and widths[0] > tuning.WIDEST_GAP * abs(changes[0].from_c[0]):
+        strip = [2 * change.from_c[0] for change in changes]
+        if -strip[0] < 2 * tuning.NARROWEST_GAP:
+            return []
+        around = profile.fields.factors.beside("c", strip)
+        return [(around[[0]], around[[1]], senses[0])]
+    return [
+        (CutPoints(change.parts - width / 2), CutPoints(change.parts + width / 2), sense)
+        for sense, change, width in zip(senses, changes, widths, strict=False)
+        if abs(change.from_c[0]) > tuning.NARROWEST_GAP
+    ]
+
+
+def _gap_width(profile: Profile, load: Load, change: CutPoints) -> float:
+    """Width in slowness of the stick gap that friction opens where V changes sense."""
+    fields, from_c = profile.fields, change.from_c
+    step = tuning.GAP_SLOPE_STEP * from_c
+    beside = fields.factors.beside("c", np.concatenate([from_c - step, from_c + step]))
+    before, after = profile.slip_rate_at(beside)
+    slope = abs((after - before) / (2 * step[0]))
+    strength = replace(fields, load=load).strength(change)[0]
+    impedance = abs(fields.factors.impedance_behind(change)[0])
+    return float(4 * strength / (np.pi * impedance * slope))
+
+
+def _behind_front(factors: RayleighFactors) -> CutPoints:
+    """Points from the longitudinal front to the shear front, even in the logarithm of their
+    distance from the first."""
+    nearest, farthest = np.log(tuning.NEAREST_TO_FRONT), np.log(1 - factors.a)
+    return factors.beside("a", np.exp(np.arange(nearest, farthest, tuning.FRONT_STEP)))
+
+
+def _opening_behind_front(factors: RayleighFactors, load: Load, sense: int) -> CutPoints | None:
+    """Where a zone opens that slips behind the longitudinal front nearly as without friction.
+
+    There T = Q_0, turned by the phase of the impedance, has raised the traction to friction; None
+    if that is nowhere ahead of the shear front.
+    """
+    at = _behind_front(factors)
+    slope = load.load_shear * np.sin(factors.phase(at)) / (np.pi * at.v) * at.from_a
+    gained = np.cumsum((slope[1:] + slope[:-1]) / 2 * tuning.FRONT_STEP)
+    mode_one = stuck_traction(factors.poisson_ratio, "I")
+    strength = load.friction * (load.base_pressure + load.load_pressure * mode_one(at.v[1:]))
+    above = np.flatnonzero(sense * (load.base_shear + gained) >= strength)
+    return at[[above[0] + 1]] if len(above) else None
+
+
+def with_slip_at_front(
+    factors: RayleighFactors, zones: Sequence[Zone], load: Load
+) -> Sequence[Zone]:
+    """The zones, and ahead of them that of a base at friction which pressure lets go at the front.
+
+    It ends about where the stuck interface would keep Coulomb's law again.
+    """
+    sense = int(np.sign(load.base_shear))
+    held = not (load.critical and sense and load.load_pressure) or bool(load.far_slip_rate)
+    if held or (zones and zones[0].left is None):
+        return zones
+    at, nu = _behind_front(factors), factors.poisson_ratio
+    at = at[at.from_a > tuning.NARROWEST_FRONT_ZONE]
+    pressure = load.friction * load.load_pressure * stuck_traction(nu, "I")(at.v)
+    excess = sense * load.load_shear * stuck_traction(nu, "II")(at.v) - pressure
+    kept = np.flatnonzero(excess <= 0)
+    if not len(kept) or not kept[0]:  # at nu = 0 pressure falls too late
+        return zones
+    right = at[[kept[0]]]
+    if zones and zones[0].left is not None and not right.first_below(zones[0].left):
+        return zones
+    return [Zone(None, right, sense), *zones]

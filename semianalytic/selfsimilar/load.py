@@ -1,0 +1,108 @@
+"""From a scene to the load of the solver: tractions in one unit of stress, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.errors import TensionError
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar import tuning
+
+
+@dataclass(frozen=True)
+class Load:
+    """Friction and tractions in one unit of stress, slip rate far ahead in that unit / (mu b).
+
+    For k sets of zones that differ in friction, friction and far_slip_rate are (k, 1) arrays.
+
+    Attributes
+    ----------
+    friction : coefficient f
+    base_pressure, base_shear : P_b, Q_b [stress unit]; compression and sigma_xy positive
+    load_pressure, load_shear : P_0, Q_0 [stress unit]
+    far_slip_rate : V(inf), one-sided [stress unit / (mu b)]
+    """
+
+    friction: float | Array
+    base_pressure: float
+    base_shear: float
+    load_pressure: float
+    load_shear: float
+    far_slip_rate: float | Array
+
+    @property
+    def critical(self) -> bool:
+        """Whether the base shear traction reaches friction ahead of all waves (one set)."""
+        strength = self.friction * self.base_pressure
+        return bool(abs(self.base_shear) >= strength * (1 - tuning.CRITICAL_BASE))
+
+    @property
+    def frictionless(self) -> bool:
+        """Whether nothing resists slip, or only what rounding takes from the step of shear."""
+        strength = self.friction * max(self.base_pressure, self.load_pressure)
+        return bool(strength == 0 or strength < tuning.NEGLIGIBLE_FRICTION * abs(self.load_shear))
+
+    @property
+    def rests(self) -> bool:
+        """Whether nothing happens, though the base may be at friction (one set)."""
+        return not (self.load_shear or self.load_pressure or self.far_slip_rate)
+
+
+def per_set(value: float | Array) -> float | Array:
+    """A number, or a (k, 1) array as (k,)."""
+    return np.asarray(value)[..., 0] if np.ndim(value) else value
+
+
+def scaled_load(scene: Scene) -> tuple[Load, float]:
+    """Load of a scene in units of its largest traction, and that unit [stress]."""
+    f, base, load = scene.friction, scene.base, scene.load
+    parts = (load.shear, f * load.pressure, base.shear, f * base.pressure)
+    unit = max(abs(part) for part in parts) or 1.0
+    return _in_unit(scene, f, scene.far_slip_rate, unit), unit
+
+
+def common_load(scenes: Sequence[Scene], unit: float) -> Load:
+    """Load of k scenes that differ in friction alone, in one unit of stress."""
+    friction = np.array([[scene.friction] for scene in scenes])
+    far_slip_rate = np.array([[scene.far_slip_rate] for scene in scenes])
+    return _in_unit(scenes[0], friction, far_slip_rate, unit)
+
+
+def _in_unit(
+    scene: Scene, friction: float | Array, far_slip_rate: float | Array, unit: float
+) -> Load:
+    base, load, impedance = scene.base, scene.load, scene.material.shear_impedance
+    return Load(
+        friction,
+        base.pressure / unit,
+        base.shear / unit,
+        load.pressure / unit,
+        load.shear / unit,
+        far_slip_rate * impedance / (2 * unit),
+    )
+
+
+def check_pressure(scene: Scene) -> None:
+    """Raise TensionError where the contact pressure of a scene would turn tensile.
+
+    It is least at the Rayleigh front, P_b + P_0 p*(c), and at once at x = 0 if P_0 < 0.
+    """
+    base, load = scene.base.pressure, scene.load.pressure
+    if load < 0:
+        raise TensionError(
+            "scene: a negative pressure step opens the contact at its edge x = 0; "
+            "make load pressure positive, or simulate the scene with finite elements "
+            "(docs/limits.md)."
+        )
+    least = base + load * stuck_traction(scene.material.poisson_ratio, "I").at_rayleigh_front
+    if least < 0:
+        raise TensionError(
+            f"scene: the contact pressure would fall to {least:.4g} at the Rayleigh front "
+            f"x/t = {scene.material.rayleigh_speed:.6g}; raise base pressure to at least "
+            f"{base - least:.4g}, or simulate the scene with finite elements (docs/limits.md)."
+        )

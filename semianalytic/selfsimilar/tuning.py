@@ -1,0 +1,173 @@
+"""The numbers that tune the solver, each with what set it; "not recorded" where that is lost.
+
+They decide how a solution is found, how fast, and when it is given up.  What it is worth is
+measured afterwards, by `error_estimate`, whatever they are.
+"""
+
+# The search: which zones, on which rules (solver, guesses)
+
+GRIDS = (48, 96, 192, 384)
+"""Nodes of the complementarity grids, one after the other until zones hold: about fifty show the
+zones of most scenes (docs/solver.md), the finer ones are for the rest."""
+MOST_ZONE_SETS = 12
+"""Sets of zones tried from one start.  Not recorded."""
+LOOSEST_RULE = 1e-4
+"""Tolerance of the rule on which zones are looked for, at most.  Not recorded."""
+RULE_SHARE = 10.0
+"""rtol over the tolerance of a rule that is to reach it.  Not recorded."""
+COARSER_LOCATING = 3.0
+"""Rules are much better than their tolerance as far as edges go: edges are first located on one
+this much looser than the one on which Coulomb's law is checked."""
+LOCATED_SHIFT, LEAST_LOCATED_SHIFT = 0.1, 1e-7
+"""Shift of edges [c_t] that ends Newton's method in the search, over rtol and at least.  Not
+recorded."""
+LAW_TOLERANCE = 10
+"""Tolerance of Coulomb's law in the search over that of the rule: the noise at nodes is below 1."""
+STRICT_RULE = 1e-9
+"""Tolerance of the rule of a second search: what hardly slips is driven by less than a loose rule
+can tell."""
+STRICTER, STRICTEST = 1e-3, 1e-12
+"""Tolerance of the answer of a second search, over rtol and at least.  Not recorded."""
+
+# The refinement of edges and its error estimate (solver, estimate)
+
+MOST_REFINEMENTS = 8
+"""Rules tried until the estimate is below rtol.  Not recorded."""
+MOST_BROYDEN_STEPS = 8
+"""Steps on one rule.  Not recorded."""
+LEFT_SHIFT, LEAST_LEFT_SHIFT = 0.02, 1e-13
+"""Shift of edges that another Broyden step would bring in the end, over rtol and at least.  Not
+recorded."""
+HOPED_ERROR = 0.1
+"""Error over rtol that a finer rule is chosen for; below it no finer rule is tried.  Not
+recorded."""
+SLOWEST_REFINEMENT, FASTEST_REFINEMENT = 0.1, 1e-2
+"""Tolerance of a rule over that of the one before, at most and at least.  Not recorded."""
+COARSER_COMPANION = 5.0
+"""Tolerance of the rule an answer is compared with, over its own.  Not recorded."""
+SAFETY = 5.0
+"""Error estimate over the difference of two rules: slip rates near edges and fronts change more
+than the quantities compared."""
+LEFT_SAFETY = 4.0
+"""The same for shifts that are left, over `SAFETY`: slip rates change fastest beside edges."""
+LEAST_ERROR = 1e-14
+"""Rounding, part of every estimate.  Not recorded."""
+BETWEEN_NODES, BETWEEN_NODES_AT_POLE = 0.3, 6.0
+"""Error at points between nodes over the tolerance of a rule, elsewhere and where slip covers c.
+Not recorded."""
+TRACTION_ROUNDING = 5e-15
+"""Of tractions at nodes, relative to strength plus load.  Not recorded."""
+SLIP_PER_EXCESS = 0.3
+"""Slip rate over the traction that exceeds friction where slip is missed: 0.1 was seen."""
+LEAST_IMPEDANCE = 1e-3
+"""Least impedance [rho c_t] that such slip is divided by, over `SLIP_PER_EXCESS`: it falls to 0 at
+the longitudinal front for nu near 0."""
+GAP_LOGARITHM_SHARE = 0.1
+"""What a change of the logarithm of an edge's distance from c counts as a shift: the slip rate
+beside a narrow stick gap follows that of its width."""
+
+# Friction that does not count (load)
+
+NEGLIGIBLE_FRICTION = 1e-15
+"""Strength over the step of shear that rounding alone would take from it."""
+CRITICAL_BASE = 1e-12
+"""What a base may lack of friction, relative, to be at it: rounding of the two products."""
+
+# Newton's method for the edges (edges)
+
+MOST_NEWTON_STEPS = 40
+"""Not recorded; one or two are the rule (docs/solver.md)."""
+MOST_HALVINGS = 8
+"""Of a step that does not reduce the mismatch.  Not recorded."""
+LONGEST_MOVE = 1.5
+"""Of a logit or logarithm in one step.  Not recorded."""
+CAUTIOUS_MOVE = 1.0
+"""Longer moves are checked for natural monotonicity.  Not recorded."""
+FARTHEST = 300.0
+"""Unknowns beyond put an edge on a wave front or at the contact edge: exp(300) is 1e130."""
+NUDGE = 1e-6
+"""Of an unknown, for its column of the Jacobian.  Not recorded; about the root of 1e-12."""
+GAP_ROUNDING, LONGEST_NUDGE = 1e-13, 0.3
+"""A nudge of a narrow gap changes it by this share of its distance from a front, which rounding
+does not hide, but by no more than that share of itself."""
+LEAST_WIDTH = 1e-10
+"""Of a zone, over its distance from a front; of a narrower one rounding leaves little."""
+
+# Coulomb's law at nodes and between them (coulomb)
+
+NARROWEST_GAP = 1e-14
+"""Stick gaps around c_R narrower than positions x/t in double precision resolve are left out."""
+UNDRIVEN_EXCESS = 1e-12
+"""Tolerance of K_II over f K_I - 1 at a contact edge beside which nothing slips.  Not recorded."""
+WIDEST_FIRST_EDGE_ZONE = 0.02
+"""Excess of K_II that the first width of a zone at the contact edge is taken from.  Not
+recorded."""
+HIDING_REACH = 8.0
+"""In y: nodes further out lie closer together than anything hides."""
+PARABOLA_ERROR = 3e-3
+"""What a parabola through three nodes may be wrong by.  Not recorded."""
+CLOSER_POINTS = 8
+"""Per node distance, and again, where a parabola comes near to what is allowed.  Not recorded."""
+
+# Zones to begin with (guesses)
+
+EDGE_SHARE, EDGE_SHARE_SLOPE = 0.25, 0.75
+"""Place of an edge between two nodes of a grid, from the ratio r of the two outermost slip rates:
+0.25 + 0.75 r.  Measured: median error of the unknowns 0.02 over a hundred random scenes."""
+EDGE_SHARE_UNKNOWN = 0.5
+"""That ratio where there is but one node.  Not recorded."""
+FARTHEST_SHARE, SHARE_BEFORE_NODE, SHARE_TO_OTHER_SENSE = 1.25, 0.95, 0.4
+"""Most of that share: towards stick, towards a front or a narrow gap, and towards slip of the
+other sense.  Not recorded."""
+WEAK_FRICTION = 0.03
+"""Friction over the step of shear below which slip is nearly that without friction.  Not
+recorded."""
+WIDEST_GAP = 1.2
+"""Of a gap over its distance from c; beside a narrow strip it is below 4 / pi."""
+FRICTIONLESS_RULE = 1e-6
+"""Tolerance of the rule of the frictionless slip rate.  Not recorded."""
+FRICTIONLESS_NOISE = 1e-2
+"""Of a slip rate, over the tolerance of its rule: V is no less just behind the front."""
+NEAREST_TO_C, FARTHEST_FROM_C = 1e-16, 1e6
+"""Distances in slowness between which changes of sense are looked for: rounding, and the contact
+edge."""
+POINTS_PER_E = 3
+"""Points per factor e of the distance from c at which they are looked for.  Not recorded."""
+GAP_SLOPE_STEP = 1e-4
+"""Of the distance from c, for the slope of V where a gap opens.  Not recorded."""
+NEAREST_TO_FRONT, NARROWEST_FRONT_ZONE = 1e-16, 1e-11
+"""Distance in slowness behind the longitudinal front from which slip is looked for, and the
+narrowest zone there; of less rounding shows nothing."""
+FRONT_STEP = 0.1
+"""Of the logarithm of that distance.  Not recorded."""
+
+# Zones after a failure (corrections)
+
+NARROW_GAP = 0.1
+"""Gap over slowness between zones that may have met.  Not recorded."""
+VANISHED_ZONE = 1e-4
+"""Width over slowness of a zone that Newton's method has all but closed.  Not recorded."""
+AT_SHEAR_FRONT = 1e-4
+"""Distance in slowness of an edge that ran into the shear front.  Not recorded."""
+BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
+"""Where such an edge starts on the other side, over the segment there.  Not recorded."""
+
+# Panels and their quadrature (panels, totals)
+
+CACHED_KERNEL = 50_000
+"""Kernel values formed at once, so that they stay in the processor's cache."""
+NARROW_STRIP = 0.01
+"""Width in slowness of a zone around c that is narrow.  Not recorded."""
+MANY_NODES = 100
+"""Nodes per panel from which it pays to leave some out."""
+NEGLIGIBLE_WEIGHT = 1e-6
+"""Share of what the reach of a rule leaves out that may be left out as well.  Not recorded."""
+EARLIEST = 1e-200
+"""Slowness of what has not begun."""
+PIECE_GROWTH = 4.0
+"""Of slowness from piece to piece towards a slipping contact edge.  Not recorded."""
+GAUSS_PER_ELEMENT = 6
+"""Gauss points per element of the complementarity grid.  Not recorded."""
+ZOOM_POINTS, ZOOMS = 33, 6
+"""Points in a bracket around the largest slip, which each zoom narrows 16 times; the last is 10^-7
+as wide: slip, flat at its maximum, is right to rounding."""

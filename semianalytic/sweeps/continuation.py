@@ -1,0 +1,329 @@
+"""The continuation of zones in friction: found at a few, followed through the rest.
+
+Edges are smooth functions of friction as long as the zones stay the same.  Beside frictions
+solved from scratch they are predicted and corrected by Newton's method on many frictions at
+once; every one is checked for Coulomb's law.  Where the check or Newton's method fails, zones
+have changed, and that friction is solved from scratch.  Where interpolations between them agree
+to the wanted accuracy, the frictions between are filled in.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from time import perf_counter
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.edges import Edges, edges_of, moves
+from semianalytic.selfsimilar.estimate import loose_tolerance
+from semianalytic.selfsimilar.load import common_load, scaled_load
+from semianalytic.selfsimilar.profile import Profile
+from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.selfsimilar.solver import slip_zones, solve
+from semianalytic.selfsimilar.tuning import FARTHEST, NUDGE
+from semianalytic.selfsimilar.zones import ZoneFields
+from semianalytic.sweeps import tuning
+from semianalytic.sweeps.batches import Prediction, batches, continued, linearised
+from semianalytic.sweeps.interpolation import confirmed, fits, interpolated, lagrange
+
+FROM_SCRATCH, COMPUTED, INTERPOLATED = "from scratch", "computed", "interpolated"
+"""Origins of a solution: without help from neighbours, corrected from a prediction, interpolated
+and checked on the loose rule alone."""
+
+
+@dataclass(frozen=True)
+class KnownZones:
+    """Zones known at one friction: the unknowns, the inverse Jacobian on the loose rule (None
+    where not yet formed), the tolerance of their rule and the error estimate."""
+
+    edges: Edges
+    unknowns: Array
+    inverse: Array | None
+    tolerance: float
+    estimate: float
+    slope: Array | None = None  # of the unknowns over friction, where solved from scratch
+
+
+class Continuation:
+    """Solutions so far of scenes with ascending friction, and the zones known at them."""
+
+    def __init__(self, scenes: Sequence[Scene], rtol: float) -> None:
+        self.scenes, self.rtol = scenes, rtol
+        self.friction = np.array([scene.friction for scene in scenes])
+        self.unit = min((scaled_load(scene)[1] for scene in scenes), default=1.0)
+        self.solutions: dict[int, Solution] = {}
+        self.origin: dict[int, str] = {}
+        self.zones: dict[int, KnownZones] = {}
+        self.tried: set[tuple[Edges | None, int, tuple[int, ...]]] = set()
+        self.pending: dict[int, KnownZones] = {}  # interpolated, not yet confirmed
+        self.refused: set[int] = set()  # interpolated, but not confirmed
+        self.stencils: set[tuple[int, ...]] = set()  # that were interpolated through
+
+    def run(self) -> None:
+        """Solve all scenes."""
+        count = len(self.scenes)
+        if not count:
+            return
+        first = np.linspace(0, count - 1, min(count, tuning.FIRST_FRICTIONS)).round()
+        for i in np.unique(first.astype(int)):
+            self._solve(int(i))
+        while len(self.solutions) < count:
+            self._interpolate()
+            proposed = self._proposed()
+            for edges, targets in proposed.items():
+                self._continue(edges, targets)
+            if len(self.solutions) + len(self.pending) == count:
+                self._confirm()
+
+    def _nodes(self) -> list[int]:
+        """Frictions in order that were solved, not interpolated."""
+        return sorted(i for i, origin in self.origin.items() if origin != INTERPOLATED)
+
+    def _gaps(self) -> list[tuple[int, int, list[int]]]:
+        """Neighbours among `_nodes`, and the frictions between that are still open."""
+        gaps, done = [], self.solutions.keys() | self.pending.keys()
+        for i, j in pairwise(self._nodes()):
+            inside = [k for k in range(i + 1, j) if k not in done]
+            if inside:
+                gaps.append((i, j, inside))
+        return gaps
+
+    def _edges(self, i: int) -> Edges | None:
+        return self.zones[i].edges if i in self.zones else None
+
+    def _proposed(self) -> dict[Edges, list[int]]:
+        """Scenes to try next, by the edges they may have.
+
+        What has been tried in vain is not tried again: the middle is then solved from scratch.
+        """
+        proposed: dict[Edges, list[int]] = {}
+        between: dict[Edges, list[int]] = {}
+        for left, right, inside in self._gaps():
+            edges = self._edges(left)
+            if edges is not None and edges == self._edges(right):
+                between.setdefault(edges, []).extend(inside)
+            fresh = [one for one in self._tries(left, right, inside) if one not in self.tried]
+            self.tried |= set(fresh)
+            for edges, _, targets in fresh:
+                if edges is not None:
+                    fitting = [i for i in targets if fits(edges, self.scenes[i])]
+                    proposed.setdefault(edges, []).extend(fitting)
+            if not fresh:
+                self._solve(inside[len(inside) // 2])
+        for edges, some in proposed.items():  # a batch costs little more for being full
+            every = {*some, *between.get(edges, [])}
+            if len(every) <= tuning.BATCH:
+                some[:] = [i for i in every if fits(edges, self.scenes[i])]
+        return proposed
+
+    def _tries(
+        self, left: int, right: int, inside: list[int]
+    ) -> list[tuple[Edges | None, int, tuple[int, ...]]]:
+        """Edges to try in a gap, the end they are known from, and at which frictions: between equal
+        sets of zones a few, between different ones a few from either side."""
+        at_left, at_right, count = self._edges(left), self._edges(right), len(inside)
+        if at_left == at_right:
+            parts = 1
+            if count > tuning.HALVED_GAP:
+                parts = min(tuning.TRIED_BETWEEN, -(-count // tuning.HALVED_GAP))
+            step = count // (parts + 1)
+            return [(at_left, left, tuple(inside[step :: step + 1][:parts]))]
+        if count < tuning.LEAST_BESIDE_CHANGE:
+            return []
+        step, most = -(-count // (2 * tuning.TRIED_BESIDE_CHANGE)), tuning.TRIED_BESIDE_CHANGE
+        offsets = [k * step - 1 for k in range(1, most + 1) if k * step <= count]
+        from_left = tuple(inside[k] for k in offsets)
+        from_right = tuple(inside[-1 - k] for k in offsets)
+        return [(at_left, left, from_left), (at_right, right, from_right)]
+
+    def _solve(self, i: int) -> None:
+        """Solve a scene from scratch."""
+        solution = solve(self.scenes[i], rtol=self.rtol)
+        self.origin[i] = FROM_SCRATCH
+        self.solutions[i] = solution
+        fields = solution.profile.fields
+        if solution.status == "converged" and not fields.load.frictionless:
+            edges, unknowns = edges_of(fields.factors, fields.zones)
+            tolerance, estimate = fields.rule.tolerance, solution.error_estimate
+            self.zones[i] = KnownZones(edges, unknowns, None, tolerance, estimate)
+
+    def _with_jacobians(self, edges: Edges) -> list[int]:
+        """Frictions in order that are known to have some edges; one at least has a Jacobian."""
+        nodes = sorted(i for i, known in self.zones.items() if known.edges == edges)
+        if any(self.zones[i].inverse is not None for i in nodes):
+            return nodes
+        rule = rule_for(loose_tolerance(self.rtol))
+        for batch in batches(edges, [self.zones[i].unknowns for i in nodes]):
+            chosen = [nodes[j] for j in batch]
+            start = np.array([self.zones[i].unknowns for i in chosen]).T.reshape(-1, len(chosen))
+            inverse, slope = np.zeros((len(chosen), 0, 0)), start
+            if edges.segments:
+                step = NUDGE * self.friction[chosen]
+                scenes = [self.scenes[i] for i in chosen]
+                beside = [
+                    replace(scene, friction=float(scene.friction + h))
+                    for scene, h in zip(scenes, step, strict=True)
+                ]
+                inverse, values = linearised(edges, start, common_load(scenes, self.unit), rule)
+                change = edges.mismatch(start, common_load(beside, self.unit), rule) - values
+                slope = -moves(inverse, change) / step
+            for i, one, gain in zip(chosen, inverse, slope.T, strict=True):
+                self.zones[i] = replace(self.zones[i], inverse=one, slope=gain)
+        return nodes
+
+    def _inverse_near(self, nodes: list[int], i: int) -> Array:
+        """Inverse Jacobian at a friction from the nearest of `nodes` that have it."""
+        with_one = [j for j in nodes if self.zones[j].inverse is not None]
+        place = bisect(with_one, i)
+        pair = with_one[max(0, place - 1) : place + 1]
+        if len(pair) == 1 or pair[0] == i:
+            pair = pair[:1]
+        weights = lagrange(self.friction[pair], self.friction[i])
+        return np.asarray(
+            sum(w * self.zones[j].inverse for w, j in zip(weights, pair, strict=True))
+        )
+
+    def _prediction(self, nodes: list[int], i: int) -> Prediction:
+        """Zones at a friction from the known ones nearest to it, by Lagrange's formula."""
+        place = bisect(nodes, i)
+        near = nodes[max(0, place - tuning.PREDICTION_REACH) : place + tuning.PREDICTION_REACH]
+        stencil = sorted(near, key=lambda j: abs(self.friction[j] - self.friction[i]))
+        known, count = [self.zones[j] for j in stencil], len(stencil)
+        unknowns = np.array([one.unknowns for one in known])
+        value = lagrange(self.friction[stencil], self.friction[i]) @ unknowns
+        doubt, first = np.inf, known[0]
+        if count == 1 and first.slope is not None:
+            value = value + first.slope * (self.friction[i] - self.friction[stencil[0]])
+        elif count > 2:
+            fewer = lagrange(self.friction[stencil[: count - 2]], self.friction[i])
+            doubt = float(np.abs(value - fewer @ unknowns[: count - 2]).max(initial=0.0))
+        value = np.clip(value, -FARTHEST, FARTHEST)
+        return Prediction(value, self._inverse_near(nodes, i), doubt, first.tolerance)
+
+    def _continue(self, edges: Edges, targets: list[int]) -> None:
+        """Try one set of zones at some frictions; keep what fulfils Coulomb's law."""
+        nodes = self._with_jacobians(edges)
+        targets = sorted(i for i in set(targets) if i not in self.solutions)
+        predictions = [self._prediction(nodes, i) for i in targets]
+        trusted = [one.doubt < tuning.TRUSTED_DOUBT for one in predictions]
+        for batch in batches(edges, [one.unknowns for one in predictions], trusted):
+            start = perf_counter()
+            chosen = [targets[j] for j in batch]
+            load = common_load([self.scenes[i] for i in chosen], self.unit)
+            # Edges that cross a cut of the panels on their way give no numbers, and are dropped.
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                corrected = continued(edges, [predictions[j] for j in batch], load, self.rtol)
+            seconds = (perf_counter() - start) / len(batch)
+            for j in np.flatnonzero(corrected.sound):
+                i, estimate = chosen[j], float(corrected.estimate[j])
+                unknowns, tolerance = corrected.unknowns[:, j], float(corrected.tolerances[j])
+                known = KnownZones(edges, unknowns, corrected.inverse[j], tolerance, estimate)
+                self.zones[i], self.origin[i] = known, COMPUTED
+                self._add(i, known, corrected.steps, corrected.nodes, seconds)
+
+    def _add(self, i: int, known: KnownZones, steps: int, nodes: int, seconds: float) -> None:
+        scene, edges = self.scenes[i], known.edges
+        load, stress = scaled_load(scene)
+        zones = edges.zones(known.unknowns)
+        profile = Profile(ZoneFields(edges.factors, load, zones, rule_for(known.tolerance)))
+        stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
+        statistics = Statistics(0, steps, 1, len(known.unknowns), nodes, stages)
+        zones_in_velocity = slip_zones(scene, profile)
+        self.solutions[i] = Solution(
+            scene, zones_in_velocity, "converged", known.estimate, statistics, profile, stress
+        )
+
+    def _interpolate(self) -> None:
+        """Fill in frictions between known ones with the same zones, where that is good enough."""
+        for left, right, inside in self._gaps():
+            edges = self._edges(left)
+            inside = [i for i in inside if i not in self.refused]
+            if edges is None or edges != self._edges(right) or not inside:
+                continue
+            stencil = self._stencil(left, right)
+            if stencil and (left, *stencil) not in self.stencils:
+                self.stencils.add((left, *stencil))
+                self.pending.update(self._between(stencil, left, right, inside))
+
+    def _stencil(self, left: int, right: int) -> list[int]:
+        """Known frictions around a gap with the same zones all through, nearest to it first;
+        none if they are too few or the gap borders on other zones."""
+        nodes = self._nodes()
+        edges, place = self._edges(left), nodes.index(left)
+        below, above = place, place + 1
+        while (
+            below > 0
+            and place - below < tuning.MOST_INTERPOLATED
+            and self._edges(nodes[below - 1]) == edges
+        ):
+            below -= 1
+        last = len(nodes) - 1
+        while (
+            above < last
+            and above - place < tuning.MOST_INTERPOLATED
+            and self._edges(nodes[above + 1]) == edges
+        ):
+            above += 1
+        if (below == place and left > 0) or (above == place + 1 and right < len(self.scenes) - 1):
+            return []
+        middle = (self.friction[left] + self.friction[right]) / 2
+        stencil = sorted(
+            nodes[below : above + 1], key=lambda j: abs(float(self.friction[j]) - middle)
+        )[: tuning.MOST_INTERPOLATED]
+        few = (
+            edges is not None and bool(edges.segments) and len(stencil) < tuning.LEAST_INTERPOLATED
+        )
+        return [] if few else stencil
+
+    def _between(
+        self, stencil: list[int], left: int, right: int, inside: list[int]
+    ) -> dict[int, KnownZones]:
+        """Interpolated zones whose error estimate is below rtol."""
+        known = [self.zones[j] for j in stencil]
+        edges, tolerance = (
+            known[0].edges,
+            min(self.zones[left].tolerance, self.zones[right].tolerance),
+        )
+        unknowns = np.array([one.unknowns for one in known])
+        noise = max(one.estimate for one in known)
+        values, estimate = interpolated(
+            edges, self.friction[stencil], unknowns, self.friction[inside], noise, self.rtol
+        )
+        good = estimate <= self.rtol
+        if edges.segments:
+            good &= edges.admits(values.T)
+        return {
+            inside[k]: KnownZones(edges, values[k], None, tolerance, float(estimate[k]))
+            for k in np.flatnonzero(good)
+        }
+
+    def _confirm(self) -> None:
+        """Keep interpolated zones that fulfil Coulomb's law, and whose edges hold, on the loose
+        rule."""
+        by_edges: dict[Edges, list[int]] = {}
+        for i in sorted(self.pending):
+            by_edges.setdefault(self.pending[i].edges, []).append(i)
+        loose = loose_tolerance(self.rtol)
+        for edges, targets in by_edges.items():
+            nodes = self._with_jacobians(edges)
+            for batch in batches(edges, [self.pending[i].unknowns for i in targets]):
+                start, chosen = perf_counter(), [targets[j] for j in batch]
+                load = common_load([self.scenes[i] for i in chosen], self.unit)
+                columns = [self.pending[i].unknowns for i in chosen]
+                inverse = np.array([self._inverse_near(nodes, i) for i in chosen])
+                unknowns = np.array(columns).T.reshape(-1, len(chosen))
+                sound, size = confirmed(edges, unknowns, inverse, load, loose)
+                seconds = (perf_counter() - start) / len(batch)
+                for i, kept in zip(chosen, sound, strict=True):
+                    if kept:
+                        self.origin[i] = INTERPOLATED
+                        self._add(i, self.pending[i], 0, size, seconds)
+                    else:
+                        self.refused.add(i)
+        self.pending.clear()

@@ -1,0 +1,68 @@
+"""The numbers that tune sweeps, each with what set it; "not recorded" where that is lost."""
+
+# Which frictions to try next (continuation)
+
+FIRST_FRICTIONS = 7
+"""Solved from scratch to begin with.  Not recorded."""
+PREDICTION_REACH = 3
+"""Known frictions to either side used to predict.  Not recorded."""
+TRIED_BETWEEN = 7
+"""Frictions tried at once between two with the same set of zones.  Not recorded."""
+HALVED_GAP = 3
+"""Gaps up to this are halved.  Not recorded."""
+LEAST_BESIDE_CHANGE = 3
+"""Frictions between two sets of zones for which neither is tried.  Not recorded."""
+TRIED_BESIDE_CHANGE = 4
+"""Frictions tried at once from either side of a change.  Not recorded."""
+MOST_INTERPOLATED, LEAST_INTERPOLATED = 8, 5
+"""Known frictions to interpolate through.  Not recorded."""
+
+# Correction of many frictions at once (batches)
+
+BATCH = 24
+"""Sets of zones in one batch: more leave the processor's cache."""
+MOST_STEPS = 4
+"""Of Newton's method on the loose rule, and of chord steps on a fine one.  Not recorded."""
+LONGEST_MOVE = 1.5
+"""Of an edge unknown in one step, as in `selfsimilar.tuning`.  Not recorded."""
+NEAR = 2e-3
+"""Move of an edge unknown after which its Jacobian is kept.  Not recorded."""
+SLOW = 0.5
+"""Moves that shrink less are given up.  Not recorded."""
+CONTRACTION, LEAST_CONTRACTION = 20.0, 1e-3
+"""What a chord step leaves of itself, over the doubt of its prediction and at least.  Not
+recorded."""
+TRUSTED_DOUBT = 1e-3
+"""Doubt of a prediction that needs no Newton's method.  Not recorded."""
+LEADING_DOUBT = 0.2
+"""Doubt of a prediction that needs no full Newton's method: where it leads nowhere there are other
+zones.  Not recorded."""
+MOST_REFINEMENTS = 3
+"""Rules tried until the estimate is below rtol.  Not recorded."""
+LAST_MOVE = 10
+"""Longest last move of an edge unknown, over rtol.  Not recorded."""
+FAR_RULES = 1e-2
+"""Tolerances further apart than this take a chord step on a rule between.  Not recorded."""
+FASTEST_REFINEMENT = 1e-3
+"""Tolerance of a rule over that of the one before, at least.  Not recorded."""
+LOOSEST_LAW = 1e-4
+"""Loosest check of Coulomb's law: neighbours' zones may hide one that just begins."""
+CLOSE_TO_FRONT = 1e-3
+"""Distance in slowness from a front below which differences are formed there."""
+BROYDEN_STEPS = 4
+"""Steps with neighbours' Jacobians before they are formed anew.  Not recorded."""
+LOOSE_RTOL = 1e-5
+"""rtol from which those steps suffice.  Not recorded."""
+
+# Interpolation between frictions (interpolation)
+
+LOOSE_CHECK, LOOSE_MOVE = 10, 100
+"""Coulomb's law and moves of edges of interpolated zones, in tolerances of the loose rule.  Not
+recorded."""
+CONVERGING = 0.5
+"""Differences that shrink less are no estimate.  Not recorded."""
+DOUBT = 5.0
+"""Safety of the estimate: true errors were up to three times the plain one beside thresholds."""
+INVERSION_STEPS, INVERSION_NUDGE = 4, 1e-4
+"""Newton steps from a friction to the edge unknown there, and their nudge over its range.  Not
+recorded."""
