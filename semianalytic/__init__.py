@@ -1,6 +1,7 @@
-"""Slip on a frictional interface after a sudden load: the semi-analytic Wiener-Hopf solver."""
+"""Slip on a frictional interface after a sudden load: exact where self-similar, else marched."""
 
-from semianalytic.prediction import slip_history
+from semianalytic.prediction import predict
+from semianalytic.results.answer import Answer, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import (
     ComputationError,
@@ -10,8 +11,9 @@ from semianalytic.scene.errors import (
     SlipfrontError,
     TensionError,
 )
-from semianalytic.scene.friction import CoulombFriction, RateWeakening, SlipWeakening
+from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
@@ -20,9 +22,11 @@ from semianalytic.spacetime.marched import Marched
 from semianalytic.sweeps.sweep import Sweep, sweep
 
 __all__ = [
+    "Answer",
     "ComputationError",
     "CoulombFriction",
     "DataFileError",
+    "FrictionLaw",
     "Harmonic",
     "InterfaceHistory",
     "LoadHistory",
@@ -34,6 +38,7 @@ __all__ = [
     "RateWeakening",
     "Scene",
     "SceneError",
+    "SlipInterval",
     "SlipWeakening",
     "SlipZone",
     "SlipfrontError",
@@ -44,9 +49,10 @@ __all__ = [
     "Tabulated",
     "TensionError",
     "Tractions",
+    "find_scene",
     "march",
     "march_on",
-    "slip_history",
+    "predict",
     "solve",
     "sweep",
 ]

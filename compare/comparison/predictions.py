@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import RegularGridInterpolator
 
 from semianalytic import InterfaceHistory, Scene, Solution, march, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.selfsimilar.solver import check_pressure
-from semianalytic.spacetime.resolution import MOST_NODES, check_loads
+from semianalytic.spacetime.resolution import check_loads
+from semianalytic.spacetime.tuning import MOST_NODES
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -101,7 +101,7 @@ def predict(
         solution = solve(simulation.scene)
         whole = solution.history(x, t)
         seconds = sum(solution.statistics.seconds.values())
-        worn = solution.path(x, t[-1]), solution.friction_work(x, t[-1])
+        worn = solution.path(x, t[-1]), solution.work_density(x, t[-1])
         return Prediction(chosen, solution, whole, *worn, seconds)
     spacing = simulation.element_size / FINER
     nodes = int(np.ceil(x[-1] / spacing)) + 1
@@ -109,15 +109,12 @@ def predict(
     nodes = check_loads(simulation.scene, float(t[-1]), length, nodes, max(nodes, MOST_NODES))
     marched = march(simulation.scene, float(t[-1]), nodes, length=length, progress=progress)
     own = marched.interface
-    at = tuple(np.meshgrid(t, np.clip(x, own.x[0], None), indexing="ij"))
-    names = ("slip", "slip_rate", "shear_traction", "pressure")
-    sampled = (RegularGridInterpolator((own.t, own.x), getattr(own, name))(at) for name in names)
     return Prediction(
         chosen,
         None,
-        InterfaceHistory(x, t, *sampled),
-        np.interp(x, own.x, marched.path),
-        np.interp(x, own.x, marched.friction_work),
+        marched.history(x, t),
+        np.interp(x, own.x, marched.final_path),
+        np.interp(x, own.x, marched.final_work_density),
         sum(marched.statistics.seconds.values()),
         marched.caution,
     )
