@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import MISSING, asdict, dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -186,6 +186,18 @@ class Scene:
                 "(a sudden remote load)."
             )
         self.check_weakening(self.base.pressure)
+
+    def __repr__(self) -> str:
+        """As it is made, without what is left at its default."""
+        parts = {
+            part.name: (getattr(self, part.name), part.default_factory) for part in fields(self)
+        }
+        given = (
+            f"{name}={value!r}"
+            for name, (value, default) in parts.items()
+            if default is MISSING or value != default()
+        )
+        return f"Scene({', '.join(given)})"
 
     def check_weakening(self, pressure: float) -> None:
         """Raise SceneError if rate weakening is ill posed under a pressure [stress]."""
