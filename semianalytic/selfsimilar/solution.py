@@ -257,7 +257,7 @@ class Solution:
         The time integral of `frictional_power`; parameters and what it raises as there.
         """
         t, inner, outer = _intervals(t, inner, outer)
-        twice = np.asarray(t * self.frictional_power(t, inner, outer))
+        twice = np.asarray(np.maximum(t, 0.0) * self.frictional_power(t, inner, outer))
         # By self-similarity the power beyond x is t F(x/t), and the work at x follows from F.
         for x, sign in ((inner, -1), (outer, 1)):
             part = (x > 0) & np.isfinite(x)
