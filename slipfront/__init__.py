@@ -11,9 +11,6 @@ from typing import TYPE_CHECKING, Any
 import semianalytic
 from semianalytic import *
 
-if TYPE_CHECKING:
-    from fem import Cost, EnergyHistory, Simulation, SlotHistory, cost, load_simulation, simulate
-
 __version__ = version("slipfront")
 
 __all__ = [
@@ -29,19 +26,23 @@ __all__ = [
 __all__ += semianalytic.__all__
 
 
-def __getattr__(name: str) -> Any:
-    """A name of `fem`.
+if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
+    from fem import Cost, EnergyHistory, Simulation, SlotHistory, cost, load_simulation, simulate
+else:
 
-    Raises
-    ------
-    MissingLibraryError
-        If a package that the finite elements need is not installed.
-    """
-    if name not in __all__:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    import fem
+    def __getattr__(name: str) -> Any:
+        """A name of `fem`.
 
-    return getattr(fem, name)
+        Raises
+        ------
+        MissingLibraryError
+            If a package that the finite elements need is not installed.
+        """
+        if name not in __all__:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        import fem
+
+        return getattr(fem, name)
 
 
 def __dir__() -> list[str]:

@@ -15,13 +15,12 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 import slipfront as sf
-from semianalytic.scene.named import find_scene
 
 
 def main(folder: Path = Path(".")) -> int:
     """Simulate a remote shock with ten pictures; return the number of pictures."""
     snapshots = folder / "snapshots"
-    scene = find_scene("remote-shock")
+    scene = sf.find_scene("remote-shock")
     simulation = sf.simulate(scene, resolution=30, snapshots=snapshots, frames=10)
     pictures = sorted(snapshots.glob("*.vtu"))
     last = meshio.read(pictures[-1])

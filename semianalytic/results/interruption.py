@@ -1,4 +1,4 @@
-"""Ctrl-C in a loop over time: noted, and heeded between two steps."""
+"""Ctrl-C during a computation in steps: noted first, so that no step is left half done."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import MISSING, asdict, dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -183,9 +183,19 @@ class Scene:
             raise SceneError(
                 "scene: the interface would already slide before the load arrives; lower the base "
                 "shear below friction times base pressure, or make base and load equal "
-                "(a sudden remote load)."
+                "for a sudden remote load (docs/limits.md)."
             )
         self.check_weakening(self.base.pressure)
+
+    def __repr__(self) -> str:
+        """As it is made, without what is left at its default."""
+        parts = [(part, getattr(self, part.name)) for part in fields(self)]
+        given = (
+            f"{part.name}={value!r}"
+            for part, value in parts
+            if part.default_factory is MISSING or value != part.default_factory()
+        )
+        return f"Scene({', '.join(given)})"
 
     def check_weakening(self, pressure: float) -> None:
         """Raise SceneError if rate weakening is ill posed under a pressure [stress]."""
@@ -195,7 +205,8 @@ class Scene:
             raise SceneError(
                 "scene: friction falls with slip rate faster than radiation can balance "
                 f"(by {slope:.4g} per slip rate under pressure {pressure:.4g}, the impedance is "
-                f"{radiated:.4g}); raise the rate or lower the reduction of the friction law."
+                f"{radiated:.4g}); raise the rate or lower the reduction of the "
+                "friction law (docs/limits.md)."
             )
 
     def _at_rest(self, tractions: Tractions) -> bool:

@@ -98,8 +98,8 @@ def fit_memory(speed_ratio: float, horizon: float, tolerance: float) -> Memory:
     poles = _poles(s, remainder(s), tolerance)
     residues = _residues(s, remainder(s), poles)
     check = _samples(speed_ratio, horizon, 4 * SAMPLES + 1)
-    wanted, found = remainder(check), _columns(check, poles) @ residues
-    error = float(np.abs(found - wanted).max() / np.abs(wanted).max())
+    exact = remainder(check)
+    error = float(np.abs(_columns(check, poles) @ residues - exact).max() / np.abs(exact).max())
     if not error < 10 * tolerance:
         raise ComputationError(
             f"the memory of the interface could be fitted to {error:.1e} only, not to "
@@ -180,5 +180,5 @@ def _residues(s: Complex, values: Complex, poles: Complex) -> Array:
     columns = _columns(s, poles)
     matrix = np.vstack([columns.real, columns.imag])
     scale = np.linalg.norm(matrix, axis=0)
-    wanted = np.concatenate([values.real, values.imag])
-    return np.asarray(np.linalg.lstsq(matrix / scale, wanted, rcond=1e-13)[0] / scale)
+    both = np.concatenate([values.real, values.imag])
+    return np.asarray(np.linalg.lstsq(matrix / scale, both, rcond=1e-13)[0] / scale)
