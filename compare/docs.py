@@ -64,7 +64,8 @@ class Cell:
 def _formatted(value: float, form: str) -> str:
     if form == "r":
         ratio = Fraction(value).limit_denominator(3)
-        return str(ratio) if abs(float(ratio) - value) < 1e-9 else f"{value:g}"
+        third = ratio.denominator == 3 and abs(float(ratio) - value) < 1e-9
+        return str(ratio) if third else f"{value:g}"
     if form.endswith("%"):
         form = form[:-1] if form.endswith("s%") else f"{form[:-1]}f"
         return f"{_formatted(100 * value, form)} %"
@@ -172,13 +173,16 @@ def stale_pages(write: bool = False) -> list[Path]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Check or fill the tables of README and docs; 1 if a page is found that is not up to date."""
+    """Check or fill the tables of README and docs; 1 if one is not up to date, 3 without data."""
     parser = argparse.ArgumentParser(prog="python -m compare.docs", description=__doc__)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--check", action="store_true", help="name pages that are not up to date")
     what.add_argument("--write", action="store_true", help="fill the tables of all pages")
     options = parser.parse_args(arguments)
-    stale = stale_pages(options.write)
+    try:
+        stale = stale_pages(options.write)
+    except DataFileError as error:
+        parser.exit(3, f"{error}\n")
     for page in stale:
         print(f"{page.relative_to(ROOT)}: {'written' if options.write else 'not up to date'}")
     return 1 if stale and options.check else 0

@@ -5,7 +5,6 @@ import importlib
 import importlib.util
 import re
 from functools import cache
-from pathlib import Path
 
 import pytest
 

@@ -79,8 +79,8 @@ QUANTITIES = {
 }
 """What docs/scenes.md says of a scene: how it is called there, and in the report."""
 
-COMPARED = ("stuck", *QUANTITIES)
-"""All named scenes but `lift-off`, of which nothing is predicted."""
+COMPARED = tuple(name for name in NAMED_SCENES if name != "lift-off")
+"""Of `lift-off` nothing is predicted."""
 
 FIGURES = {
     "remote-shock": "slip_rate.png",
@@ -174,7 +174,7 @@ def _summary(scene: str, resolution: int) -> SummaryRow:
 
 def quantities(resolution: int = RESOLUTION) -> list[QuantityRow]:
     """What docs/scenes.md says of the scenes, one by one."""
-    return [row for scene in COMPARED[1:] for row in _quantities(scene, resolution)]
+    return [row for scene in QUANTITIES for row in _quantities(scene, resolution)]
 
 
 def _quantities(scene: str, resolution: int) -> Iterator[QuantityRow]:

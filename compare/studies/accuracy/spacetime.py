@@ -38,6 +38,7 @@ LENGTH = 2.0
 GRIDS = (128, 256, 512, 1024, 2048, 4096)
 COST_GRIDS = (256, 512, 1024, 2048, 4096, 8192)
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
+MEMORY_NODES = 1024
 RISE_TIMES = (0.25, 1.0, 4.0, 16.0, 64.0)
 STEPS_PER_PERIOD = (16, 32)
 NODES_IN_ZONE = (1, 2, 4, 8)
@@ -143,10 +144,10 @@ class MemoryRow:
 
 
 def memory() -> list[MemoryRow]:
-    """How many exponentials are enough, for 1024 nodes."""
+    """How many exponentials are enough for a thousand nodes."""
     scene, rows = NAMED_SCENES["preloaded"].scene, []
     for tolerance in TOLERANCES:
-        seconds, marched = _timed(partial(last_march, scene, 1024, tolerance=tolerance))
+        seconds, marched = _timed(partial(last_march, scene, MEMORY_NODES, tolerance=tolerance))
         used, error = marched.statistics, step_error(scene, marched)
         rows.append(MemoryRow(tolerance, used.poles, used.memory_error, error, seconds))
     return rows
