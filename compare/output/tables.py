@@ -1,4 +1,4 @@
-"""Rows of a study, dataclass instances, as CSV with checksums and as Markdown."""
+"""Rows of a study, dataclass instances, as CSV, with checksums where they are read back."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ PARSERS: dict[str, Parser] = {"int": int, "float": float, "str": str, "bool": "T
 """How cells are read back, by the type of their field."""
 
 
-def write_rows(path: Path, rows: Sequence[Any], checked: bool = False) -> None:
+def write_rows(path: Path, rows: Sequence[Any], checked: bool = False, command: str = "") -> None:
     """Write dataclass instances as CSV, whole or not at all; no rows, no file.
 
     Parameters
@@ -29,6 +29,8 @@ def write_rows(path: Path, rows: Sequence[Any], checked: bool = False) -> None:
     rows : sequence of dataclass instances
     checked : bool
         Whether a last column holds the checksum of each row, for tables that are read back.
+    command : str
+        What makes the file, for a comment in its first line, as the data of docs have it.
 
     Raises
     ------
@@ -39,10 +41,10 @@ def write_rows(path: Path, rows: Sequence[Any], checked: bool = False) -> None:
         return
     heading = _names(type(rows[0])) + ([_checksum_heading(len(rows))] if checked else [])
     cells = (_checked_cells(row) if checked else astuple(row) for row in rows)
-    write_text(path, _csv_text([heading, *cells], "\r\n"))
+    write_text(path, (f"# {command}\n" if command else "") + _csv_text([heading, *cells]))
 
 
-def read_rows(path: Path, kind: type[Row], what: str) -> list[Row]:
+def read_rows(path: Path, kind: type[Row], what: str, command: str) -> list[Row]:
     """Rows of a table written with checksums; none if there is no file.
 
     Parameters
@@ -51,6 +53,8 @@ def read_rows(path: Path, kind: type[Row], what: str) -> list[Row]:
     kind : dataclass
     what : str
         What the table is, for the error: "a chart".
+    command : str
+        What its first line says has made it.
 
     Raises
     ------
@@ -61,10 +65,12 @@ def read_rows(path: Path, kind: type[Row], what: str) -> list[Row]:
         return []
     try:
         with path.open(newline="", encoding="utf-8") as stream:
+            if stream.readline().strip() != f"# {command}":
+                raise ValueError("another first line")
             heading, *rows = csv.reader(stream, strict=True)
         if heading != [*_names(kind), _checksum_heading(len(rows))]:
             raise ValueError("unknown columns or lost rows")
-        damaged = [number for number, cells in enumerate(rows, start=2) if not _sound(cells)]
+        damaged = [number for number, cells in enumerate(rows, start=3) if not _sound(cells)]
         if damaged:
             raise ValueError(f"row {damaged[0]} does not fit its checksum")
         return [_parsed(kind, cells) for cells in rows]
@@ -98,12 +104,6 @@ def sound_rows(path: Path, kind: type[Row]) -> list[Row]:
     ]
 
 
-def markdown_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table of texts in Markdown, with a line end."""
-    lines = (heading, ["---"] * len(heading), *rows)
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
-
-
 def _names(kind: Any) -> list[str]:
     return [field.name for field in fields(kind)]
 
@@ -131,7 +131,7 @@ def _parsed(kind: type[Row], cells: Sequence[str]) -> Row:
     )
 
 
-def _csv_text(rows: Iterable[Sequence[Any]], line_end: str = "\n") -> str:
+def _csv_text(rows: Iterable[Sequence[Any]]) -> str:
     stream = io.StringIO(newline="")
-    csv.writer(stream, lineterminator=line_end).writerows(rows)
+    csv.writer(stream, lineterminator="\n").writerows(rows)
     return stream.getvalue()

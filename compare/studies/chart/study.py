@@ -40,7 +40,8 @@ from semianalytic.scene.named import NAMED_SCENES
 Array = NDArray[np.float64]
 
 SCENES = ("preloaded", "remote-shock", "auxetic", "ramp")
-FILE_NAME = "chart.csv"
+FILE_NAME = "data/chart.csv"
+COMMAND = "slipfront chart --output docs"
 CLOSED_FORM_FRICTION = {"preloaded": 0.8, "remote-shock": 0.9, "auxetic": 0.8}
 """Friction at which a scene of the chart has one slip zone and a closed form."""
 FINEST = 1e-12
@@ -335,7 +336,7 @@ def read_points(path: Path) -> list[Point]:
     DataFileError
         If the file is damaged or not a chart.
     """
-    points = read_rows(path, Point, "a chart")
+    points = read_rows(path, Point, "a chart", COMMAND)
     for point in points:
         if point.method not in METHODS or point.scene not in SCENES:
             raise DataFileError(
@@ -429,7 +430,7 @@ def measure_all(
     points = [point for point in points if same_machine(point)]
     for done, point in enumerate(_measured(todo, quick), start=len(wanted) - len(todo) + 1):
         points = _ordered([*points, point])
-        write_rows(path, points, checked=True)
+        write_rows(path, points, checked=True, command=COMMAND)
         if progress is not None:
             progress(done, len(wanted))
     return points
