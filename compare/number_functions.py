@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from compare.comparison.predictions import contact_nodes
+from compare.comparison.prediction import contact_nodes
 from compare.comparison.report import default_report
 from compare.studies import wear
 from compare.studies.accuracy import fem as fem_study

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from compare.comparison.history_rows import sense_maps, slips
-from compare.comparison.predictions import contact_nodes
+from compare.comparison.prediction import contact_nodes
 from compare.comparison.report import Report
 from compare.comparison.scales import slip_rate_scale, stress_scale, wave_speeds
 from compare.figures.interface import (
