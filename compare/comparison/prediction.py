@@ -103,7 +103,7 @@ def prediction_at_nodes(
         solution = solve(simulation.scene)
         whole = solution.history(x, t)
         seconds = sum(solution.statistics.seconds.values())
-        worn = solution.path(x, t[-1]), solution.friction_work(x, t[-1])
+        worn = solution.path(x, t[-1]), solution.work_density(x, t[-1])
         return Prediction(chosen, solution, whole, *worn, seconds)
     marched = _marched(simulation, float(x[-1]), float(t[-1]), progress)
     own, missed = marched.interface, marched.missed_zone
