@@ -373,7 +373,7 @@ def _work_error(scene: Scene, nodes: int, finest: int) -> float:
 def _march_work(scene: Scene, nodes: int) -> float:
     """Frictional work of a march to T = 1 on a length of 2, per unit thickness."""
     marched = march(scene, 1.0, nodes, length=2.0, every=10**9)
-    return float(marched.friction_work.sum() * marched.grid.spacing)
+    return float(marched.final_work_density.sum() * marched.grid.spacing)
 
 
 def march_trouble(nu: float, friction: float, step_ratio: float, damping: float) -> float:
