@@ -196,13 +196,11 @@ class Scene:
 
     def __repr__(self) -> str:
         """As it is made, without what is left at its default."""
-        parts = {
-            part.name: (getattr(self, part.name), part.default_factory) for part in fields(self)
-        }
+        parts = [(part, getattr(self, part.name)) for part in fields(self)]
         given = (
-            f"{name}={value!r}"
-            for name, (value, default) in parts.items()
-            if default is MISSING or value != default()
+            f"{part.name}={value!r}"
+            for part, value in parts
+            if part.default_factory is MISSING or value != part.default_factory()
         )
         return f"Scene({', '.join(given)})"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import astuple, fields
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,13 +97,9 @@ class MarchRecord:
         slip, path, work = (
             field[: self._observed] for field in (state.slip, state.path, state.work)
         )
-        totals = Totals(
-            np.asarray(state.time),
-            np.abs(slip).max(),
-            path.sum() * self._spacing,
-            work.sum() * self._spacing,
-        )
-        for kept, total in zip(self._totals, astuple(totals), strict=True):
+        largest = np.abs(slip).max()
+        totals = (state.time, largest, path.sum() * self._spacing, work.sum() * self._spacing)
+        for kept, total in zip(self._totals, totals, strict=True):
             kept[self._summed] = total
         self._summed += 1
 

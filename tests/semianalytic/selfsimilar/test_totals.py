@@ -211,6 +211,17 @@ def test_nothing_is_taken_before_the_load_or_without_friction():
     assert free.path(0.3, 1.0) > abs(free.slip(0.3, 1.0))  # it reverses around the Rayleigh front
 
 
+@pytest.mark.parametrize("shear", [1.0, -0.7])
+def test_slip_accumulates_without_friction_whichever_way_it_goes(shear):
+    scene = Scene(Material(1.0, 1.0, -0.5), 0.0, Tractions(1.0, 0.0), Tractions(0.0, shear))
+    free = solve(scene, rtol=1e-10)
+    speeds = singular_speeds(free)
+    slipped = integral(lambda x: free.path(x, 1.0), 0.0, max(speeds), speeds, 12)
+    net = integral(lambda x: free.slip(x, 1.0), 0.0, max(speeds), speeds, 12)
+    assert free.accumulated_slip(1.0) == pytest.approx(slipped, rel=1e-9)
+    assert slipped > 1.05 * abs(net)  # it reverses around the Rayleigh front
+
+
 @pytest.mark.parametrize("ends", [(-0.1, 1.0), (0.5, 0.4), (np.nan, 1.0), (np.inf, np.inf)])
 def test_bad_intervals_are_refused(ends):
     solution = solve(NAMED_SCENES["preloaded"].scene)
