@@ -13,6 +13,7 @@ from semianalytic.scene.errors import (
 )
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
@@ -48,6 +49,7 @@ __all__ = [
     "Tabulated",
     "TensionError",
     "Tractions",
+    "find_scene",
     "march",
     "march_on",
     "predict",

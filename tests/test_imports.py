@@ -97,7 +97,7 @@ def test_an_arrow_back_up_is_found(tmp_path):
 
 def test_files_hold_no_numerics():
     path = ROOT / "semianalytic" / "results" / "files.py"
-    allowed = {"h5py", "semianalytic.scene.errors"}
+    allowed = {"h5py", "semianalytic.scene.errors", "semianalytic.scene.extras"}
     for name in imported_modules(path):
         assert name in allowed or name.split(".")[0] in sys.stdlib_module_names, name
 

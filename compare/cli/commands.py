@@ -20,6 +20,7 @@ from compare.cli.refusals import in_options, printable
 from compare.cli.simulate_command import simulate_command
 from compare.cli.solve_command import solve_command
 from semianalytic.scene.errors import DataFileError, SlipfrontError
+from semianalytic.scene.extras import needing
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
@@ -86,7 +87,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _make_streams_lenient()
     os.environ["MPLBACKEND"] = "agg"  # figures go to files; no other backend need exist
     try:
-        app(args=arguments, prog_name="slipfront")
+        with needing("This command"):
+            app(args=arguments, prog_name="slipfront")
     except SlipfrontError as error:
         print(printable(in_options(str(error), _options(arguments))), file=sys.stderr)
         return error.exit_code

@@ -29,6 +29,7 @@ from compare.output.leftovers import REPORT, SNAPSHOTS, forget_figures
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.named import (
     DEFAULT_SCENE,
     find_scene,
@@ -69,6 +70,7 @@ def compare_command(
     The exit code is 0 if every quantity is within its tolerance, 1 if one is not, and 4 if the
     prediction has not converged.
     """
+    require("slipfront compare", *FEM, *PLOT)
     earlier = None
     if from_ is not None:
         earlier = _earlier_simulation(from_, scene_name, overrides, settings)

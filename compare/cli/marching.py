@@ -19,6 +19,7 @@ from compare.output.progress import progress_bar
 from semianalytic import Marched, Scene, march, march_on
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.extras import HDF5, require
 
 
 def march_command(
@@ -34,6 +35,8 @@ def march_command(
     """March a scene, or go on with a saved march, and say what happened."""
     options = dict(options)
     save, earlier = options.pop("save", None), options.pop("go_on", None)
+    if save is not None or earlier is not None:
+        require("a saved march", *HDF5)
     if save is not None:
         check_file(save)
     notes = Console(stderr=True)

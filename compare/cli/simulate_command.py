@@ -26,6 +26,7 @@ from compare.output.places import save_somewhere, working_folder
 from compare.output.progress import progress_bar
 from semianalytic import Scene
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.extras import FEM, require
 from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ def simulate_command(
     up again with the same options and --resume; the result is the same to the last bit.  A finished
     run removes its checkpoint.
     """
+    require("slipfront simulate", *FEM)
     label = scene_label(scene_name)
     directory = output or scene_folder(scene_name, overrides)
     scene = override_scene(find_scene(scene_name), **overrides)

@@ -27,6 +27,7 @@ from semianalytic import Scene, Solution, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.named import find_scene, override_scene, scene_label
 
 
@@ -55,6 +56,7 @@ def solve_command(
     """
     scene, label = override_scene(find_scene(scene_name), **overrides), scene_label(scene_name)
     if plot is not None:
+        require("slipfront solve --plot", *PLOT)
         from compare.figures.interface import figure_format
 
         figure_format(plot)

@@ -190,7 +190,7 @@ class Scene:
             raise SceneError(
                 "scene: the interface would already slide before the load arrives; lower the base "
                 "shear below friction times base pressure, or make base and load equal "
-                "(a sudden remote load)."
+                "for a sudden remote load (docs/limits.md)."
             )
         self.check_weakening(self.base.pressure)
 
@@ -212,7 +212,8 @@ class Scene:
             raise SceneError(
                 "scene: friction falls with slip rate faster than radiation can balance "
                 f"(by {slope:.4g} per slip rate under pressure {pressure:.4g}, the impedance is "
-                f"{radiated:.4g}); raise the rate or lower the reduction of the friction law."
+                f"{radiated:.4g}); raise the rate or lower the reduction of the "
+                "friction law (docs/limits.md)."
             )
 
     def _at_rest(self, tractions: Tractions) -> bool:
