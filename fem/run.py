@@ -293,7 +293,7 @@ def _check_stable(model: Model, step: int, work: float) -> float:
     if not math.isfinite(kinetic):
         raise ComputationError(
             f"the simulation lost its finite values at step {step} of {model.steps}; "
-            "lower the step ratio, or give loads and moduli of ordinary size."
+            "lower `step_ratio`, or give loads and moduli of ordinary size."
         )
     loads = sum(body.energy.external for body in model.bodies) * model.copies
     base = model.interface.work.external * model.time_step**2
@@ -302,7 +302,7 @@ def _check_stable(model: Model, step: int, work: float) -> float:
     if step >= FIRST_JUDGED and kinetic * model.copies > RUNAWAY * work:
         raise ComputationError(
             f"the simulation went unstable at step {step} of {model.steps}: its kinetic energy "
-            f"is more than {RUNAWAY:g} times the work of the loads; lower the step ratio "
+            f"is more than {RUNAWAY:g} times the work of the loads; lower `step_ratio` "
             f"(now {model.time_step / model.critical_step:.3g} of the critical step)."
         )
     return work

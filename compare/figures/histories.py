@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from compare.comparison.history_rows import sense_maps, slips
-from compare.comparison.predictions import contact_nodes
+from compare.comparison.prediction import contact_nodes
 from compare.comparison.report import Report
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.figures.interface import fronts_figure, slip_rate_figure, tractions_figure

@@ -2,25 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
-from semianalytic.results.files import new_file, refusal, write_bytes
+from semianalytic.results.files import refusal, write_bytes
 from semianalytic.scene.errors import DataFileError
-
-
-def write_whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Let `write` fill a temporary file beside `path`, then rename it to `path`.
-
-    Missing folders are created; what `path` held before stays until the new file is complete.
-
-    Raises
-    ------
-    DataFileError
-        If the file or its folder cannot be written.
-    """
-    with new_file(path) as part:
-        write(part)
 
 
 def write_text(path: Path, text: str) -> None:

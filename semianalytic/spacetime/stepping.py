@@ -248,7 +248,7 @@ def _step(
         transform = _cosines(rate)
     if not math.isfinite(float(transform[0])):
         raise ComputationError(
-            f"the march lost its finite values at t = {level.time:.4g}; lower step_ratio."
+            f"the march lost its finite values at t = {level.time:.4g}; lower `step_ratio`."
         )
     traction, new = line.traction(stopping, rate), rate[contact]
     work = before.work + half * (before.traction * old + traction * new)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.comparison.predictions import contact_nodes, predict
+from compare.comparison.prediction import contact_nodes, prediction_at_nodes
 from compare.comparison.report import Report, build_report
 from compare.comparison.rows import EDGE_CELLS, Row
 from compare.figures.histories import comparison_figures
@@ -134,7 +134,7 @@ def _report(scene: str, resolution: int) -> Report:
     from fem import simulate
 
     simulation = simulate(NAMED_SCENES[scene].scene, resolution=resolution)
-    return build_report(scene, predict(simulation), simulation)
+    return build_report(scene, prediction_at_nodes(simulation), simulation)
 
 
 def _rows(scene: str, resolution: int) -> dict[str, Row]:

@@ -9,7 +9,7 @@ import pytest
 from catalogue import UNIT
 
 from compare.cli.commands import main
-from compare.comparison.report import march_document
+from compare.comparison.documents import march_document
 from semianalytic import (
     Harmonic,
     Marched,
@@ -121,13 +121,15 @@ def test_what_turns_too_fast_is_refused(history, load):
     scene = sheared(history)
     if load == "pressure":
         scene = Scene(UNIT, 0.1, Tractions(2.0, 0.0), Tractions(0.5, 1.0), history)
-    with pytest.raises(SceneError, match=rf"the {load} history turns faster .* give [0-9.e+]+ nod"):
+    with pytest.raises(
+        SceneError, match=rf"the {load} history turns faster .* raise `nodes` to [0-9.e+]+,"
+    ):
         march(scene, nodes=200)
 
 
 def test_nodes_that_are_asked_for_are_enough():
     scene = sheared(Harmonic(40.0))
-    with pytest.raises(SceneError, match="give 310 nodes"):
+    with pytest.raises(SceneError, match="raise `nodes` to 310"):
         march(scene, 0.5, nodes=100)
     assert march(scene, 0.5, nodes=310, every=10**6).statistics.steps >= 310
 
@@ -237,7 +239,7 @@ def test_slip_below_the_grid_is_not_called_none(history, friction):
     assert np.abs(stuck).max() > friction  # it must slip
     assert not marched.seen.slip_rate.any()  # and is not seen to
     assert marched.status == "unresolved"
-    assert "times as many nodes" in marched.caution
+    assert "raise `nodes`" in marched.caution
     document = march_document(marched)
     assert document["status"] == "unresolved"
     assert document["caution"] == marched.caution
@@ -284,7 +286,7 @@ def test_no_slip_is_only_said_where_the_first_node_holds():
 def test_nodes_that_a_caution_asks_for_resolve_the_zone():
     scene = sheared(Step(), 5.0)
     coarse = march(scene, 0.5, 36)
-    times = float(coarse.caution.split("give ")[1].split()[0])
+    times = float(coarse.caution.split("raise `nodes` ")[1].split()[0])
     assert coarse.status == "unresolved"
     fine, finest = (march(scene, 0.5, int(36 * times * more), every=10**6) for more in (1, 5))
     assert fine.status == "resolved"
