@@ -139,6 +139,10 @@ def coulomb_traction(
     return np.clip(base + increment / compliance, -strength, strength)
 
 
+STICK, FORWARD, BACKWARD, OPEN = 0, 1, -1, 2
+"""What a pair of nodes does: neither, slip one way (the sign of the slip rate), or not touch."""
+
+
 class InterfaceWork(NamedTuple):
     """Work per unit thickness [stress length^2] taken by friction and by closing gaps, and done
     by the base tractions on slip and opening."""
@@ -180,6 +184,8 @@ class Interface:
         [stress].
     path : (n,) array
         |slip| accumulated up to the time level of the last kick, also while open [length].
+    offset : (n,) array
+        Opening at the time level of the last kick, zero to rounding where closed [length].
     work : InterfaceWork
         Up to the middle of the step before the last kick, as in `Body.energy`.
     """
@@ -197,18 +203,19 @@ class Interface:
         self.shear = np.full(len(length), float(scene.base.shear))
         self.strength = scene.friction * self.pressure
         self.path = np.zeros(len(length))
+        self.offset = np.zeros(len(length))
         self.work = InterfaceWork(0.0, 0.0, 0.0)
         self._friction = self._impact = self._external = 0.0
         self._rubbed = np.zeros(len(length))
 
     def state(self) -> NDArray[np.int8]:
-        """State of each pair in the step after the last kick: 0 stuck, +1 or -1 slips, 2 open."""
-        state = np.zeros(len(self.length), dtype=np.int8)
+        """What each pair does in the step after the last kick: STICK, FORWARD, BACKWARD, OPEN."""
+        state = np.full(len(self.length), STICK, dtype=np.int8)
         if self.sliding is not None:
             slides = np.abs(self.shear) >= self.strength
             state[slides] = np.sign(self.sliding.increment()[slides])
         if self.pressing is not None:
-            state[self.pressure == 0] = 2
+            state[self.pressure == 0] = OPEN
         return state
 
     def friction_work(self) -> NDArray[np.float64]:
@@ -249,8 +256,9 @@ class Interface:
 
     def _press(self, faces: Faces, part: float) -> None:
         base = self.scene.base.pressure
+        self.offset = faces.offset()
         self.pressure = contact_pressure(
-            faces.offset(), faces.increment(), base, part * faces.compliance
+            self.offset, faces.increment(), base, part * faces.compliance
         )
         faces.push(self.pressure - base, part)
         work = part * self.length * faces.mean_increment()
