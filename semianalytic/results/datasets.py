@@ -1,0 +1,57 @@
+"""Sampled quantities as xarray datasets, each with its name and its unit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from semianalytic.scene.errors import MissingLibraryError
+
+QUANTITIES: Mapping[str, tuple[str, str]] = {
+    "x": ("length", "position along the contact"),
+    "t": ("time", "time since the load"),
+    "slip": ("length", "relative slip, upper minus lower side"),
+    "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),
+    "shear_traction": ("stress", "shear traction, base included"),
+    "pressure": ("stress", "contact pressure, base included, compression positive"),
+    "max_slip": ("length", "largest |slip| on the contact"),
+    "accumulated_slip": ("length^2", "integral of accumulated |slip| over the contact"),
+    "frictional_work": ("stress length^2", "energy turned to heat per unit depth"),
+}
+"""Unit and meaning of what answers hold; units are those of the scene, any consistent set."""
+
+
+def dataset(x: ArrayLike, t: ArrayLike, values: Mapping[str, Any]) -> Any:
+    """Quantities at positions and times as an `xarray.Dataset` of dimensions t and x.
+
+    Every variable has the attributes `units` and `long_name` of `QUANTITIES`.
+
+    Parameters
+    ----------
+    x : (n,) array
+        [length].
+    t : (m,) array
+        [time].
+    values : mapping of name to array
+        Fields (m, n), and totals of the contact (m,).
+
+    Raises
+    ------
+    MissingLibraryError
+        If xarray is not installed.
+    """
+    try:
+        import xarray
+    except ImportError as error:
+        raise MissingLibraryError(
+            "xarray is not installed; install it with `pip install xarray`."
+        ) from error
+    data = xarray.Dataset(
+        {name: (("t", "x")[: value.ndim], value) for name, value in values.items()},
+        coords={"x": x, "t": t},
+    )
+    for name in ("x", "t", *values):
+        data[name].attrs["units"], data[name].attrs["long_name"] = QUANTITIES[name]
+    return data
