@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from compare.comparison.predictions import contact_nodes
 from compare.comparison.report import default_report
 from compare.studies import wear
 from compare.studies.accuracy import fem as fem_study
@@ -160,7 +159,7 @@ def largest_rates(scene: str) -> Numbers:
     At T where x/t is all that counts, over space and time from 0.2 T on otherwise.
     """
     report = _report(scene)
-    predicted, seen = report.prediction.interface, contact_nodes(report.simulation)
+    predicted, seen = report.prediction.interface, report.simulation.contact
     shown = seen.x > 4.5 * report.simulation.element_size
     since = 0.2 if report.prediction.solution is None else 1.0
     later = seen.t >= since * seen.t[-1]
@@ -504,8 +503,10 @@ def fem_damping(damping: float) -> Numbers:
 
 def radiated_impedance(element: str) -> float:
     """Least impedance of a pair of inner nodes over rho c_t at the default step."""
+    from fem import prepare
+
     scene = NAMED_SCENES["preloaded"].scene
-    faces = fem_study.default_model(scene, 40, element).interface.sliding
+    faces = prepare(scene, resolution=40, element=element).interface.sliding
     assert faces is not None  # shear slides
     return (faces.step / faces.compliance)[1:].min()
 

@@ -20,6 +20,7 @@ from fem.stepping import Body, critical_step, highest_frequency, normalised
 from meshes import cached_mesh
 from semianalytic.scene.scene import Scene
 
+
 @dataclass(frozen=True)
 class Numbering:
     """Nodes sorted by the time the first wave can reach them.

@@ -319,6 +319,18 @@ def make_plan(
         Fields of `Settings`, in place of those of `settings`.
     full : bool
         Whether whole fields are observed.
+
+    Raises
+    ------
+    SceneError
+        As `Settings` and `Plan`.
     """
+    if settings is None:
+        settings = Settings()
+    if not isinstance(settings, Settings):
+        raise SceneError(
+            f"simulate: settings must be fem.Settings, got {shown(settings)}; "
+            "give single options by name, as in resolution=50."
+        )
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
-    return Plan(scene, end_time, replace(settings or Settings(), **options), full)
+    return Plan(scene, end_time, replace(settings, **options), full)

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.interface import OPEN
 from fem.model import Model
-from fem.results import ContactHistory, EnergyHistory, Opening, SlotHistory
+from fem.results import EnergyHistory, Opening, SlotHistory
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.sampled import Totals
 from semianalytic.scene.scene import Scene
 
 LEAST_GAP = 1e-9
@@ -21,10 +21,10 @@ rounding is 1e-16 of it."""
 
 
 class Record:
-    """Histories of interface, slot, contact and energies, filled level by level.
+    """Histories of the interface, the slot and the energies, filled level by level.
 
-    Every n-th time level of interface and slot is stored, and the last one; what is summed up
-    over the contact, and the energies, are those of every step.
+    Every n-th time level of interface and slot is stored, and the last one; energies and totals of
+    the contact are those of every step.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Record:
         self._gap = np.zeros((rows, nodes))  # takes no memory until something opens
         self._state = np.zeros((rows, nodes), dtype=np.int8)
         self._velocity = np.zeros((2, rows, len(self._slot_x)))
-        self._contact = np.zeros((3, steps + 1))
+        self._totals = np.zeros((3, steps + 1))
         self._energy = np.zeros((6, steps + 1))
         self._opened = np.array([math.inf, 0.0, 0.0, 0.0])  # the fields of Opening
 
@@ -56,7 +56,7 @@ class Record:
         self._level = step
         if step:
             self._energy[:, step] = self._energies()
-            self._contact[:, step] = self._sums()
+            self._totals[:, step] = self._sums()
         offset = self.model.interface.offset
         gap = np.where(offset > self._least_gap, offset, 0.0)
         if gap.any():
@@ -88,7 +88,7 @@ class Record:
         return np.array([kinetic, strain, friction, damping, load + base, impact])
 
     def _sums(self) -> NDArray[np.float64]:
-        """Over the contact at this level, in the order of the fields of ContactHistory."""
+        """Over the contact at this level, in the order of the fields of Totals."""
         interface = self.model.interface
         if interface.sliding is None:
             return np.zeros(3)
@@ -121,7 +121,7 @@ class Record:
             "interface": self._interface[:, :rows],
             "slot": self._velocity[:, :rows],
             "energy": self._energy[:, :levels],
-            "contact": self._contact[:, :levels],
+            "totals": self._totals[:, :levels],
             "state": self._state[:rows],
             "gap": self._gap[:rows],
             "opened": self._opened,
@@ -135,7 +135,7 @@ class Record:
         self._interface[:, :rows] = stored["interface"]
         self._velocity[:, :rows] = stored["slot"]
         self._energy[:, :levels] = stored["energy"]
-        self._contact[:, :levels] = stored["contact"]
+        self._totals[:, :levels] = stored["totals"]
         self._state[:rows] = stored["state"]
         if stored["gap"].any():
             self._gap[:rows] = stored["gap"]
@@ -151,7 +151,7 @@ class Record:
             "state": self._state,
             "gap": self._gap,
             "slot": SlotHistory(self._slot_x, t, *self._velocity),
-            "contact_sums": ContactHistory(np.arange(steps + 1) * dt, *self._contact),
+            "totals": Totals(dt * np.arange(steps + 1.0), *self._totals),
             "energy": EnergyHistory(np.arange(0.5, steps) * dt, *self._energy[:, 1:]),
             "opened": None if math.isinf(first) else Opening(first, place, largest, length),
         }

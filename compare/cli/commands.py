@@ -311,7 +311,7 @@ def _simulate(
     from fem import cost
     from fem import simulate as run_simulation
     from fem.checkpoint import forget_checkpoint
-    from fem.room import check_room
+    from fem.budget import check_room
 
     settings = dict(settings)
     memory = settings.pop("memory", None)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
 from compare.comparison.measures import is_nothing, norm, onset_time, relative_error
-from compare.comparison.predictions import Prediction, contact_nodes
+from compare.comparison.predictions import Prediction
 from compare.comparison.rows import (
     EDGE_CELLS,
     NO_SLIP,
@@ -54,7 +54,7 @@ def sense_maps(
     prediction: Prediction, simulation: Simulation
 ) -> tuple[NDArray[np.int8], NDArray[np.int8], NDArray[np.bool_]]:
     """Predicted and simulated sense of slip, and what the waves have reached, (m, n) each."""
-    seen = contact_nodes(simulation)
+    seen = simulation.contact
     largest = float(np.abs(prediction.interface.slip_rate).max())
     speed = simulation.scene.material.longitudinal_speed
     reached = seen.x <= speed * seen.t[:, None]
@@ -73,7 +73,7 @@ def beside_edges(sense: NDArray[np.int8]) -> NDArray[np.bool_]:
 def rate_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
     """Relative L1 error of the slip rate over space and time, the four elements at the edge left
     out; the two values are means over V₀.  The largest value where none is predicted."""
-    predicted, seen = prediction.interface, contact_nodes(simulation)
+    predicted, seen = prediction.interface, simulation.contact
     shown = seen.x > EDGE_CELLS * simulation.element_size
     later = seen.t > EARLY * seen.t[-1]
     wanted, found = (field.slip_rate[np.ix_(later, shown)] for field in (predicted, seen))
@@ -121,7 +121,7 @@ def sense_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
 
 def event_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
     """Times over T at which slip starts and first reverses at probe points."""
-    predicted, seen = prediction.interface, contact_nodes(simulation)
+    predicted, seen = prediction.interface, simulation.contact
     end = seen.t[-1]
     length = simulation.scene.material.shear_speed * end
     largest = float(np.abs(predicted.slip_rate).max())
@@ -156,16 +156,21 @@ def _reversal(time: Array, slip_rate: Array, threshold: float) -> float | None:
 
 def wear_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
     """Slip and accumulated |slip| at the end, frictional work, and its part in each cycle."""
-    predicted, seen = prediction.interface, contact_nodes(simulation)
-    inside = simulation.interface.x > 0
+    predicted, seen = prediction.interface, simulation.contact
+    inside = simulation.on_contact
     scene, tolerance = simulation.scene, _tolerance("wear", 1, simulation)
     shown = seen.x < REACH * scene.material.shear_speed * seen.t[-1]
     slip, end = slip_rate_scale(scene) * seen.t[-1], seen.t[-1]
     work = slip * stress_scale(scene)
     for name, wanted, found, unit in (
         ("slip at the end", predicted.slip[-1], seen.slip[-1], slip),
-        ("accumulated |slip|", prediction.path, simulation.path[inside], slip),
-        ("frictional work", prediction.friction_work, simulation.friction_work[inside], work),
+        ("accumulated |slip|", prediction.path, simulation.final_path[inside], slip),
+        (
+            "frictional work",
+            prediction.friction_work,
+            simulation.final_work_density[inside],
+            work,
+        ),
     ):
         if is_nothing(wanted[shown], unit):
             yield nothing_row(name, wanted[shown], found[shown], unit, _no(name))

@@ -94,8 +94,7 @@ def predict(
     ComputationError
         If a march fails.
     """
-    history = simulation.interface
-    x, t = history.x[history.x > 0], history.t
+    x, t = simulation.contact.x, simulation.contact.t
     chosen = chosen_method(simulation.scene, method)
     if chosen == "self-similar":
         solution = solve(simulation.scene)
@@ -120,18 +119,4 @@ def predict(
         np.interp(x, own.x, marched.friction_work),
         sum(marched.statistics.seconds.values()),
         marched.caution,
-    )
-
-
-def contact_nodes(simulation: Simulation) -> InterfaceHistory:
-    """The history of a simulation on x > 0, without the node at the edge."""
-    history = simulation.interface
-    inside = history.x > 0
-    return InterfaceHistory(
-        history.x[inside],
-        history.t,
-        history.slip[:, inside],
-        history.slip_rate[:, inside],
-        history.shear_traction[:, inside],
-        history.pressure[:, inside],
     )

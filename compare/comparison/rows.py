@@ -161,16 +161,15 @@ def zone_rows(solution: Solution, simulation: Simulation) -> Iterator[Row]:
     of the predicted slip rate at the same nodes shows its bias, which is taken off; edges that it
     does not find there, of zones narrower than the mesh, are left out.
     """
-    history, scene = simulation.interface, solution.scene
+    history, scene = simulation.contact, solution.scene
     time, shear_speed = history.t[-1], scene.material.shear_speed
-    on_contact, cell = history.x > 0, simulation.element_size / time
-    velocity = history.x[on_contact] / time
+    cell, velocity = simulation.element_size / time, history.x / time
     threshold = SLIP_THRESHOLD * slip_rate_scale(scene)
     seen, expected = (
         slip_zones(velocity, slip_rate, threshold)
         for slip_rate in (
-            history.slip_rate[-1, on_contact],
-            solution.slip_rate(history.x[on_contact], time),
+            history.slip_rate[-1],
+            solution.slip_rate(history.x, time),
         )
     )
     for number, zone in enumerate(solution.zones, start=1):

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from compare.comparison.history_rows import sense_maps, slips
-from compare.comparison.predictions import contact_nodes
 from compare.comparison.report import Report
 from compare.comparison.scales import slip_rate_scale, stress_scale, wave_speeds
 from compare.figures.interface import (
@@ -50,7 +49,7 @@ def comparison_figures(report: Report) -> dict[str, Callable[[Report], Figure]]:
 def sense_figure(report: Report) -> Figure:
     """Maps of slip sense over (x, t): predicted, simulated, and where the two differ."""
     predicted, seen, reached = sense_maps(report.prediction, report.simulation)
-    history = contact_nodes(report.simulation)
+    history = report.simulation.contact
     material, end = report.simulation.scene.material, history.t[-1]
     length = material.shear_speed * end
     figure = Figure(figsize=(10.5, 4.2), layout="constrained")
@@ -85,7 +84,7 @@ def sense_figure(report: Report) -> Figure:
 
 def history_figure(report: Report) -> Figure:
     """Slip rate along the interface at four moments, by both methods."""
-    predicted, seen = report.prediction.interface, contact_nodes(report.simulation)
+    predicted, seen = report.prediction.interface, report.simulation.contact
     scene, end = report.simulation.scene, seen.t[-1]
     length, scale = scene.material.shear_speed * end, slip_rate_scale(scene)
     figure = Figure(figsize=(7, 7.5), layout="constrained")
@@ -108,19 +107,19 @@ def history_figure(report: Report) -> Figure:
 def wear_figure(report: Report) -> Figure:
     """Accumulated |slip| and frictional work along the interface at the end, by both methods."""
     prediction, simulation = report.prediction, report.simulation
-    scene, inside = simulation.scene, simulation.interface.x > 0
-    x, end = simulation.interface.x[inside], simulation.interface.t[-1]
+    scene, inside = simulation.scene, simulation.on_contact
+    x, end = simulation.contact.x, simulation.contact.t[-1]
     length = scene.material.shear_speed * end
     slip, stress = slip_rate_scale(scene) * end, stress_scale(scene)
     figure = Figure(figsize=(7, 5.5), layout="constrained")
     panels = figure.subplots(2, 1, sharex=True)
     for panel, label, wanted, found, unit in (
-        (panels[0], r"$\int |V|\,dt\ /\ V_0 T$", prediction.path, simulation.path, slip),
+        (panels[0], r"$\int |V|\,dt\ /\ V_0 T$", prediction.path, simulation.final_path, slip),
         (
             panels[1],
             r"frictional work $/\ \tau_0 V_0 T$",
             prediction.friction_work,
-            simulation.friction_work,
+            simulation.final_work_density,
             slip * stress,
         ),
     ):

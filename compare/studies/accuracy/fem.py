@@ -9,7 +9,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +28,6 @@ from semianalytic.scene.scene import Material, Scene, Tractions
 
 if TYPE_CHECKING:
     from fem import Simulation
-    from fem.model import Model
 
 Array = NDArray[np.float64]
 
@@ -324,45 +323,19 @@ def history_tables(resolutions: tuple[int, ...]) -> Iterator[Table]:
     yield table
 
 
-def default_model(scene: Scene, resolution: int, element: str = "Q1") -> Model:
-    """The model of default simulations on squares, ready to march to T = 1/c_t."""
-    from fem.assembly import find_family, make_space
-    from fem.model import build_model, choose_model
-    from meshes import cached_mesh, causal_blocks
-
-    size, end_time = 1 / resolution, 1 / scene.material.shear_speed
-    family = find_family(element, "squares")
-    blocks = causal_blocks(scene.material, end_time, size * family.spacing)
-    return build_model(
-        scene,
-        make_space(cached_mesh(blocks), family),
-        name=choose_model(scene, "auto"),
-        size=size,
-        end_time=end_time,
-        damping_time=0.02 * size / scene.material.shear_speed,
-        step_ratio=0.95,
-    )
-
-
 def cost_table(scene: str, resolutions: tuple[int, ...]) -> Table:
     """A full step over one product of the active part, and what the window and the halves save.
 
     Step and product are timed in turns, in one run, as medians.
     """
+    from fem import prepare
     from fem.run import peak_memory
-    from meshes import causal_blocks
 
     columns = ("unknowns", "product", "step", "ratio", "window saves", "trimming saves")
     table = _table(f"{scene}: cost of a step, ns per unknown", ["h / c_t T"], columns)
-    described = NAMED_SCENES[scene].scene
-    material = described.material
     for resolution in resolutions:
-        size = 1 / resolution
-        blocks, whole = (
-            causal_blocks(material, 1 / material.shear_speed, size, full=full)
-            for full in (False, True)
-        )
-        model = default_model(described, resolution)
+        model = prepare(NAMED_SCENES[scene].scene, resolution=resolution)
+        plan = model.plan
         unknowns = len(model.root)
         noise = np.random.default_rng(0).standard_normal(unknowns)
         for body in model.bodies:
@@ -381,8 +354,9 @@ def cost_table(scene: str, resolutions: tuple[int, ...]) -> Table:
                 _ = body.matrix @ noise
 
         product_time, step_time = _medians(product, step, 15)
-        levels = np.arange(model.steps + 1) * model.time_step * material.longitudinal_speed
-        active = np.mean([model.numbering.reached(front + 9 * size) for front in levels])
+        times = model.time_step * np.arange(1.0, model.steps + 2)
+        reach = plan.fastest.longitudinal_speed * times + plan.forerun
+        active = np.mean([model.numbering.reached(distance) for distance in reach])
         table.add_row(
             f"1/{resolution}",
             f"{model.unknowns:,}",
@@ -390,7 +364,7 @@ def cost_table(scene: str, resolutions: tuple[int, ...]) -> Table:
             f"{1e9 * step_time / model.unknowns:.1f}",
             f"{step_time / product_time:.2f}",
             f"{unknowns / active:.2f}",
-            f"{whole.elements / blocks.elements:.2f}",
+            f"{replace(plan, full=True).blocks.elements / plan.blocks.elements:.2f}",
         )
     table.caption = f"peak memory of this process {peak_memory() / 1e6:,.0f} MB"
     return table

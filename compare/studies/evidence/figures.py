@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from compare.comparison.rows import EDGE_CELLS
 from compare.comparison.scales import slip_rate_scale, stress_scale, wave_speeds
 from compare.figures.interface import PREDICTION, RATE_LABEL, SIMULATION
-from compare.studies.evidence.study import FEM, OPEN, PUBLISHED, SceneEvidence
+from compare.studies.evidence.study import FEM, PUBLISHED, SceneEvidence
 
 Array = NDArray[np.float64]
 
@@ -105,7 +105,7 @@ def opening_figure(found: SceneEvidence) -> Figure:
     panel.pcolormesh(
         history.x / length,
         history.t / simulation.end_time,
-        simulation.state == OPEN,
+        simulation.is_open,
         shading="nearest",
         cmap="Greys",
         rasterized=True,

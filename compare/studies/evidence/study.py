@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import in_profile, relative_error
-from compare.comparison.predictions import contact_nodes, predict
+from compare.comparison.predictions import predict
 from compare.comparison.report import Report, build_report
 from compare.comparison.rows import Row
 from compare.comparison.scales import slip_rate_scale
@@ -44,8 +44,6 @@ Array = NDArray[np.float64]
 
 FEM = "finite elements"
 PUBLISHED = "published algorithm"
-OPEN = 2
-"""State of an open node of a simulation."""
 RESOLUTION = 100
 ARTICLE_RESOLUTION, QUICK_ARTICLE_RESOLUTION = 60, 40
 QUICK_SCENES = ("preloaded", "remote-shock", "auxetic", "ramp")
@@ -97,7 +95,7 @@ class SceneEvidence:
     def histories(self) -> dict[str, InterfaceHistory]:
         """Histories at the contact nodes and times of the simulation, by method."""
         found = {report.prediction.method: report.prediction.interface for report in self.reports}
-        return {**found, FEM: contact_nodes(self.simulation)}
+        return {**found, FEM: self.simulation.contact}
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -129,7 +127,7 @@ class SceneEvidence:
         """
         if self.published is None:
             raise SceneError(f"the published algorithm does not apply to {self.source}.")
-        scene, history = self.scene, contact_nodes(self.simulation)
+        scene, history = self.scene, self.simulation.contact
         slowness = scene.material.shear_speed * history.t[:, None] / history.x
         unit = 2 * scene.friction * scene.load.pressure / scene.material.shear_impedance
         return np.asarray(unit * self.published.at(slowness))
@@ -300,7 +298,7 @@ def _closed_form(
     simulation = simulate(scene, resolution=resolution)
     predictions = [predict(simulation, method) for method in ("self-similar", "space-time")]
     histories = {prediction.method: prediction.interface for prediction in predictions}
-    histories[FEM] = contact_nodes(simulation)
+    histories[FEM] = simulation.contact
     velocity = histories[FEM].x / simulation.end_time
     shown = in_profile(velocity / scene.material.shear_speed)
     wanted = exact(velocity[shown])
