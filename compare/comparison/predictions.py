@@ -100,7 +100,7 @@ def predict(
         solution = solve(simulation.scene)
         whole = solution.history(x, t)
         seconds = sum(solution.statistics.seconds.values())
-        worn = solution.path(x, t[-1]), solution.friction_work(x, t[-1])
+        worn = solution.path(x, t[-1]), solution.work_density(x, t[-1])
         return Prediction(chosen, solution, whole, *worn, seconds)
     spacing = simulation.element_size / FINER
     nodes = int(np.ceil(x[-1] / spacing)) + 1

@@ -93,6 +93,12 @@ class Answer(Protocol):
         ...
 
 
+def sampled_history(answer: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+    """All fields of an answer at positions x (n,) [length] and times t (m,) [time]."""
+    x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
+    return InterfaceHistory(x, t, *(getattr(answer, name)(x, t[:, None]) for name in FIELDS))
+
+
 def answer_dataset(answer: Answer, x: ArrayLike, t: ArrayLike) -> Any:
     """Fields and totals of an answer as an `xarray.Dataset` of dimensions t and x.
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.results.answer import FIELDS, SlipInterval, answer_dataset
+from semianalytic.results.answer import SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
@@ -143,8 +143,7 @@ class SampledAnswer:
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
-        x, t = np.asarray(x, dtype=float), np.asarray(t, dtype=float)
-        return InterfaceHistory(x, t, *(getattr(self, name)(x, t[:, None]) for name in FIELDS))
+        return sampled_history(self, x, t)
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
         """Fields and totals at positions x (n,) and times t (m,) as an `xarray.Dataset`.

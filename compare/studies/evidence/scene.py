@@ -219,7 +219,7 @@ def _energy(scene: SceneEvidence) -> str:
             x, taken = prediction.interface.x, prediction.friction_work
             part, whole = float(np.trapezoid(taken, x)), math.nan
         else:
-            heat = prediction.solution.heat
+            heat = prediction.solution.frictional_work
             part, whole = float(heat(end, nodes[0], nodes[-1])), float(heat(end))
         shown = number(_work(part / unit)), number(_work(whole / unit))
         work.append((prediction.method, *shown))

@@ -440,5 +440,5 @@ def test_all_of_the_contact_takes_more_than_a_part_of_it(name):
     row = re.search(r"self-similar.*?(\d\.\d{6}).*?(\d\.\d{6})", work, re.DOTALL)
     part, whole = map(float, row.groups())
     assert 0 < part <= whole
-    heat = solve(scene.scene, rtol=1e-10).heat(scene.simulation.end_time)
+    heat = solve(scene.scene, rtol=1e-10).frictional_work(scene.simulation.end_time)
     assert whole == pytest.approx(float(heat) / energy_unit(scene), abs=1e-6)

@@ -155,7 +155,7 @@ def errors_of_integrals(solution, exact):
         errors["power"] = abs(float(solution.frictional_power(1.0)) / power - 1)
         part = solution.frictional_power(1.0, x) - exact.frictional_power(1.0, x)
         errors["power of a part"] = np.abs(part).max() / power
-    for name in ("slip", "path", "friction_work"):
+    for name in ("slip", "path", "work_density"):
         wanted, found = (getattr(one, name)(x, 1.0) for one in (exact, solution))
         errors[name] = np.abs(found - wanted).max() / max(np.abs(wanted).max(), 1e-300)
     wanted, found = exact.edge_slip_rate, solution.edge_slip_rate
