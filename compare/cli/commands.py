@@ -310,8 +310,8 @@ def _simulate(
     """Run the finite-element model and keep its history, and snapshots if wanted, on disk."""
     from fem import cost
     from fem import simulate as run_simulation
-    from fem.checkpoint import forget_checkpoint
     from fem.budget import check_room
+    from fem.checkpoint import forget_checkpoint
 
     settings = dict(settings)
     memory = settings.pop("memory", None)

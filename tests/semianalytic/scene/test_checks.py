@@ -8,7 +8,7 @@ import pytest
 
 import fem
 import semianalytic
-from fem.settings import Pace, Settings
+from fem.plan import Pace, Plan, Settings
 from semianalytic import (
     Harmonic,
     InterfaceHistory,
@@ -30,17 +30,6 @@ from semianalytic.scene.checks import LARGEST, SMALLEST, shown
 
 SOLID = Material(1.0, 1.0, 1 / 3)
 SCENE = Scene(SOLID, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
-SETTINGS = {
-    "end_time": 1.0,
-    "resolution": 10,
-    "damping": 0.02,
-    "step_ratio": 0.9,
-    "model": "auto",
-    "element": "Q1",
-    "mesh": "squares",
-    "every": 1,
-    "frames": 1,
-}
 
 TAKES_A_NUMBER = {
     "shear_modulus": lambda value: Material(value, 1.0, 0.3),
@@ -57,9 +46,9 @@ TAKES_A_NUMBER = {
     "distance": lambda value: SlipWeakening(0.5, value),
     "times": lambda value: Tabulated((value,), (1.0,)),
     "values": lambda value: Tabulated((1.0,), (value,)),
-    "end_time": lambda value: Settings(**(SETTINGS | {"end_time": value})),
-    "damping": lambda value: Settings(**(SETTINGS | {"damping": value})),
-    "step_ratio": lambda value: Settings(**(SETTINGS | {"step_ratio": value})),
+    "end_time": lambda value: Plan(SCENE, value, Settings()),
+    "damping": lambda value: Settings(damping=value),
+    "step_ratio": lambda value: Settings(step_ratio=value),
     "checkpoint_seconds": lambda value: Pace(seconds=value if value is not None else "None"),
 }
 TAKES_A_SIZE = ("shear_modulus", "density", "duration", "frequency", "rate", "distance", "end_time")
@@ -161,8 +150,8 @@ def test_counts_are_whole_numbers_of_bounded_size(value):
         lambda: march(SCENE, nodes=given),
         lambda: march(SCENE, every=value),
         lambda: slip_history(SCENE, nodes=given),
-        lambda: Settings(**(SETTINGS | {"resolution": value})),
-        lambda: Settings(**(SETTINGS | {"frames": value})),
+        lambda: Settings(resolution=value),
+        lambda: Settings(frames=value),
     ):
         with pytest.raises(SceneError, match=r"whole number|integer|at most"):
             take()
