@@ -196,17 +196,17 @@ def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (middle, high) if memory(middle, settings.every) <= allowed else (low, middle)
-    advice = [f"lower the resolution to {low}"] if low >= LEAST_RESOLUTION else []
+    advice = [f"lower `resolution` to {low}"] if low >= LEAST_RESOLUTION else []
     if memory(settings.resolution, cost.steps) <= allowed:
         every = settings.every
         while memory(settings.resolution, every) > allowed:
             every *= 2
-        advice.insert(0, f"store every {every}th step only")
+        advice.insert(0, f"raise `every` to {every}")
     check_memory(
         cost.memory,
         limit,
         f"simulate: {cost.unknowns:,} unknowns and {cost.steps:,} steps",
-        " or ".join(advice) or "shorten the end time or raise the limit",
+        " or ".join(advice) or "shorten `end_time` or raise `memory`",
     )
 
 

@@ -95,8 +95,8 @@ def check_resolved(
                 "take out samples that lie beside each other."
             )
         raise SceneError(
-            f"simulate: the {name} history turns back faster than this mesh can follow; raise the "
-            f"resolution from {resolution} to at least {needed}, or shorten the end time."
+            f"simulate: the {name} history turns back faster than this mesh can follow; raise "
+            f"`resolution` from {resolution} to at least {needed}, or shorten `end_time`."
         )
 
 

@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from fem.budget import Cost, check_fits, check_room, predict_cost
-from fem.checkpoint import Keeper, deferred_interrupt, run_identity, run_name
+from fem.checkpoint import Keeper, run_identity, run_name
 from fem.model import Model, build, timed
 from fem.plan import Pace, Settings, make_plan
 from fem.record import Record
 from fem.results import Simulation
 from fem.snapshots import Snapshots
+from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.scene import Scene
 
@@ -229,7 +230,7 @@ def _check_stable(model: Model, step: int, work: float) -> float:
     if not math.isfinite(kinetic):
         raise ComputationError(
             f"the simulation lost its finite values at step {step} of {model.steps}; "
-            "lower the step ratio, or give loads and moduli of ordinary size."
+            "lower `step_ratio`, or give loads and moduli of ordinary size."
         )
     loads = sum(body.energy.external for body in model.bodies) * model.copies
     base = model.interface.work.external * model.time_step**2
@@ -238,7 +239,7 @@ def _check_stable(model: Model, step: int, work: float) -> float:
     if step >= FIRST_JUDGED and kinetic * model.copies > RUNAWAY * work:
         raise ComputationError(
             f"the simulation went unstable at step {step} of {model.steps}: its kinetic energy "
-            f"is more than {RUNAWAY:g} times the work of the loads; lower the step ratio "
+            f"is more than {RUNAWAY:g} times the work of the loads; lower `step_ratio` "
             f"(now {model.time_step / model.critical_step:.3g} of the critical step)."
         )
     return work

@@ -94,5 +94,5 @@ def _check_radiation(
             "simulate: friction falls with slip rate faster than a node of the interface can "
             f"radiate (by {slope[worst]:.4g} per slip rate under the pressure it has reached, its "
             f"impedance is {radiated[worst]:.4g}); raise the rate or lower the reduction of the "
-            "friction law, or lower the step ratio."
+            "friction law, or lower `step_ratio`."
         )

@@ -69,7 +69,7 @@ class Blocks:
         if self.elements > MOST_ELEMENTS:
             raise SceneError(
                 f"mesh: {self.elements} elements are more than {MOST_ELEMENTS}; "
-                "lower the resolution, leave snapshots off, or lower the Poisson ratio."
+                "lower `resolution`, leave snapshots off, or lower `poisson_ratio`."
             )
 
     @property

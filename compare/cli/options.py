@@ -1,8 +1,9 @@
-"""Options that several commands share: scene parameters and finite-element settings."""
+"""Options that several commands share: scene parameters, settings of solvers, places, quietness."""
 
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
@@ -10,6 +11,25 @@ from typing import Annotated, Any
 
 import typer
 from rich.markup import escape
+
+from semianalytic.results.memory import GIGABYTE
+from semianalytic.scene.errors import SceneError
+
+SceneArgument = Annotated[
+    str, typer.Argument(metavar="SCENE", help="Name of a scene, or a TOML file.")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results only, no progress.")]
+NoSnapshots = Annotated[bool, typer.Option("--no-snapshots", help="Write no field snapshots.")]
+Output = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR",
+        help="Folder to write to; results/SCENE unless given, as in results/SCENE-friction-0.2.",
+    ),
+]
+Method = Annotated[
+    str, typer.Option(help="self-similar, space-time, or auto: the one the scene calls for.")
+]
 
 
 def _option(type_: type, panel: str, text: str) -> Any:
@@ -34,7 +54,7 @@ SCENE_OPTIONS: Mapping[str, Any] = {
 MESH_OPTIONS: Mapping[str, Any] = {
     name: _option(type_, "Finite elements", text)
     for name, (type_, text) in {
-        "end_time": (float, "Time T at which the simulation ends."),
+        "end_time": (float, "Time T at which the simulation ends [time]; 1 / c_t unless given."),
         "resolution": (int, "Elements per c_t T, 100 unless given."),
         "damping": (float, "Kelvin–Voigt time over h / c_t, 0.02 unless given."),
         "step_ratio": (float, "Time step over the critical one, 0.95 unless given."),
@@ -42,6 +62,7 @@ MESH_OPTIONS: Mapping[str, Any] = {
         "element": (str, "P1, Q1 or Q2; Q1 unless given."),
         "mesh": (str, "squares, graded, or triangles for P1; squares unless given."),
         "frames": (int, "Number of field snapshots, 20 unless given."),
+        "every": (int, "Store every n-th step of the histories, 1 unless given."),
         "memory": (float, "Most memory to take [GB], 70 % of what is free unless given."),
     }.items()
 }
@@ -49,12 +70,11 @@ MESH_OPTIONS: Mapping[str, Any] = {
 MARCH_OPTIONS: Mapping[str, Any] = {
     name: _option(type_, "Space-time solver", text)
     for name, (type_, text) in {
-        "end_time": (float, "Time T at which the march ends."),
         "nodes": (int, "Contact nodes; 1000, or what the loads need, unless given."),
-        "length": (float, "Length of the contact that is observed, c_l T unless given."),
+        "length": (float, "Part of the contact that is observed [length], c_l T unless given."),
         "step_ratio": (float, "c_t times the step over the node distance, 0.5 unless given."),
         "every": (int, "Store every n-th step."),
-        "latest": (float, "Time to which a saved march may go on, T unless given."),
+        "latest": (float, "Time to which a saved march may go on [time], T unless given."),
         "memory": (float, "Most memory to take [GB], 70 % of what is free unless given."),
         "save": (Path, "File to keep the march in (.h5)."),
         "go_on": (Path, "File of a saved march to go on with."),
@@ -83,7 +103,7 @@ def with_options(**groups: Mapping[str, Any]) -> Callable[[Callable[..., Any]], 
     """Give a command one option per entry of each group.
 
     The command itself takes each group as one keyword argument: a dictionary of the options that
-    were given on the command line.
+    were given on the command line.  Numbers that are not finite are refused.
 
     Parameters
     ----------
@@ -99,6 +119,7 @@ def with_options(**groups: Mapping[str, Any]) -> Callable[[Callable[..., Any]], 
             for argument, group in groups.items():
                 values = {name: given.pop(name) for name in group}
                 collected[argument] = {k: v for k, v in values.items() if v is not None}
+                _check_finite(collected[argument])
             return command(**given, **collected)
 
         own = inspect.signature(command, eval_str=True).parameters.values()
@@ -111,3 +132,19 @@ def with_options(**groups: Mapping[str, Any]) -> Callable[[Callable[..., Any]], 
         return run
 
     return decorate
+
+
+def option_name(argument: str) -> str:
+    """An option as it is typed."""
+    return "--" + argument.replace("_", "-")
+
+
+def in_bytes(gigabytes: float | None) -> float | None:
+    """An amount of memory as the solvers take it."""
+    return None if gigabytes is None else gigabytes * GIGABYTE
+
+
+def _check_finite(given: Mapping[str, Any]) -> None:
+    for name, value in given.items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise SceneError(f"{option_name(name)} must be a finite number, got {value}.")

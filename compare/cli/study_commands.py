@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
+from compare.cli.options import Quiet
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic.scene.errors import SceneError
@@ -20,7 +21,6 @@ Output = Annotated[
     typer.Option(metavar="DIR", help="Folder to write to, results/COMMAND if not given."),
 ]
 Quick = Annotated[bool, typer.Option("--quick", help="Coarser and smaller: a look at everything.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results only, no progress.")]
 
 
 def regimes(

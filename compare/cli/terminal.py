@@ -6,16 +6,30 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING
 
+from rich.markup import escape
 from rich.table import Table
 
-from compare.comparison.report import Report, edge_state, march_document
+from compare.cli.options import MARCH_OPTIONS, MESH_OPTIONS
+from compare.cli.refusals import in_options
+from compare.comparison.documents import (
+    END_DIMENSIONS,
+    edge_state,
+    end_document,
+    march_document,
+    units_document,
+)
+from compare.comparison.report import Report
 from compare.comparison.rows import Row, shown_number
-from compare.comparison.scales import speed_regime
-from semianalytic import Marched, Solution
+from compare.comparison.scales import reference_values, speed_regime
+from semianalytic import Marched, Scene, Solution
 from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:
     from fem import Simulation
+
+TOTALS = ("accumulated_slip", "frictional_work")
+DIFFERENCE_DIGITS = 3
 
 
 def scenes_table() -> Table:
@@ -27,11 +41,11 @@ def scenes_table() -> Table:
 
 
 def zones_table(solution: Solution, title: str) -> Table:
-    """Slip zones with their edge velocities, in the units given and over c_t."""
+    """Slip zones with their edge velocities, in the units of the scene and over c_t."""
     material = solution.scene.material
     table = Table("zone", "edge", title=title)
-    for heading in ("velocity", "velocity / c_t"):
-        table.add_column(heading, justify="right")
+    for heading in (f"velocity [{unit('length / time', solution.scene.units)}]", "velocity / c_t"):
+        table.add_column(escape(heading), justify="right")
     table.add_column("regime")
     table.add_column("sense")
     for number, zone in enumerate(solution.zones, start=1):
@@ -40,10 +54,10 @@ def zones_table(solution: Solution, title: str) -> Table:
             table.add_row(
                 str(number) if end == "inner" else "",
                 end,
-                _velocity(speed),
-                _velocity(speed / material.shear_speed),
+                _decimals(speed),
+                _decimals(speed / material.shear_speed),
                 speed_regime(speed, material),
-                ("slip" if zone.sense > 0 else "reverse slip") if end == "inner" else "",
+                _sense(zone.sense) if end == "inner" else "",
             )
     if not solution.zones:
         table.add_row("none", "", "", "", "stuck everywhere", "")
@@ -54,46 +68,55 @@ def facts_table(solution: Solution) -> Table:
     """Wave speeds, state of the edge, status, error estimate and statistics of a solution."""
     material = solution.scene.material
     mode_one, mode_two = solution.stress_intensity(1.0)
-    table = Table("quantity", "value", show_header=False)
-    facts = {
-        "c_R, c_t, c_l": ", ".join(
-            f"{speed:.6g}"
-            for speed in (
-                material.rayleigh_speed,
-                material.shear_speed,
-                material.longitudinal_speed,
-            )
-        ),
-        "edge": edge_state(solution),
-        "slip rate at the edge": f"{solution.edge_slip_rate:.6g}",
-        "slip rate far ahead": f"{solution.scene.far_slip_rate:.6g}",
-        "K_I, K_II at t = 1": f"{mode_one:.6g}, {mode_two:.6g}",
-        "status": solution.status,
-        "error estimate": f"{solution.error_estimate:.1e}",
-        **{
-            name.replace("_", " "): _plain(value)
-            for name, value in dataclasses.asdict(solution.statistics).items()
-        },
-    }
-    for name, value in facts.items():
-        table.add_row(name, value)
+    speeds = (material.rayleigh_speed, material.shear_speed, material.longitudinal_speed)
+    table = Table("quantity", "value", "unit", show_header=False)
+    for name, value, dimension in (
+        ("c_R, c_t, c_l", ", ".join(f"{speed:.6g}" for speed in speeds), "length / time"),
+        ("edge", edge_state(solution), ""),
+        ("slip rate at the edge", f"{solution.edge_slip_rate:.6g}", "length / time"),
+        ("slip rate far ahead", f"{solution.scene.far_slip_rate:.6g}", "length / time"),
+        ("K_I, K_II at t = 1", f"{mode_one:.6g}, {mode_two:.6g}", "stress sqrt(length)"),
+        ("status", solution.status, ""),
+        ("error estimate", f"{solution.error_estimate:.1e}", "relative"),
+    ):
+        table.add_row(name, value, unit(dimension, solution.scene.units))
+    for name, value in dataclasses.asdict(solution.statistics).items():
+        table.add_row(name.replace("_", " "), _plain(value), "s" if name == "seconds" else "")
+    return table
+
+
+def end_table(solution: Solution, end_time: float) -> Table:
+    """What has happened until an end time: zones in positions, slip, work."""
+    scene, end = solution.scene, end_document(solution, end_time)
+    units = units_document(end, END_DIMENSIONS, scene)
+    table = Table("quantity", "value", "unit", title=f"t = {_measure(end['time'], 'time', scene)}")
+    for number, zone in enumerate(end["zones"], start=1):
+        place = f"{zone['start']:.6g} < x < {_number(zone['end'])}"
+        table.add_row(f"zone {number}, {_sense(zone['sense'])}", place, units["zones"]["start"])
+    for name in ("largest_slip", "accumulated_slip", "frictional_work"):
+        table.add_row(_label(name), _number(end[name]), units[name])
+    modes = ", ".join(_number(value) for value in end["stress_intensity"].values())
+    table.add_row("K_I, K_II", modes, units["stress_intensity"])
     return table
 
 
 def march_table(marched: Marched, title: str) -> Table:
-    """What `report.march_document` says of a march, in the units of the scene."""
-    document = march_document(marched)
-    statistics = document.pop("statistics")
-    table = Table("quantity", "value", title=title)
-    for onset in document.pop("onset"):
+    """What `documents.march_document` says of a march, in the units of the scene."""
+    scene, document = marched.scene, march_document(marched)
+    statistics, units = document["statistics"], document["units"]
+    table = Table("quantity", "value", "unit", title=title)
+    for onset in document["onset"]:
         time = "never" if onset["time"] is None else f"{onset['time']:.6g}"
-        table.add_row(f"slip starts at x = {onset['x']:.4g}", time)
-    for name, value in document.pop("stress_intensity_of_a_stuck_edge").items():
-        table.add_row(f"{name} of a stuck edge", f"{value:.6g}")
+        place = _measure(onset["x"], "length", scene)
+        table.add_row(f"slip starts at x = {place}", time, units["onset"]["time"])
+    for mode, value in document["stress_intensity_of_a_stuck_edge"].items():
+        intensity = units["stress_intensity_of_a_stuck_edge"]
+        table.add_row(f"{mode} of a stuck edge", f"{value:.6g}", intensity)
     for name, value in document.items():
-        if name != "scene" and value != "":
-            text = value if isinstance(value, str) else f"{value:.6g}"
-            table.add_row(name.replace("_", " "), text)
+        if isinstance(value, str) and value:
+            table.add_row(name.replace("_", " "), in_options(value, MARCH_OPTIONS))
+        elif isinstance(value, (float, int)):
+            table.add_row(_label(name), f"{value:.6g}", units.get(name, ""))
     seconds = sum(statistics["seconds"].values())
     table.add_row(
         "cost",
@@ -116,31 +139,62 @@ def simulation_line(simulation: Simulation) -> str:
 
 
 def report_table(report: Report) -> Table:
-    """The rows of a report, failures in red."""
+    """The rows of a report with their units, failures in red; relative differences in per cent."""
     table = Table("quantity", title=f"Semi-analytic against finite elements: {report.label}")
+    table.add_column("unit")
     for heading in ("prediction", "FEM", "difference", "tolerance"):
         table.add_column(heading, justify="right")
     table.add_column("verdict")
     for row in report.rows:
         table.add_row(
             row.quantity,
+            row.unit,
             shown_number(row.prediction),
             shown_number(row.simulation),
-            shown_number(row.difference),
-            shown_number(row.tolerance),
+            _difference(row.difference, row),
+            _difference(row.tolerance, row),
             _verdict(row),
         )
     return table
 
 
+def references_line(report: Report) -> str:
+    """What the symbols in the units of a report stand for."""
+    references = reference_values(report.simulation.scene, report.simulation.end_time)
+    values = (f"{symbol} = {value:.4g} {unit}" for symbol, (value, unit) in references.items())
+    return f"Units: {', '.join(values)}; % of the prediction"
+
+
 def reasons_text(report: Report) -> str:
     """The distinct reasons behind the tolerances of a report, one a line; what a march misses."""
     reasons = dict.fromkeys(row.reason for row in report.rows if row.present)
-    cautions = [f"The march is unresolved: {text}." for text in [report.prediction.caution] if text]
-    return "\n".join([*(f"  · {reason}" for reason in reasons), *cautions])
+    lines = [f"  · {reason}" for reason in reasons]
+    if report.prediction.caution:
+        caution = in_options(report.prediction.caution, MESH_OPTIONS)
+        lines.append(f"The march is unresolved: {caution}.")
+    return "\n".join(lines)
 
 
-def _velocity(speed: float) -> str:
+def _label(name: str) -> str:
+    """Name of a number of a document, saying of totals that they are such."""
+    words = name.replace("_", " ")
+    return f"{words} over the contact" if name in TOTALS else words
+
+
+def _measure(value: float, dimension: str, scene: Scene) -> str:
+    """A value with its unit, where the scene has any."""
+    return f"{value:.4g} {unit(dimension, scene.units)}" if scene.units else f"{value:.4g}"
+
+
+def _sense(sense: int) -> str:
+    return "slip" if sense > 0 else "reverse slip"
+
+
+def _number(value: float) -> str:
+    return "∞" if math.isinf(value) else f"{value:.6g}"
+
+
+def _decimals(speed: float) -> str:
     return "∞" if math.isinf(speed) else f"{speed:.6f}"
 
 
@@ -148,6 +202,12 @@ def _plain(value: object) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{key} {_plain(item)}" for key, item in value.items())
     return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _difference(value: float | None, row: Row) -> str:
+    if value is None or not row.relative:
+        return shown_number(value, DIFFERENCE_DIGITS)
+    return f"{shown_number(100 * value, DIFFERENCE_DIGITS)} %"
 
 
 def _verdict(row: Row) -> str:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
-from compare.comparison.measures import is_nothing, norm, onset_time, relative_error
-from compare.comparison.predictions import Prediction
+from compare.comparison.measures import is_nothing, onset_time
+from compare.comparison.prediction import Prediction
 from compare.comparison.rows import (
     EDGE_CELLS,
     NO_SLIP,
@@ -19,11 +19,13 @@ from compare.comparison.rows import (
     Row,
     comparison_row,
     element_over_length,
+    error_row,
     nothing_row,
 )
 from compare.comparison.scales import load_time, slip_rate_scale, stress_scale
 from semianalytic import Harmonic, InterfaceHistory
 from semianalytic.scene.scene import Scene
+from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -72,26 +74,29 @@ def beside_edges(sense: NDArray[np.int8]) -> NDArray[np.bool_]:
 
 def rate_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
     """Relative L1 error of the slip rate over space and time, the four elements at the edge left
-    out; the two values are means over V₀.  The largest value where none is predicted."""
-    predicted, seen = prediction.interface, simulation.contact
-    shown = seen.x > EDGE_CELLS * simulation.element_size
-    later = seen.t > EARLY * seen.t[-1]
-    wanted, found = (field.slip_rate[np.ix_(later, shown)] for field in (predicted, seen))
+    out; the two values are means.  The largest value where none is predicted."""
+    predicted, simulated = prediction.interface, simulation.contact
+    x, t = simulated.x, simulated.t
+    shown, later = x > EDGE_CELLS * simulation.element_size, t > EARLY * t[-1]
     scale, quantity = slip_rate_scale(simulation.scene), "slip rate over space and time"
-    if is_nothing(wanted, scale):
-        # what slips next to the edge, or before, may be seen wider by what edges may be off
-        slipping = ~np.array([is_nothing(record, scale) for record in predicted.slip_rate.T])
-        still = ~binary_dilation(slipping, iterations=ZONE_CELLS) & shown
-        wanted, found = (field.slip_rate[np.ix_(later, still)] for field in (predicted, seen))
-        yield nothing_row(quantity, wanted, found, scale, NO_SLIP)
+    part = np.ix_(later, shown)
+    if not is_nothing(predicted.slip_rate[part], scale):
+        yield error_row(
+            quantity,
+            predicted.slip_rate[part],
+            simulated.slip_rate[part],
+            x[shown],
+            time=t[later],
+            tolerance=_tolerance(quantity, 4, simulation),
+            unit="V₀",
+            scale=scale * float(np.ptp(x[shown]) * np.ptp(t[later])),
+        )
         return
-    yield Row(
-        f"{quantity} in L1",
-        float(np.abs(wanted).mean()) / scale,
-        float(np.abs(found).mean()) / scale,
-        float(np.abs(found - wanted).sum() / np.abs(wanted).sum()),
-        *_tolerance("slip rate over space and time", 4, simulation),
-    )
+    # what slips next to the edge, or before, may be seen wider by what edges may be off
+    slipping = ~np.array([is_nothing(record, scale) for record in predicted.slip_rate.T])
+    part = np.ix_(later, ~binary_dilation(slipping, iterations=ZONE_CELLS) & shown)
+    rates = predicted.slip_rate[part], simulated.slip_rate[part]
+    yield nothing_row(quantity, *rates, scale, NO_SLIP, "V₀")
 
 
 def sense_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
@@ -120,30 +125,27 @@ def sense_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
 
 
 def event_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
-    """Times over T at which slip starts and first reverses at probe points."""
-    predicted, seen = prediction.interface, simulation.contact
-    end = seen.t[-1]
+    """Times in T at which slip starts and first reverses at probe points."""
+    predicted, simulated = prediction.interface, simulation.contact
+    end = simulated.t[-1]
     length = simulation.scene.material.shear_speed * end
     largest = float(np.abs(predicted.slip_rate).max())
-    tolerance = 2 * element_over_length(simulation) + 2 * (seen.t[1] - seen.t[0]) / end
+    tolerance = 2 * element_over_length(simulation) + 2 * (simulated.t[1] - simulated.t[0]) / end
     reason = (
         "onset and reversal: two elements at c_t and two steps, at 1 and 5 % of the largest rate"
     )
     # what is self-similar looks the same everywhere, only coarser near the edge
     for probe in PROBES[-1:] if simulation.scene.is_self_similar else PROBES:
-        node = int(np.argmin(np.abs(seen.x - probe * length)))
-        place = f"at x = {seen.x[node] / length:.2f} c_t T"
-        records = [field.slip_rate[:, node] for field in (predicted, seen)]
-        onsets = [onset_time(seen.t, record, SENSE_THRESHOLD * largest) for record in records]
-        reversals = [_reversal(seen.t, record, REVERSAL_THRESHOLD * largest) for record in records]
-        for name, times in (("slip onset", onsets), ("slip reversal", reversals)):
-            yield comparison_row(
-                f"{name} {place}",
-                None if times[0] is None else times[0] / end,
-                None if times[1] is None else times[1] / end,
-                tolerance,
-                reason,
-            )
+        node = int(np.argmin(np.abs(simulated.x - probe * length)))
+        place = f"at x = {simulated.x[node] / length:.2f} c_t T"
+        records = [field.slip_rate[:, node] for field in (predicted, simulated)]
+        for name, first_time, share in (
+            ("slip onset, above 1 % of the largest rate,", onset_time, SENSE_THRESHOLD),
+            ("slip reversal", _reversal, REVERSAL_THRESHOLD),
+        ):
+            onsets = [first_time(simulated.t, record, share * largest) for record in records]
+            expected, seen = (None if time is None else time / end for time in onsets)
+            yield comparison_row(f"{name} {place}", expected, seen, tolerance, reason, "T")
 
 
 def _reversal(time: Array, slip_rate: Array, threshold: float) -> float | None:
@@ -154,43 +156,37 @@ def _reversal(time: Array, slip_rate: Array, threshold: float) -> float | None:
     return onset_time(time, np.maximum(-np.sign(slip_rate[fast[0]]) * slip_rate, 0.0), threshold)
 
 
-def wear_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
-    """Slip and accumulated |slip| at the end, frictional work, and its part in each cycle."""
-    predicted, seen = prediction.interface, simulation.contact
+def slip_and_work_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
+    """Slip and accumulated |slip| at the end, frictional work, and its part in each cycle.
+
+    The two values are integrals over the contact.
+    """
+    predicted, simulated = prediction.interface, simulation.contact
     inside = simulation.on_contact
     scene, tolerance = simulation.scene, _tolerance("wear", 1, simulation)
-    shown = seen.x < REACH * scene.material.shear_speed * seen.t[-1]
-    slip, end = slip_rate_scale(scene) * seen.t[-1], seen.t[-1]
-    work = slip * stress_scale(scene)
-    for name, wanted, found, unit in (
-        ("slip at the end", predicted.slip[-1], seen.slip[-1], slip),
+    x, end = simulated.x, simulated.t[-1]
+    shown = x < REACH * scene.material.shear_speed * end
+    slip = slip_rate_scale(scene) * end, "V₀ T", unit("length^2", scene.units)
+    work = slip[0] * stress_scale(scene), "τ₀ V₀ T", unit("stress length^2", scene.units)
+    for name, expected, seen, (scale, symbol, summed) in (
+        ("slip at the end", predicted.slip[-1], simulated.slip[-1], slip),
         ("accumulated |slip|", prediction.path, simulation.final_path[inside], slip),
-        (
-            "frictional work",
-            prediction.friction_work,
-            simulation.final_work_density[inside],
-            work,
-        ),
+        ("frictional work", prediction.friction_work, simulation.final_work_density[inside], work),
     ):
-        if is_nothing(wanted[shown], unit):
-            yield nothing_row(name, wanted[shown], found[shown], unit, _no(name))
-            continue
-        yield Row(
-            f"{name} in L1",
-            norm(wanted[shown], seen.x[shown], 1),
-            norm(found[shown], seen.x[shown], 1),
-            relative_error(found[shown], wanted[shown], seen.x[shown], 1),
-            *tolerance,
-        )
-    unit = work * scene.material.shear_speed * end
-    for cycle, (wanted_work, found_work) in enumerate(_cycles(scene, predicted, seen), start=1):
+        pair = expected[shown], seen[shown]
+        if is_nothing(pair[0], scale):
+            yield nothing_row(name, *pair, scale, _no(name), symbol)
+        else:
+            yield error_row(name, *pair, x[shown], tolerance=tolerance, unit=summed)
+    scale = work[0] * scene.material.shear_speed * end
+    for cycle, (expected, seen) in enumerate(_cycles(scene, predicted, simulated), start=1):
         name = f"frictional work in cycle {cycle}"
-        if is_nothing(np.array(wanted_work), unit):
-            pair = np.array(wanted_work), np.array(found_work)
-            yield nothing_row(name, *pair, unit, _no("frictional work"))
-            continue
-        difference = abs(found_work - wanted_work) / wanted_work
-        yield Row(name, wanted_work, found_work, difference, *tolerance)
+        if is_nothing(np.array(expected), scale):
+            pair = np.array(expected), np.array(seen)
+            yield nothing_row(name, *pair, scale, _no("frictional work"), "τ₀ V₀ c_t T²")
+        else:
+            error = abs(seen - expected) / expected
+            yield Row(name, expected, seen, error, *tolerance, work[2], relative=True)
 
 
 def _no(name: str) -> str:
@@ -213,16 +209,16 @@ def _tolerance(what: str, elements: int, simulation: Simulation) -> tuple[float,
 
 
 def _cycles(
-    scene: Scene, predicted: InterfaceHistory, seen: InterfaceHistory
+    scene: Scene, predicted: InterfaceHistory, simulated: InterfaceHistory
 ) -> Iterator[tuple[float, float]]:
     """Frictional work per unit thickness in each whole cycle of a harmonic load, by both."""
     if not isinstance(scene.shear_history, Harmonic):
         return
     period = 1 / scene.shear_history.frequency
-    whole = int(seen.t[-1] / period * (1 + 1e-9))
+    whole = int(simulated.t[-1] / period * (1 + 1e-9))
     ends = period * np.arange(whole + 1)
     done = []
-    for history in (predicted, seen):
+    for history in (predicted, simulated):
         power: Array = np.asarray(
             np.trapezoid(history.slip_rate * history.shear_traction, history.x, axis=1)
         )

@@ -21,31 +21,40 @@ def in_profile(velocity: Array) -> NDArray[np.bool_]:
     return (velocity > 0.02) & (velocity < 1.9)
 
 
-def norm(values: Array, position: Array, order: int) -> float:
+def norm(values: Array, position: Array, order: int, time: Array | None = None) -> float:
     """Norm (∫ |values|^order d position)^(1/order) by the trapezoidal rule.
 
     Parameters
     ----------
-    values, position : (n,) arrays
-        Samples and where they were taken, increasing.
+    values : (n,) or (m, n) array
+        Samples, at several times if times are given.
+    position : (n,) array
+        Where they were taken, increasing.
     order : int
         1 for L1, 2 for L2.
+    time : (m,) array, optional
+        When they were taken, to be integrated over as well.
     """
-    return float(np.trapezoid(np.abs(values) ** order, position) ** (1 / order))
+    integral = np.trapezoid(np.abs(values) ** order, position)
+    if time is not None:
+        integral = np.trapezoid(integral, time)
+    return float(integral ** (1 / order))
 
 
-def relative_error(values: Array, prediction: Array, position: Array, order: int) -> float:
+def relative_error(
+    values: Array, prediction: Array, position: Array, order: int, time: Array | None = None
+) -> float:
     """Norm of the difference over the norm of the prediction; infinite where that is zero.
 
     Parameters
     ----------
-    values, prediction, position : (n,) arrays
-        Two answers at the same positions, increasing.
-    order : int
-        1 for L1, 2 for L2.
+    values, prediction : (n,) or (m, n) arrays
+        Two answers at the same positions, and times if they are given.
+    position, order, time
+        As for `norm`.
     """
-    size = norm(prediction, position, order)
-    return norm(values - prediction, position, order) / size if size > 0 else math.inf
+    size = norm(prediction, position, order, time)
+    return norm(values - prediction, position, order, time) / size if size > 0 else math.inf
 
 
 def is_nothing(values: Array, unit: float) -> bool:
@@ -56,7 +65,7 @@ def is_nothing(values: Array, unit: float) -> bool:
     return bool(np.abs(values).max(initial=0.0) <= NOTHING * unit)
 
 
-def slip_zones(velocity: Array, slip_rate: Array, threshold: float) -> tuple[SlipZone, ...]:
+def sampled_zones(velocity: Array, slip_rate: Array, threshold: float) -> tuple[SlipZone, ...]:
     """Slip zones seen in a sampled slip rate.
 
     A zone is a run of at least two samples of one sign beyond the threshold.  Its edges are

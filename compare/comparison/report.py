@@ -2,44 +2,50 @@
 
 from __future__ import annotations
 
-import json
-import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from types import NoneType
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from compare.comparison.arrival_rows import arrival_rows
+from compare.comparison.documents import (
+    SCENE_DIMENSIONS,
+    Dimensions,
+    json_text,
+    solution_document,
+    units_document,
+)
+from compare.comparison.edge_rows import onset_rows, zone_rows
 from compare.comparison.history_rows import (
-    PROBES,
-    SENSE_THRESHOLD,
     event_rows,
     rate_rows,
     sense_rows,
+    slip_and_work_rows,
     slips,
-    wear_rows,
 )
-from compare.comparison.predictions import Prediction, predict
-from compare.comparison.rows import (
-    Row,
-    arrival_rows,
-    onset_rows,
-    slip_rate_rows,
-    snapshot_rows,
-    traction_rows,
-    zone_rows,
-)
-from compare.comparison.scales import speed_regime
+from compare.comparison.prediction import Prediction, prediction_at_nodes
+from compare.comparison.profile_rows import slip_rate_rows, snapshot_rows, traction_rows
+from compare.comparison.rows import Row
+from compare.comparison.scales import reference_values
 from compare.comparison.snapshots import SlipRateProfile
 from compare.output.files import write_text
-from semianalytic import Marched, Solution
-from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.scene import scene_document
 
 if TYPE_CHECKING:
     from fem import Simulation
+
+
+REPORT_DIMENSIONS: Dimensions = {
+    "parameters": SCENE_DIMENSIONS,
+    "finite_elements": {
+        "end_time": "time",
+        "element_size": "length",
+        "damping": "element_size / c_t",
+        "time_step": "time",
+        "critical_step": "time",
+        "seconds": "s",
+    },
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +102,7 @@ def build_report(
         rows += [
             *sense_rows(prediction, simulation),
             *event_rows(prediction, simulation),
-            *wear_rows(prediction, simulation),
+            *slip_and_work_rows(prediction, simulation),
         ]
     return Report(label, prediction, simulation, tuple(rows))
 
@@ -106,13 +112,16 @@ def default_report(name: str) -> Report:
     from fem import simulate
 
     simulation = simulate(NAMED_SCENES[name].scene)
-    return build_report(name, predict(simulation), simulation)
+    return build_report(name, prediction_at_nodes(simulation), simulation)
 
 
 def report_document(report: Report) -> dict[str, Any]:
-    """The report as plain dictionaries, lists, strings and finite numbers, for JSON."""
+    """The report as plain dictionaries, lists, strings and finite numbers, for JSON.
+
+    "units" mirrors it; what rows call their unit is in units/rows, or a unit by itself.
+    """
     simulation, solution = report.simulation, report.prediction.solution
-    return {
+    document: dict[str, Any] = {
         "scene": report.label,
         "passed": report.passed,
         "parameters": scene_document(simulation.scene),
@@ -136,101 +145,12 @@ def report_document(report: Report) -> dict[str, Any]:
             {**asdict(row), "present": row.present, "passed": row.passed} for row in report.rows
         ],
     }
-
-
-def solution_document(solution: Solution) -> dict[str, Any]:
-    """A solution as plain dictionaries, lists, strings and finite numbers, for JSON.
-
-    An outer edge at infinity (the whole interface slips) is null.
-    """
-    material = solution.scene.material
-    mode_one, mode_two = solution.stress_intensity(1.0)
-    return {
-        "scene": scene_document(solution.scene),
-        "wave_speeds": {
-            "rayleigh": material.rayleigh_speed,
-            "shear": material.shear_speed,
-            "longitudinal": material.longitudinal_speed,
-        },
-        "zones": [
-            {
-                "inner": zone.inner,
-                "outer": zone.outer if math.isfinite(zone.outer) else None,
-                "sense": zone.sense,
-                "inner_regime": speed_regime(zone.inner, material),
-                "outer_regime": speed_regime(zone.outer, material),
-            }
-            for zone in solution.zones
-        ],
-        "edge": {
-            "state": edge_state(solution),
-            "slip_rate": float(solution.edge_slip_rate),
-            "stress_intensity_at_unit_time": {"K_I": float(mode_one), "K_II": float(mode_two)},
-        },
-        "far_slip_rate": solution.scene.far_slip_rate,
-        "status": solution.status,
-        "error_estimate": float(solution.error_estimate),
-        "statistics": asdict(solution.statistics),
+    references = reference_values(simulation.scene, simulation.end_time)
+    document["units"] = units_document(document, REPORT_DIMENSIONS, simulation.scene)
+    document["units"]["rows"] = {
+        symbol: f"{value:.10g} {unit}" for symbol, (value, unit) in references.items()
     }
-
-
-def march_document(marched: Marched) -> dict[str, Any]:
-    """A march as plain dictionaries, lists, strings and finite numbers, for JSON."""
-    scene, seen, x, spacing = marched.scene, marched.seen, marched.grid.x, marched.grid.spacing
-    largest = float(seen.slip_rate.max())
-    length = scene.material.shear_speed * marched.end_time
-    threshold = SENSE_THRESHOLD * largest
-    mode_one, mode_two = (
-        intensity_history(history, scene.load, scene.material, marched.end_time)[mode]
-        for mode, history in enumerate((scene.pressure_history, scene.shear_history))
-    )
-    return {
-        "scene": scene_document(scene),
-        "method": "space-time",
-        "status": marched.status,
-        "caution": marched.caution,
-        "end_time": marched.end_time,
-        "largest_slip_rate": largest,
-        "largest_slip": float(seen.slip.max()),
-        "reach_of_slip": float(x[seen.slip_rate > threshold].max(initial=0.0)),
-        "reach_of_reverse_slip": float(x[-seen.reverse > threshold].max(initial=0.0)),
-        "onset": [
-            {
-                "x": float(x[node]),
-                "time": float(seen.onset[node]) if math.isfinite(seen.onset[node]) else None,
-            }
-            for node in (int(np.argmin(np.abs(x - probe * length))) for probe in PROBES)
-        ],
-        "accumulated_slip": float(marched.path.sum() * spacing),
-        "friction_work": float(marched.friction_work.sum() * spacing),
-        "stress_intensity_of_a_stuck_edge": {"K_I": float(mode_one), "K_II": float(mode_two)},
-        "stored_levels": len(marched.interface.t),
-        "statistics": {
-            name: getattr(marched.statistics, name)
-            for name in ("nodes", "steps", "poles", "memory_error", "seconds")
-        },
-    }
-
-
-def edge_state(solution: Solution) -> str:
-    """ "slipping" or "stuck": what the interface does at the edge of the slot, x = 0+."""
-    return "slipping" if solution.zones and solution.zones[0].inner == 0 else "stuck"
-
-
-def json_text(document: dict[str, Any]) -> str:
-    """JSON of a document, numbers of numpy included; null for what is not a finite number."""
-    return json.dumps(_finite(document), indent=2, allow_nan=False) + "\n"
-
-
-def _finite(part: Any) -> Any:
-    """Part of a document with None in place of infinities and what is not a number."""
-    if isinstance(part, dict):
-        return {key: _finite(value) for key, value in part.items()}
-    if isinstance(part, (list, tuple)):
-        return [_finite(value) for value in part]
-    if isinstance(part, (str, int, NoneType)):
-        return part
-    return float(part) if math.isfinite(part) else None
+    return document
 
 
 def write_report(report: Report, path: Path) -> None:

@@ -6,6 +6,7 @@ import math
 from itertools import pairwise
 
 from semianalytic import Material, Scene
+from semianalytic.scene.units import unit
 
 
 def stress_scale(scene: Scene) -> float:
@@ -23,6 +24,20 @@ def slip_rate_scale(scene: Scene) -> float:
     This is how fast two frictionless faces part company under a plane shear wave of amplitude τ₀.
     """
     return 2 * stress_scale(scene) / scene.material.shear_impedance
+
+
+def reference_values(scene: Scene, end_time: float) -> dict[str, tuple[float, str]]:
+    """What values of a comparison are given in: value and unit by symbol."""
+    values = {
+        "c_t": (scene.material.shear_speed, "length / time"),
+        "T": (end_time, "time"),
+        "τ₀": (stress_scale(scene), "stress"),
+        "V₀": (slip_rate_scale(scene), "length / time"),
+    }
+    return {
+        symbol: (value, unit(dimension, scene.units))
+        for symbol, (value, dimension) in values.items()
+    }
 
 
 def load_time(scene: Scene, end_time: float) -> float:

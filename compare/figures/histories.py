@@ -108,7 +108,7 @@ def wear_figure(report: Report) -> Figure:
     """Accumulated |slip| and frictional work along the interface at the end, by both methods."""
     prediction, simulation = report.prediction, report.simulation
     scene, inside = simulation.scene, simulation.on_contact
-    x, end = simulation.contact.x, simulation.contact.t[-1]
+    x, end = simulation.contact.x, simulation.interface.t[-1]
     length = scene.material.shear_speed * end
     slip, stress = slip_rate_scale(scene) * end, stress_scale(scene)
     figure = Figure(figsize=(7, 5.5), layout="constrained")

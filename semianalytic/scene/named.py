@@ -20,6 +20,8 @@ TABLES = {
     "load": ("pressure", "shear"),
 }
 OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law")
+UNITS = "units"
+"""Optional key; what it may be is for the scene to judge."""
 
 
 @dataclass(frozen=True)
@@ -131,6 +133,7 @@ def read_scene(path: str | Path) -> Scene:
     ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units; and if
     wanted ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
     ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).
+    ``units = "SI"`` before the tables makes all output say m, s and Pa.
 
     Raises
     ------
@@ -147,7 +150,7 @@ def read_scene(path: str | Path) -> Scene:
         raise SceneError(f"{path} is not a valid TOML file: {error}.") from error
     except RecursionError as error:
         raise SceneError(f"{path} nests brackets too deeply; give a scene file.") from error
-    _check_keys(path, "", document, ("friction", *TABLES), OPTIONAL_TABLES)
+    _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, UNITS))
     for table, keys in TABLES.items():
         _check_keys(path, f"{table}.", document[table], keys)
     try:
@@ -204,13 +207,13 @@ def _check_keys(
     known = (*expected, *optional)
     for key, value in table.items():
         if key not in known:
-            close = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+            close = difflib.get_close_matches(key, known, n=1)
             hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
             raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
         if key in (*TABLES, *OPTIONAL_TABLES):
             if not isinstance(value, dict):
                 raise SceneError(f"{path}: {key} must be a table, [{key}], got {shown(value)}.")
-        elif finite(value) is None:
+        elif key != UNITS and finite(value) is None:
             raise SceneError(f"{path}: {prefix}{key} must be a number, got {shown(value)}.")
     for key in expected:
         if key not in table:

@@ -19,6 +19,7 @@ from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.units import SI
 
 HISTORY_KINDS: Mapping[str, type] = {
     "step": Step,
@@ -135,6 +136,9 @@ class Scene:
         How P_0 and Q_0 rise and fall, f(t); steps unless given.
     friction_law : FrictionLaw
         What multiplies friction during slip; nothing unless given.
+    units : str
+        "SI" if all numbers are in metres, seconds, kilograms and pascals, which tables then say;
+        "" for any consistent set.  Scenes that differ in it alone are equal.
 
     Raises
     ------
@@ -151,6 +155,7 @@ class Scene:
     pressure_history: LoadHistory = field(default_factory=Step)
     shear_history: LoadHistory = field(default_factory=Step)
     friction_law: FrictionLaw = field(default_factory=CoulombFriction)
+    units: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         for name, kind in (("material", Material), ("base", Tractions), ("load", Tractions)):
@@ -168,6 +173,8 @@ class Scene:
             if type(part) not in kinds.values():
                 known = ", ".join(kind.__name__ for kind in kinds.values())
                 raise SceneError(f"scene: {name} must be one of {known}, got {shown(part)}.")
+        if self.units not in ("", SI):
+            raise SceneError(f'scene: units must be "SI" or left out, got {shown(self.units)}.')
         if self.friction < 0:
             raise SceneError(f"scene: friction must not be negative, got {self.friction}.")
         if self.base.pressure < 0:
@@ -225,7 +232,7 @@ class Scene:
         if not self.is_self_similar:
             raise SceneError(
                 "the self-similar solver takes step loads and constant friction only; "
-                "use the space-time solver for this scene."
+                "use the space-time solver (`method` space-time) for this scene."
             )
 
     @property
@@ -244,7 +251,8 @@ class Scene:
 def scene_document(scene: Scene) -> dict[str, Any]:
     """A scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
 
-    Histories and friction law are named by `kind` and left out where they are the default.
+    Histories and friction law are named by `kind`; they and the units are left out where they are
+    the default.
     """
     document: dict[str, Any] = {
         "friction": scene.friction,
@@ -262,6 +270,8 @@ def scene_document(scene: Scene) -> dict[str, Any]:
         if part != default:
             kind = next(key for key, value in kinds.items() if value is type(part))
             document[name] = {"kind": kind, **asdict(part)}
+    if scene.units:
+        document["units"] = scene.units
     return document
 
 
@@ -288,6 +298,7 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
         friction=document["friction"],
         base=Tractions(**document["base"]),
         load=Tractions(**document["load"]),
+        units=document.get("units", ""),
         **parts,
     )
 

@@ -312,7 +312,7 @@ def _advance(
             work = work + dt / 2 * (power + traction * rate[contact])
             if not math.isfinite(float(transform[0])):
                 raise ComputationError(
-                    f"the march lost its finite values at t = {now:.4g}; lower step_ratio."
+                    f"the march lost its finite values at t = {now:.4g}; lower `step_ratio`."
                 )
             seen = seen.with_level(
                 reached, now, before[: grid.observed], rate[observed], slip[: grid.observed]
@@ -403,7 +403,8 @@ def _check_resolved(scene: Scene, spacing: float) -> None:
     if zone < _CELLS_PER_WEAKENING * spacing:
         raise SceneError(
             f"march: friction weakens within about {zone:.3g} of length, which nodes {spacing:.3g} "
-            f"apart do not resolve; give {_CELLS_PER_WEAKENING * spacing / zone:.2g} times as many."
+            "apart do not resolve; raise `nodes` "
+            f"{_CELLS_PER_WEAKENING * spacing / zone:.2g} times."
         )
 
 

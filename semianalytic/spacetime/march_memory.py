@@ -40,7 +40,7 @@ def check_size(
         state_bytes(size, _TYPICAL_POLES),
         memory,
         f"march: a grid of {size:.3g} nodes",
-        "give fewer nodes, an earlier end time or `latest`, or a longer length",
+        "lower `nodes`, `end_time` or `latest`, or raise `length`",
     )
 
 
@@ -60,7 +60,7 @@ def affordable_every(marched: Marched, memory: float | None, steps: int, table: 
         fixed,
         memory,
         f"march: {steps:.6g} steps of {grid.size} nodes",
-        "give fewer nodes, longer steps, an earlier end time, or a longer length",
+        "lower `nodes` or `end_time`, or raise `step_ratio` or `length`",
     )
     levels = (memory_limit(memory) - fixed) // per_level + 1
     return max(marched.every, math.ceil(steps / levels))

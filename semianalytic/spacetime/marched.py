@@ -15,7 +15,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene, scene_document, scene_from_document
 from semianalytic.spacetime.exponentials import Memory
-from semianalytic.spacetime.resolution import unresolved_zone
+from semianalytic.spacetime.resolution import MissedZone, missed_zone
 
 Array = NDArray[np.float64]
 
@@ -198,14 +198,22 @@ class Marched:
         return self.state.time
 
     @cached_property
+    def missed_zone(self) -> MissedZone | None:
+        """Slip at the edge over less than four nodes, for which the grid is too coarse."""
+        slips = self.seen.slip_rate > 0
+        reach = float(self.grid.x[slips].max(initial=0.0))
+        return missed_zone(self.scene, self.end_time, self.grid.spacing, reach)
+
+    @property
     def caution(self) -> str:
         """What the grid is too coarse for, as a sentence; "" if nothing is known to be missed.
 
-        Told where the edge slips over less than four nodes: in place of an answer of "no slip".
+        Told in place of an answer of "no slip".
         """
-        slips = self.seen.slip_rate > 0
-        reach = float(self.grid.x[slips].max(initial=0.0))
-        return unresolved_zone(self.scene, self.end_time, self.grid.spacing, reach)
+        missed = self.missed_zone
+        if missed is None:
+            return ""
+        return f"{missed}; raise `nodes` {missed.refinement} times, or shorten `length` as much"
 
     @property
     def status(self) -> str:

@@ -38,8 +38,8 @@ class Recursion:
         shortest = float(feedback[-1])
         if shortest >= LARGEST_FEEDBACK:
             raise SceneError(
-                "march: step_ratio is beyond the stable range for this Poisson ratio; lower it by "
-                f"{math.ceil(100 * (1 - math.sqrt(LARGEST_FEEDBACK / shortest)))} %."
+                "march: `step_ratio` is beyond the stable range for this Poisson ratio; lower it "
+                f"by {math.ceil(100 * (1 - math.sqrt(LARGEST_FEEDBACK / shortest)))} %."
             )
         self.feedback = feedback + max(damping - shortest, 0.0) * (phase / phase[-1]) ** 4
 

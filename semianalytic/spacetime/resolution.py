@@ -11,6 +11,7 @@ nodes a grid sees little, and of one below the first node nothing.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,8 +102,8 @@ def check_loads(
     if needed > most:
         raise SceneError(
             f"march: the {name} history turns faster than {most} nodes on a length of {length:.4g} "
-            f"follow; give {_rounded(needed)} nodes, or a length "
-            f"{needed / most:.2g} times shorter."
+            f"follow; raise `nodes` to {_rounded(needed)}, or shorten `length` "
+            f"{needed / most:.2g} times."
         )
     return needed
 
@@ -149,8 +150,35 @@ def nodes_for_zone(scene: Scene, end_time: float, length: float) -> int:
     return math.ceil(_ZONE_NODES * length / zone) if zone else 0
 
 
-def unresolved_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> str:
-    """What a march misses at the edge, as a sentence; "" if nothing.
+@dataclass(frozen=True)
+class MissedZone:
+    """A slip zone at the edge of which a grid sees next to nothing.
+
+    Attributes
+    ----------
+    length : float
+        Of the zone [length].
+    spacing : float
+        Of the nodes [length].
+    """
+
+    length: float
+    spacing: float
+
+    def __str__(self) -> str:
+        return (
+            f"the edge slips over a length of about {self.length:.2g}, which nodes "
+            f"{self.spacing:.2g} apart do not resolve"
+        )
+
+    @property
+    def refinement(self) -> str:
+        """How many times as many nodes resolve the zone, in digits."""
+        return _rounded(_ZONE_NODES * self.spacing / self.length)
+
+
+def missed_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> MissedZone | None:
+    """What a march misses at the edge; None if nothing.
 
     Parameters
     ----------
@@ -164,11 +192,6 @@ def unresolved_zone(scene: Scene, end_time: float, spacing: float, reach: float)
     """
     least = _ZONE_NODES * spacing
     if reach >= least:
-        return ""
+        return None
     zone = zone_at_edge(scene, end_time)
-    if not 0 < zone < least:
-        return ""
-    return (
-        f"the edge slips over a length of about {zone:.2g}, which nodes {spacing:.2g} apart do not "
-        f"resolve; give {_rounded(least / zone)} times as many nodes, or as much shorter a length"
-    )
+    return MissedZone(zone, spacing) if 0 < zone < least else None

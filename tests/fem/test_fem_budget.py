@@ -105,7 +105,7 @@ def test_too_much_memory_is_refused_with_a_resolution_that_fits():
     limit = 150e6
     sentence = refusal(scene=SHEARED, resolution=1000, memory=limit)
     assert "are allowed" in sentence
-    fitting = named_number(sentence, "lower the resolution to ")
+    fitting = named_number(sentence, "lower `resolution` to ")
     assert cost(SHEARED, resolution=fitting).memory <= 1.02 * limit
     assert cost(SHEARED, resolution=fitting + 2).memory > 0.98 * limit
 
@@ -113,12 +113,12 @@ def test_too_much_memory_is_refused_with_a_resolution_that_fits():
 def test_histories_too_long_for_memory_may_be_thinned():
     options = {"scene": SHEARED, "resolution": 60, "step_ratio": 1e-3}
     sentence = refusal(**options, memory=400e6)
-    every = named_number(sentence, "store every ")
+    every = named_number(sentence, "raise `every` to ")
     assert cost(**options, every=every).memory <= 400e6 < cost(**options).memory
 
 
 def test_run_that_never_fits_says_so():
-    assert "shorten the end time or raise the limit" in refusal(scene=SHEARED, memory=1e6)
+    assert "shorten `end_time` or raise `memory`" in refusal(scene=SHEARED, memory=1e6)
 
 
 @pytest.mark.parametrize("memory", [0, -1e9, float("nan"), "much", True])
@@ -135,7 +135,7 @@ def test_nearly_incompressible_blocks_cost_hours_and_gigabytes():
     assert extreme.steps > ratio * usual.steps  # the damping of so stiff elements shortens steps
     assert extreme.seconds > 100 * usual.seconds
     sentence = refusal(scene=NEARLY_INCOMPRESSIBLE, resolution=40, memory=4e9)
-    assert 8 <= named_number(sentence, "lower the resolution to ") < 40
+    assert 8 <= named_number(sentence, "lower `resolution` to ") < 40
 
 
 @pytest.mark.parametrize(

@@ -305,7 +305,7 @@ def test_failed_write_keeps_the_checkpoint_before(tmp_path, monkeypatch):
 def test_unstable_run_stops_and_keeps_what_was_written(ratio, damping, tmp_path):
     path = tmp_path / "checkpoint.h5"
     reached = []
-    with pytest.raises(ComputationError, match=r"unstable at step \d+ of .*lower the step ratio"):
+    with pytest.raises(ComputationError, match=r"unstable at step \d+ of .*lower `step_ratio`"):
         simulate(
             MIXED,
             resolution=100,

@@ -225,7 +225,7 @@ def test_shorter_steps_let_nodes_radiate_more():
     scene = dataclasses.replace(
         sheared(law=RateWeakening(0.6, 0.4)), material=Material(1.0, 1.0, 0.0)
     )
-    with pytest.raises(SceneError, match="lower the step ratio"):
+    with pytest.raises(SceneError, match="lower `step_ratio`"):
         run(scene)
     assert run(scene, step_ratio=0.7).energy.residual < 1e-13
 

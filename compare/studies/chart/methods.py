@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.measures import slip_zones
+from compare.comparison.measures import sampled_zones
 from compare.studies.chart.benchmark import forget_tables
 from compare.studies.workers import LIFELINE, hang_on
 from semianalytic import Scene, SlipZone, Solution, march, solve
@@ -111,7 +111,7 @@ def sampled(scene: Scene, velocity: Array, slip_rate: Array) -> tuple[Array, tup
     """Slip rate at `PLACES` between samples by straight lines, and the zones it shows.
 
     Zones are runs of at least two samples above `EDGE_THRESHOLD` of the largest slip rate; the
-    square of the slip rate is followed down to zero at their edges (`measures.slip_zones`).
+    square of the slip rate is followed down to zero at their edges (`measures.sampled_zones`).
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def sampled(scene: Scene, velocity: Array, slip_rate: Array) -> tuple[Array, tup
     at_places = np.interp(PLACES, velocity, slip_rate, right=scene.far_slip_rate)
     inside = velocity > 0
     largest = float(np.abs(slip_rate[inside]).max())
-    zones = slip_zones(velocity[inside], slip_rate[inside], EDGE_THRESHOLD * largest or math.inf)
+    zones = sampled_zones(velocity[inside], slip_rate[inside], EDGE_THRESHOLD * largest or math.inf)
     return at_places, zones
 
 

@@ -9,10 +9,10 @@ from html import escape
 
 import numpy as np
 
+from compare.comparison.documents import edge_state
 from compare.comparison.history_rows import slips
-from compare.comparison.measures import slip_zones
-from compare.comparison.predictions import FINER
-from compare.comparison.report import edge_state
+from compare.comparison.measures import sampled_zones
+from compare.comparison.prediction import FINER
 from compare.comparison.rows import shown_number
 from compare.comparison.scales import slip_rate_scale, speed_regime, stress_scale, wave_speeds
 from compare.figures.histories import history_figure, sense_figure, wear_figure
@@ -186,7 +186,7 @@ def _read_zones(scene: SceneEvidence, method: str) -> str:
     largest = float(np.abs(rate).max())
     if largest < 1e-6 * slip_rate_scale(scene.scene):
         return "none"
-    shown = slip_zones(history.x / time, rate, READ_FROM * largest)
+    shown = sampled_zones(history.x / time, rate, READ_FROM * largest)
     unit = scene.scene.material.shear_speed
     return "; ".join(
         f"{zone.inner / unit:.4f} to "

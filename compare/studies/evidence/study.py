@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import in_profile, relative_error
-from compare.comparison.predictions import predict
+from compare.comparison.prediction import prediction_at_nodes
 from compare.comparison.report import Report, build_report
 from compare.comparison.rows import Row
 from compare.comparison.scales import slip_rate_scale
@@ -237,7 +237,7 @@ def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
     obstacle = ""
     try:
         reports = tuple(
-            build_report(scene_label(source), predict(simulation, method), simulation)
+            build_report(scene_label(source), prediction_at_nodes(simulation, method), simulation)
             for method in methods
         )
     except TensionError as error:
@@ -296,7 +296,9 @@ def _closed_form(
     from fem import simulate
 
     simulation = simulate(scene, resolution=resolution)
-    predictions = [predict(simulation, method) for method in ("self-similar", "space-time")]
+    predictions = [
+        prediction_at_nodes(simulation, method) for method in ("self-similar", "space-time")
+    ]
     histories = {prediction.method: prediction.interface for prediction in predictions}
     histories[FEM] = simulation.contact
     velocity = histories[FEM].x / simulation.end_time

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import compare.cli.commands
-import compare.comparison.predictions
+import compare.cli.solve_command
+import compare.comparison.prediction
 from compare.cli.commands import main
 from semianalytic import solve
 from semianalytic.scene.errors import ComputationError, MissingLibraryError
@@ -104,7 +104,7 @@ def test_a_scene_file_is_as_good_as_a_name(tmp_path, capsys):
     path = tmp_path / "mine.toml"
     path.write_text(
         "friction = 1\nmaterial = {shear_modulus = 1, density = 1, poisson_ratio = 0.3}\n"
-        "base = {pressure = 1, shear = 0}\nstep = {pressure = 0, shear = 1}\n"
+        "base = {pressure = 1, shear = 0}\nload = {pressure = 0, shear = 1}\n"
     )
     assert main(["solve", str(path), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -158,7 +158,7 @@ def test_other_errors_have_exit_codes_of_their_own(error, code, monkeypatch, cap
     def fail(scene):
         raise error
 
-    monkeypatch.setattr(compare.cli.commands, "solve", fail)
+    monkeypatch.setattr(compare.cli.solve_command, "solve", fail)
     assert main(["solve", "preloaded"]) == code
     assert one_sentence(capsys.readouterr()) == f"{error}\n"
 
@@ -173,7 +173,7 @@ def unconverged(monkeypatch):
     def fail(scene):
         return replace(solve(scene), status=UNCONVERGED, error_estimate=np.inf)
 
-    for module in (compare.cli.commands, compare.comparison.predictions):
+    for module in (compare.cli.solve_command, compare.comparison.prediction):
         monkeypatch.setattr(module, "solve", fail)
 
 
@@ -232,7 +232,7 @@ def test_huge_numbers_are_refused_in_one_sentence(tmp_path, capsys):
     path = tmp_path / "huge.toml"
     path.write_text(
         f"friction = {many}\nmaterial = {{shear_modulus = 1, density = 1, poisson_ratio = 0.3}}\n"
-        "base = {pressure = 1, shear = 0}\nstep = {pressure = 0, shear = 1}\n"
+        "base = {pressure = 1, shear = 0}\nload = {pressure = 0, shear = 1}\n"
     )
     for arguments in (
         ["solve", str(path)],
@@ -252,7 +252,7 @@ def test_interrupt_is_a_short_sentence_and_130(monkeypatch, capsys):
     def interrupt(scene):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(compare.cli.commands, "solve", interrupt)
+    monkeypatch.setattr(compare.cli.solve_command, "solve", interrupt)
     assert main(["solve", "preloaded"]) == 130
     assert "Interrupted" in one_sentence(capsys.readouterr())
 
@@ -343,7 +343,7 @@ def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys
 def test_a_comparison_outside_its_tolerance_exits_with_one(
     simulated, monkeypatch, tmp_path, capsys
 ):
-    monkeypatch.setattr("compare.comparison.rows.element_over_length", lambda simulation: 1e-9)
+    monkeypatch.setattr("compare.comparison.edge_rows.element_over_length", lambda simulation: 1e-9)
     arguments = ["compare", "--from", str(simulated), "--output", str(tmp_path / "out")]
     assert main(arguments) == 1
     assert "FAIL" in capsys.readouterr().out
@@ -351,7 +351,7 @@ def test_a_comparison_outside_its_tolerance_exits_with_one(
 
 @pytest.mark.parametrize("quiet", [False, True])
 def test_long_simulations_say_what_they_will_cost(quiet, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("compare.cli.commands.WORTH_SAYING", 0.0)
+    monkeypatch.setattr("compare.cli.simulate_command.WORTH_SAYING", 0.0)
     options = ["--resolution", "16", "--no-snapshots", "--output", str(tmp_path / "out")]
     assert main(["simulate", "preloaded", *options, *["--quiet"] * quiet]) == 0
     first, *_ = (capsys.readouterr().err or "\n").splitlines()
@@ -371,7 +371,7 @@ def test_too_much_memory_is_refused_before_anything_is_built(tmp_path, capsys):
     arguments = ["simulate", "preloaded", *options, "--memory", "2", "--output", str(folder)]
     assert main(arguments) == 2
     told = one_sentence(capsys.readouterr())
-    assert "and 2 GB are allowed; lower the resolution to" in told
+    assert "and 2 GB are allowed; lower --resolution to" in told
     assert not folder.exists()
 
 

@@ -8,17 +8,14 @@ import pytest
 from compare_cases import sampled_run
 
 from compare.cli.commands import main
-from compare.comparison.history_rows import rate_rows, wear_rows
+from compare.comparison.documents import json_text, solution_document
+from compare.comparison.edge_rows import zone_rows
+from compare.comparison.history_rows import rate_rows, slip_and_work_rows
 from compare.comparison.measures import NOTHING, is_nothing
-from compare.comparison.predictions import predict
-from compare.comparison.report import build_report, json_text, report_document, solution_document
-from compare.comparison.rows import (
-    nothing_row,
-    shown_number,
-    slip_rate_rows,
-    traction_rows,
-    zone_rows,
-)
+from compare.comparison.prediction import prediction_at_nodes
+from compare.comparison.profile_rows import slip_rate_rows, traction_rows
+from compare.comparison.report import build_report, report_document
+from compare.comparison.rows import nothing_row, shown_number
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.figures.histories import comparison_figures
 from semianalytic import solve
@@ -74,7 +71,7 @@ QUICKLY = ("frictionless", "no load", "small load", "much friction", "most frict
 def test_a_run_without_error_passes(name):
     solution = solve(scene_of(name))
     run = sampled_run(solution, resolution=100, end_time=end_time(solution.scene))
-    report = build_report(name, predict(run), run)
+    report = build_report(name, prediction_at_nodes(run), run)
     assert [row.quantity for row in report.rows if not row.passed] == []
     finite_everywhere(json_text(report_document(report)))
 
@@ -83,7 +80,7 @@ def test_a_run_without_error_passes(name):
 def test_figures_of_next_to_nothing_have_finite_limits(name):
     solution = solve(scene_of(name))
     run = sampled_run(solution, resolution=30, end_time=end_time(solution.scene))
-    report = build_report(name, predict(run), run)
+    report = build_report(name, prediction_at_nodes(run), run)
     for draw in comparison_figures(report).values():
         for panel in draw(report).axes:
             assert np.isfinite([*panel.get_xlim(), *panel.get_ylim()]).all()
@@ -94,7 +91,7 @@ def test_what_is_simulated_where_nothing_is_predicted_fails(name):
     """Wrong by 2e-3 of the units: each of the rows that replace relative errors says so."""
     solution = solve(scene_of(name))
     run = sampled_run(solution, resolution=60, end_time=end_time(solution.scene))
-    prediction = predict(run)
+    prediction = prediction_at_nodes(run)
     history, scene = run.interface, solution.scene
     share = 2e-3
     rate, stress = share * slip_rate_scale(scene), share * stress_scale(scene)
@@ -110,7 +107,7 @@ def test_what_is_simulated_where_nothing_is_predicted_fails(name):
         *slip_rate_rows(solution, run),
         *rate_rows(prediction, run),
         *traction_rows(solution, run),
-        *(wear_rows(prediction, run) if name.startswith("frictionless") else ()),
+        *(slip_and_work_rows(prediction, run) if name.startswith("frictionless") else ()),
     ]
     largest = [row for row in rows if row.quantity.endswith("largest")]
     assert largest
@@ -225,8 +222,8 @@ def random_document(rng):
 @pytest.mark.parametrize("seed", range(60))
 def test_random_extremes_end_in_a_report(seed, tmp_path, capsys):
     """Scenes that the solvers take; the others end in a sentence (test_fuzz.py)."""
-    from compare.cli.commands import _write_comparison
-    from compare.comparison.predictions import check_predictable
+    from compare.cli.compare_command import write_comparison
+    from compare.comparison.prediction import check_predictable
     from fem import simulate
     from semianalytic.scene.errors import SceneError
 
@@ -236,11 +233,11 @@ def test_random_extremes_end_in_a_report(seed, tmp_path, capsys):
             scene = scene_from_document(random_document(rng))
             check_predictable(scene)
             simulation = simulate(scene, resolution=30)
-            prediction = predict(simulation)
+            prediction = prediction_at_nodes(simulation)
         except SceneError:
             continue
         break
     report = build_report("random", prediction, simulation)
     assert report.rows
-    _write_comparison(report, tmp_path)
+    write_comparison(report, tmp_path)
     finite_everywhere((tmp_path / "report.json").read_text())

@@ -12,7 +12,7 @@ import pytest
 
 from compare.cli.commands import main
 from compare.comparison.history_rows import beside_edges, slip_sense
-from compare.comparison.predictions import predict
+from compare.comparison.prediction import prediction_at_nodes
 from compare.comparison.report import build_report
 from compare.comparison.scales import load_time
 from fem import simulate
@@ -61,7 +61,7 @@ def test_both_methods_agree_on_friction_laws(law, slip_rate_error):
     """
     scene = replace(find_scene("preloaded"), friction_law=law)
     run = simulate(scene, resolution=60)
-    rows = {row.quantity: row for row in build_report("", predict(run), run).rows}
+    rows = {row.quantity: row for row in build_report("", prediction_at_nodes(run), run).rows}
     assert rows["slip at the end in L1"].difference < 0.01
     assert rows["slip rate over space and time in L1"].difference < slip_rate_error
 
@@ -73,7 +73,7 @@ def test_two_predictions_of_one_scene_agree():
         element_size=0.025,
         contact=SimpleNamespace(x=x[1:], t=t),
     )
-    exact, marched = predict(run), predict(run, "space-time")
+    exact, marched = prediction_at_nodes(run), prediction_at_nodes(run, "space-time")
     assert (exact.method, marched.method) == ("self-similar", "space-time")
     wanted, found = exact.interface.slip[-1], marched.interface.slip[-1]
     assert np.abs(found - wanted).sum() < 0.01 * np.abs(wanted).sum()
@@ -169,7 +169,7 @@ def test_solve_marches_saves_and_goes_on(tmp_path, capsys):
     document = json.loads(capsys.readouterr().out)
     assert document["end_time"] == 1.0
     whole = march(find_scene("harmonic"), 1.0, 120, length=Marched.load(saved).interface.x[-1] * 1)
-    assert document["friction_work"] == pytest.approx(
+    assert document["frictional_work"] == pytest.approx(
         whole.friction_work.sum() * whole.grid.spacing, rel=0.05
     )
 
@@ -197,7 +197,7 @@ def test_interrupted_march_is_saved(tmp_path, monkeypatch, capsys):
     def pressing(*_):
         yield lambda done, steps: os.kill(os.getpid(), signal.SIGINT) if done == 30 else None
 
-    monkeypatch.setattr("compare.cli.commands.progress_bar", pressing)
+    monkeypatch.setattr("compare.cli.marching.progress_bar", pressing)
     saved = tmp_path / "march.h5"
     assert main(["solve", "harmonic", "--nodes", "100", "--save", str(saved)]) == 130
     assert "holds the march until" in " ".join(capsys.readouterr().err.split())

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from compare.comparison.measures import norm, onset_time, relative_error, slip_zones
+from compare.comparison.measures import norm, onset_time, relative_error, sampled_zones
 
 CELL = 0.01
 VELOCITY = CELL * np.arange(1, 221)
@@ -35,7 +35,7 @@ def test_relative_error_is_relative_to_the_prediction():
 @pytest.mark.parametrize("sense", [1, -1])
 def test_square_root_edges_are_found_within_half_a_cell(shift, sense):
     inner, outer = 0.6 + shift * CELL, 0.9 + shift * CELL
-    (zone,) = slip_zones(VELOCITY, sense * zone_profile(inner, outer), 0.01)
+    (zone,) = sampled_zones(VELOCITY, sense * zone_profile(inner, outer), 0.01)
     assert zone.sense == sense
     # The square is a parabola, not a line: half a cell covers its curvature over four cells.
     assert zone.inner == pytest.approx(inner, abs=0.5 * CELL)
@@ -44,20 +44,20 @@ def test_square_root_edges_are_found_within_half_a_cell(shift, sense):
 
 def test_zones_of_both_senses_are_told_apart():
     profile = zone_profile(0.3, 0.6) - zone_profile(0.6, 0.7, 0.2) + zone_profile(0.98, 1.06, 0.1)
-    zones = slip_zones(VELOCITY, profile, 0.01)
+    zones = sampled_zones(VELOCITY, profile, 0.01)
     assert [zone.sense for zone in zones] == [1, -1, 1]
     assert zones[2].inner == pytest.approx(0.98, abs=CELL)
 
 
 def test_a_zone_at_either_end_of_the_samples_reaches_the_edge_or_infinity():
-    (zone,) = slip_zones(VELOCITY, np.ones_like(VELOCITY), 0.01)
+    (zone,) = sampled_zones(VELOCITY, np.ones_like(VELOCITY), 0.01)
     assert (zone.inner, zone.outer) == (0.0, math.inf)
 
 
 def test_what_stays_below_the_threshold_or_on_one_node_is_no_zone():
     profile = np.full_like(VELOCITY, 0.009)
     profile[50] = 0.5
-    assert slip_zones(VELOCITY, profile, 0.01) == ()
+    assert sampled_zones(VELOCITY, profile, 0.01) == ()
 
 
 def test_onset_lies_between_the_samples_around_it():

@@ -9,24 +9,13 @@ import pytest
 from compare_cases import sampled_run
 
 from compare.cli.terminal import reasons_text
-from compare.comparison.predictions import predict
-from compare.comparison.report import (
-    build_report,
-    edge_state,
-    json_text,
-    report_document,
-    solution_document,
-    write_report,
-)
-from compare.comparison.rows import (
-    Row,
-    arrival_rows,
-    onset_rows,
-    slip_rate_rows,
-    snapshot_rows,
-    traction_rows,
-    zone_rows,
-)
+from compare.comparison.arrival_rows import arrival_rows
+from compare.comparison.documents import edge_state, json_text, solution_document
+from compare.comparison.edge_rows import onset_rows, zone_rows
+from compare.comparison.prediction import prediction_at_nodes
+from compare.comparison.profile_rows import slip_rate_rows, snapshot_rows, traction_rows
+from compare.comparison.report import build_report, report_document, write_report
+from compare.comparison.rows import Row
 from compare.comparison.snapshots import SlipRateProfile
 from semianalytic import solve
 from semianalytic.scene.named import NAMED_SCENES, find_scene, override_scene
@@ -41,7 +30,7 @@ def preloaded():
 def faultless(preloaded):
     """A run of the preloaded scene without any error, and its report."""
     run = sampled_run(preloaded)
-    return run, build_report("preloaded", predict(run), run)
+    return run, build_report("preloaded", prediction_at_nodes(run), run)
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +59,7 @@ def test_report_tells_what_the_march_misses(faultless):
 def test_a_run_without_error_passes_with_nothing_but_rounding(name):
     solution = solve(NAMED_SCENES[name].scene)
     run = sampled_run(solution)
-    report = build_report(name, predict(run), run)
+    report = build_report(name, prediction_at_nodes(run), run)
     assert report.passed
     # Waveforms are aligned through a table of 801 values: a fraction of its spacing is left.
     assert max(abs(row.difference) for row in report.rows if row.present) < 2e-3
@@ -86,7 +75,7 @@ def test_units_do_not_matter(preloaded):
     )
     scaled = solve(steel)
     plain, rows = (
-        build_report("", predict(run), run).rows
+        build_report("", prediction_at_nodes(run), run).rows
         for run in (
             sampled_run(preloaded, stretch=1.01),
             sampled_run(scaled, end_time=3e-5, stretch=1.01),
@@ -165,7 +154,7 @@ def test_every_signal_on_either_face_has_a_row(faultless):
 
 def test_tolerances_shrink_with_the_mesh(preloaded):
     coarse, fine = (
-        build_report("", predict(run), run).rows
+        build_report("", prediction_at_nodes(run), run).rows
         for run in (sampled_run(preloaded, resolution=n) for n in (40, 80))
     )
     for wide, narrow in zip(coarse, fine, strict=True):
@@ -186,7 +175,7 @@ def test_a_row_knows_whether_it_is_present_and_passes(prediction, simulation, pr
 def test_whole_interface_slipping_is_compared_too():
     solution = solve(override_scene(find_scene("remote-shock"), friction=0.5))
     run = sampled_run(solution)
-    report = build_report("shock", predict(run), run)
+    report = build_report("shock", prediction_at_nodes(run), run)
     assert report.passed
     document = solution_document(solution)
     assert document["zones"][-1]["outer"] is None
@@ -223,4 +212,4 @@ def test_a_snapshot_is_compared_at_its_own_time(preloaded, faultless):
     profile = SlipRateProfile(0.5, x, 1.03 * preloaded.slip_rate(x, 0.5))
     (row,) = snapshot_rows(preloaded, run, profile)
     assert row.difference == pytest.approx(0.03)
-    assert row in build_report("preloaded", predict(run), run, profile).rows
+    assert row in build_report("preloaded", prediction_at_nodes(run), run, profile).rows

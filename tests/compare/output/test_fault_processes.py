@@ -245,12 +245,12 @@ def test_a_simulation_that_does_not_fit_on_the_disk_is_kept(tmp_path):
     (tmp_path / "spare").mkdir()
     code = (
         "import resource; import fem, sys, compare.cli.commands;"
-        "before = compare.cli.commands.save_somewhere\n"
+        "before = compare.cli.simulate_command.save_somewhere\n"
         "def limited(save, place, name=''):\n"
         "    hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]\n"
         "    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, hard))\n"
         "    before(save, place, name)\n"
-        "compare.cli.commands.save_somewhere = limited\n"
+        "compare.cli.simulate_command.save_somewhere = limited\n"
         "sys.exit(compare.cli.commands.main(sys.argv[1:]))"
     )
     arguments = ["simulate", "preloaded", "--resolution", "20", "--no-snapshots", "--quiet"]
@@ -293,8 +293,8 @@ def no_computing(monkeypatch):
         raise Computed
 
     for name in (
-        "compare.cli.commands.solve",
-        "compare.cli.commands.march",
+        "compare.cli.solve_command.solve",
+        "compare.cli.marching.march",
         "fem.simulate",
         "compare.studies.chart.study.solve",
         "compare.studies.regimes.study._computed",

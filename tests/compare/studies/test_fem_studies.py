@@ -98,7 +98,7 @@ def test_quick_stability_study_writes_its_files(tmp_path, monkeypatch):
     outcomes = fem_stability(tmp_path / "new", quick=True, progress=lambda *n: seen.append(n))
     assert seen[-1] == (len(chosen), len(chosen))
     assert outcomes[0].outcome == "stopped"
-    assert "lower the step ratio" in outcomes[0].message
+    assert "lower `step_ratio`" in outcomes[0].message
     assert outcomes[-1].switches <= 4
     assert outcomes[-1].energy_gained < 1e-15
     with (tmp_path / "new" / "fem-stability.csv").open() as file:

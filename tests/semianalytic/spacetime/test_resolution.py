@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from compare.cli.commands import main
-from compare.comparison.report import march_document
+from compare.comparison.documents import march_document
 from semianalytic import (
     Harmonic,
     Marched,
@@ -128,7 +128,7 @@ def test_what_turns_too_fast_is_refused(history, load):
 
 def test_nodes_that_are_asked_for_are_enough():
     scene = sheared(Harmonic(40.0))
-    with pytest.raises(SceneError, match="give 310 nodes"):
+    with pytest.raises(SceneError, match="raise `nodes` to 310"):
         march(scene, 0.5, nodes=100)
     assert march(scene, 0.5, nodes=310, every=10**6).statistics.steps >= 310
 
@@ -238,7 +238,7 @@ def test_slip_below_the_grid_is_not_called_none(history, friction):
     assert np.abs(stuck).max() > friction  # it must slip
     assert not marched.seen.slip_rate.any()  # and is not seen to
     assert marched.status == "unresolved"
-    assert "times as many nodes" in marched.caution
+    assert "raise `nodes`" in marched.caution
     document = march_document(marched)
     assert document["status"] == "unresolved"
     assert document["caution"] == marched.caution
@@ -285,7 +285,7 @@ def test_no_slip_is_only_said_where_the_first_node_holds():
 def test_nodes_that_a_caution_asks_for_resolve_the_zone():
     scene = sheared(Step(), 5.0)
     coarse = march(scene, 0.5, 36)
-    times = float(coarse.caution.split("give ")[1].split()[0])
+    times = float(coarse.caution.split("raise `nodes` ")[1].split()[0])
     assert coarse.status == "unresolved"
     fine, finest = (march(scene, 0.5, int(36 * times * more), every=10**6) for more in (1, 5))
     assert fine.status == "resolved"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
-from semianalytic import InterfaceHistory, Scene, Solution, march, solve
+from semianalytic import InterfaceHistory, Marched, Scene, Solution, march, solve
 from semianalytic.prediction import chosen_method
+from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.solver import check_pressure
-from semianalytic.spacetime.resolution import MOST_NODES, check_loads
+from semianalytic.spacetime.resolution import MOST_NODES, nodes_for_loads
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -56,7 +58,7 @@ class Prediction:
 
 
 def check_predictable(scene: Scene, method: str = "auto") -> None:
-    """Raise what `predict` would for a scene, as far as that is known without solving it.
+    """Raise what `prediction_at_nodes` would, as far as that is known without solving a scene.
 
     Raises
     ------
@@ -69,7 +71,7 @@ def check_predictable(scene: Scene, method: str = "auto") -> None:
         check_pressure(scene)
 
 
-def predict(
+def prediction_at_nodes(
     simulation: Simulation,
     method: str = "auto",
     progress: Callable[[int, int], None] | None = None,
@@ -102,12 +104,8 @@ def predict(
         seconds = sum(solution.statistics.seconds.values())
         worn = solution.path(x, t[-1]), solution.work_density(x, t[-1])
         return Prediction(chosen, solution, whole, *worn, seconds)
-    spacing = simulation.element_size / FINER
-    nodes = int(np.ceil(x[-1] / spacing)) + 1
-    length = nodes * spacing
-    nodes = check_loads(simulation.scene, float(t[-1]), length, nodes, max(nodes, MOST_NODES))
-    marched = march(simulation.scene, float(t[-1]), nodes, length=length, progress=progress)
-    own = marched.interface
+    marched = _marched(simulation, float(x[-1]), float(t[-1]), progress)
+    own, missed = marched.interface, marched.missed_zone
     at = tuple(np.meshgrid(t, np.clip(x, own.x[0], None), indexing="ij"))
     names = ("slip", "slip_rate", "shear_traction", "pressure")
     sampled = (RegularGridInterpolator((own.t, own.x), getattr(own, name))(at) for name in names)
@@ -118,5 +116,24 @@ def predict(
         np.interp(x, own.x, marched.path),
         np.interp(x, own.x, marched.friction_work),
         sum(marched.statistics.seconds.values()),
-        marched.caution,
+        "" if missed is None else f"{missed}; raise `resolution` {missed.refinement} times",
     )
+
+
+def _marched(
+    simulation: Simulation,
+    reach: float,
+    end_time: float,
+    progress: Callable[[int, int], None] | None,
+) -> Marched:
+    """A march as far and as long as a simulation was recorded, on finer nodes."""
+    scene, spacing = simulation.scene, simulation.element_size / FINER
+    nodes = int(np.ceil(reach / spacing)) + 1
+    length, most = nodes * spacing, max(nodes, MOST_NODES)
+    needed, name = nodes_for_loads(scene, end_time, length, nodes)
+    if needed > most:
+        raise SceneError(
+            f"march: the {name} history turns faster than {most} nodes follow; raise `resolution` "
+            f"from {simulation.resolution} to {math.ceil(simulation.resolution * needed / nodes)}."
+        )
+    return march(scene, end_time, needed, length=length, progress=progress)

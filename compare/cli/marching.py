@@ -1,0 +1,107 @@
+"""``slipfront solve`` of what is not self-similar: a march in time, kept and gone on with."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import typer
+from rich.console import Console
+
+from compare.cli import terminal
+from compare.cli.interruption import INTERRUPTED
+from compare.cli.options import in_bytes, option_name
+from compare.comparison.documents import json_text, march_document
+from compare.output.places import check_file, save_somewhere
+from compare.output.progress import progress_bar
+from semianalytic import Marched, Scene, march, march_on
+from semianalytic.results.interruption import deferred_interrupt
+from semianalytic.scene.errors import SceneError
+
+
+def march_command(
+    scene: Scene,
+    label: str,
+    end_time: float | None,
+    options: Mapping[str, Any],
+    *,
+    as_json: bool,
+    plot: Path | None,
+    quiet: bool,
+) -> None:
+    """March a scene, or go on with a saved march, and say what happened."""
+    options = dict(options)
+    save, earlier = options.pop("save", None), options.pop("go_on", None)
+    if save is not None:
+        check_file(save)
+    notes = Console(stderr=True)
+    bar = progress_bar(notes, quiet or as_json, "marching")
+    with bar as show, deferred_interrupt() as interruption:
+
+        def progress(done: int, steps: int) -> bool:
+            show(done, steps)
+            return interruption.pressed
+
+        if earlier is None:
+            every = options.get("every", 1)
+            memory = in_bytes(options.pop("memory", None))
+            marched = march(scene, end_time, **options, memory=memory, progress=progress)
+        else:
+            saved = Marched.load(earlier)
+            every = saved.every
+            marched = _gone_on(saved, earlier, scene, end_time, options, progress)
+    if save is not None:
+        save_somewhere(marched.save, save, save.name)
+    if interruption.pressed:
+        if save is not None:
+            notes.print(
+                f"{save} holds the march until t = {marched.end_time:.6g}.", highlight=False
+            )
+        raise typer.Exit(INTERRUPTED)
+    if marched.every > every and not quiet:
+        notes.print(
+            f"Every {marched.every}th level is stored: more would not have fitted into the memory.",
+            highlight=False,
+        )
+    _show(marched, label, as_json=as_json, save=save, plot=plot)
+
+
+def _gone_on(
+    saved: Marched,
+    path: Path,
+    scene: Scene,
+    end_time: float | None,
+    options: dict[str, Any],
+    progress: Callable[[int, int], bool],
+) -> Marched:
+    """A saved march of a scene continued, to the latest time it can reach unless given."""
+    if saved.scene != scene:
+        raise SceneError(f"{path} holds a march of another scene; give that scene.")
+    memory = in_bytes(options.pop("memory", None))
+    if options:
+        raise SceneError(
+            f"{option_name(next(iter(options)))} has no effect with --go-on; leave one of the two "
+            "out."
+        )
+    end_time = saved.latest if end_time is None else end_time
+    return march_on(saved, end_time, progress, memory=memory)
+
+
+def _show(
+    marched: Marched, label: str, *, as_json: bool, save: Path | None, plot: Path | None
+) -> None:
+    """Draw a march if asked for, and print it."""
+    if plot is not None:
+        from compare.figures.histories import march_figure
+        from compare.figures.interface import save_figure
+
+        save_figure(march_figure(marched), plot)
+    if as_json:
+        sys.stdout.write(json_text(march_document(marched)))
+        return
+    Console().print(terminal.march_table(marched, label))
+    for done, path in (("Saved", save), ("Drawn", plot)):
+        if path is not None:
+            Console().print(f"{done} in {path}", highlight=False)

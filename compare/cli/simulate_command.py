@@ -1,0 +1,144 @@
+"""``slipfront simulate``: the finite-element model of a scene, kept on disk."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from compare.cli import terminal
+from compare.cli.options import (
+    CHECKPOINT_OPTIONS,
+    MESH_OPTIONS,
+    SCENE_OPTIONS,
+    NoSnapshots,
+    Output,
+    Quiet,
+    SceneArgument,
+    in_bytes,
+    with_options,
+)
+from compare.output.leftovers import SNAPSHOTS, forget_other_runs
+from compare.output.places import save_somewhere, working_folder
+from compare.output.progress import progress_bar
+from semianalytic import Scene
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
+
+if TYPE_CHECKING:
+    from fem import Simulation
+    from fem.budget import Cost
+
+CHECKPOINT = "checkpoint.h5"
+WORTH_SAYING = 60.0
+"""Predicted time of a simulation from which on it is said before it starts [s]."""
+WORTH_KEEPING = 1e7
+"""Predicted size of its snapshots from which on that is said [bytes]."""
+
+
+@with_options(overrides=SCENE_OPTIONS, settings=MESH_OPTIONS, checkpoints=CHECKPOINT_OPTIONS)
+def simulate_command(
+    overrides: Mapping[str, float],
+    settings: Mapping[str, Any],
+    checkpoints: Mapping[str, Any],
+    scene_name: SceneArgument,
+    output: Output = None,
+    no_snapshots: NoSnapshots = False,
+    quiet: Quiet = False,
+) -> None:
+    """Simulate a scene with finite elements; write the interface history and field snapshots.
+
+    With --checkpoint-every or --checkpoint-seconds a run that is interrupted or killed can be taken
+    up again with the same options and --resume; the result is the same to the last bit.  A finished
+    run removes its checkpoint.
+    """
+    label = scene_label(scene_name)
+    directory = output or scene_folder(scene_name, overrides)
+    scene = override_scene(find_scene(scene_name), **overrides)
+    with working_folder(directory):
+        simulate_into(
+            directory,
+            scene,
+            label,
+            settings,
+            checkpoints,
+            snapshots=not no_snapshots,
+            quiet=quiet,
+        )
+    Console().print(f"Written to {directory}/", highlight=False)
+
+
+def simulate_into(
+    directory: Path,
+    scene: Scene,
+    label: str,
+    settings: Mapping[str, Any],
+    checkpoints: Mapping[str, Any] = MappingProxyType({}),
+    *,
+    snapshots: bool,
+    quiet: bool,
+) -> Simulation:
+    """Run the finite-element model and keep its history, and snapshots if asked for, on disk."""
+    from fem import cost, opening_sentence, simulate
+    from fem.budget import check_room
+    from fem.checkpoint import forget_checkpoint
+
+    settings = {**settings, "memory": in_bytes(settings.get("memory"))}
+    path = directory / CHECKPOINT
+    checkpointing = _checkpointing(path, **checkpoints)
+    predicted = cost(scene, **settings, snapshots=snapshots, checkpoint=bool(checkpointing))
+    check_room(directory / "simulation.h5", predicted.history, "simulate: the histories")
+
+    notes = Console(stderr=True)
+    if not quiet:
+        for sentence in _expected(predicted, directory):
+            notes.print(f"{label}: {sentence}.", highlight=False, soft_wrap=True)
+    with progress_bar(notes, quiet) as progress:
+        simulation = simulate(
+            scene,
+            **settings,
+            **checkpointing,
+            snapshots=directory / SNAPSHOTS if snapshots else None,
+            progress=progress,
+            tell=lambda sentence: notes.print(sentence, highlight=False, soft_wrap=True),
+        )
+    save_somewhere(simulation.save, directory)
+    forget_other_runs(directory, simulation.run)
+    forget_checkpoint(path, simulation.run)
+    if not quiet:
+        notes.print(f"{label}: {terminal.simulation_line(simulation)}", highlight=False)
+        notes.print(opening_sentence(simulation), highlight=False, soft_wrap=True)
+    if simulation.unwritten:
+        raise DataFileError(f"{simulation.unwritten} The histories are in {directory}.")
+    return simulation
+
+
+def _expected(predicted: Cost, directory: Path) -> Iterator[str]:
+    """What is worth knowing before a run starts."""
+    if predicted.seconds > WORTH_SAYING:
+        yield str(predicted)
+    if predicted.frames > WORTH_KEEPING:
+        yield (
+            f"field snapshots will take about {predicted.frames / 1e6:,.0f} MB in "
+            f"{directory / SNAPSHOTS}; --no-snapshots leaves them out"
+        )
+
+
+def _checkpointing(
+    path: Path,
+    checkpoint_every: int = 0,
+    checkpoint_seconds: float | None = None,
+    resume: bool = False,
+) -> dict[str, Any]:
+    """Options of a simulation that writes checkpoints to a path; none if none are asked for."""
+    if not (checkpoint_every or checkpoint_seconds is not None or resume):
+        return {}
+    return {
+        "checkpoint": path,
+        "checkpoint_every": checkpoint_every or None,
+        "checkpoint_seconds": checkpoint_seconds,
+        "resume": resume,
+    }

@@ -1,0 +1,213 @@
+"""Solutions and marches as plain dictionaries, each number with its unit, for JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from types import NoneType
+from typing import Any
+
+import numpy as np
+
+from compare.comparison.history_rows import PROBES, SENSE_THRESHOLD
+from compare.comparison.scales import speed_regime
+from semianalytic import Marched, Scene, Solution
+from semianalytic.halfplane.stuck_histories import intensity_history
+from semianalytic.scene.scene import scene_document
+from semianalytic.scene.units import unit
+
+Dimensions = Mapping[str, Any]
+"""Dimension of each number of a document, under the same names; one for all that is below."""
+
+_HISTORY: Dimensions = {
+    "rise_time": "time",
+    "duration": "time",
+    "frequency": "1 / time",
+    "t": "time",
+    "value_at_t": "1",
+}
+_TRACTIONS: Dimensions = {"pressure": "stress", "shear": "stress"}
+SCENE_DIMENSIONS: Dimensions = {
+    "friction": "1",
+    "material": {"shear_modulus": "stress", "density": "mass / length^3", "poisson_ratio": "1"},
+    "base": _TRACTIONS,
+    "load": _TRACTIONS,
+    "pressure_history": _HISTORY,
+    "shear_history": _HISTORY,
+    "friction_law": {"reduction": "1", "rate": "length / time", "distance": "length"},
+}
+END_DIMENSIONS: Dimensions = {
+    "time": "time",
+    "zones": {"start": "length", "end": "length", "sense": "sign of slip"},
+    "largest_slip": "length",
+    "accumulated_slip": "length^2",
+    "frictional_work": "stress length^2",
+    "stress_intensity": "stress sqrt(length)",
+}
+SOLUTION_DIMENSIONS: Dimensions = {
+    "scene": SCENE_DIMENSIONS,
+    "wave_speeds": "length / time",
+    "zones": {"inner": "length / time", "outer": "length / time", "sense": "sign of slip"},
+    "edge": {
+        "slip_rate": "length / time",
+        "stress_intensity_at_unit_time": "stress sqrt(length)",
+    },
+    "far_slip_rate": "length / time",
+    "error_estimate": "1",
+    "statistics": {"seconds": "s"},
+    "until_end_time": END_DIMENSIONS,
+}
+MARCH_DIMENSIONS: Dimensions = {
+    "scene": SCENE_DIMENSIONS,
+    "end_time": "time",
+    "largest_slip_rate": "length / time",
+    "largest_slip": "length",
+    "reach_of_slip": "length",
+    "reach_of_reverse_slip": "length",
+    "onset": {"x": "length", "time": "time"},
+    "accumulated_slip": "length^2",
+    "frictional_work": "stress length^2",
+    "stress_intensity_of_a_stuck_edge": "stress sqrt(length)",
+    "statistics": {"memory_error": "1", "seconds": "s"},
+}
+
+
+def units_document(document: Any, dimensions: Any, scene: Scene) -> Any:
+    """The unit of each number of a document, under the same names; counts have none.
+
+    Parameters
+    ----------
+    document : dict, list or number
+    dimensions : Dimensions or str
+    scene : Scene
+        Whose units they are.
+    """
+    if isinstance(dimensions, str):
+        return unit(dimensions, scene.units)
+    if isinstance(document, list):
+        return units_document(document[0], dimensions, scene) if document else {}
+    return {
+        name: units_document(document[name], below, scene)
+        for name, below in dimensions.items()
+        if name in document
+    }
+
+
+def solution_document(solution: Solution, end_time: float | None = None) -> dict[str, Any]:
+    """A solution as plain dictionaries, lists, strings and finite numbers, for JSON.
+
+    An outer edge at infinity (the whole interface slips) is null.  With an end time [time], also
+    what has happened until then.
+    """
+    material = solution.scene.material
+    mode_one, mode_two = solution.stress_intensity(1.0)
+    document = {
+        "scene": scene_document(solution.scene),
+        "wave_speeds": {
+            "rayleigh": material.rayleigh_speed,
+            "shear": material.shear_speed,
+            "longitudinal": material.longitudinal_speed,
+        },
+        "zones": [
+            {
+                "inner": zone.inner,
+                "outer": zone.outer if math.isfinite(zone.outer) else None,
+                "sense": zone.sense,
+                "inner_regime": speed_regime(zone.inner, material),
+                "outer_regime": speed_regime(zone.outer, material),
+            }
+            for zone in solution.zones
+        ],
+        "edge": {
+            "state": edge_state(solution),
+            "slip_rate": float(solution.edge_slip_rate),
+            "stress_intensity_at_unit_time": {"K_I": float(mode_one), "K_II": float(mode_two)},
+        },
+        "far_slip_rate": solution.scene.far_slip_rate,
+        "status": solution.status,
+        "error_estimate": float(solution.error_estimate),
+        "statistics": asdict(solution.statistics),
+    }
+    if end_time is not None:
+        document["until_end_time"] = end_document(solution, end_time)
+    document["units"] = units_document(document, SOLUTION_DIMENSIONS, solution.scene)
+    return document
+
+
+def end_document(solution: Solution, end_time: float) -> dict[str, Any]:
+    """What has happened until an end time [time]: zones in positions, slip, work.
+
+    Slip ahead of all waves ends at infinity, and its totals are infinite.
+    """
+    mode_one, mode_two = solution.stress_intensity(end_time)
+    return {
+        "time": end_time,
+        "zones": [asdict(zone) for zone in solution.zones_at(end_time)],
+        "largest_slip": float(solution.max_slip(end_time)),
+        "accumulated_slip": float(solution.accumulated_slip(end_time)),
+        "frictional_work": float(solution.frictional_work(end_time)),
+        "stress_intensity": {"K_I": float(mode_one), "K_II": float(mode_two)},
+    }
+
+
+def march_document(marched: Marched) -> dict[str, Any]:
+    """A march as plain dictionaries, lists, strings and finite numbers, for JSON."""
+    scene, seen, x, spacing = marched.scene, marched.seen, marched.grid.x, marched.grid.spacing
+    largest = float(seen.slip_rate.max())
+    length = scene.material.shear_speed * marched.end_time
+    threshold = SENSE_THRESHOLD * largest
+    mode_one, mode_two = (
+        intensity_history(history, scene.load, scene.material, marched.end_time)[mode]
+        for mode, history in enumerate((scene.pressure_history, scene.shear_history))
+    )
+    document = {
+        "scene": scene_document(scene),
+        "method": "space-time",
+        "status": marched.status,
+        "caution": marched.caution,
+        "end_time": marched.end_time,
+        "largest_slip_rate": largest,
+        "largest_slip": float(seen.slip.max()),
+        "reach_of_slip": float(x[seen.slip_rate > threshold].max(initial=0.0)),
+        "reach_of_reverse_slip": float(x[-seen.reverse > threshold].max(initial=0.0)),
+        "onset": [
+            {
+                "x": float(x[node]),
+                "time": float(seen.onset[node]) if math.isfinite(seen.onset[node]) else None,
+            }
+            for node in (int(np.argmin(np.abs(x - probe * length))) for probe in PROBES)
+        ],
+        "accumulated_slip": float(marched.path.sum() * spacing),
+        "frictional_work": float(marched.friction_work.sum() * spacing),
+        "stress_intensity_of_a_stuck_edge": {"K_I": float(mode_one), "K_II": float(mode_two)},
+        "stored_levels": len(marched.interface.t),
+        "statistics": {
+            name: getattr(marched.statistics, name)
+            for name in ("nodes", "steps", "poles", "memory_error", "seconds")
+        },
+    }
+    document["units"] = units_document(document, MARCH_DIMENSIONS, scene)
+    return document
+
+
+def edge_state(solution: Solution) -> str:
+    """ "slipping" or "stuck": what the interface does at the edge of the slot, x = 0+."""
+    return "slipping" if solution.zones and solution.zones[0].inner == 0 else "stuck"
+
+
+def json_text(document: dict[str, Any]) -> str:
+    """JSON of a document, numbers of numpy included; null for what is not a finite number."""
+    return json.dumps(_finite(document), indent=2, allow_nan=False) + "\n"
+
+
+def _finite(part: Any) -> Any:
+    """Part of a document with None in place of infinities and what is not a number."""
+    if isinstance(part, dict):
+        return {key: _finite(value) for key, value in part.items()}
+    if isinstance(part, (list, tuple)):
+        return [_finite(value) for value in part]
+    if isinstance(part, (str, int, NoneType)):
+        return part
+    return float(part) if math.isfinite(part) else None

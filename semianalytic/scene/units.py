@@ -1,0 +1,36 @@
+"""Units of numbers: dimensions where a scene has any consistent set, those of the SI if it says so.
+
+Dimensions are written as in the docstrings: "length / time", "stress sqrt(length)".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+SI = "SI"
+
+_SI_UNITS: Mapping[str, str] = {
+    "length": "m",
+    "length^2": "m^2",
+    "time": "s",
+    "1 / time": "Hz",
+    "length / time": "m/s",
+    "mass / length^3": "kg/m^3",
+    "stress": "Pa",
+    "stress sqrt(length)": "Pa sqrt(m)",
+    "stress length": "J/m^2",
+    "stress length^2": "J/m",
+}
+
+
+def unit(dimension: str, units: str = "") -> str:
+    """Unit of a dimension in a system of units.
+
+    Parameters
+    ----------
+    dimension : str
+        As "length / time"; what is none, as "1" or "c_t", comes back as it is.
+    units : str
+        Of the scene: "SI", or "" for any consistent set, where the dimension itself is the unit.
+    """
+    return _SI_UNITS.get(dimension, dimension) if units == SI else dimension
