@@ -40,6 +40,7 @@ class Record:
         rows = len(self._levels)
         stored = model.slot_x >= -plan.slot_length
         self._slot, self._slot_x = model.slot[:, stored], model.slot_x[stored]
+        self._on_contact = model.contact_x > 0
         self._interface = np.zeros((4, rows, nodes))
         self._gap = np.zeros((rows, nodes))  # takes no memory until something opens
         self._state = np.zeros((rows, nodes), dtype=np.int8)
@@ -89,13 +90,13 @@ class Record:
 
     def _sums(self) -> NDArray[np.float64]:
         """Over the contact at this level, in the order of the fields of Totals."""
-        interface = self.model.interface
+        interface, length = self.model.interface, self.model.interface.length
         if interface.sliding is None:
             return np.zeros(3)
-        length = interface.length
+        slip = interface.sliding.offset()[self._on_contact]
         return np.array(
             [
-                np.abs(interface.sliding.offset()).max(),
+                np.abs(slip).max(),
                 length @ interface.path,
                 length @ interface.friction_work(),
             ]
@@ -104,7 +105,7 @@ class Record:
     def _note_opening(self, step: int, gap: NDArray[np.float64]) -> None:
         """Take in a gap on the contact beyond the edge node, half of which is slot."""
         interface, x = self.model.interface, self.model.contact_x
-        gap = np.where(x > 0, gap, 0.0)
+        gap = np.where(self._on_contact, gap, 0.0)
         widest = int(np.argmax(gap))
         if gap[widest] == 0:
             return

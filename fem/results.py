@@ -18,6 +18,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Material, Scene, scene_document, scene_from_document
+from semianalytic.scene.units import SI, unit
 
 FORMAT = "slipfront simulation 5"
 FILE_NAME = "simulation.h5"
@@ -312,11 +313,19 @@ def load_simulation(directory: str | Path) -> Simulation:
 
 
 def opening_sentence(simulation: Simulation) -> str:
-    """Whether the contact came apart, and where, when and how far."""
+    """Whether the contact came apart, and where, when, how far and over which length."""
     opened = simulation.opened
     if opened is None:
-        return "The contact stayed closed."
+        return "the contact stayed closed"
+    lengths, times = (
+        unit(dimension, SI) if simulation.scene.units == SI else ""
+        for dimension in ("length", "time")
+    )
+    x, gap, length = (
+        f"{value:.4g} {lengths}".strip() for value in (opened.x, opened.gap, opened.length)
+    )
+    time = f"{opened.time:.4g} {times}".strip()
     return (
-        f"The contact opened, first at x = {opened.x:.4g} at t = {opened.time:.4g}; gap up to "
-        f"{opened.gap:.4g}, over up to {opened.length:.4g} of its length."
+        f"the contact opened, first at x = {x} at t = {time}, by up to {gap} and over a length of "
+        f"up to {length}"
     )

@@ -110,7 +110,9 @@ def simulate_into(
     forget_checkpoint(path, simulation.run)
     if not quiet:
         notes.print(f"{label}: {terminal.simulation_line(simulation)}", highlight=False)
-        notes.print(opening_sentence(simulation), highlight=False, soft_wrap=True)
+        if simulation.opened:
+            sentence = opening_sentence(simulation)
+            notes.print(f"{label}: {sentence}.", highlight=False, soft_wrap=True)
     if simulation.unwritten:
         raise DataFileError(f"{simulation.unwritten} The histories are in {directory}.")
     return simulation
