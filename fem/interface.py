@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import Body
-from fem.strength import strength
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.scene import Scene
 
 
@@ -137,6 +138,47 @@ def coulomb_traction(
         Slip over the step taken away per traction [length / stress].
     """
     return np.clip(base + increment / compliance, -strength, strength)
+
+
+def strength(
+    law: FrictionLaw,
+    static: NDArray[np.float64],
+    path: NDArray[np.float64],
+    stopping: NDArray[np.float64],
+    impedance: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Largest shear traction of each pair under a friction law [stress], (n,).
+
+    The law takes the slip accumulated up to this time level and the slip rate in the step after
+    it, which the traction itself decides.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+    static : (n,) array
+        The scene's friction times pressure [stress].
+    path : (n,) array
+        Accumulated |slip| [length].
+    stopping : (n,) array
+        Traction that would stop the pair at this step [stress].
+    impedance : (n,) array
+        Traction that takes off a slip rate of 1, dt over the compliance [stress time / length].
+
+    Raises
+    ------
+    SceneError
+        If friction falls with slip rate faster than a pair of nodes can radiate.
+    """
+    slope = static * law.fall_with_rate
+    worst = int(np.argmax(slope / impedance))
+    if slope[worst] >= impedance[worst]:
+        raise SceneError(
+            "simulate: friction falls with slip rate faster than a node of the interface can "
+            f"radiate (by {slope[worst]:.4g} per slip rate under the pressure it has reached, its "
+            f"impedance is {impedance[worst]:.4g}); raise the rate or lower the reduction of the "
+            "friction law, or lower `step_ratio`."
+        )
+    return static * law.factor(law.slip_speed(np.abs(stopping), static, impedance, path), path)
 
 
 STICK, FORWARD, BACKWARD, OPEN = 0, 1, -1, 2
@@ -271,7 +313,7 @@ class Interface:
         self.path += np.abs(faces.past_increment())
         static = self.scene.friction * self.pressure
         stopping = base + increment / compliance
-        self.strength = strength(law, static, self.path, stopping, compliance, faces.step)
+        self.strength = strength(law, static, self.path, stopping, faces.step / compliance)
         self.shear = coulomb_traction(increment, base, self.strength, compliance)
         faces.push(base - self.shear, part)
         slip = part * faces.mean_increment()

@@ -8,8 +8,8 @@ import pytest
 
 from fem import simulate
 from fem.assembly import FAMILIES, make_space, tributary_length
+from fem.interface import strength
 from fem.loading import kick_means
-from fem.strength import slip_rate
 from meshes import cached_mesh, causal_blocks
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.errors import SceneError
@@ -201,9 +201,10 @@ def test_rate_weakening_solves_its_equation():
     law, step = RateWeakening(0.8, 0.3), 0.01
     static, compliance = np.full(5, 0.6), np.full(5, 0.005)
     excess = np.array([0.0, 1e-9, 0.1, 1.0, 1e6])
-    rate = slip_rate(law, static, excess, compliance, step)
-    left = rate * step / compliance
-    np.testing.assert_allclose(left, excess + static * (1 - law.factor(rate, 0.0)), rtol=1e-6)
+    stopping, impedance = static + excess, step / compliance
+    weakened = strength(law, static, np.zeros(5), stopping, impedance)
+    rate = (stopping - weakened) / impedance  # what is left of the slip over the step
+    np.testing.assert_allclose(weakened, static * law.factor(rate, 0.0), rtol=1e-6)
     assert rate[0] == 0
     assert (np.diff(rate) > 0).all()
 
