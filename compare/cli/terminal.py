@@ -6,6 +6,7 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING
 
+from rich.box import SIMPLE_HEAD
 from rich.markup import escape
 from rich.table import Table
 
@@ -44,8 +45,8 @@ def zones_table(solution: Solution, title: str) -> Table:
     """Slip zones with their edge velocities, in the units of the scene and over c_t."""
     material = solution.scene.material
     table = Table("zone", "edge", title=title)
-    for heading in (f"velocity [{unit('length / time', solution.scene.units)}]", "velocity / c_t"):
-        table.add_column(escape(heading), justify="right")
+    for name in (f"[{unit('length / time', solution.scene.units)}]", "/ c_t"):
+        table.add_column(f"velocity\n{escape(name)}", justify="right")
     table.add_column("regime")
     table.add_column("sense")
     for number, zone in enumerate(solution.zones, start=1):
@@ -69,13 +70,14 @@ def facts_table(solution: Solution) -> Table:
     material = solution.scene.material
     mode_one, mode_two = solution.stress_intensity(1.0)
     speeds = (material.rayleigh_speed, material.shear_speed, material.longitudinal_speed)
+    when = _measure(1.0, "time", solution.scene)
     table = Table("quantity", "value", "unit", show_header=False)
     for name, value, dimension in (
         ("c_R, c_t, c_l", ", ".join(f"{speed:.6g}" for speed in speeds), "length / time"),
         ("edge", edge_state(solution), ""),
         ("slip rate at the edge", f"{solution.edge_slip_rate:.6g}", "length / time"),
         ("slip rate far ahead", f"{solution.scene.far_slip_rate:.6g}", "length / time"),
-        ("K_I, K_II at t = 1", f"{mode_one:.6g}, {mode_two:.6g}", "stress sqrt(length)"),
+        (f"K_I, K_II at t = {when}", f"{mode_one:.6g}, {mode_two:.6g}", "stress sqrt(length)"),
         ("status", solution.status, ""),
         ("error estimate", f"{solution.error_estimate:.1e}", "relative"),
     ):
@@ -140,15 +142,14 @@ def simulation_line(simulation: Simulation) -> str:
 
 def report_table(report: Report) -> Table:
     """The rows of a report with their units, failures in red; relative differences in per cent."""
-    table = Table("quantity", title=f"Semi-analytic against finite elements: {report.label}")
-    table.add_column("unit")
+    title = f"Semi-analytic against finite elements: {report.label}"
+    table = Table("quantity", title=title, box=SIMPLE_HEAD, pad_edge=False)  # for 80 columns
     for heading in ("prediction", "FEM", "difference", "tolerance"):
-        table.add_column(heading, justify="right")
-    table.add_column("verdict")
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
     for row in report.rows:
         table.add_row(
-            row.quantity,
-            row.unit,
+            escape(row.quantity if row.unit == "1" else f"{row.quantity} [{row.unit}]"),
             shown_number(row.prediction),
             shown_number(row.simulation),
             _difference(row.difference, row),

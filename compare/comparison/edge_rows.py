@@ -72,7 +72,7 @@ def onset_rows(solution: Solution, simulation: Simulation) -> Iterator[Row]:
             for record in (solution.slip_rate(place, time), history.slip_rate[later, node])
         )
         yield comparison_row(
-            f"first slip, above 1e-6 V₀, at x = {place / length:.2f} c_t T",
+            f"first slip (1e-6 V₀) at x = {place / length:.2f} c_t T",
             None if predicted is None else predicted / end,
             None if seen is None else seen / end,
             2 * element_over_length(simulation),

@@ -140,7 +140,7 @@ def event_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
         place = f"at x = {simulated.x[node] / length:.2f} c_t T"
         records = [field.slip_rate[:, node] for field in (predicted, simulated)]
         for name, first_time, share in (
-            ("slip onset, above 1 % of the largest rate,", onset_time, SENSE_THRESHOLD),
+            ("slip onset (1 % of peak)", onset_time, SENSE_THRESHOLD),
             ("slip reversal", _reversal, REVERSAL_THRESHOLD),
         ):
             onsets = [first_time(simulated.t, record, share * largest) for record in records]

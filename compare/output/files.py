@@ -4,32 +4,18 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import astuple, fields
 from pathlib import Path
 from typing import Any
 
-from semianalytic.results.files import new_file, refusal, row_checksum, write_bytes
+from semianalytic.results.files import refusal, row_checksum, write_bytes
 from semianalytic.scene.errors import DataFileError
 
 
 def checksum_heading(rows: int) -> str:
     """Heading of the column of checksums in a table of so many rows."""
     return f"checksum of {rows} rows"
-
-
-def write_whole(path: Path, write: Callable[[Path], object]) -> None:
-    """Let `write` fill a temporary file beside `path`, then rename it to `path`.
-
-    Missing folders are created; what `path` held before stays until the new file is complete.
-
-    Raises
-    ------
-    DataFileError
-        If the file or its folder cannot be written.
-    """
-    with new_file(path) as part:
-        write(part)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -31,6 +31,8 @@ def unit(dimension: str, units: str = "") -> str:
     dimension : str
         As "length / time"; what is none, as "1" or "c_t", comes back as it is.
     units : str
-        Of the scene: "SI", or "" for any consistent set, where the dimension itself is the unit.
+        Of the scene: "SI", or "" for any consistent set, where the dimension itself, "length/time",
+        stands for the unit.
     """
-    return _SI_UNITS.get(dimension, dimension) if units == SI else dimension
+    named = _SI_UNITS.get(dimension) if units == SI else None
+    return named or dimension.replace(" / ", "/")

@@ -122,10 +122,10 @@ def test_nothing_is_less_than_a_millionth_of_its_unit():
     assert not is_nothing(np.array([0.0, -1.1e-6]), 1.0)
     assert is_nothing(np.array([50.0]), 1e9)
     assert is_nothing(np.array([]), 1.0)
-    row = nothing_row("a", np.zeros(2), np.array([0.0, -3e-6]), 2.0, "b")
+    row = nothing_row("a", np.zeros(2), np.array([0.0, -3e-6]), 2.0, "b", "V₀")
     assert (row.prediction, row.simulation, row.difference) == (0.0, 1.5e-6, 1.5e-6)
     assert not row.passed
-    assert nothing_row("a", np.zeros(2), np.full(2, NOTHING), 1.0, "b").passed
+    assert nothing_row("a", np.zeros(2), np.full(2, NOTHING), 1.0, "b", "V₀").passed
 
 
 def test_edges_that_the_mesh_cannot_show_are_left_out():
@@ -138,15 +138,17 @@ def test_edges_that_the_mesh_cannot_show_are_left_out():
     assert len(list(zone_rows(clear, sampled_run(clear, resolution=60)))) == 3
 
 
-def test_small_numbers_of_a_table_keep_their_digits():
-    assert [shown_number(value) for value in (None, 0.0, 0.5, -2.0, 1e-6, -2.34e-5)] == [
+def test_numbers_of_a_table_keep_their_digits_whatever_their_size():
+    assert [shown_number(value) for value in (None, 0.0, 0.5, -2.0, 1e-6, -2.3456e-5, 3202.5)] == [
         "—",
-        "0.0000",
+        "0",
         "0.5000",
-        "-2.0000",
-        "1.0e-06",
-        "-2.3e-05",
+        "-2.000",
+        "1.000e-06",
+        "-2.346e-05",
+        "3202",
     ]
+    assert shown_number(0.012345, digits=3) == "0.0123"
 
 
 def test_json_has_null_for_what_is_not_finite():

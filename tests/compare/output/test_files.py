@@ -2,7 +2,8 @@
 
 import pytest
 
-from compare.output.files import write_text, write_whole
+from compare.output.files import write_text
+from semianalytic.results.files import new_file
 from semianalytic.scene.errors import DataFileError
 
 
@@ -17,12 +18,13 @@ def test_a_failure_leaves_the_old_file_and_no_rest(tmp_path):
     path = tmp_path / "a.txt"
     write_text(path, "old")
 
-    def fail(part):
-        part.write_text("half")
-        raise ValueError("full")
+    def fill():
+        with new_file(path) as part:
+            part.write_text("half")
+            raise ValueError("full")
 
     with pytest.raises(ValueError, match="full"):
-        write_whole(path, fail)
+        fill()
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 
