@@ -17,7 +17,7 @@ from fault_tasks import history
 
 from compare.comparison.snapshots import last_snapshot
 from compare.output.files import write_rows
-from compare.studies.chart.study import read_points
+from compare.studies.chart.study import COMMAND, read_points
 from compare.studies.regimes.points import MapPoint, append_points, kept_columns, poisson_ratios
 from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
@@ -96,7 +96,7 @@ def all_kinds():
     """Every kind of file that is read back, by name; computes a small march and simulation."""
     marched = march(NAMED_SCENES["ramp"].scene, end_time=0.3, nodes=40)
     simulation = simulate(NAMED_SCENES["preloaded"].scene, resolution=16)
-    points = read_points(ROOT / "docs" / "chart.csv")
+    points = read_points(ROOT / "docs" / "data" / "chart.csv")
     arrays = {"body 0/displacement": np.random.default_rng(3).normal(size=4000)}
     checkpoint = Checkpoint(7, arrays, [(0.5, "fields-0001.vtu")])
     who = {"scene": "some"}
@@ -124,7 +124,7 @@ def all_kinds():
         "index": Kind("fields.pvd", write_frame, lambda path: last_snapshot(path.parent)),
         "chart": Kind(
             "chart.csv",
-            lambda folder: write_rows(folder / "chart.csv", points, checked=True),
+            lambda folder: write_rows(folder / "chart.csv", points, checked=True, command=COMMAND),
             read_points,
         ),
     }

@@ -47,7 +47,7 @@ def append_text(path: Path, text: str) -> None:
         raise DataFileError(refusal(path, error, len(data))) from error
 
 
-def write_rows(path: Path, rows: Sequence[Any], checked: bool = False) -> None:
+def write_rows(path: Path, rows: Sequence[Any], checked: bool = False, command: str = "") -> None:
     """Write dataclass instances as CSV, whole or not at all; no rows, no file.
 
     Parameters
@@ -56,6 +56,8 @@ def write_rows(path: Path, rows: Sequence[Any], checked: bool = False) -> None:
     rows : sequence of dataclass instances
     checked : bool
         Whether a last column holds the checksum of each row, for tables that are read back.
+    command : str
+        What makes the file, for a comment in its first line, as the data of docs have it.
 
     Raises
     ------
@@ -65,7 +67,9 @@ def write_rows(path: Path, rows: Sequence[Any], checked: bool = False) -> None:
     if not rows:
         return
     stream = io.StringIO(newline="")
-    writer = csv.writer(stream)
+    if command:
+        stream.write(f"# {command}\n")
+    writer = csv.writer(stream, lineterminator="\n")
     heading = [field.name for field in fields(rows[0])]
     writer.writerow([*heading, checksum_heading(len(rows))] if checked else heading)
     writer.writerows(checked_cells(row) if checked else astuple(row) for row in rows)

@@ -1,7 +1,8 @@
 """Does lower friction give more wear in a transient?  The article's last question, by a sweep.
 
 Accumulated |slip| and frictional work along the interface after a step, a ramp and a pulse of shear
-on constant pressure, against chi = f P_b / Q_0.
+on constant pressure, against chi = f P_b / Q_0.  ``slipfront wear`` draws it,
+``python -m compare.studies.wear most --csv docs/data`` writes where there is most wear.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from matplotlib.figure import Figure
 
 from compare.figures.interface import save_figure
 from compare.output.files import write_rows
+from compare.studies.tables import run_studies
 from compare.studies.workers import Progress, counted
 from semianalytic import LoadHistory, Material, Pulse, Ramp, Scene, Step, Tractions, march
 
@@ -22,6 +24,7 @@ LOADS: dict[str, LoadHistory] = {"step": Step(), "ramp": Ramp(0.5), "pulse": Pul
 POISSON_RATIOS = (1 / 3, 0.2)
 COLOURS = {"step": "#12355b", "ramp": "#7f8c3a", "pulse": "#d1495b"}
 LENGTH = 2.0
+NODES = 600
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,11 @@ def wear_rows(chis: Sequence[float], nodes: int) -> Iterator[WearRow]:
                 yield wear_after(load, poisson_ratio, float(chi), nodes)
 
 
+def frictions(count: int) -> list[float]:
+    """No friction, and some from 0.01 to 2."""
+    return [0.0, *np.geomspace(0.01, 2.0, count).tolist()]
+
+
 def write_wear(
     output: Path, quick: bool = False, progress: Progress | None = None
 ) -> list[WearRow]:
@@ -98,9 +106,9 @@ def write_wear(
         If a file cannot be written.
     """
     output.mkdir(parents=True, exist_ok=True)
-    chis = np.concatenate([[0.0], np.geomspace(0.01, 2.0, 12 if quick else 40)])
+    chis = frictions(12 if quick else 40)
     count = len(chis) * len(LOADS) * len(POISSON_RATIOS)
-    rows = list(counted(wear_rows(chis.tolist(), 150 if quick else 600), count, progress))
+    rows = list(counted(wear_rows(chis, 150 if quick else NODES), count, progress))
     write_rows(output / "wear.csv", rows)
     save_figure(wear_figure(rows), output / "wear.png")
     return rows
@@ -133,3 +141,25 @@ def wear_figure(rows: Sequence[WearRow]) -> Figure:
     for panel in (upper, lower):
         panel.set_ylim(bottom=0)
     return figure
+
+
+@dataclass(frozen=True)
+class MostRow:
+    """Friction at which a load takes most frictional work, and that work."""
+
+    load: str
+    poisson_ratio: float
+    chi: float
+    friction_work: float
+
+
+def most_rows() -> list[MostRow]:
+    """`most_wear` of all loads and Poisson ratios."""
+    rows = list(wear_rows(frictions(40), NODES))
+    return [
+        MostRow(load, nu, *most_wear(rows, load, nu)) for nu in POISSON_RATIOS for load in LOADS
+    ]
+
+
+if __name__ == "__main__":
+    raise SystemExit(run_studies("compare.studies.wear", "wear", {"most": most_rows}))

@@ -1,24 +1,23 @@
 """Studies of the finite-element model against the exact solution: accuracy, elements, cost.
 
-``python -m compare.studies.accuracy.fem accuracy`` prints a table; `STUDIES` lists the others.
+``python -m compare.studies.accuracy.fem accuracy`` prints a table; `STUDIES` lists the others, and
+``--csv docs/data`` writes what docs/fem.md shows.
 """
 
 from __future__ import annotations
 
 import math
-import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.table import Table
 
 from compare.comparison.measures import norm
+from compare.studies.tables import Study, run_studies
 from semianalytic import Solution, solve
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.friction import RateWeakening, SlipWeakening
@@ -98,68 +97,115 @@ def errors_of(simulation: Simulation, solution: Solution) -> Errors:
     return profile_errors(solution, last_profile(simulation), averaged_profile(simulation))
 
 
-def _table(title: str, words: Sequence[str], numbers: Sequence[str]) -> Table:
-    """A table with columns of words, and of numbers."""
-    table = Table(*words, title=title)
-    for heading in numbers:
-        table.add_column(heading, justify="right")
-    return table
+@dataclass(frozen=True)
+class MeshRow:
+    """Errors of a scene on one mesh, or extrapolated from two; errors as in `Errors`.
+
+    `last_order` and `averaged_order` are the observed orders since the mesh before, nan without
+    one; `seconds` those of stepping.
+    """
+
+    scene: str
+    h: str
+    last: float
+    last_order: float
+    averaged: float
+    averaged_order: float
+    first_peak: float
+    second_peak: float
+    second_over_largest: float
+    seconds: float
 
 
-def accuracy(scene: str, resolutions: tuple[int, ...], **options: Any) -> Table:
+def accuracy(scene: str, resolutions: Sequence[int], **options: Any) -> list[MeshRow]:
     """Errors and observed order on several meshes, and extrapolated from the two finest.
 
     The last row is (r V(h/r) - V(h))/(r - 1), which removes what is of first order in h.
     """
-    title = f"{scene}, relative errors of the slip rate"
-    columns = ("L1 at T", "order", "L1 averaged", "order", "first peak", "second peak")
-    table = _table(title, ["h / c_t T"], [*columns, "second peak / largest V", "steps [s]"])
-    table.caption = str(options or "")
     solution = solve(NAMED_SCENES[scene].scene)
-    profiles, previous = [], None
-    coarser = dict(zip(resolutions[1:], resolutions, strict=False))
-
-    def refinement(resolution: int) -> float:
-        return resolution / coarser.get(resolution, resolution / 2)
-
-    for resolution in resolutions:
+    rows: list[MeshRow] = []
+    profiles: list[tuple[Array, Array]] = []
+    for index, resolution in enumerate(resolutions):
         simulation = simulated(scene, resolution, **options)
         profiles.append((last_profile(simulation), averaged_profile(simulation)))
         errors = profile_errors(solution, *profiles[-1])
-        seconds = f"{simulation.seconds['steps']:.2f}"
-        _add_row(table, f"1/{resolution}", errors, previous, seconds, refinement(resolution))
-        previous = errors
-    r = refinement(resolutions[-1])
+        orders = (math.nan, math.nan)
+        if rows:
+            r = resolution / resolutions[index - 1]
+            orders = (
+                observed_order(rows[-1].last, errors.last, r),
+                observed_order(rows[-1].averaged, errors.averaged, r),
+            )
+        seconds = simulation.seconds["steps"]
+        rows.append(_mesh_row(scene, f"1/{resolution}", errors, orders, seconds))
+    r = resolutions[-1] / resolutions[-2]
     last, averaged = (
         (r * fine - coarse) / (r - 1) for coarse, fine in zip(*profiles[-2:], strict=True)
     )
-    _add_row(table, "extrapolated", profile_errors(solution, last, averaged), None, "", r)
-    return table
+    errors = profile_errors(solution, last, averaged)
+    return [*rows, _mesh_row(scene, "extrapolated", errors, (math.nan, math.nan), math.nan)]
 
 
-def element_table(scene: str, resolutions: tuple[int, ...]) -> Table:
+def _mesh_row(
+    scene: str, h: str, errors: Errors, orders: tuple[float, float], seconds: float
+) -> MeshRow:
+    return MeshRow(
+        scene,
+        h,
+        errors.last,
+        orders[0],
+        errors.averaged,
+        orders[1],
+        errors.first_peak,
+        errors.second_peak,
+        errors.second_over_largest,
+        seconds,
+    )
+
+
+@dataclass(frozen=True)
+class ElementRow:
+    """Accuracy and cost of an element family on one mesh.
+
+    `step` is the critical time step times c_l/h, `error` the L1 error at T, `order` that since the
+    mesh before; `steps` and `meshing` are seconds.
+    """
+
+    element: str
+    mesh: str
+    h: str
+    unknowns: int
+    step: float
+    error: float
+    order: float
+    steps: float
+    meshing: float
+
+
+def element_rows(scene: str, resolutions: Sequence[int]) -> list[ElementRow]:
     """Accuracy and cost of every element family on every kind of mesh."""
-    columns = ("unknowns", "dt c_l / h", "L1 at T", "order", "steps [s]", "mesh [s]")
-    table = _table(f"{scene}: element families", ["element", "mesh", "h / c_t T"], columns)
-    solution = solve(NAMED_SCENES[scene].scene)
+    solution, rows = solve(NAMED_SCENES[scene].scene), []
     for element, mesh in ELEMENTS:
-        errors: list[float] = []
+        before = math.nan
         for resolution in resolutions:
             simulation = simulated(scene, resolution, element=element, mesh=mesh)
-            errors.append(errors_of(simulation, solution).last)
+            error = errors_of(simulation, solution).last
             step = simulation.critical_step / simulation.element_size
-            table.add_row(
-                element,
-                mesh,
-                f"1/{resolution}",
-                f"{simulation.unknowns:,}",
-                f"{step * simulation.scene.material.longitudinal_speed:.3f}",
-                f"{errors[-1]:.2e}",
-                "" if len(errors) < 2 else f"{observed_order(errors[-2], errors[-1]):.2f}",
-                f"{simulation.seconds['steps']:.2f}",
-                f"{simulation.seconds['mesh']:.2f}",
+            rows.append(
+                ElementRow(
+                    element,
+                    mesh,
+                    f"1/{resolution}",
+                    simulation.unknowns,
+                    step * simulation.scene.material.longitudinal_speed,
+                    error,
+                    observed_order(before, error),
+                    simulation.seconds["steps"],
+                    simulation.seconds["mesh"],
+                )
             )
-    return table
+            before = error
+    return rows
 
 
 ELEMENTS = (
@@ -171,32 +217,40 @@ ELEMENTS = (
 )
 
 
-def damping_table(scene: str, resolution: int) -> Table:
+@dataclass(frozen=True)
+class DampingRow:
+    """What damping does: errors as in `Errors`, energy and residual over the external work,
+    critical step over the undamped one."""
+
+    damping: float
+    last: float
+    averaged: float
+    second_peak: float
+    energy: float
+    critical_step: float
+    residual: float
+
+
+def damping_rows(scene: str, resolution: int) -> list[DampingRow]:
     """What damping does to the error, the energy it takes and the critical step."""
-    columns = ("L1 at T", "L1 averaged", "second peak", "damping / external work")
-    table = _table(
-        f"{scene}, h = c_t T / {resolution}",
-        ["damping c_t / h"],
-        [*columns, "critical step / undamped", "energy residual"],
-    )
-    solution = solve(NAMED_SCENES[scene].scene)
-    undamped = math.nan
+    solution, rows, undamped = solve(NAMED_SCENES[scene].scene), [], math.nan
     for damping in (0.0, 0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2):
         simulation = simulated(scene, resolution, damping=damping)
         if not damping:
             undamped = simulation.critical_step
-        errors = errors_of(simulation, solution)
-        energy = simulation.energy
-        table.add_row(
-            f"{damping:g}",
-            f"{errors.last:.2e}",
-            f"{errors.averaged:.2e}",
-            f"{errors.second_peak:+.1%}",
-            f"{energy.damping[-1] / energy.external[-1]:.1e}",
-            f"{simulation.critical_step / undamped:.3f}",
-            f"{energy.residual:.0e}",
+        errors, energy = errors_of(simulation, solution), simulation.energy
+        rows.append(
+            DampingRow(
+                damping,
+                errors.last,
+                errors.averaged,
+                errors.second_peak,
+                float(energy.damping[-1] / energy.external[-1]),
+                simulation.critical_step / undamped,
+                energy.residual,
+            )
         )
-    return table
+    return rows
 
 
 PEAK_TRIALS: tuple[tuple[int, str, float], ...] = (
@@ -214,26 +268,41 @@ PEAK_TRIALS: tuple[tuple[int, str, float], ...] = (
 """Resolution, element and damping of runs that might see a narrow second zone better."""
 
 
-def peak_table(scene: str) -> Table:
+@dataclass(frozen=True)
+class PeakRow:
+    """One of the `PEAK_TRIALS`: errors as in `Errors`, seconds of stepping."""
+
+    scene: str
+    h: str
+    element: str
+    damping: float
+    last: float
+    averaged: float
+    second_peak: float
+    second_over_largest: float
+    seconds: float
+
+
+def peak_rows(scene: str) -> list[PeakRow]:
     """How well several settings see the peak of the second zone, and what else they do."""
-    columns = ("L1 at T", "L1 averaged", "second peak", "second peak / largest V", "steps [s]")
-    words = ("h / c_t T", "element", "damping c_t / h")
-    table = _table(f"{scene}: the second zone", words, columns)
-    solution = solve(NAMED_SCENES[scene].scene)
+    solution, rows = solve(NAMED_SCENES[scene].scene), []
     for resolution, element, damping in PEAK_TRIALS:
         simulation = simulated(scene, resolution, element=element, damping=damping)
         errors = errors_of(simulation, solution)
-        table.add_row(
-            f"1/{resolution}",
-            element,
-            f"{damping:g}",
-            f"{errors.last:.2e}",
-            f"{errors.averaged:.2e}",
-            f"{errors.second_peak:+.1%}",
-            f"{errors.second_over_largest:+.2%}",
-            f"{simulation.seconds['steps']:.2f}",
+        rows.append(
+            PeakRow(
+                scene,
+                f"1/{resolution}",
+                element,
+                damping,
+                errors.last,
+                errors.averaged,
+                errors.second_peak,
+                errors.second_over_largest,
+                simulation.seconds["steps"],
+            )
         )
-    return table
+    return rows
 
 
 UNIT = Material(1.0, 1.0, 1 / 3)
@@ -303,36 +372,68 @@ def slip_changes(scene: Scene, resolutions: tuple[int, ...]) -> list[float]:
     ]
 
 
-def history_tables(resolutions: tuple[int, ...]) -> Iterator[Table]:
-    """Accuracy under loads that rise and fall: stuck tractions, and slip from mesh to mesh."""
-    title = "stuck tractions at T, L1; in brackets: edge offset"
-    table = _table(title, ["load", "h / c_t T"], ["pressure", "shear"])
+@dataclass(frozen=True)
+class StuckRow:
+    """`stuck_errors` of a load on one mesh: as they are, and with the edge offset."""
+
+    load: str
+    h: str
+    pressure: float
+    pressure_offset: float
+    shear: float
+    shear_offset: float
+
+
+def stuck_rows(resolutions: Sequence[int]) -> list[StuckRow]:
+    """Accuracy of stuck tractions under loads that rise and fall."""
+    rows = []
     for name, history in LOADS.items():
         for resolution in resolutions:
             errors = stuck_errors(history, resolution)
-            cells = (f"{plain:.1e} ({offset:.1e})" for plain, offset in errors.values())
-            table.add_row(name, f"1/{resolution}", *cells)
-    yield table
-    title = "change of slip at T from mesh to mesh, L1"
-    steps = [f"1/{coarse} to 1/{fine}" for coarse, fine in pairwise(resolutions)]
-    table = _table(title, ["preloaded, but with"], steps)
-    for name, parts in VARIANTS.items():
-        scene = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0), **parts)
-        changes = slip_changes(scene, resolutions)
-        table.add_row(name, *(f"{change:.1e}" for change in changes))
-    yield table
+            rows.append(StuckRow(name, f"1/{resolution}", *errors["pressure"], *errors["shear"]))
+    return rows
 
 
-def cost_table(scene: str, resolutions: tuple[int, ...]) -> Table:
+@dataclass(frozen=True)
+class ChangeRow:
+    """`slip_changes` of `preloaded` with another load or friction law, on three meshes."""
+
+    variant: str
+    coarse: float
+    fine: float
+
+
+def change_rows(resolutions: tuple[int, int, int]) -> list[ChangeRow]:
+    """How slip changes from mesh to mesh under each of the `VARIANTS`."""
+    base, load = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
+    return [
+        ChangeRow(name, *slip_changes(Scene(UNIT, 0.3, base, load, **parts), resolutions))
+        for name, parts in VARIANTS.items()
+    ]
+
+
+@dataclass(frozen=True)
+class CostRow:
+    """Product of the stiffness and a full step [ns per unknown], their ratio, and by what factor
+    the window and the trimmed domain save unknowns."""
+
+    h: str
+    unknowns: int
+    product: float
+    step: float
+    ratio: float
+    window: float
+    trimming: float
+
+
+def cost_rows(scene: str, resolutions: Sequence[int]) -> list[CostRow]:
     """A full step over one product of the active part, and what the window and the halves save.
 
     Step and product are timed in turns, in one run, as medians.
     """
     from fem import prepare
-    from fem.run import peak_memory
 
-    columns = ("unknowns", "product", "step", "ratio", "window saves", "trimming saves")
-    table = _table(f"{scene}: cost of a step, ns per unknown", ["h / c_t T"], columns)
+    rows = []
     for resolution in resolutions:
         model = prepare(NAMED_SCENES[scene].scene, resolution=resolution)
         plan = model.plan
@@ -357,17 +458,18 @@ def cost_table(scene: str, resolutions: tuple[int, ...]) -> Table:
         times = model.time_step * np.arange(1.0, model.steps + 2)
         reach = plan.fastest.longitudinal_speed * times + plan.forerun
         active = np.mean([model.numbering.reached(distance) for distance in reach])
-        table.add_row(
-            f"1/{resolution}",
-            f"{model.unknowns:,}",
-            f"{1e9 * product_time / model.unknowns:.1f}",
-            f"{1e9 * step_time / model.unknowns:.1f}",
-            f"{step_time / product_time:.2f}",
-            f"{unknowns / active:.2f}",
-            f"{replace(plan, full=True).blocks.elements / plan.blocks.elements:.2f}",
+        rows.append(
+            CostRow(
+                f"1/{resolution}",
+                model.unknowns,
+                1e9 * product_time / model.unknowns,
+                1e9 * step_time / model.unknowns,
+                step_time / product_time,
+                float(unknowns / active),
+                replace(plan, full=True).blocks.elements / plan.blocks.elements,
+            )
         )
-    table.caption = f"peak memory of this process {peak_memory() / 1e6:,.0f} MB"
-    return table
+    return rows
 
 
 def _medians(one: Callable[[], None], other: Callable[[], None], times: int) -> tuple[float, float]:
@@ -399,57 +501,23 @@ def observed_order(coarse: float, fine: float, refinement: float = 2.0) -> float
     return math.log(coarse / fine) / math.log(refinement)
 
 
-def _add_row(
-    table: Table,
-    label: str,
-    errors: Errors,
-    previous: Errors | None,
-    seconds: str,
-    refinement: float,
-) -> None:
-    table.add_row(
-        label,
-        f"{errors.last:.2e}",
-        f"{observed_order(previous.last, errors.last, refinement):.2f}" if previous else "",
-        f"{errors.averaged:.2e}",
-        f"{observed_order(previous.averaged, errors.averaged, refinement):.2f}" if previous else "",
-        f"{errors.first_peak:+.2%}",
-        f"{errors.second_peak:+.2%}",
-        f"{errors.second_over_largest:+.2%}",
-        seconds,
-    )
+ACCURACY_MESHES = (100, 200, 400)
 
-
-def _accuracy_tables() -> Iterator[Table]:
-    yield accuracy("preloaded", (100, 200, 400))
-    yield accuracy("remote-shock", (100, 200, 400))
-    yield accuracy("preloaded", (100, 200, 400), damping=0.0)
-
-
-STUDIES: dict[str, Callable[[], Iterator[Table]]] = {
-    "accuracy": _accuracy_tables,
-    "finest": lambda: iter([accuracy("remote-shock", (400, 560))]),
-    "elements": lambda: iter([element_table("preloaded", (50, 100, 200))]),
-    "damping": lambda: iter([damping_table("preloaded", 100), damping_table("preloaded", 200)]),
-    "peak": lambda: (peak_table(scene) for scene in ("preloaded", "remote-shock")),
-    "histories": lambda: history_tables((50, 100, 200)),
-    "cost": lambda: iter([cost_table("preloaded", (200, 400))]),
+STUDIES: Mapping[str, Study] = {
+    "accuracy": lambda: [
+        *accuracy("preloaded", ACCURACY_MESHES),
+        *accuracy("remote-shock", ACCURACY_MESHES),
+    ],
+    "undamped": lambda: accuracy("preloaded", ACCURACY_MESHES, damping=0.0),
+    "finest": lambda: accuracy("remote-shock", (400, 560)),
+    "elements": lambda: element_rows("preloaded", (50, 100, 200)),
+    "damping": lambda: damping_rows("preloaded", 200),
+    "peak": lambda: [*peak_rows("preloaded"), *peak_rows("remote-shock")],
+    "stuck": lambda: stuck_rows((50, 100, 200)),
+    "changes": lambda: change_rows((50, 100, 200)),
+    "cost": lambda: cost_rows("preloaded", (200, 400)),
 }
 
 
-def main(arguments: list[str]) -> int:
-    """Print the tables of the studies named; 2 if there is none of a name."""
-    console = Console(width=120)
-    if not arguments or not set(arguments) <= set(STUDIES):
-        console.print(
-            f"usage: python -m compare.studies.accuracy.fem {'|'.join(STUDIES)} ...", markup=False
-        )
-        return 2
-    for name in arguments:
-        for table in STUDIES[name]():
-            console.print(table)
-    return 0
-
-
 if __name__ == "__main__":
-    raise SystemExit(main(sys.argv[1:]))
+    raise SystemExit(run_studies("compare.studies.accuracy.fem", "fem", STUDIES))

@@ -1,11 +1,12 @@
-"""Studies of the space-time solver: accuracy, cost, memory, slow ramps, stability.
+"""Studies of the space-time solver: accuracy, cost, memory, slow ramps, resolution, stability.
 
-``python -m compare.studies.accuracy.spacetime accuracy`` prints a table; `STUDIES` lists more.
+``python -m compare.studies.accuracy.spacetime accuracy`` prints a table; `STUDIES` lists more, and
+``--csv docs/data`` writes what docs/spacetime.md shows.
 """
 
 from __future__ import annotations
 
-import sys
+import math
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -16,27 +17,33 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.table import Table
 
 from compare.comparison.measures import in_profile
 from compare.figures.interface import PREDICTION, SIMULATION, save_figure
 from compare.output.files import write_rows
+from compare.studies.tables import Study, run_studies
 from compare.studies.workers import Progress, counted
-from semianalytic import Marched, Material, Ramp, Scene, Tractions, march, solve
+from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Tractions, march, solve
 from semianalytic.halfplane.stuck_histories import intensity_history, stuck_shear
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.loads import Step
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.spacetime.march_memory import state_bytes
+from semianalytic.spacetime.resolution import zone_at_edge
 
 Array = NDArray[np.float64]
 
 LENGTH = 2.0
 """Observed contact [length] until t = 1/c_t = 1."""
 GRIDS = (128, 256, 512, 1024, 2048, 4096)
+COST_GRIDS = (256, 512, 1024, 2048, 4096, 8192)
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
+MEMORY_NODES = 1024
 RISE_TIMES = (0.25, 1.0, 4.0, 16.0, 64.0)
+STEPS_PER_PERIOD = (16, 32)
+NODES_IN_ZONE = (1, 2, 4, 8)
+FINEST = 4096
+"""Nodes of the marches that the study of resolution compares with."""
 
 
 def step_error(scene: Scene, marched: Marched) -> float:
@@ -68,18 +75,28 @@ def last_march(
     )
 
 
-def accuracy() -> Table:
-    """Errors against the self-similar solver, observed orders, seconds, by nodes."""
-    table = Table("scene", "nodes", "L1 error [%]", "order", "seconds", title="Accuracy")
+@dataclass(frozen=True)
+class AccuracyRow:
+    """L1 error of a scene on one grid, the observed order since the grid before, and seconds."""
+
+    scene: str
+    nodes: int
+    error: float
+    order: float
+    seconds: float
+
+
+def accuracy() -> list[AccuracyRow]:
+    """Errors against the self-similar solver by nodes."""
+    rows = []
     for name in ("preloaded", "remote-shock", "auxetic"):
-        scene, before = NAMED_SCENES[name].scene, None
+        scene, before = NAMED_SCENES[name].scene, math.nan
         for nodes in GRIDS:
             seconds, marched = _timed(partial(last_march, scene, nodes))
             error = step_error(scene, marched)
-            order = "" if before is None else f"{np.log2(before / error):.2f}"
-            table.add_row(name, str(nodes), f"{100 * error:.4f}", order, f"{seconds:.3g}")
+            rows.append(AccuracyRow(name, nodes, error, math.log2(before / error), seconds))
             before = error
-    return table
+    return rows
 
 
 def _timed(run: Callable[[], Marched], repeats: int = 3) -> tuple[float, Marched]:
@@ -92,46 +109,48 @@ def _timed(run: Callable[[], Marched], repeats: int = 3) -> tuple[float, Marched
     return float(np.median(seconds)), marched
 
 
-def cost() -> Table:
-    """Seconds and memory of preloaded against nodes, and what direct convolution would take."""
-    table = Table(
-        "nodes", "steps", "grid", "seconds", "growth", "state [MB]", "past of a direct sum [MB]"
-    )
-    scene, before = NAMED_SCENES["preloaded"].scene, None
-    for nodes in (256, 512, 1024, 2048, 4096, 8192):
+@dataclass(frozen=True)
+class CostRow:
+    """Seconds and peak memory [MB] of a march, and of the past that a direct sum would keep."""
+
+    nodes: int
+    steps: int
+    grid: int
+    seconds: float
+    state: float
+    past: float
+
+
+def cost() -> list[CostRow]:
+    """Seconds and memory of `preloaded` against nodes."""
+    scene, rows = NAMED_SCENES["preloaded"].scene, []
+    for nodes in COST_GRIDS:
         seconds, marched = _timed(partial(last_march, scene, nodes), 3 if nodes < 4096 else 1)
         used = marched.statistics
-        growth = "" if before is None else f"{seconds / before:.2f}"
-        state = state_bytes(used.nodes, used.poles) / 1e6
-        past = 8 * used.steps * used.nodes / 1e6
-        table.add_row(
-            str(nodes),
-            str(used.steps),
-            str(used.nodes),
-            f"{seconds:.3g}",
-            growth,
-            f"{state:.1f}",
-            f"{past:.0f}",
-        )
-        before = seconds
-    return table
+        state, past = state_bytes(used.nodes, used.poles), 8 * used.steps * used.nodes
+        rows.append(CostRow(nodes, used.steps, used.nodes, seconds, state / 1e6, past / 1e6))
+    return rows
 
 
-def memory() -> Table:
-    """Poles, error of their transform and of the slip rate, by tolerance, 1024 nodes."""
-    table = Table("tolerance", "poles", "transform", "L1 error [%]", "seconds", title="Memory")
-    scene = NAMED_SCENES["preloaded"].scene
+@dataclass(frozen=True)
+class MemoryRow:
+    """Poles of a memory of some tolerance, error of their transform, L1 error of the slip rate."""
+
+    tolerance: float
+    poles: int
+    transform_error: float
+    error: float
+    seconds: float
+
+
+def memory() -> list[MemoryRow]:
+    """How many exponentials are enough for a thousand nodes."""
+    scene, rows = NAMED_SCENES["preloaded"].scene, []
     for tolerance in TOLERANCES:
-        seconds, marched = _timed(partial(last_march, scene, 1024, tolerance=tolerance))
-        used = marched.statistics
-        table.add_row(
-            f"{tolerance:.0e}",
-            str(used.poles),
-            f"{used.memory_error:.1e}",
-            f"{100 * step_error(scene, marched):.4f}",
-            f"{seconds:.3g}",
-        )
-    return table
+        seconds, marched = _timed(partial(last_march, scene, MEMORY_NODES, tolerance=tolerance))
+        used, error = marched.statistics, step_error(scene, marched)
+        rows.append(MemoryRow(tolerance, used.poles, used.memory_error, error, seconds))
+    return rows
 
 
 @dataclass(frozen=True)
@@ -172,10 +191,20 @@ def static_zone(scene: Scene, t: float) -> StaticZone:
     return StaticZone(strength, float(length), scene.material)
 
 
-def ramp_errors(rise_time: float, nodes: int = 1500) -> tuple[float, float, float]:
-    """Static zone length over c_t T, and relative differences of a march in length and slip (L1).
+@dataclass(frozen=True)
+class RampRow:
+    """Length of the static zone over c_t T, and relative differences of a march from it."""
 
-    Scene `ramp` at t = 1, with another rise time.
+    rise_time: float
+    static_length: float
+    length: float
+    slip: float
+
+
+def ramp_errors(rise_time: float, nodes: int = 1500) -> RampRow:
+    """A march of `ramp` with another rise time at t = 1, in length of the slip zone and slip (L1).
+
+    Both over those of the static zone.
     """
     scene = replace(NAMED_SCENES["ramp"].scene, shear_history=Ramp(rise_time))
     static = static_zone(scene, 1.0)
@@ -184,20 +213,44 @@ def ramp_errors(rise_time: float, nodes: int = 1500) -> tuple[float, float, floa
     x, slip = marched.grid.x, marched.interface.slip[-1]
     found = x[slip > 1e-4 * slip.max()].max() + marched.grid.spacing / 2
     wanted = static.slip(x)
-    return (
+    return RampRow(
+        rise_time,
         static.length,
         float(found / static.length - 1),
         float(np.abs(slip - wanted).sum() / wanted.sum()),
     )
 
 
-def ramps() -> Table:
-    """How the slip under slower and slower ramps approaches the static near field."""
-    table = Table("rise time", "static zone / c_t T", "length off [%]", "slip off, L1 [%]")
-    for rise_time in RISE_TIMES:
-        length, longer, slip = ramp_errors(rise_time)
-        table.add_row(f"{rise_time:g}", f"{length:.4f}", f"{100 * longer:.1f}", f"{100 * slip:.1f}")
-    return table
+@dataclass(frozen=True)
+class ResolutionRow:
+    """Relative error of frictional work until T on a grid that is too coarse, by how coarse."""
+
+    study: str
+    resolution: int
+    error: float
+
+
+def resolution() -> list[ResolutionRow]:
+    """Loads of few steps a period (ten cycles of shear), and slip zones of few nodes (f = 5)."""
+    preloaded = NAMED_SCENES["preloaded"].scene
+    wave = replace(preloaded, friction=0.1, shear_history=Harmonic(10.0))
+    strong = replace(preloaded, friction=5.0)
+    zone = zone_at_edge(strong, 1.0)
+    return [
+        *(_work_row("steps a period", wave, n, round(10 * n)) for n in STEPS_PER_PERIOD),
+        *(_work_row("nodes in the zone", strong, n, round(2 * n / zone)) for n in NODES_IN_ZONE),
+    ]
+
+
+def _work_row(study: str, scene: Scene, parameter: int, nodes: int) -> ResolutionRow:
+    error = abs(_work(scene, nodes) / _work(scene, FINEST) - 1)
+    return ResolutionRow(study, parameter, error)
+
+
+def _work(scene: Scene, nodes: int) -> float:
+    """Frictional work until T = 1 on a length of 2, per unit thickness."""
+    marched = march(scene, 1.0, nodes, length=LENGTH, every=10**9)
+    return float(marched.friction_work.sum() * marched.grid.spacing)
 
 
 @dataclass(frozen=True)
@@ -319,14 +372,22 @@ def stability_figure(rows: list[StabilityRow]) -> Figure:
     return figure
 
 
-def edge() -> Table:
+@dataclass(frozen=True)
+class EdgeRow:
+    """L1 error of stuck traction at the first 60 nodes, by where the first is taken to be."""
+
+    first_node: str
+    error: float
+
+
+def edge() -> list[EdgeRow]:
     """Stuck traction at the first nodes by the grid over the exact one, by where the edge is."""
     from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 
     scene = Scene(Material(1.0, 1.0, 1 / 3), 1e6, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
     marched = last_march(scene, 1024)
     offset, factors = edge_offset_and_factors()
-    table = Table("first node at", "L1 error over 60 nodes [%]", title="Edge of the grid")
+    rows = []
     for name, first, seen in (
         (f"{offset:.4f} h, with its factors", offset, factors[:60]),
         (f"{offset:.4f} h", offset, np.ones(60)),
@@ -336,27 +397,19 @@ def edge() -> Table:
         x = (np.arange(60) + first) * marched.grid.spacing
         exact = 1 + stuck_shear(Step(), 1.0, scene.material, x, 1.0).value
         found = (1 + marched.interface.shear_traction[-1, :60]) / seen
-        table.add_row(name, f"{100 * np.abs(found - exact).sum() / exact.sum():.3f}")
-    return table
+        rows.append(EdgeRow(name, float(np.abs(found - exact).sum() / exact.sum())))
+    return rows
 
 
-STUDIES: Mapping[str, Callable[[], Table]] = {
+STUDIES: Mapping[str, Study] = {
     "accuracy": accuracy,
     "cost": cost,
     "memory": memory,
-    "ramps": ramps,
+    "ramps": lambda: [ramp_errors(rise_time) for rise_time in RISE_TIMES],
+    "resolution": resolution,
     "edge": edge,
 }
 
 
-def main(names: list[str]) -> None:
-    """Print the studies named, or say which there are."""
-    unknown = [name for name in names if name not in STUDIES]
-    if unknown or not names:
-        sys.exit(f"Name studies: {', '.join(STUDIES)}.")
-    for name in names:
-        Console(width=100).print(STUDIES[name]())
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    raise SystemExit(run_studies("compare.studies.accuracy.spacetime", "march", STUDIES))

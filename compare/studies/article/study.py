@@ -1,12 +1,15 @@
 """The article reproduced: its figures, its claims and the readings of its algorithm.
 
-Slip rates of figures are one-sided, in units of Q_0/(mu b).
+Slip rates of figures are one-sided, in units of Q_0/(mu b).  ``slipfront article`` writes all,
+``python -m compare.studies.article.study claims cases slots --csv docs/data`` what docs/article.md
+shows.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +30,7 @@ from compare.studies.article.cases import (
     run_cases,
 )
 from compare.studies.article.claims import CLAIMS, METHODS, Claim
+from compare.studies.tables import Study, run_studies
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.reference.published import (
     DEFAULT_READING,
@@ -329,3 +333,75 @@ def slot_figure(checks: Sequence[SlotCheck]) -> Figure:
         panel.set(xlabel="x", ylabel="traction", title=f"mode {check.mode}")
         panel.legend(fontsize=8)
     return figure
+
+
+@dataclass(frozen=True)
+class ClaimRow:
+    """A claim and what each method says of it, as in `claims_table`."""
+
+    section: str
+    claim: str
+    base: str
+    published: str
+    exact: str
+    finite_elements: str
+
+
+@dataclass(frozen=True)
+class CaseRow:
+    """Mean difference of exact and simulated slip rates of a case, over Q_0/(mu b)."""
+
+    base: str
+    chi: float
+    poisson_ratio: float
+    difference: float
+
+
+@dataclass(frozen=True)
+class SlotRow:
+    """Largest difference of each kernel from finite elements with free slot faces."""
+
+    mode: str
+    free: float
+    held: float
+
+
+_cases = cache(run_cases)
+
+
+def claim_rows() -> list[ClaimRow]:
+    """All claims, judged on the mesh of the full study."""
+    return [
+        ClaimRow(
+            claim.section,
+            claim.text,
+            claim.base,
+            *(f"{v.verdict}: {v.evidence}" for v in (claim.verdicts[m] for m in METHODS)),
+        )
+        for claim in judge_claims(_cases(RESOLUTION))
+    ]
+
+
+def case_rows() -> list[CaseRow]:
+    """All cases on that mesh."""
+    return [
+        CaseRow(
+            case.base,
+            case.chi,
+            case.solution.scene.material.poisson_ratio,
+            case.disagreement(),
+        )
+        for case in _cases(RESOLUTION).everyone()
+    ]
+
+
+def slot_rows() -> list[SlotRow]:
+    """Both modes."""
+    checks = (check_slot("II", _ELEMENT_SIZE), check_slot("I", _ELEMENT_SIZE))
+    return [SlotRow(check.mode, check.error("free"), check.error("held")) for check in checks]
+
+
+STUDIES: dict[str, Study] = {"claims": claim_rows, "cases": case_rows, "slots": slot_rows}
+
+if __name__ == "__main__":
+    raise SystemExit(run_studies("compare.studies.article.study", "article", STUDIES))

@@ -1,8 +1,8 @@
 """Thousands of random scenes, solved and marched, each answer held against the laws it must keep.
 
 Run as ``python -m compare.studies.campaign.study``: writes two tables of rows, each with what
-reproduces its scene, and a page with the summary; ``--page docs/campaign.md`` writes that of the
-docs.  An interrupted campaign goes on where it was when started again with the same options.
+reproduces its scene, and prints a summary; ``--csv docs/data`` writes that of the docs.  An
+interrupted campaign goes on where it was when started again with the same options.
 
 Self-similar scenes have any Poisson ratio, friction from 1e-9 to 10, any base that stands and any
 step that does not open the contact.  They are solved to 1e-8 and to 1e-11; the better answer judges
@@ -25,9 +25,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.output.files import append_text, are_sound, checked_cells, write_text
+from compare.output.files import append_text, are_sound, checked_cells, write_rows, write_text
 from compare.output.progress import progress_bar
 from compare.studies.campaign.scenes import drawn, random_history_scene, random_step_scene
+from compare.studies.tables import shown_rows
 from compare.studies.workers import Progress, run_tasks
 from semianalytic import (
     Marched,
@@ -349,37 +350,12 @@ def summary(solved: Sequence[SolvedRow], marched: Sequence[MarchedRow]) -> list[
     return lines
 
 
-PAGE = """# A campaign of random scenes
+@dataclass(frozen=True)
+class SummaryRow:
+    """A line of docs/campaign.md."""
 
-    python -m compare.studies.campaign.study --page docs/campaign.md
-
-draws {scenes} self-similar scenes and {histories} histories (seed {seed}), solves them to 1e-8
-and 1e-11 and marches them on {nodes} and {more} nodes; this page is written by it. Scenes have any
-Poisson ratio from −0.95 to 0.495, friction from 1e-9 to 10, any base that stands, at friction in
-one of five, and any step that does not open the contact. Histories are ramps, pulses, waves and
-tables of shear and pressure, under constant friction, rate weakening and slip weakening.
-
-{table}
-The error at 1e-8 is the larger of the shift of a zone edge over c_t and the relative L1 error of
-the slip rate, against the answer to 1e-11; zones that slip less than the estimate need not be
-there. Coulomb's law is looked at in random points. Times are processor times, with the tables of a
-new Poisson ratio. A march under slip weakening exceeds its strength by what that falls within a
-step; what changes most on doubling are small zones of slip at the edge.
-"""
-
-
-def page_text(solved: Sequence[SolvedRow], marched: Sequence[MarchedRow], seed: int = SEED) -> str:
-    """The summary as a Markdown page."""
-    rows = [f"| {what} | {much} |" for what, much in summary(solved, marched)]
-    table = "\n".join(["| what | result |", "| --- | --- |", *rows]) + "\n"
-    return PAGE.format(
-        scenes=len(solved),
-        histories=len(marched),
-        seed=seed,
-        nodes=NODES,
-        more=2 * NODES,
-        table=table,
-    )
+    what: str
+    result: str
 
 
 def main() -> None:
@@ -391,14 +367,17 @@ def main() -> None:
     parser.add_argument("--histories", type=int, default=HISTORIES)
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--output", type=Path, default=Path("results", "campaign"))
-    parser.add_argument("--page", type=Path, help="page to write; campaign.md in the output")
+    parser.add_argument(
+        "--csv", type=Path, metavar="DIR", help="folder for campaign.csv; docs/data"
+    )
     chosen = parser.parse_args()
-    page = chosen.page or chosen.output / "campaign.md"
     with progress_bar(Console(stderr=True), False, "campaign") as progress:
         rows = run_campaign(chosen.output, chosen.scenes, chosen.histories, chosen.seed, progress)
-    text = page_text(*rows, chosen.seed)
-    write_text(page, text)
-    print(text, end="")
+    lines = [SummaryRow(*line) for line in summary(*rows)]
+    Console().print(shown_rows(f"{len(rows[0])} scenes, {len(rows[1])} histories", lines))
+    if chosen.csv is not None:
+        command = "python -m compare.studies.campaign.study --csv docs/data"
+        write_rows(chosen.csv / "campaign.csv", lines, command=command)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """How long solutions, sweeps and the import take, as ratios measured in the same run.
 
-Run as ``python -m compare.studies.chart.benchmark``. Solutions are set against a dense 400 x 400
+Run as ``python -m compare.studies.chart.benchmark solve sweep import``; ``--csv docs/data`` writes
+what docs/solver.md shows. Solutions are set against a dense 400 x 400
 solve, next to the error reached (relative L1 of the slip rate against rtol = 1e-12); a sweep over
 100 and 1,000 frictions against solving them one by one (of 1,000 every tenth, times ten), next to
 the largest difference of edges and how its solutions were found; the import of ``semianalytic``
@@ -22,6 +23,7 @@ from time import process_time
 
 import numpy as np
 
+from compare.studies.tables import Study, run_studies
 from semianalytic import Scene, Solution, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
@@ -98,11 +100,12 @@ def measure(repetitions: int = 15) -> list[Timing]:
 
 @dataclass(frozen=True)
 class SweepTiming:
-    """One sweep: ratio of the time one by one to its own, solutions from scratch, computed and
-    interpolated, and the largest difference of zone edges over c_t, of frictions at which both
-    have as many zones."""
+    """One sweep over so many frictions: ratio of the time one by one to its own, solutions from
+    scratch, computed and interpolated, and the largest difference of zone edges over c_t, of
+    frictions at which both have as many zones."""
 
     scene: str
+    frictions: int
     rtol: float
     ratio: float
     scratch: int
@@ -152,6 +155,7 @@ def measure_sweep(
     ratio = slow / quick * count / len(chosen)
     return SweepTiming(
         name,
+        count,
         rtol,
         ratio,
         done.origin.count(FROM_SCRATCH),
@@ -177,25 +181,30 @@ def import_ratio(repetitions: int = 9) -> float:
     return own / base
 
 
-def main() -> None:
-    """Print the tables."""
-    print(f"{'scene':14}{'rtol':>8}{'warm':>8}{'cold':>8}{'error':>10}   (dense 400 solves)")
-    for row in measure():
-        print(f"{row.scene:14}{row.rtol:8.0e}{row.warm:8.1f}{row.cold:8.1f}{row.error:10.1e}")
-    print(
-        f"\n{'sweep':14}{'frictions':>10}{'rtol':>8}{'faster':>8}{'scratch':>8}{'computed':>10}"
-        f"{'interpolated':>14}{'differ':>10}{'other zones':>13}"
-    )
-    for count, name, rtol in product((_FRICTIONS, _MANY_FRICTIONS), SWEEPS, _SWEEP_TOLERANCES):
-        one = measure_sweep(name, rtol, count=count)
-        print(
-            f"{name:14}{count:10d}{rtol:8.0e}{one.ratio:8.1f}{one.scratch:8d}{one.computed:10d}"
-            f"{one.interpolated:14d}{one.difference:10.1e}{one.other_zones:13d}"
-        )
-    print(f"\nimport semianalytic: {import_ratio():.2f} of import numpy, scipy.linalg")
+@dataclass(frozen=True)
+class ImportRow:
+    """Time to start Python and import semianalytic, over that for numpy and scipy.linalg."""
+
+    ratio: float
+
+
+def sweeps() -> list[SweepTiming]:
+    """Sweeps over a hundred and over a thousand frictions."""
+    counts = (_FRICTIONS, _MANY_FRICTIONS)
+    return [
+        measure_sweep(name, rtol, count=count)
+        for count, name, rtol in product(counts, SWEEPS, _SWEEP_TOLERANCES)
+    ]
+
+
+STUDIES: dict[str, Study] = {
+    "solve": measure,
+    "sweep": sweeps,
+    "import": lambda: [ImportRow(import_ratio())],
+}
 
 
 if __name__ == "__main__":
     if os.environ.get("OPENBLAS_NUM_THREADS") != "1":
         print("note: set OPENBLAS_NUM_THREADS=1 to compare on one thread")
-    main()
+    raise SystemExit(run_studies("compare.studies.chart.benchmark", "benchmark", STUDIES))

@@ -196,7 +196,7 @@ def chart_text(points: Sequence[Point]) -> str:
         "`slipfront chart --output docs` measures all of this and writes this page. "
         f"{len(points)} points measured {when} on one thread of {one.machine}, {one.cores} cores, "
         f"with Python {one.python}, numpy {one.numpy}, scipy {one.scipy} and slipfront "
-        f"{one.slipfront}; every number is in [chart.csv](chart.csv).",
+        f"{one.slipfront}; every number is in [chart.csv](data/chart.csv).",
         "",
         "## Which method",
         "",

@@ -41,7 +41,8 @@ from semianalytic.scene.named import NAMED_SCENES
 Array = NDArray[np.float64]
 
 SCENES = ("preloaded", "remote-shock", "auxetic", "ramp")
-FILE_NAME = "chart.csv"
+FILE_NAME = "data/chart.csv"
+COMMAND = "slipfront chart --output docs"
 CLOSED_FORM_FRICTION = {"preloaded": 0.8, "remote-shock": 0.9, "auxetic": 0.8}
 """Friction at which a scene of the chart has one slip zone and a closed form."""
 FINEST = 1e-12
@@ -341,6 +342,8 @@ def read_points(path: Path) -> list[Point]:
     kinds = {"float": float, "int": int, "str": str}
     try:
         with path.open(newline="", encoding="utf-8") as stream:
+            if stream.readline().strip() != f"# {COMMAND}":
+                raise ValueError("another first line")
             header, *rows = csv.reader(stream, strict=True)
         if header != [*(field.name for field in fields(Point)), checksum_heading(len(rows))]:
             raise ValueError("unknown columns or lost rows")
@@ -452,7 +455,7 @@ def measure_all(
     points = [point for point in points if same_machine(point)]
     for done, point in enumerate(_measured(todo, quick), start=len(wanted) - len(todo) + 1):
         points = _ordered([*points, point])
-        write_rows(path, points, checked=True)
+        write_rows(path, points, checked=True, command=COMMAND)
         if progress is not None:
             progress(done, len(wanted))
     return points

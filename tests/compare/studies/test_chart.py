@@ -69,7 +69,7 @@ def in_process(monkeypatch):
 @pytest.fixture
 def points(mini, in_process, tmp_path):
     """Points of a mini chart, in `tmp_path`."""
-    return measure_all(tmp_path / "chart.csv", ["preloaded"], quick=True)
+    return measure_all(tmp_path / "data" / "chart.csv", ["preloaded"], quick=True)
 
 
 def test_methods_cover_what_was_asked_for():
@@ -185,14 +185,14 @@ def test_errors_of_the_table_reproduce(points, in_process):
 
 
 def test_points_survive_the_file(points, tmp_path):
-    assert read_points(tmp_path / "chart.csv") == points
+    assert read_points(tmp_path / "data" / "chart.csv") == points
     assert [point.method for point in points] == [n for n, s in MINI.items() for _ in s]
     assert all(same_machine(point) for point in points)
     assert all(point.runs >= 1 and point.memory > 0 and point.seconds > 0 for point in points)
 
 
 def test_interrupted_run_goes_on(mini, in_process, tmp_path, monkeypatch):
-    path, before = tmp_path / "chart.csv", chart.run_task
+    path, before = tmp_path / "data" / "chart.csv", chart.run_task
     done = []
 
     def interrupted(task, runs):
@@ -223,7 +223,7 @@ def test_interrupted_run_goes_on(mini, in_process, tmp_path, monkeypatch):
 
 
 def test_fresh_measures_again(points, tmp_path, monkeypatch):
-    path, count = tmp_path / "chart.csv", []
+    path, count = tmp_path / "data" / "chart.csv", []
     before = chart.run_task
     monkeypatch.setattr(chart, "run_task", lambda *a: count.append(a) or before(*a))
     measure_all(path, ["preloaded"], quick=True, fresh=True)
@@ -247,7 +247,7 @@ def test_quick_and_full_charts_do_not_mix(points, tmp_path):
 
 @pytest.mark.parametrize("damage", ["", "scene,method\n", "cut", "number", "method"])
 def test_damaged_file_is_refused(points, tmp_path, damage, capsys):
-    path = tmp_path / "chart.csv"
+    path = tmp_path / "data" / "chart.csv"
     text = path.read_text()
     path.write_text(
         {
@@ -322,7 +322,7 @@ def test_chart_from_the_command_line(mini, tmp_path, capsys):
     assert "time^slope" in shown.out
     assert (tmp_path / "figures" / "chart_preloaded.png").stat().st_size > 10_000
     assert (tmp_path / "chart.md").read_text() in shown.out
-    stored = (tmp_path / "chart.csv").read_bytes()
+    stored = (tmp_path / "data" / "chart.csv").read_bytes()
     assert main(arguments) == 0
     assert "points to measure" not in capsys.readouterr().err
-    assert (tmp_path / "chart.csv").read_bytes() == stored
+    assert (tmp_path / "data" / "chart.csv").read_bytes() == stored

@@ -17,17 +17,19 @@ from compare.cli import commands as cli
 from compare.output.progress import progress_bar
 from compare.studies.accuracy.fem import (
     PROFILE,
-    STUDIES,
     VARIANTS,
     accuracy,
-    history_tables,
+    change_rows,
+    cost_rows,
+    damping_rows,
+    element_rows,
     last_profile,
-    main,
-    peak_table,
+    peak_rows,
     profile_errors,
     simulated,
     slip_changes,
     stuck_errors,
+    stuck_rows,
 )
 from compare.studies.stability.fem import fem_stability, trials
 from fem import load_simulation
@@ -48,24 +50,31 @@ def test_errors_of_the_exact_profile_are_zero():
     assert errors.second_peak == pytest.approx(0.01)
 
 
-def test_accuracy_table_has_a_row_per_mesh_and_the_extrapolation():
-    table = accuracy("preloaded", (20, 40))
-    assert table.row_count == 3
-    assert float(list(table.columns[2].cells)[1]) > 0.8  # observed order
+def test_accuracy_has_a_row_per_mesh_and_the_extrapolation():
+    coarse, fine, limit = accuracy("preloaded", (20, 40))
+    assert [row.h for row in (coarse, fine, limit)] == ["1/20", "1/40", "extrapolated"]
+    assert np.isnan(coarse.last_order)
+    assert fine.last_order == pytest.approx(np.log2(coarse.last / fine.last))
+    assert fine.last_order > 0.8
+    assert limit.seconds != limit.seconds
 
 
-def test_peak_table_has_a_row_per_setting(monkeypatch):
+def test_peak_has_a_row_per_setting(monkeypatch):
     monkeypatch.setattr(
         compare.studies.accuracy.fem, "PEAK_TRIALS", ((20, "Q1", 0.02), (20, "Q2", 0.0))
     )
-    assert peak_table("preloaded").row_count == 2
+    rows = peak_rows("preloaded")
+    assert [(row.h, row.element, row.damping) for row in rows] == [
+        ("1/20", "Q1", 0.02),
+        ("1/20", "Q2", 0.0),
+    ]
 
 
-def test_history_tables_say_how_stuck_tractions_and_slip_converge(monkeypatch):
+def test_rows_say_how_stuck_tractions_and_slip_converge(monkeypatch):
     monkeypatch.setattr(compare.studies.accuracy.fem, "LOADS", {"ramp": Ramp(0.5)})
-    stuck, slip = history_tables((20, 40))
-    assert stuck.row_count == 2
-    assert slip.row_count == len(VARIANTS)
+    assert [row.h for row in stuck_rows((20, 40))] == ["1/20", "1/40"]
+    monkeypatch.setattr(compare.studies.accuracy.fem, "VARIANTS", dict(list(VARIANTS.items())[:2]))
+    assert [row.variant for row in change_rows((10, 20, 40))] == list(VARIANTS)[:2]
     errors = stuck_errors(Ramp(0.5), 32)
     for plain, offset in errors.values():
         assert offset < 0.3 * plain < 0.05
@@ -73,10 +82,23 @@ def test_history_tables_say_how_stuck_tractions_and_slip_converge(monkeypatch):
     assert changes[0] > 2 * changes[1]
 
 
-def test_unknown_study_is_refused(capsys):
-    assert main(["accuracies"]) == 2
-    shown = capsys.readouterr().out
-    assert all(name in shown for name in STUDIES)
+def test_cost_is_that_of_the_mesh_that_is_simulated():
+    [cost], run = cost_rows("preloaded", (40,)), simulated("preloaded", 40, every=10**6)
+    assert cost.unknowns == run.unknowns
+    assert cost.ratio == pytest.approx(cost.step / cost.product)
+    assert cost.window > 1
+    assert cost.trimming > 1
+
+
+def test_elements_and_damping_have_a_row_each(monkeypatch):
+    monkeypatch.setattr(compare.studies.accuracy.fem, "ELEMENTS", (("Q1", "squares"),))
+    coarse, fine = element_rows("preloaded", (20, 40))
+    assert fine.unknowns > coarse.unknowns
+    assert fine.order == pytest.approx(np.log2(coarse.error / fine.error))
+    rows = damping_rows("preloaded", 20)
+    assert [row.damping for row in rows] == sorted(row.damping for row in rows)
+    assert rows[0].energy == 0
+    assert rows[-1].critical_step < rows[0].critical_step == 1
 
 
 def test_default_mesh_and_three_meshes_reach_what_is_promised():

@@ -6,14 +6,17 @@ import numpy as np
 import pytest
 
 from compare.cli.commands import main
+from compare.studies.accuracy import spacetime
 from compare.studies.accuracy.spacetime import (
-    STUDIES,
     StaticZone,
+    accuracy,
+    cost,
     edge,
+    memory,
     ramp_errors,
+    resolution,
     stability_rows,
 )
-from compare.studies.accuracy.spacetime import main as study
 from compare.studies.wear import LOADS, most_wear, wear_after
 from semianalytic import Material
 
@@ -31,14 +34,14 @@ def test_static_zone_closes_smoothly():
 
 def test_slow_ramps_approach_the_static_near_field():
     """Measured 13.5, 6.0, 1.4 and 0.4 % in slip for rise times of 1, 4, 16, 64 at 1,500 nodes."""
-    slips = [ramp_errors(rise_time, 400)[2] for rise_time in (1.0, 4.0, 16.0)]
+    slips = [ramp_errors(rise_time, 400).slip for rise_time in (1.0, 4.0, 16.0)]
     assert slips[0] > 2 * slips[1] > 4 * slips[2]
     assert slips[-1] < 0.03
 
 
 def test_edge_table_names_the_grids_own_edge_best():
-    errors = [float(cell) for cell in edge().columns[1]._cells]
-    assert errors[0] < 0.01
+    errors = [row.error for row in edge()]
+    assert errors[0] < 1e-4
     assert min(errors[1:]) > 100 * errors[0]
 
 
@@ -55,10 +58,32 @@ def test_refusals_and_errors_of_the_stability_study():
     assert len(rows) == 69
 
 
-def test_unknown_study_is_refused():
-    with pytest.raises(SystemExit, match="accuracy, cost"):
-        study(["speed"])
-    assert {"accuracy", "cost", "memory", "ramps", "edge"} == set(STUDIES)
+def test_rows_of_accuracy_cost_memory_and_resolution(monkeypatch):
+    for name, value in {
+        "GRIDS": (64, 128),
+        "COST_GRIDS": (64, 128),
+        "TOLERANCES": (1e-3, 1e-6),
+        "FINEST": 500,
+        "MEMORY_NODES": 128,
+        "STEPS_PER_PERIOD": (16, 32),
+        "NODES_IN_ZONE": (1, 2),
+    }.items():
+        monkeypatch.setattr(spacetime, name, value)
+    monkeypatch.setattr(spacetime, "_timed", lambda run, repeats=3: (1.0, run()))
+    rows = accuracy()
+    assert [(row.scene, row.nodes) for row in rows[:2]] == [("preloaded", 64), ("preloaded", 128)]
+    assert len(rows) == 6
+    assert rows[1].order == pytest.approx(np.log2(rows[0].error / rows[1].error))
+    assert np.isnan(rows[2].order)
+    coarse, fine = cost()
+    assert 3.5 < fine.past / coarse.past < 4.5
+    loose, strict = memory()
+    assert loose.poles < strict.poles
+    assert loose.transform_error > strict.transform_error
+    wave, finer_wave, zone, finer_zone = resolution()
+    assert wave.study == finer_wave.study != zone.study == finer_zone.study
+    assert wave.error > finer_wave.error
+    assert zone.error > finer_zone.error
 
 
 def test_friction_work_peaks_at_intermediate_friction():

@@ -1,0 +1,75 @@
+"""Thresholds of slip over the Poisson ratio: the tables of docs/regimes.md.
+
+``python -m compare.studies.regimes.tables thresholds reverse --csv docs/data``
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from compare.studies.tables import Study, run_studies
+from semianalytic.regimes.reverse_slip import log_frictionless_half_width, reverse_threshold
+from semianalytic.regimes.thresholds import (
+    edge_threshold_alone,
+    front_threshold_stuck,
+    gap_threshold,
+    nucleation,
+)
+
+POISSON_RATIOS = (-0.9, -0.5, -0.2, 0.0, 0.2, 1 / 3, 0.4, 0.45)
+REVERSE_POISSON_RATIOS = (-0.9, -0.5, -0.2, 0.0, 0.2, 0.25, 0.3, 1 / 3, 0.4, 0.45)
+
+
+@dataclass(frozen=True)
+class ThresholdRow:
+    """Frictions chi at which the regime changes; `gap` is nan where there is none."""
+
+    poisson_ratio: float
+    preload_nucleation: float
+    edge: float
+    stuck_front: float
+    remote_nucleation: float
+    gap: float
+
+
+@dataclass(frozen=True)
+class ReverseRow:
+    """Friction below which a preloaded interface slips backward, and half the width over c_R of
+    the strip that does so without friction."""
+
+    poisson_ratio: float
+    threshold: float
+    half_width: float
+
+
+def threshold_rows() -> list[ThresholdRow]:
+    """Thresholds of both loadings."""
+    rows = []
+    for nu in POISSON_RATIOS:
+        gap = gap_threshold("remote", nu)
+        rows.append(
+            ThresholdRow(
+                nu,
+                nucleation("preload", nu),
+                edge_threshold_alone(nu),
+                front_threshold_stuck(nu),
+                nucleation("remote", nu),
+                math.nan if gap is None else gap,
+            )
+        )
+    return rows
+
+
+def reverse_rows() -> list[ReverseRow]:
+    """Where slip reverses under a preload."""
+    return [
+        ReverseRow(nu, reverse_threshold(nu), math.exp(log_frictionless_half_width(nu)))
+        for nu in REVERSE_POISSON_RATIOS
+    ]
+
+
+STUDIES: dict[str, Study] = {"thresholds": threshold_rows, "reverse": reverse_rows}
+
+if __name__ == "__main__":
+    raise SystemExit(run_studies("compare.studies.regimes.tables", "regimes", STUDIES))

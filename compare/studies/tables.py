@@ -1,0 +1,66 @@
+"""Rows of studies, as tables on the terminal and as the data of the documentation.
+
+A study is a function without arguments that returns rows, instances of one dataclass.  What is
+printed, the CSV file and the tables of docs (`compare.docs`) are renderings of the same rows.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import astuple, fields
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from compare.output.files import write_rows
+
+Study = Callable[[], Sequence[Any]]
+
+
+def shown_rows(title: str, rows: Sequence[Any]) -> Table:
+    """Rows for the terminal, numbers to four digits."""
+    table = Table(title=title)
+    for field, value in zip(fields(rows[0]), astuple(rows[0]), strict=True):
+        heading = field.name.replace("_", " ")
+        table.add_column(heading, justify="left" if isinstance(value, str) else "right")
+    for row in rows:
+        table.add_row(*map(_shown, astuple(row)))
+    return table
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, float):
+        return "" if value != value else f"{value:.4g}"
+    return f"{value:,}" if isinstance(value, int) else str(value)
+
+
+def run_studies(
+    module: str, prefix: str, studies: Mapping[str, Study], arguments: Sequence[str] | None = None
+) -> int:
+    """Print the studies named, and write PREFIX-NAME.csv of each into a folder if one is given.
+
+    Parameters
+    ----------
+    module : str
+        Whose command it is, for messages and the heads of the files.
+    prefix : str
+    studies : mapping of names to studies
+    arguments : sequence of str, optional
+        Of the command line.
+    """
+    parser = argparse.ArgumentParser(prog=f"python -m {module}")
+    parser.add_argument(
+        "names", nargs="+", choices=studies, metavar="STUDY", help=", ".join(studies)
+    )
+    parser.add_argument("--csv", type=Path, metavar="DIR", help="folder to write to; docs/data")
+    options = parser.parse_args(arguments)
+    for name in options.names:
+        rows = studies[name]()
+        Console(width=140).print(shown_rows(f"{prefix}: {name}", rows))
+        if options.csv is not None:
+            command = f"python -m {module} {name} --csv docs/data"
+            write_rows(options.csv / f"{prefix}-{name}.csv", rows, command=command)
+    return 0

@@ -1,0 +1,102 @@
+"""Studies as rows, on the terminal and in data files; the small studies of the docs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from compare.docs import read_data
+from compare.studies import wear
+from compare.studies.accuracy import scenes
+from compare.studies.article import study as article
+from compare.studies.regimes import tables
+from compare.studies.tables import run_studies
+
+
+@dataclass(frozen=True)
+class Row:
+    scene: str
+    unknowns: int
+    error: float
+
+
+ROWS = [Row("one", 82940, 1.23456789e-7), Row("two", 1, float("nan"))]
+
+
+def test_rows_are_printed_and_written_with_their_command(tmp_path, capsys):
+    command = ["errors", "--csv", str(tmp_path)]
+    assert run_studies("compare.some", "fem", {"errors": lambda: ROWS}, command) == 0
+    shown = capsys.readouterr().out
+    assert "82,940" in shown
+    assert "1.235e-07" in shown
+    assert "nan" not in shown
+    assert read_data("fem-errors", tmp_path) == (
+        "python -m compare.some errors --csv docs/data",
+        [
+            {"scene": "one", "unknowns": "82940", "error": "1.23456789e-07"},
+            {"scene": "two", "unknowns": "1", "error": "nan"},
+        ],
+    )
+
+
+def test_unknown_study_is_refused(capsys):
+    with pytest.raises(SystemExit, match="2"):
+        run_studies(
+            "compare.some", "fem", {"errors": lambda: ROWS, "cost": lambda: ROWS}, ["speed"]
+        )
+    assert "errors, cost" in capsys.readouterr().err.replace("'", "")
+
+
+def test_scenes_have_a_summary_and_every_quantity(monkeypatch):
+    few = ("preloaded", "stuck", "unload")
+    monkeypatch.setattr(scenes, "COMPARED", few)
+    chosen = {name: scenes.QUANTITIES[name] for name in few if name != "stuck"}
+    monkeypatch.setattr(scenes, "QUANTITIES", chosen)
+    rows = {row.scene: row for row in scenes.summary(24)}
+    assert tuple(rows) == few
+    assert rows["unload"].profile == rows["unload"].slip_rate > 0
+    assert rows["preloaded"].profile != rows["preloaded"].slip_rate
+    assert np.isnan(rows["stuck"].sense)
+    assert 0 < rows["stuck"].pressure < 0.1
+    assert rows["unload"].solver == "space-time"
+    for row in (rows["preloaded"], rows["unload"]):
+        assert 0 <= row.sense <= row.sense_bound
+    found = scenes.quantities(24)
+    assert len(found) == sum(len(named) + 1 for named in chosen.values())
+    for row in found[:2]:
+        assert row.prediction == pytest.approx(row.simulation, rel=0.1)
+
+
+@pytest.mark.slow
+def test_every_quantity_of_every_scene_is_in_its_report():
+    named = sum(len(quantities) + 1 for quantities in scenes.QUANTITIES.values())
+    assert len(scenes.quantities(40)) == named
+
+
+def test_tables_of_regimes(monkeypatch):
+    monkeypatch.setattr(tables, "POISSON_RATIOS", (1 / 3,))
+    monkeypatch.setattr(tables, "REVERSE_POISSON_RATIOS", (-0.5, 0.0))
+    [row] = tables.threshold_rows()
+    assert row.preload_nucleation < 1 < row.gap < row.stuck_front < row.remote_nucleation < row.edge
+    one, other = tables.reverse_rows()
+    assert one.threshold > other.threshold > 0
+    assert one.half_width > other.half_width > 0
+
+
+def test_most_wear_of_every_load(monkeypatch):
+    monkeypatch.setattr(wear, "NODES", 60)
+    monkeypatch.setattr(wear, "frictions", lambda count: [0.05, 0.2, 0.6, 1.5])
+    rows = wear.most_rows()
+    assert len(rows) == len(wear.LOADS) * len(wear.POISSON_RATIOS)
+    chi = {(row.load, row.poisson_ratio): row.chi for row in rows}
+    assert chi["pulse", 1 / 3] < chi["step", 1 / 3]
+
+
+def test_rows_of_the_article(monkeypatch):
+    monkeypatch.setattr(article, "RESOLUTION", 20)
+    cases = article.case_rows()
+    assert {(row.base, row.chi) for row in cases} > {("remote", 2.0), ("preloaded", 0.5)}
+    assert max(row.difference for row in cases) < 0.05
+    claims = article.claim_rows()
+    assert len(claims) == len(article.CLAIMS)
+    assert claims[0].exact.startswith("fails: ")
