@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from fem.plan import LEAST_RESOLUTION, Plan, Settings, make_plan
+from fem.plan import ANTISYMMETRIC, LEAST_RESOLUTION, Plan, Settings, make_plan
 from semianalytic.results.files import make_folder, refusal, remove_empty
 from semianalytic.results.memory import check_memory, memory_limit
 from semianalytic.scene.errors import DataFileError
@@ -144,7 +144,8 @@ def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
     contact = plan.blocks.right * plan.family.spacing + 1
     slot = min(round(plan.slot_length / plan.size), plan.blocks.left * plan.family.spacing)
     levels = math.ceil(steps / every) + 1
-    record = levels * (33 * contact + 16 * slot) + 48 * steps
+    fields = 33 if plan.name == ANTISYMMETRIC else 41  # with a gap where it may open
+    record = levels * (fields * contact + 16 * slot) + 72 * steps
     checkpoint = 16 * unknowns + record
     least, growing = FRAME_SIZE[element]
     grown = (frames + 1) * (2 * frames + 1) / (6 * frames) if frames else 0.0

@@ -189,10 +189,10 @@ def frame_run(path: Path) -> str | None:
     try:
         with path.open("rb") as stream:
             stream.seek(max(stream.seek(0, 2) - 400, 0))
-            found = _RUN.findall(stream.read())
+            names = _RUN.findall(stream.read())
     except OSError:
         return None
-    return found[-1].decode() if found else None
+    return names[-1].decode() if names else None
 
 
 def index_run(directory: Path) -> str | None:

@@ -93,7 +93,7 @@ def test_run_without_room_is_refused_before_it_starts(options, what, tmp_path, m
     monkeypatch.setattr("fem.budget.free_space", lambda folder: room)
     monkeypatch.setattr("fem.run.build", None)  # nothing is assembled
     out = tmp_path / "out"
-    assert command(out, "--resolution", "60", *options) == 3
+    assert command(out, "--quiet", "--resolution", "60", *options) == 3
     told = sentence(capsys)
     assert what in told
     assert str(out) in told
