@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 CHECKPOINT = "checkpoint.h5"
 WORTH_SAYING = 60.0
 """Predicted time of a simulation from which on it is said before it starts [s]."""
-WORTH_KEEPING = 1e7
+WORTH_KEEPING = 1e8
 """Predicted size of its snapshots from which on that is said [bytes]."""
 
 

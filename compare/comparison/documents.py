@@ -156,7 +156,7 @@ def end_document(solution: Solution, end_time: float) -> dict[str, Any]:
 
 def march_document(marched: Marched) -> dict[str, Any]:
     """A march as plain dictionaries, lists, strings and finite numbers, for JSON."""
-    scene, seen, x, spacing = marched.scene, marched.seen, marched.grid.x, marched.grid.spacing
+    scene, seen, x = marched.scene, marched.seen, marched.grid.x
     largest = float(seen.slip_rate.max())
     length = scene.material.shear_speed * marched.end_time
     threshold = SENSE_THRESHOLD * largest
@@ -181,8 +181,8 @@ def march_document(marched: Marched) -> dict[str, Any]:
             }
             for node in (int(np.argmin(np.abs(x - probe * length))) for probe in PROBES)
         ],
-        "accumulated_slip": float(marched.path.sum() * spacing),
-        "frictional_work": float(marched.friction_work.sum() * spacing),
+        "accumulated_slip": float(marched.accumulated_slip(marched.end_time)),
+        "frictional_work": float(marched.frictional_work(marched.end_time)),
         "stress_intensity_of_a_stuck_edge": {"K_I": float(mode_one), "K_II": float(mode_two)},
         "stored_levels": len(marched.interface.t),
         "statistics": {

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic import SlipZone
+from semianalytic.results.sampled import slip_intervals
 
 Array = NDArray[np.float64]
 
-EDGE_NODES = 2
 NOTHING = 1e-6
 """What is less than that of its unit counts as nothing."""
 
@@ -66,12 +66,7 @@ def is_nothing(values: Array, unit: float) -> bool:
 
 
 def sampled_zones(velocity: Array, slip_rate: Array, threshold: float) -> tuple[SlipZone, ...]:
-    """Slip zones seen in a sampled slip rate.
-
-    A zone is a run of at least two samples of one sign beyond the threshold.  Its edges are
-    placed between samples by the square-root law of slip rate at an edge: a straight line through
-    the squares of the samples next to the edge is followed down to zero, though no further than
-    the nearest sample that does not belong to the zone's edge layer.
+    """Slip zones seen in a sampled slip rate, as `slip_intervals` finds them.
 
     Parameters
     ----------
@@ -85,23 +80,10 @@ def sampled_zones(velocity: Array, slip_rate: Array, threshold: float) -> tuple[
     Returns
     -------
     tuple of SlipZone
-        From the edge outward.  A zone that holds the first sample starts at 0, one that holds the
-        last sample ends at infinity.
+        From the edge outward.
     """
-    state = np.where(np.abs(slip_rate) > threshold, np.sign(slip_rate), 0.0)
-    cuts = np.flatnonzero(np.diff(state)) + 1
-    zones = []
-    for run in np.split(np.arange(len(state)), cuts):
-        if state[run[0]] == 0 or len(run) < 2:
-            continue
-        inner = 0.0 if run[0] == 0 else _edge(velocity[run], slip_rate[run])
-        outer = (
-            math.inf
-            if run[-1] == len(state) - 1
-            else _edge(velocity[run[::-1]], slip_rate[run[::-1]])
-        )
-        zones.append(SlipZone(inner, outer, int(state[run[0]])))
-    return tuple(zones)
+    intervals = slip_intervals(velocity, slip_rate, threshold)
+    return tuple(SlipZone(part.start, part.end, part.sense) for part in intervals)
 
 
 def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:
@@ -128,12 +110,3 @@ def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:
         return float(time[0])
     pair = slice(first - 1, first + 1)
     return float(np.interp(threshold, speed[pair], time[pair]))
-
-
-def _edge(velocity: Array, slip_rate: Array) -> float:
-    """Where the square of the slip rate falls to zero, samples given from the edge inward."""
-    near = velocity[:EDGE_NODES]
-    slope, offset = np.polyfit(near - near[0], slip_rate[:EDGE_NODES] ** 2, 1)
-    step = near[1] - near[0]
-    beyond = -offset / slope if slope * step > 0 else 0.0
-    return float(near[0] + np.clip(beyond / step, -EDGE_NODES, 0.0) * step)

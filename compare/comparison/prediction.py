@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import RegularGridInterpolator
 
 from semianalytic import InterfaceHistory, Marched, Scene, Solution, march, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.solver import check_pressure
-from semianalytic.spacetime.resolution import MOST_NODES, nodes_for_loads
+from semianalytic.spacetime.resolution import nodes_for_loads
+from semianalytic.spacetime.tuning import MOST_NODES
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -106,15 +106,12 @@ def prediction_at_nodes(
         return Prediction(chosen, solution, whole, *worn, seconds)
     marched = _marched(simulation, float(x[-1]), float(t[-1]), progress)
     own, missed = marched.interface, marched.missed_zone
-    at = tuple(np.meshgrid(t, np.clip(x, own.x[0], None), indexing="ij"))
-    names = ("slip", "slip_rate", "shear_traction", "pressure")
-    sampled = (RegularGridInterpolator((own.t, own.x), getattr(own, name))(at) for name in names)
     return Prediction(
         chosen,
         None,
-        InterfaceHistory(x, t, *sampled),
-        np.interp(x, own.x, marched.path),
-        np.interp(x, own.x, marched.friction_work),
+        marched.history(x, t),
+        np.interp(x, own.x, marched.final_path),
+        np.interp(x, own.x, marched.final_work_density),
         sum(marched.statistics.seconds.values()),
         "" if missed is None else f"{missed}; raise `resolution` {missed.refinement} times",
     )

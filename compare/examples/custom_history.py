@@ -33,8 +33,9 @@ def main(folder: Path = Path(".")) -> float:
     x, slip = float(history.x[0]), float(history.slip[-1, 0])
     part = float((history.slip_rate < 0).mean())
     print(
-        f"slip {1e6 * slip:.3f} µm, path {1e6 * whole.path[0]:.3f} µm at x = {1e3 * x:.2f} mm; "
-        f"work at most {whole.friction_work.max():.3g} J/m²; {part:.1%} of the map reversed"
+        f"slip {1e6 * slip:.3f} µm, path {1e6 * whole.final_path[0]:.3f} µm "
+        f"at x = {1e3 * x:.2f} mm; "
+        f"work at most {whole.final_work_density.max():.3g} J/m²; {part:.1%} of the map reversed"
     )
     return slip
 

@@ -155,7 +155,7 @@ def march_figure(marched: Marched) -> Figure:
     )
     figure.colorbar(image, ax=upper, label=RATE_LABEL)
     upper.set_ylabel(r"$t/T$")
-    lower.plot(fields.x / length, marched.path / (scale * marched.end_time), color=PREDICTION)
+    lower.plot(fields.x / length, marched.final_path / (scale * marched.end_time), color=PREDICTION)
     lower.set(
         xlabel=r"$x/(c_t T)$",
         ylabel=r"$\int |V|\,dt\ /\ V_0 T$",

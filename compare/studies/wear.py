@@ -67,9 +67,9 @@ def wear_after(load: str, poisson_ratio: float, chi: float, nodes: int) -> WearR
         load,
         poisson_ratio,
         chi,
-        float(marched.path.sum() * spacing) / scale,
-        float(marched.friction_work.sum() * spacing) / scale,
-        float(np.count_nonzero(marched.path > 1e-6 * scale) * spacing),
+        float(marched.final_path.sum() * spacing) / scale,
+        float(marched.final_work_density.sum() * spacing) / scale,
+        float(np.count_nonzero(marched.final_path > 1e-6 * scale) * spacing),
     )
 
 

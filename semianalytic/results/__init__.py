@@ -1,1 +1,1 @@
-"""What answers are kept in: samples along the interface, whole files, memory asked for."""
+"""What answers have in common, and what they are kept in: samples, files, memory asked for."""

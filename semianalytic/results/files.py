@@ -188,16 +188,16 @@ def has_seal(path: str | Path) -> bool:
         size = stream.seek(0, os.SEEK_END)
         start = max(size - _LONGEST_SEAL, 0)
         stream.seek(start)
-        found = _SEALED.search(stream.read())
-        if found is None:
+        seal = _SEALED.search(stream.read())
+        if seal is None:
             return False
-        left = start + found.start()
+        left = start + seal.start()
         stream.seek(0)
         digest = hashlib.sha256()
         while left and (chunk := stream.read(min(left, _CHUNK))):
             digest.update(chunk)
             left -= len(chunk)
-    if digest.hexdigest() != found[1].decode():
+    if digest.hexdigest() != seal[1].decode():
         raise ValueError("its checksum does not fit what it holds: it is damaged")
     return True
 

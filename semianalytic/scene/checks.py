@@ -55,7 +55,7 @@ def finite(value: object) -> float | None:
 def checked_number(
     what: str,
     value: object,
-    wanted: str = "be a finite number",
+    required: str = "be a finite number",
     admitted: Callable[[float], bool] | None = None,
 ) -> float:
     """A number of any type as float.
@@ -65,7 +65,7 @@ def checked_number(
     what : str
         Whose it is and its name, for the message.
     value : object
-    wanted : str
+    required : str
         What it must be, for the message.
     admitted : callable, optional
         Whether a finite number will do; all do unless given.
@@ -73,17 +73,17 @@ def checked_number(
     Raises
     ------
     SceneError
-        "{what} must {wanted}, got {value}.", or that it is beyond `LARGEST`.
+        "{what} must {required}, got {value}.", or that it is beyond `LARGEST`.
     """
     number = finite(value)
     if number is None or not (admitted is None or admitted(number)):
-        raise SceneError(f"{what} must {wanted}, got {shown(value)}.")
+        raise SceneError(f"{what} must {required}, got {shown(value)}.")
     if abs(number) > LARGEST:
         raise _out_of_range(what, number)
     return number
 
 
-def checked_size(what: str, value: object, wanted: str = "be positive and finite") -> float:
+def checked_size(what: str, value: object, required: str = "be positive and finite") -> float:
     """A modulus, density, length, time, rate or frequency as float, positive.
 
     Raises
@@ -91,7 +91,7 @@ def checked_size(what: str, value: object, wanted: str = "be positive and finite
     SceneError
         If it is not a positive number, or beyond `SMALLEST` or `LARGEST`.
     """
-    number = checked_number(what, value, wanted, lambda given: given > 0)
+    number = checked_number(what, value, required, lambda given: given > 0)
     if number < SMALLEST:
         raise _out_of_range(what, number)
     return number
@@ -104,17 +104,17 @@ def _out_of_range(what: str, number: float) -> SceneError:
     )
 
 
-def checked_count(what: str, value: object, least: int, wanted: str) -> int:
+def checked_count(what: str, value: object, least: int, required: str) -> int:
     """A whole number of any integer type as int, from `least` to `LARGEST_COUNT`.
 
     Raises
     ------
     SceneError
-        "{what} must be {wanted} {least}, got {value}.", or that it is too large.
+        "{what} must be {required} {least}, got {value}.", or that it is too large.
     """
     count = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else None
     if count is None or count < least:
-        raise SceneError(f"{what} must be {wanted} {least}, got {shown(value)}.")
+        raise SceneError(f"{what} must be {required} {least}, got {shown(value)}.")
     if count > LARGEST_COUNT:
         raise SceneError(f"{what} must be at most {LARGEST_COUNT:g}, got {shown(value)}.")
     return count

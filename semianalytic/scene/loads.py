@@ -20,6 +20,9 @@ from semianalytic.scene.errors import SceneError
 
 Array = NDArray[np.float64]
 
+_SHOWN_SAMPLES = 4
+"""Up to which a table is written out in its repr."""
+
 PULSE_SHAPES = ("rectangle", "triangle", "half-sine", "haversine")
 
 
@@ -321,6 +324,11 @@ class Tabulated(_Summed):
             )
         object.__setattr__(self, "t", tuple(times.tolist()))
         object.__setattr__(self, "value_at_t", tuple(values.tolist()))
+
+    def __repr__(self) -> str:
+        if len(self.t) <= _SHOWN_SAMPLES:
+            return f"Tabulated(t={self.t}, value_at_t={self.value_at_t})"
+        return f"Tabulated({len(self.t)} samples, t = {self.t[0]:.4g} ... {self.t[-1]:.4g})"
 
     @cached_property
     def pieces(self) -> Pieces:

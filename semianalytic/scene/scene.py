@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import MISSING, asdict, dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -28,7 +28,7 @@ HISTORY_KINDS: Mapping[str, type] = {
     "harmonic": Harmonic,
     "tabulated": Tabulated,
 }
-FRICTION_LAWS: Mapping[str, type] = {
+FRICTION_LAWS: Mapping[str, type[FrictionLaw]] = {
     "coulomb": CoulombFriction,
     "rate-weakening": RateWeakening,
     "slip-weakening": SlipWeakening,
@@ -194,12 +194,20 @@ class Scene:
             )
         self.check_weakening(self.base.pressure)
 
+    def __repr__(self) -> str:
+        """As it is made, without what is left at its default."""
+        parts = [(part, getattr(self, part.name)) for part in fields(self)]
+        given = (
+            f"{part.name}={value!r}"
+            for part, value in parts
+            if part.default_factory is MISSING or value != part.default_factory()
+        )
+        return f"Scene({', '.join(given)})"
+
     def check_weakening(self, pressure: float) -> None:
         """Raise SceneError if rate weakening is ill posed under a pressure [stress]."""
-        law, radiated = self.friction_law, self.material.shear_impedance / 2
-        if not isinstance(law, RateWeakening):
-            return
-        slope = self.friction * pressure * law.reduction / law.rate
+        slope = self.friction * pressure * self.friction_law.fall_with_rate
+        radiated = self.material.shear_impedance / 2
         if slope >= radiated:
             raise SceneError(
                 "scene: friction falls with slip rate faster than radiation can balance "
@@ -231,8 +239,9 @@ class Scene:
         """Raise SceneError unless all fields depend on x/t alone."""
         if not self.is_self_similar:
             raise SceneError(
-                "the self-similar solver takes step loads and constant friction only; "
-                "use the space-time solver (`method` space-time) for this scene."
+                "the self-similar solver takes step loads and constant friction only; use the "
+                "space-time solver for this scene, `march` or `method` space-time "
+                "(docs/limits.md)."
             )
 
     @property

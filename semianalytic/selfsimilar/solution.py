@@ -19,7 +19,7 @@ from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.totals import dissipation, largest_slip_over_time
+from semianalytic.selfsimilar.totals import dissipation, largest_slip_over_time, slipped_rate
 
 
 @dataclass(frozen=True)
@@ -257,7 +257,7 @@ class Solution:
         The time integral of `frictional_power`; parameters and what it raises as there.
         """
         t, inner, outer = _intervals(t, inner, outer)
-        twice = np.asarray(t * self.frictional_power(t, inner, outer))
+        twice = np.asarray(np.maximum(t, 0.0) * self.frictional_power(t, inner, outer))
         # By self-similarity the power beyond x is t F(x/t), and the work at x follows from F.
         for x, sign in ((inner, -1), (outer, 1)):
             part = (x > 0) & np.isfinite(x)
@@ -309,7 +309,9 @@ class Solution:
     @cached_property
     def _whole_rate(self) -> float:
         """Integral of |slip rate| over the contact, over time, in units of `profile`."""
-        return self.profile.contact_integral(np.ones_like(self.profile.panels.at.v))
+        speed = self.scene.material.shear_speed
+        zones = [(zone.inner / speed, zone.outer / speed, zone.sense) for zone in self.zones]
+        return slipped_rate(self.profile, zones)
 
     @cached_property
     def _largest_slip_over_time(self) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -36,20 +36,43 @@ def largest_slip_over_time(profile: Profile) -> float:
 
 
 def dissipation(profile: Profile, u: Array) -> Array:
-    """(2, m): integrals of tau V over velocities from 1/u to c_l, and over slownesses up to u.
+    """(2, m): `running_integrals` of what friction takes, |tau V|."""
+    return running_integrals(profile, u, profile.strength)
 
-    At u (m,), in units b = mu = 1, with the one-sided slip rate.  The first is negative where
-    the interface slips ahead of all waves and u is there.
+
+def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) -> float:
+    """Integral of |V| over velocities, one-sided and b = mu = 1, of slip behind the first wave.
+
+    Zones are (inner, outer, sense), in velocities over c_t.  Without friction a profile slips in
+    one sense by name, and its zones say where V is against it.
     """
-    panels, load = profile.panels, profile.fields.load
+    unit = np.ones_like(profile.panels.at.v)
+    total = profile.contact_integral(unit)
+    against = [(inner, outer) for inner, outer, sense in zones if sense not in profile.panels.sense]
+    beyond = {0.0: total}
+    ends = np.array([end for edges in against for end in edges if end])
+    if len(ends):
+        inside = running_integrals(profile, 1 / ends, np.ones_like)[0]
+        beyond.update(zip(ends.tolist(), inside.tolist(), strict=True))
+    return total - 2 * sum(beyond[inner] - beyond[outer] for inner, outer in against)
+
+
+def running_integrals(profile: Profile, u: Array, weight: Callable[[Array], Array]) -> Array:
+    """(2, m): integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
+
+    At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of slowness,
+    and |V| is V times the sense of its panel.  The first integral is negative where the interface
+    slips ahead of all waves and u is there.
+    """
+    panels = profile.panels
     front = panels.left[0].v[0]
-    ahead = panels.sense[0] * load.friction * load.base_pressure * load.far_slip_rate
+    ahead = panels.sense[0] * weight(np.zeros(1)) * profile.fields.load.far_slip_rate
     reached = np.minimum(u, front)
     result = ahead * np.stack([1 / front - 1 / np.maximum(reached, _NEVER), reached])
     at = profile.fields.factors.cut(u)
     for panel in panels.layout.slip:
         for left, right in _pieces(profile, int(panel), float(u.max(initial=0.0))):
-            density = _density(profile, int(panel), left, right)
+            density = _density(profile, int(panel), left, right, weight)
             from_left, to_right = at.minus(left), -at.minus(right)
             inside, behind = (from_left > 0) & (to_right > 0), to_right <= 0
             y = np.log(from_left[inside] / to_right[inside])
@@ -73,8 +96,15 @@ def _pieces(profile: Profile, panel: int, most: float) -> Iterator[tuple[CutPoin
     return pairwise(ends)
 
 
-def _density(profile: Profile, panel: int, left: CutPoints, right: CutPoints) -> Array:
-    """(2, n): tau V / v^2 and tau V at the nodes of the rule between two points, times dv/dy."""
+def _density(
+    profile: Profile,
+    panel: int,
+    left: CutPoints,
+    right: CutPoints,
+    weight: Callable[[Array], Array],
+) -> Array:
+    """(2, n): weight |V| / v^2 and weight |V| at the nodes of the rule between two points, times
+    dv/dy."""
     panels, rule = profile.panels, profile.panels.rule
     width = right.minus(left)
     at = CutPoints(
@@ -82,6 +112,6 @@ def _density(profile: Profile, panel: int, left: CutPoints, right: CutPoints) ->
             rule.y < 0, left.parts + width * rule.share, right.parts - width * rule.share[::-1]
         )
     )
-    traction = panels.sense[panel] * profile.strength(at.v)
-    power = traction * profile.slip_rate_inside(panel, at) * width * rule.bell
+    signed = panels.sense[panel] * weight(at.v)
+    power = signed * profile.slip_rate_inside(panel, at) * width * rule.bell
     return np.stack([power / np.square(at.v), power])

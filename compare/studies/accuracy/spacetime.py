@@ -250,7 +250,7 @@ def _work_row(study: str, scene: Scene, parameter: int, nodes: int) -> Resolutio
 def _work(scene: Scene, nodes: int) -> float:
     """Frictional work until T = 1 on a length of 2, per unit thickness."""
     marched = march(scene, 1.0, nodes, length=LENGTH, every=10**9)
-    return float(marched.friction_work.sum() * marched.grid.spacing)
+    return float(marched.final_work_density.sum() * marched.grid.spacing)
 
 
 @dataclass(frozen=True)

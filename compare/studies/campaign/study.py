@@ -216,7 +216,7 @@ def marched_row(seed: int, index: int) -> MarchedRow:
     size = float(np.abs(paired).sum())
     change = float(np.abs(coarse.interface.slip[-1] - paired).sum()) / size if size else 0.0
     missed = not coarse.seen.slip_rate.any() and slip.max() > _CHANGED * _scale(scene)
-    work = coarse.friction_work
+    work = coarse.final_work_density
     return row(
         "marched" if coarse.status == "resolved" else "unresolved",
         seconds,
@@ -235,7 +235,7 @@ def _scale(scene: Scene) -> float:
 def _excess(marched: Marched) -> float:
     """Largest |tau| - strength at the end over the largest traction."""
     scene, end = marched.scene, marched.interface
-    factor = scene.friction_law.factor(np.abs(end.slip_rate[-1]), marched.path)
+    factor = scene.friction_law.factor(np.abs(end.slip_rate[-1]), marched.final_path)
     shear = np.abs(end.shear_traction[-1])
     strength = scene.friction * end.pressure[-1] * factor
     return max(float((shear - strength).max()) / (float(shear.max()) or 1.0), 0.0)

@@ -116,7 +116,7 @@ def test_a_scene_file_is_as_good_as_a_name(tmp_path, capsys):
     [
         (["solve", "preloadd"], "did you mean preloaded"),
         (["solve", "absent.toml"], "Cannot read the scene file"),
-        (["solve", "preloaded", "--poisson-ratio", "0.7"], "poisson_ratio must lie"),
+        (["solve", "preloaded", "--poisson-ratio", "0.7"], "--poisson-ratio must lie"),
         (["solve", "preloaded", "--plot", "a.docx"], "end the name in"),
         (["simulate", "preloaded", "--resolution", "-3"], "resolution"),
         (["compare", "--from", "absent", "--resolution", "40"], "--resolution has no effect"),

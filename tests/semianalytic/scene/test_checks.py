@@ -22,7 +22,7 @@ from semianalytic import (
     Tabulated,
     Tractions,
     march,
-    slip_history,
+    predict,
     solve,
     sweep,
 )
@@ -149,7 +149,7 @@ def test_counts_are_whole_numbers_of_bounded_size(value):
     for take in (
         lambda: march(SCENE, nodes=given),
         lambda: march(SCENE, every=value),
-        lambda: slip_history(SCENE, nodes=given),
+        lambda: predict(SCENE, nodes=given),
         lambda: Settings(resolution=value),
         lambda: Settings(frames=value),
     ):
@@ -169,10 +169,11 @@ def test_options_of_a_march_are_numbers_of_any_type():
                 march(SCENE, **{"nodes": 32, name: value})
 
 
-def test_options_of_a_slip_history_are_checked_whatever_the_method():
+@pytest.mark.parametrize("method", ["auto", "space-time"])
+def test_options_of_a_prediction_are_checked_whatever_the_method(method):
     for bad in ({"end_time": -1.0}, {"end_time": "1"}, {"length": 0.0}, {"nodes": 0}):
-        with pytest.raises(SceneError, match="slip_history: "):
-            slip_history(SCENE, **bad)
+        with pytest.raises(SceneError, match="predict: "):
+            predict(SCENE, method=method, **bad)
 
 
 def test_a_sweep_takes_numbers_only():
@@ -184,7 +185,7 @@ def test_a_sweep_takes_numbers_only():
 
 
 def test_results_can_be_compared_and_kept_in_sets():
-    history = [slip_history(SCENE, nodes=20) for _ in range(2)]
+    history = [solve(SCENE).history([0.1, 0.2], [1.0]) for _ in range(2)]
     simulations = [fem.simulate(SCENE, resolution=8) for _ in range(2)]
     marches = [march(SCENE, nodes=16) for _ in range(2)]
     solutions = [solve(SCENE) for _ in range(2)]

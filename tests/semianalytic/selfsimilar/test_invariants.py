@@ -158,6 +158,10 @@ def errors_of_integrals(solution, exact):
     for name in ("slip", "path", "work_density"):
         wanted, found = (getattr(one, name)(x, 1.0) for one in (exact, solution))
         errors[name] = np.abs(found - wanted).max() / max(np.abs(wanted).max(), 1e-300)
+    for name in ("max_slip", "accumulated_slip"):
+        wanted, found = (float(getattr(one, name)(1.0)) for one in (exact, solution))
+        if np.isfinite(wanted):
+            errors[name] = abs(found - wanted) / max(wanted, 1e-300)
     wanted, found = exact.edge_slip_rate, solution.edge_slip_rate
     errors["edge slip rate"] = abs(found - wanted) / max(abs(wanted), 1e-300)
     wanted, found = exact.stress_intensity(1.0)[1], solution.stress_intensity(1.0)[1]

@@ -73,7 +73,7 @@ def test_frictional_power_where_slip_covers_the_rayleigh_front():
 
 
 def check_integrals(exact):
-    """Power, heat, work, path and slip of a solution are those of its own fields."""
+    """Power, heat, work, path and slip of a solution, and its totals, are those of its fields."""
     speeds, scene = singular_speeds(exact), exact.scene
     tolerance = exact.error_estimate
     largest = max(speeds) * 1.1
@@ -84,6 +84,12 @@ def check_integrals(exact):
     else:
         assert exact.frictional_power(1.0) == pytest.approx(whole, rel=tolerance)
         assert exact.frictional_work(3.0) == pytest.approx(4.5 * whole, rel=tolerance)
+        slipped = integral(lambda x: exact.path(x, 1.0), 0.0, largest, speeds, 12)
+        assert exact.accumulated_slip(3.0) == pytest.approx(9 * slipped, rel=max(tolerance, 1e-9))
+    places = np.concatenate([np.geomspace(1e-9, 0.05, 300), np.linspace(0.05, 1.0, 3000)]) * largest
+    slips = np.abs(exact.slip(places, 1.0)).max()
+    assert slips <= exact.max_slip(1.0) * (1 + tolerance)
+    assert slips == pytest.approx(exact.max_slip(1.0), rel=1e-3)
     inner, outer = 0.3 * scene.material.rayleigh_speed, 1.02 * scene.material.shear_speed
     part = integral(density, inner, outer, speeds)
     scale = tolerance * max(whole, 1e-300)
@@ -162,6 +168,31 @@ def test_slip_ahead_of_all_waves_takes_what_a_steady_slide_takes():
     assert solution.frictional_power(t, 3.0, 5.0) == pytest.approx(rate, rel=1e-13)
     assert solution.frictional_work(t, 3.0, 5.0) == pytest.approx(rate * t, rel=1e-13)
     assert solution.frictional_work(t) == solution.frictional_power(t, 3.0) == np.inf
+    assert solution.accumulated_slip([0.0, t]).tolist() == [0.0, np.inf]
+    (zone,) = solution.zones_at(t)
+    assert (zone.start, zone.end) == (0.0, np.inf)
+
+
+def test_largest_slip_inside_a_zone_is_found_to_rounding():
+    """Slip of pressure-drop has its maximum inside its only zone, where V is slip over time."""
+    solution = solve(NAMED_SCENES["pressure-drop"].scene, rtol=1e-10)
+    (zone,) = solution.zones_at(1.0)
+    low, high = zone.start, zone.end
+    for _ in range(40):
+        x = np.linspace(low, high, 21)
+        top = int(np.argmax(solution.slip(x, 1.0)))
+        low, high = x[max(top - 1, 0)], x[min(top + 1, 20)]
+    assert solution.max_slip(2.0) == pytest.approx(2 * solution.slip(low, 1.0), rel=1e-12)
+    assert solution.slip_rate(low, 1.0) == pytest.approx(float(solution.slip(low, 1.0)), rel=1e-5)
+
+
+def test_constant_strength_turns_accumulated_slip_to_heat():
+    scene = NAMED_SCENES["preloaded"].scene
+    solution = solve(scene)
+    strength = scene.friction * scene.base.pressure
+    assert solution.frictional_work(1.5) == pytest.approx(
+        strength * solution.accumulated_slip(1.5), rel=1e-13
+    )
 
 
 def test_nothing_is_taken_before_the_load_or_without_friction():
@@ -178,6 +209,17 @@ def test_nothing_is_taken_before_the_load_or_without_friction():
         == 0
     )
     assert free.path(0.3, 1.0) > abs(free.slip(0.3, 1.0))  # it reverses around the Rayleigh front
+
+
+@pytest.mark.parametrize("shear", [1.0, -0.7])
+def test_slip_accumulates_without_friction_whichever_way_it_goes(shear):
+    scene = Scene(Material(1.0, 1.0, -0.5), 0.0, Tractions(1.0, 0.0), Tractions(0.0, shear))
+    free = solve(scene, rtol=1e-10)
+    speeds = singular_speeds(free)
+    slipped = integral(lambda x: free.path(x, 1.0), 0.0, max(speeds), speeds, 12)
+    net = integral(lambda x: free.slip(x, 1.0), 0.0, max(speeds), speeds, 12)
+    assert free.accumulated_slip(1.0) == pytest.approx(slipped, rel=1e-9)
+    assert slipped > 1.05 * abs(net)  # it reverses around the Rayleigh front
 
 
 @pytest.mark.parametrize("ends", [(-0.1, 1.0), (0.5, 0.4), (np.nan, 1.0), (np.inf, np.inf)])

@@ -43,7 +43,7 @@ def sampled(history, count, end=1.0):
 
 
 def total_work(marched):
-    return float(marched.friction_work.sum() * marched.grid.spacing)
+    return float(marched.final_work_density.sum() * marched.grid.spacing)
 
 
 # --- turns of loads ---------------------------------------------------------------------------
@@ -122,7 +122,9 @@ def test_what_turns_too_fast_is_refused(history, load):
     scene = sheared(history)
     if load == "pressure":
         scene = Scene(SOLID, 0.1, Tractions(2.0, 0.0), Tractions(0.5, 1.0), history)
-    with pytest.raises(SceneError, match=rf"the {load} history turns faster .* give [0-9.e+]+ nod"):
+    with pytest.raises(
+        SceneError, match=rf"the {load} history turns faster .* raise `nodes` to [0-9.e+]+,"
+    ):
         march(scene, nodes=200)
 
 
@@ -198,7 +200,7 @@ def test_pressure_of_tables_is_that_of_the_exact_sum(monkeypatch):
         return np.array(list(GridPressure(scene, 400, 2 / 400, 1.0, 1 / 400).over(levels)))
 
     found = pressures()
-    monkeypatch.setattr(grid_pressure_module, "_EXACT_KINKS", 1000)
+    monkeypatch.setattr(grid_pressure_module, "EXACT_KINKS", 1000)
     exact = pressures()
     assert np.ptp(exact) > 1
     assert np.abs(found - exact).max() < 1e-4

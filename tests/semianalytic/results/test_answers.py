@@ -1,0 +1,287 @@
+"""Solution and Marched answer the same questions alike; so does whatever was sampled."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from semianalytic import (
+    Answer,
+    Harmonic,
+    InterfaceHistory,
+    Marched,
+    Pulse,
+    SceneError,
+    SlipInterval,
+    SlipWeakening,
+    Solution,
+    march,
+    march_on,
+    predict,
+    solve,
+)
+from semianalytic.results.answer import FIELDS, TOTALS
+from semianalytic.results.datasets import QUANTITIES
+from semianalytic.results.sampled import SampledAnswer, Totals, slip_intervals
+from semianalytic.scene.named import NAMED_SCENES
+
+NODES = 400
+END = 1.0
+NAMES = ("preloaded", "remote-shock", "auxetic", "pressure-drop")
+METHODS = ("self-similar", "space-time")
+TIMES = np.array([0.31, 0.62, 1.0])
+
+
+@cache
+def answer(name, method) -> Answer:
+    scene = NAMED_SCENES[name].scene
+    return predict(scene, END, nodes=NODES, method=method)
+
+
+def any_answer(test):
+    methods = pytest.mark.parametrize("method", METHODS)
+    return methods(pytest.mark.parametrize("name", NAMES)(test))
+
+
+# --- both against each other ------------------------------------------------------------------
+
+# A march of 400 nodes was off by at most 0.5, 1.3, 1.5 and 1.1 % in L1 over x and t.
+FIELD_ERRORS = {"slip": 0.008, "slip_rate": 0.02, "shear_traction": 0.022, "pressure": 0.016}
+# And by 3.6 % (the edge lies half a node before the first), 1.9 % and 1.9 %, at the first time.
+TOTAL_ERRORS = {"max_slip": 0.05, "accumulated_slip": 0.03, "frictional_work": 0.03}
+
+
+@pytest.mark.parametrize("field", FIELDS)
+@pytest.mark.parametrize("name", NAMES)
+def test_fields_of_a_march_are_those_of_the_solution(name, field):
+    exact, marched = (answer(name, method) for method in METHODS)
+    reach = exact.scene.material.longitudinal_speed
+    x, t = np.linspace(0.02, 0.97, 301) * reach, TIMES[:, None]
+    base = {"shear_traction": exact.scene.base.shear, "pressure": exact.scene.base.pressure}
+    expected, seen = (getattr(one, field)(x, t) - base.get(field, 0.0) for one in (exact, marched))
+    assert seen.shape == (3, 301)
+    difference = np.abs(seen - expected).sum()
+    assert difference <= FIELD_ERRORS[field] * np.abs(expected).sum()
+
+
+@pytest.mark.parametrize("total", TOTALS)
+@pytest.mark.parametrize("name", NAMES)
+def test_totals_of_a_march_are_those_of_the_solution(name, total):
+    expected, seen = (getattr(answer(name, method), total)(TIMES) for method in METHODS)
+    np.testing.assert_allclose(seen, expected, rtol=TOTAL_ERRORS[total])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_zones_of_a_march_are_those_of_the_solution_to_about_a_node(name):
+    exact, marched = (answer(name, method) for method in METHODS)
+    for time in TIMES:  # measured: off by 1.02 nodes at most
+        expected, seen = exact.zones_at(time), marched.zones_at(time)
+        assert [zone.sense for zone in seen] == [zone.sense for zone in expected]
+        ends, found = ([(zone.start, zone.end) for zone in zones] for zones in (expected, seen))
+        np.testing.assert_allclose(found, ends, atol=1.1 * marched.grid.spacing)
+
+
+# --- what holds of any answer -----------------------------------------------------------------
+
+
+@any_answer
+def test_there_is_the_base_state_before_the_load(name, method):
+    one = answer(name, method)
+    x, t = np.array([0.001, 0.3, 0.9]), np.array([[-1.0], [-1e-9]])
+    assert np.all(one.slip(x, t) == 0)
+    assert np.all(one.slip_rate(x, t) == 0)
+    assert np.all(one.shear_traction(x, t) == one.scene.base.shear)
+    assert np.all(one.pressure(x, t) == one.scene.base.pressure)
+    for total in TOTALS:
+        assert np.all(getattr(one, total)([-1.0, 0.0]) == 0)
+    assert one.zones_at(-1.0) == one.zones_at(0.0) == ()
+
+
+@any_answer
+def test_shapes_broadcast(name, method):
+    one = answer(name, method)
+    for field in FIELDS:
+        assert getattr(one, field)(0.3, 0.5).shape == ()
+        assert getattr(one, field)([0.3, 0.4], [[0.5], [0.6], [0.7]]).shape == (3, 2)
+    for total in TOTALS:
+        assert getattr(one, total)(0.5).shape == ()
+        assert getattr(one, total)([[0.5, 0.6]]).shape == (1, 2)
+
+
+@any_answer
+def test_slip_is_within_what_slips(name, method):
+    one, x, time = answer(name, method), np.linspace(0.005, 1.2, 500), 0.8
+    inside = [(zone.sense, (x > zone.start) & (x < zone.end)) for zone in one.zones_at(time)]
+    rate = one.slip_rate(x, time)
+    for sense, zone in inside:
+        assert np.all(sense * rate[zone] >= 0)
+    outside = ~np.logical_or.reduce([zone for _, zone in inside])
+    assert np.abs(rate[outside]).max() < 0.1 * np.abs(rate).max()  # between two nodes at an edge
+    assert np.abs(one.slip(x, time)).max() <= one.max_slip(time) * (1 + 1e-12)
+
+
+@any_answer
+def test_refusals_say_what_to_ask_for(name, method):
+    one = answer(name, method)
+    for bad, said in (((0.0, 0.5), "x > 0"), ((np.nan, 0.5), "finite"), ((0.3, np.inf), "finite")):
+        for field in FIELDS:
+            with pytest.raises(SceneError, match=said):
+                getattr(one, field)(*bad)
+    for total in (*TOTALS, "zones_at"):
+        with pytest.raises(SceneError, match="finite"):
+            getattr(one, total)(np.nan)
+
+
+@any_answer
+def test_a_dataset_holds_fields_and_totals_with_their_units(name, method):
+    one, x, t = answer(name, method), np.array([0.2, 0.4]), np.array([0.0, 0.5, 1.0])
+    data = one.to_xarray(x, t)
+    assert dict(data.sizes) == {"t": 3, "x": 2}
+    assert set(data.variables) == {"x", "t", *FIELDS, *TOTALS}
+    for name_, variable in data.variables.items():
+        assert (variable.attrs["units"], variable.attrs["long_name"]) == QUANTITIES[name_]
+    for field in FIELDS:
+        np.testing.assert_allclose(data[field].sel(x=0.4), getattr(one, field)(0.4, t), rtol=1e-12)
+    for total in TOTALS:
+        np.testing.assert_array_equal(data[total], getattr(one, total)(t))
+    assert data.attrs["title"] == repr(one)
+
+
+@any_answer
+def test_repr_is_one_short_line(name, method):
+    text = repr(answer(name, method))
+    assert "\n" not in text
+    assert len(text) < 200
+    assert text.startswith("<Solution: " if method == "self-similar" else "<Marched: ")
+
+
+# --- what was recorded ------------------------------------------------------------------------
+
+
+def sheared(history, **parts):
+    scene = NAMED_SCENES["preloaded"].scene
+    return replace(scene, shear_history=history, **parts)
+
+
+def test_a_march_answers_up_to_where_it_ends():
+    marched = march(sheared(Pulse(0.3)), 0.5, 50, length=0.8)
+    assert marched.slip(0.8, 0.5) == marched.interface.slip[-1, -1]
+    assert marched.slip(1e-9, 0.5) == marched.interface.slip[-1, 0]
+    with pytest.raises(SceneError, match=r"ends at t = 0.5; .* later end time"):
+        marched.slip(0.3, 0.51)
+    with pytest.raises(SceneError, match=r"reaches to x = 0.8; .* greater length"):
+        marched.pressure([0.3, 0.81], 0.5)
+    for total in (*TOTALS, "zones_at"):
+        with pytest.raises(SceneError, match=r"ends at t = 0.5"):
+            getattr(marched, total)(0.51)
+
+
+@pytest.mark.parametrize("history", [Pulse(0.371), Harmonic(2.0)])
+def test_totals_of_a_march_are_sums_over_every_step(history):
+    """The path is the trapezoidal rule over all levels, as the marcher's own."""
+    scene = sheared(history)
+    whole, thin = march(scene, nodes=100), march(scene, nodes=100, every=13)
+    rate, t = np.abs(whole.interface.slip_rate), whole.interface.t
+    rubbed = (rate[1:] + rate[:-1]) / 2 * np.diff(t)[:, None]
+    area = np.append(0.0, np.cumsum(rubbed.sum(axis=1))) * whole.grid.spacing
+    jump = isinstance(history, Pulse)  # at its end a level is stored with the rate before it alone
+    np.testing.assert_allclose(whole.accumulated_slip(t), area, rtol=0.02 if jump else 1e-12)
+    np.testing.assert_array_equal(whole.max_slip(t), np.abs(whole.interface.slip).max(axis=1))
+    assert whole.max_slip(1.0) < whole.max_slip(t).max()  # it slips back
+    assert whole.frictional_work(1.0) == whole.final_work_density.sum() * whole.grid.spacing
+    assert len(thin.interface.t) < len(t) / 10
+    for total in TOTALS:
+        np.testing.assert_array_equal(getattr(thin, total)(t), getattr(whole, total)(t))
+
+
+def test_totals_are_saved_and_go_on(tmp_path):
+    scene = sheared(Pulse(0.371))
+    whole = march(scene, 1.0, 100, length=1.0)
+    part = march(scene, 0.371, 100, length=1.0, latest=1.0, every=5)
+    part.save(tmp_path / "march.h5")
+    continued = march_on(Marched.load(tmp_path / "march.h5"), 1.0)
+    t = np.linspace(0, 1, 41)
+    for total in TOTALS:
+        np.testing.assert_allclose(
+            getattr(continued, total)(t), getattr(whole, total)(t), rtol=1e-9, atol=1e-12
+        )
+
+
+def test_weakening_leaves_totals_that_grow():
+    marched = march(sheared(Pulse(0.3), friction_law=SlipWeakening(0.5, 0.1)), nodes=100)
+    for total in ("accumulated_slip", "frictional_work"):
+        assert np.all(np.diff(getattr(marched.totals, total)) >= 0)
+
+
+class Recorded(SampledAnswer):
+    def __init__(self, interface, totals=None):
+        self.scene = NAMED_SCENES["preloaded"].scene
+        self.interface, self.totals = interface, totals
+
+
+numbers = st.floats(-3, 3).map(lambda value: round(value, 3))
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.lists(st.floats(0.01, 1.0), min_size=1, max_size=6),
+    st.lists(st.floats(0.01, 1.0), min_size=1, max_size=6),
+    st.tuples(numbers, numbers, numbers, numbers),
+    st.floats(0, 1),
+    st.floats(0, 1),
+)
+def test_what_is_linear_in_position_and_in_time_is_told_exactly(widths, steps, factors, on, along):
+    x, t = np.cumsum(widths), np.cumsum([0.0, *steps])
+    one, two, three, four = factors
+
+    def field(x, t):
+        return one + two * x + three * t + four * x * t
+
+    sampled = field(x, t[:, None])
+    recorded = Recorded(InterfaceHistory(x, t, *[sampled] * 4))
+    time, place = t[-1] * on, x[0] + (x[-1] - x[0]) * along
+    assert recorded.slip(place, time) == pytest.approx(field(place, time), abs=1e-10)
+    assert recorded.slip(x[0] / 2, time) == pytest.approx(field(x[0], time), abs=1e-10)
+    again = recorded.history(x, t)
+    for name in FIELDS:
+        np.testing.assert_array_equal(getattr(again, name), sampled)
+
+
+def test_an_edge_node_is_part_of_the_record():
+    """The finite elements have a node at x = 0, and nothing beyond their last one."""
+    x, t = np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0])
+    recorded = Recorded(InterfaceHistory(x, t, *[np.outer(t, x)] * 4))
+    assert recorded.slip(0.0, 1.0) == 0.0
+    assert recorded.slip(0.25, 1.0) == 0.25
+    for beyond in (-0.1, 1.01):
+        with pytest.raises(SceneError):
+            recorded.slip(beyond, 1.0)
+
+
+def test_the_last_time_may_be_missed_by_rounding():
+    t = np.array([0.0, 1.0 - 1e-12])
+    totals = Totals(t, *[np.array([0.0, 2.0])] * 3)
+    recorded = Recorded(InterfaceHistory(np.array([0.5]), t, *[np.ones((2, 1))] * 4), totals)
+    assert recorded.slip(0.5, 1.0) == 1.0
+    assert recorded.max_slip(1.0) == 2.0
+
+
+def test_intervals_of_a_sampled_rate():
+    x = np.arange(1, 11) / 10
+    rate = np.array([2.0, 1, 0, -1, -1, 0, 3, 0, 1, 1])
+    zones = slip_intervals(x, rate, 0.5)
+    assert [zone.sense for zone in zones] == [1, -1, 1]  # one sample alone is no zone
+    assert zones[0].start == 0
+    assert 0.2 < zones[0].end < 0.3
+    assert zones[2].end == np.inf
+    assert slip_intervals(x, 0 * rate, 0.0) == ()
+
+
+def test_zones_of_a_solution_move_with_its_edges():
+    solution = solve(NAMED_SCENES["auxetic"].scene)
+    assert isinstance(solution, Solution)
+    expected = [SlipInterval(2 * z.inner, 2 * z.outer, z.sense) for z in solution.zones]
+    assert list(solution.zones_at(2.0)) == expected

@@ -1,0 +1,102 @@
+"""What a friction law has to say, that it agrees with itself, and that none is ignored."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from semianalytic import (
+    CoulombFriction,
+    FrictionLaw,
+    RateWeakening,
+    SceneError,
+    SlipWeakening,
+    march,
+)
+from semianalytic.scene import scene as scenes
+from semianalytic.scene.named import NAMED_SCENES
+
+SCENE = NAMED_SCENES["preloaded"].scene
+LAWS = (CoulombFriction(), RateWeakening(0.4, 1.0), SlipWeakening(0.6, 0.05))
+ANSWERS = sorted(FrictionLaw.__abstractmethods__)
+any_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
+sizes = st.floats(0.0, 10.0).map(lambda value: round(value, 4))
+
+
+@any_law
+@settings(max_examples=200, deadline=None)
+@given(stopping=sizes, strength=sizes, path=sizes, excess=st.floats(0.01, 3.0))
+def test_slip_speed_balances_friction_and_radiation(law, stopping, strength, path, excess):
+    """impedance V = stopping - strength factor(V, path), or V = 0 below the strength at rest."""
+    impedance = strength * law.fall_with_rate + excess
+    one = np.array([stopping]), np.array([strength])
+    (speed,) = law.slip_speed(*one, impedance, np.array([path]))
+    at_rest = strength * float(law.factor(0.0, path))
+    if stopping <= at_rest:
+        assert speed == 0
+    else:
+        carried = strength * float(law.factor(speed, path))
+        assert speed >= 0
+        assert impedance * speed == pytest.approx(stopping - carried, abs=1e-10)
+
+
+@any_law
+def test_falls_are_the_steepest_of_the_factor(law):
+    fine = np.linspace(0, 2, 200_001)
+    for told, factor in (
+        (law.fall_with_rate, law.factor(fine, 0.0)),
+        (law.fall_with_slip, law.factor(0.0, fine)),
+    ):
+        steepest = -np.diff(factor).min() / fine[1]
+        assert told == pytest.approx(steepest, rel=1e-4, abs=1e-12)
+
+
+def complete(**parts):
+    """A law like slip weakening made from scratch, with some of its answers changed or left out."""
+    inner = SlipWeakening(0.3, 0.5)
+    said = {
+        "factor": lambda self, slip_rate, path: inner.factor(slip_rate, path),
+        "slip_speed": lambda self, *given: inner.slip_speed(*given),
+        "fall_with_rate": 0.0,
+        "fall_with_slip": inner.fall_with_slip,
+    }
+    said = {name: value for name, value in {**said, **parts}.items() if value is not None}
+    return dataclass(frozen=True)(type("Named", (FrictionLaw,), said))
+
+
+def test_the_answers_are_those_solvers_ask_for():
+    assert ANSWERS == ["factor", "fall_with_rate", "fall_with_slip", "slip_speed"]
+
+
+@pytest.mark.parametrize("missing", ANSWERS)
+def test_a_law_that_leaves_an_answer_out_cannot_be_made(missing):
+    with pytest.raises(TypeError, match=missing):
+        complete(**{missing: None})()
+
+
+def test_a_scene_refuses_a_law_that_is_not_known_by_name():
+    with pytest.raises(SceneError, match="friction_law must be one of"):
+        replace(SCENE, friction_law=complete()())
+
+
+def test_a_new_law_is_followed_by_the_march_without_being_told_of(monkeypatch):
+    law = complete()
+    monkeypatch.setitem(scenes.FRICTION_LAWS, "new", law)
+    new, old, constant = (
+        march(replace(SCENE, friction_law=one), nodes=64).interface.slip
+        for one in (law(), SlipWeakening(0.3, 0.5), CoulombFriction())
+    )
+    np.testing.assert_array_equal(new, old)
+    assert np.abs(new - constant).max() > 0.01
+
+
+def test_a_new_law_is_refused_where_it_is_ill_posed_or_too_sharp(monkeypatch):
+    steep, sharp = complete(fall_with_rate=1e3), complete(fall_with_slip=1e6)
+    monkeypatch.setitem(scenes.FRICTION_LAWS, "steep", steep)
+    monkeypatch.setitem(scenes.FRICTION_LAWS, "sharp", sharp)
+    with pytest.raises(SceneError, match="faster than radiation can balance"):
+        replace(SCENE, friction_law=steep())
+    with pytest.raises(SceneError, match="weakens within about"):
+        march(replace(SCENE, friction_law=sharp()), nodes=64)
