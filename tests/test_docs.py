@@ -6,7 +6,9 @@ import importlib.util
 import re
 from functools import cache
 
+import docs_pages
 import pytest
+from docs_pages import assert_page_says, quoted_numbers, read_number
 
 from compare import docs
 from compare.docs import DATA, ROOT, Cell, filled, main, pages, read_data
@@ -135,6 +137,42 @@ def test_command_names_a_stale_page_and_writes_it(tmp_path, monkeypatch, capsys)
     assert "self-similar scenes solved" in page.read_text()
     assert main(["--check"]) == 0
     assert capsys.readouterr().out == "page.md: not up to date\npage.md: written\n"
+
+
+# --- numbers in sentences ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("written", "value", "unit"),
+    [
+        ("0.0575", 0.0575, 1e-4),
+        ("−24.4 %", -0.244, 1e-3),
+        ("+7.3 %", 0.073, 1e-3),
+        ("1.60·10⁻⁸", 1.60e-8, 1e-10),
+        ("10⁻¹⁵", 1e-15, 1e-15),
+        ("2.34e-3", 2.34e-3, 1e-5),
+        ("82,940", 82940, 1),
+        ("-7", -7, 1),
+    ],
+)
+def test_numbers_are_read_as_they_are_written(written, value, unit):
+    assert read_number(written) == (pytest.approx(value), pytest.approx(unit))
+
+
+def test_sentences_are_found_and_held(tmp_path, monkeypatch):
+    monkeypatch.setattr(docs_pages, "ROOT", tmp_path)
+    (tmp_path / "page.md").write_text(
+        "The edge is at 0.31\nspacings, or **1.6·10⁻⁸**; once 1, once 2."
+    )
+    [(edge, _), (other, _)] = quoted_numbers("page.md", "is at {} spacings, or **{}**")
+    assert (edge, other) == (0.31, pytest.approx(1.6e-8))
+    assert_page_says("page.md", "is at {} spacings", 0.3148)
+    with pytest.raises(AssertionError, match=r"0\.31 is 0\.317"):
+        assert_page_says("page.md", "is at {} spacings", 0.317)
+    with pytest.raises(AssertionError, match="does not say"):
+        quoted_numbers("page.md", "was at {}")
+    with pytest.raises(AssertionError, match="in several ways"):
+        quoted_numbers("page.md", "once {}")
 
 
 # --- names in the pages -------------------------------------------------------------------------

@@ -347,7 +347,7 @@ def read_points(path: Path) -> list[Point]:
             header, *rows = csv.reader(stream, strict=True)
         if header != [*(field.name for field in fields(Point)), checksum_heading(len(rows))]:
             raise ValueError("unknown columns or lost rows")
-        damaged = [number for number, row in enumerate(rows, start=2) if not are_sound(row)]
+        damaged = [number for number, row in enumerate(rows, start=3) if not are_sound(row)]
         if damaged:
             raise ValueError(f"row {damaged[0]} does not fit its checksum")
         points = [

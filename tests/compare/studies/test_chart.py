@@ -23,6 +23,7 @@ from compare.studies.chart.figure import (
 from compare.studies.chart.methods import METHODS, PLACES, answer, measured, sampled
 from compare.studies.chart.study import (
     CLOSED_FORM_FRICTION,
+    COMMAND,
     SCENES,
     Task,
     closed_form_errors,
@@ -240,7 +241,7 @@ def test_points_of_another_machine_do_not_count(points):
 def test_quick_and_full_charts_do_not_mix(points, tmp_path):
     path = tmp_path / "ramp.csv"
     other = replace(points[-1], scene="ramp", reference="another")
-    write_rows(path, [other], checked=True)
+    write_rows(path, [other], checked=True, command=COMMAND)
     with pytest.raises(SceneError, match="another reference"):
         measure_all(path, ["ramp"])
 

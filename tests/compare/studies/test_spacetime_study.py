@@ -63,7 +63,7 @@ def test_rows_of_accuracy_cost_memory_and_resolution(monkeypatch):
         "GRIDS": (64, 128),
         "COST_GRIDS": (64, 128),
         "TOLERANCES": (1e-3, 1e-6),
-        "FINEST": 500,
+        "FINEST": 330,
         "MEMORY_NODES": 128,
         "STEPS_PER_PERIOD": (16, 32),
         "NODES_IN_ZONE": (1, 2),
