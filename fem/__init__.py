@@ -4,15 +4,34 @@ from semianalytic.scene.extras import needing
 
 with needing("the finite-element model"):
     from fem.budget import Cost, cost
-    from fem.results import EnergyHistory, Simulation, SlotHistory, load_simulation
+    from fem.interface import BACKWARD, FORWARD, OPEN, STICK
+    from fem.model import Model, prepare
+    from fem.plan import Settings
+    from fem.results import (
+        EnergyHistory,
+        Opening,
+        Simulation,
+        SlotHistory,
+        load_simulation,
+        opening_sentence,
+    )
     from fem.run import simulate
 
 __all__ = [
+    "BACKWARD",
+    "FORWARD",
+    "OPEN",
+    "STICK",
     "Cost",
     "EnergyHistory",
+    "Model",
+    "Opening",
+    "Settings",
     "Simulation",
     "SlotHistory",
     "cost",
     "load_simulation",
+    "opening_sentence",
+    "prepare",
     "simulate",
 ]

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+import shutil
+import tempfile
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
-from fem.plan import Plan
-from fem.settings import LEAST_RESOLUTION, Settings
+from fem.plan import ANTISYMMETRIC, LEAST_RESOLUTION, Plan, Settings, make_plan
+from semianalytic.results.files import make_folder, refusal, remove_empty
 from semianalytic.results.memory import check_memory, memory_limit
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.scene import Scene
 
 LIBRARIES = 30_000_000
 """Memory that gmsh and small things take, whatever the mesh [bytes]."""
@@ -85,26 +90,18 @@ class Cost:
 def cost(
     scene: Scene,
     end_time: float | None = None,
-    resolution: int = 100,
+    settings: Settings | None = None,
     *,
-    damping: float = 0.02,
-    step_ratio: float = 0.95,
-    model: str = "auto",
-    element: str = "Q1",
-    mesh: str = "squares",
-    lower_material: Material | None = None,
-    every: int = 1,
     snapshots: bool = False,
-    frames: int = 20,
     checkpoint: bool = False,
     memory: float | None = math.inf,
+    **options: Any,
 ) -> Cost:
     """What `simulate` would take with these options; nothing is built.
 
     Parameters
     ----------
-    scene : Scene
-    end_time, resolution, damping, step_ratio, model, element, mesh, lower_material, every, frames
+    scene, end_time, settings, **options
         As in `simulate`.
     snapshots, checkpoint : bool
         Whether they would be written.
@@ -120,11 +117,7 @@ def cost(
     SceneError
         As in `simulate`.
     """
-    end_time = 1 / scene.material.shear_speed if end_time is None else end_time
-    settings = Settings(
-        end_time, resolution, damping, step_ratio, model, element, mesh, every, frames
-    )
-    plan = Plan(scene, settings, lower_material, snapshots)
+    plan = make_plan(scene, end_time, settings, options, full=snapshots)
     predicted = predict_cost(plan, checkpoints=checkpoint)
     if memory != math.inf:
         check_fits(plan, predicted, memory, checkpoints=checkpoint)
@@ -151,7 +144,8 @@ def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
     contact = plan.blocks.right * plan.family.spacing + 1
     slot = min(round(plan.slot_length / plan.size), plan.blocks.left * plan.family.spacing)
     levels = math.ceil(steps / every) + 1
-    record = levels * (33 * contact + 16 * slot) + 48 * steps
+    fields = 33 if plan.name == ANTISYMMETRIC else 41  # with a gap where it may open
+    record = levels * (fields * contact + 16 * slot) + 72 * steps
     checkpoint = 16 * unknowns + record
     least, growing = FRAME_SIZE[element]
     grown = (frames + 1) * (2 * frames + 1) / (6 * frames) if frames else 0.0
@@ -215,3 +209,48 @@ def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool
         f"simulate: {cost.unknowns:,} unknowns and {cost.steps:,} steps",
         " or ".join(advice) or "shorten `end_time` or raise `memory`",
     )
+
+
+def free_space(folder: Path) -> int:
+    """Free space on the disk of a folder, which need not be there yet [bytes]."""
+    place = folder.absolute()
+    while not place.exists():
+        place = place.parent
+    return shutil.disk_usage(place).free
+
+
+def check_room(path: Path, needed: int, parts: str, freed: int = 0) -> None:
+    """Refuse to start what cannot be written, or will find no room.
+
+    Parameters
+    ----------
+    path : Path
+        A file that is going to be written.
+    needed : int
+        What that file and others beside it are going to take [bytes].
+    parts : str
+        What they are: the subject of the sentence.
+    freed : int
+        What will be removed from the disk first [bytes].
+
+    Raises
+    ------
+    DataFileError
+        If the folder cannot be written to, or has too little room.
+    """
+    folder = path.absolute().parent
+    made: list[Path] = []
+    try:
+        made = make_folder(folder)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise DataFileError(refusal(path, error, needed)) from error
+    finally:
+        remove_empty(made)
+    free = free_space(folder) + freed
+    if needed > free:
+        raise DataFileError(
+            f"{parts} need about {needed / 1e6:,.1f} MB in {folder}, and {free / 1e6:,.1f} MB are "
+            "free; make room, choose another folder, or write fewer snapshots or steps."
+        )

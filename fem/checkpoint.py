@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 
 from fem.interface import InterfaceSums
 from fem.model import Model
+from fem.plan import Pace
 from fem.record import Record
-from fem.settings import Pace, Settings
 from fem.stepping import BodyState
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.scene import Material, Scene, scene_document
+from semianalytic.scene.scene import scene_document
 
-FORMAT = "slipfront checkpoint 3"
+FORMAT = "slipfront checkpoint 4"
 
 
 @dataclass(frozen=True)
@@ -75,29 +75,17 @@ def take_checkpoint(
     return Checkpoint(step, arrays, frames)
 
 
-def run_identity(
-    scene: Scene, lower: Material | None, settings: Settings, full: bool, model: Model
-) -> dict[str, Any]:
-    """What has to be equal for a checkpoint to fit: scene, options, mesh and versions.
-
-    Parameters
-    ----------
-    scene : Scene
-    lower : Material or None
-        Of the lower block, if it is another one.
-    settings : Settings
-    full : bool
-        Whether field snapshots are taken.
-    model : Model
-    """
+def run_identity(model: Model) -> dict[str, Any]:
+    """All that decides the result of a run, as plain numbers and strings."""
+    plan = model.plan
     mesh = hashlib.sha256()
     for array in (model.space.points, model.space.basis.element_dofs):
         mesh.update(np.ascontiguousarray(array).tobytes())
     options = {
-        "scene": scene_document(scene),
-        "lower_material": lower and asdict(lower),
-        **asdict(settings),
-        "snapshots": full,
+        "scene": scene_document(plan.scene),
+        "end_time": plan.end_time,
+        **asdict(plan.settings),
+        "snapshots": plan.full,
         "time_step": model.time_step,
         "set of mesh nodes": mesh.hexdigest()[:16],
         **{f"{library} version": version(library) for library in ("slipfront", "numpy", "scipy")},

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import Body
-from fem.strength import strength
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.scene import Scene
 
 
@@ -139,6 +140,51 @@ def coulomb_traction(
     return np.clip(base + increment / compliance, -strength, strength)
 
 
+def strength(
+    law: FrictionLaw,
+    static: NDArray[np.float64],
+    path: NDArray[np.float64],
+    stopping: NDArray[np.float64],
+    impedance: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Largest shear traction of each pair under a friction law [stress], (n,).
+
+    The law takes the slip accumulated up to this time level and the slip rate in the step after
+    it, which the traction itself decides.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+    static : (n,) array
+        The scene's friction times pressure [stress].
+    path : (n,) array
+        Accumulated |slip| [length].
+    stopping : (n,) array
+        Traction that would stop the pair at this step [stress].
+    impedance : (n,) array
+        Traction that takes off a slip rate of 1, dt over the compliance [stress time / length].
+
+    Raises
+    ------
+    SceneError
+        If friction falls with slip rate faster than a pair of nodes can radiate.
+    """
+    slope = static * law.fall_with_rate
+    worst = int(np.argmax(slope / impedance))
+    if slope[worst] >= impedance[worst]:
+        raise SceneError(
+            "simulate: friction falls with slip rate faster than a node of the interface can "
+            f"radiate (by {slope[worst]:.4g} per slip rate under the pressure it has reached, its "
+            f"impedance is {impedance[worst]:.4g}); raise the rate or lower the reduction of the "
+            "friction law, or lower `step_ratio`."
+        )
+    return static * law.factor(law.slip_speed(np.abs(stopping), static, impedance, path), path)
+
+
+STICK, FORWARD, BACKWARD, OPEN = 0, 1, -1, 2
+"""What a pair of nodes does: neither, slip one way (the sign of the slip rate), or not touch."""
+
+
 class InterfaceWork(NamedTuple):
     """Work per unit thickness [stress length^2] taken by friction and by closing gaps, and done
     by the base tractions on slip and opening."""
@@ -180,6 +226,8 @@ class Interface:
         [stress].
     path : (n,) array
         |slip| accumulated up to the time level of the last kick, also while open [length].
+    offset : (n,) array
+        Opening at the time level of the last kick, zero to rounding where closed [length].
     work : InterfaceWork
         Up to the middle of the step before the last kick, as in `Body.energy`.
     """
@@ -197,18 +245,19 @@ class Interface:
         self.shear = np.full(len(length), float(scene.base.shear))
         self.strength = scene.friction * self.pressure
         self.path = np.zeros(len(length))
+        self.offset = np.zeros(len(length))
         self.work = InterfaceWork(0.0, 0.0, 0.0)
         self._friction = self._impact = self._external = 0.0
         self._rubbed = np.zeros(len(length))
 
     def state(self) -> NDArray[np.int8]:
-        """State of each pair in the step after the last kick: 0 stuck, +1 or -1 slips, 2 open."""
-        state = np.zeros(len(self.length), dtype=np.int8)
+        """What each pair does in the step after the last kick: STICK, FORWARD, BACKWARD, OPEN."""
+        state = np.full(len(self.length), STICK, dtype=np.int8)
         if self.sliding is not None:
             slides = np.abs(self.shear) >= self.strength
             state[slides] = np.sign(self.sliding.increment()[slides])
         if self.pressing is not None:
-            state[self.pressure == 0] = 2
+            state[self.pressure == 0] = OPEN
         return state
 
     def friction_work(self) -> NDArray[np.float64]:
@@ -249,8 +298,9 @@ class Interface:
 
     def _press(self, faces: Faces, part: float) -> None:
         base = self.scene.base.pressure
+        self.offset = faces.offset()
         self.pressure = contact_pressure(
-            faces.offset(), faces.increment(), base, part * faces.compliance
+            self.offset, faces.increment(), base, part * faces.compliance
         )
         faces.push(self.pressure - base, part)
         work = part * self.length * faces.mean_increment()
@@ -263,7 +313,7 @@ class Interface:
         self.path += np.abs(faces.past_increment())
         static = self.scene.friction * self.pressure
         stopping = base + increment / compliance
-        self.strength = strength(law, static, self.path, stopping, compliance, faces.step)
+        self.strength = strength(law, static, self.path, stopping, faces.step / compliance)
         self.shear = coulomb_traction(increment, base, self.strength, compliance)
         faces.push(base - self.shear, part)
         slip = part * faces.mean_increment()

@@ -2,47 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fem.assembly import Space, lumped_mass, stiffness, tributary_length
+from fem.assembly import Space, lumped_mass, make_space, stiffness, tributary_length
 from fem.interface import Faces, Interface
 from fem.loading import SlotLoad, slot_loads
+from fem.plan import TWO_BLOCKS, Plan, Settings, make_plan
 from fem.stepping import Body, critical_step, highest_frequency, normalised
-from semianalytic.scene.scene import Material, Scene
-
-ANTISYMMETRIC = "antisymmetric half"
-SYMMETRIC = "symmetric half"
-LOCKSTEP = "antisymmetric and symmetric halves in lockstep"
-TWO_BLOCKS = "two blocks"
-TWO_MATERIALS = "two blocks of different materials, to which the theory does not apply"
-
-
-def choose_model(scene: Scene, model: str, lower_material: Material | None = None) -> str:
-    """Name of the model a scene needs.
-
-    Under shear alone the motion is antisymmetric in y (u_x odd, u_y even) and does not touch
-    the pressure; under pressure alone it is symmetric.  Two identical blocks under both are
-    the sum of the two: slip feels the pressure, the pressure does not feel the slip.
-
-    Parameters
-    ----------
-    scene : Scene
-    model : str
-        "auto", or "two-blocks" to keep both blocks whatever the symmetry.
-    lower_material : Material, optional
-        Of the lower block, if it is another one: there is no symmetry then.
-    """
-    if lower_material not in (None, scene.material):
-        return TWO_MATERIALS
-    if model == "two-blocks":
-        return TWO_BLOCKS
-    if scene.load.pressure == 0:
-        return ANTISYMMETRIC
-    return SYMMETRIC if scene.load.shear == 0 == scene.base.shear else LOCKSTEP
+from meshes import cached_mesh
+from semianalytic.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -95,24 +71,19 @@ def number_by_arrival(space: Space, scene: Scene, size: float) -> Numbering:
     return Numbering(place, order, layers[order] * thickness)
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class Model:
-    """Bodies, interface and slot, ready to march.
+    """Mesh, bodies, interface and loads at rest, ready to march once.
 
     Attributes
     ----------
-    name : str
-        What is simulated.
+    plan : Plan
+        Scene, options and what follows from them.
     space : Space
         Mesh and nodes.
-    materials : dict
-        Material of the blocks "upper" and "lower".
     numbering : Numbering
     bodies : list of Body
         One or, in lockstep, two bodies on the same mesh; the motion is their sum.
-    odd : tuple of int
-        For each half, the displacement component that changes sign from the upper block to
-        the lower one, the other being the same in both; empty with two blocks.
     loads : list of SlotLoad
         Of bodies whose load changes with time.
     interface : Interface
@@ -126,14 +97,14 @@ class Model:
         Largest stable step and the one taken [time].
     steps : int
         Steps to the end time.
+    seconds : dict
+        Wall-clock time of the stages "mesh" and "assembly" [s], as far as they were timed.
     """
 
-    name: str
+    plan: Plan
     space: Space
-    materials: dict[str, Material]
     numbering: Numbering
     bodies: list[Body]
-    odd: tuple[int, ...]
     loads: list[SlotLoad]
     interface: Interface
     root: NDArray[np.float64]
@@ -143,11 +114,12 @@ class Model:
     critical_step: float
     time_step: float
     steps: int
+    seconds: dict[str, float] = field(default_factory=dict)
 
     @property
     def copies(self) -> int:
         """How many blocks a body stands for: 2 for a half, 1 when both are in the mesh."""
-        return 2 if self.odd else 1
+        return 2 if self.plan.halves else 1
 
     @property
     def unknowns(self) -> int:
@@ -155,76 +127,84 @@ class Model:
         return len(self.root) * len(self.bodies)
 
 
-def build_model(
+def prepare(
     scene: Scene,
-    space: Space,
+    end_time: float | None = None,
+    settings: Settings | None = None,
     *,
-    name: str,
-    size: float,
-    end_time: float,
-    damping_time: float,
-    step_ratio: float,
-    lower_material: Material | None = None,
+    full: bool = False,
+    **options: Any,
 ) -> Model:
-    """Assemble the bodies of a scene on a mesh and choose the time step.
+    """All that `simulate` builds before its first step.
 
     Parameters
     ----------
-    scene : Scene
-    space : Space
-        Upper block, or both blocks where the name says so; see `meshes.read_mesh`.
-    name : str
-        From `choose_model`.
-    size : float
-        Distance h of the nodes on the interface [length].
-    end_time : float
-        [time]; a whole number of steps reaches it.
-    damping_time : float
-        eta of the damping C = eta K [time].
-    step_ratio : float
-        Upper bound of the time step over the critical one.
-    lower_material : Material, optional
-        Of the lower block, if it is another one.
+    scene, end_time, settings, **options
+        As in `simulate`.
+    full : bool
+        Whether the mesh is to be large enough for pictures of the whole fields.
 
     Returns
     -------
     Model
+
+    Raises
+    ------
+    SceneError, MissingLibraryError, DataFileError
+        As in `simulate`; nothing is refused for its size.
     """
-    numbering = number_by_arrival(space, scene, size)
-    both = name in (TWO_BLOCKS, TWO_MATERIALS)
-    materials = {"upper": scene.material, "lower": lower_material or scene.material}
-    in_mesh = {block: materials[block] for block in space.mesh.subdomains}
+    return build(make_plan(scene, end_time, settings, options, full=full))
+
+
+def build(plan: Plan) -> Model:
+    """Mesh and model of a plan."""
+    seconds: dict[str, float] = {}
+    with timed(seconds, "mesh"):
+        space = make_space(cached_mesh(plan.blocks), plan.family)
+    with timed(seconds, "assembly"):
+        model = build_model(plan, space)
+    model.seconds.update(seconds)
+    return model
+
+
+@contextmanager
+def timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
+    """Add the wall-clock time of what follows to that of a stage [s]."""
+    started = time.perf_counter()
+    yield
+    seconds[stage] = seconds.get(stage, 0.0) + time.perf_counter() - started
+
+
+def build_model(plan: Plan, space: Space) -> Model:
+    """Assemble the bodies of a plan on a mesh and choose the time step.
+
+    Parameters
+    ----------
+    plan : Plan
+    space : Space
+        Upper block, or both blocks where no half is enough; see `meshes.read_mesh`.
+    """
+    numbering = number_by_arrival(space, plan.scene, plan.size)
+    in_mesh = {block: plan.materials[block] for block in space.mesh.subdomains}
     mass = lumped_mass(space, in_mesh)
     matrix, root = normalised(stiffness(space, in_mesh), mass, numbering.order)
-    critical = critical_step(highest_frequency(matrix), damping_time)
-    steps = int(np.ceil(end_time / (step_ratio * critical)))
-    step = end_time / steps
+    critical = critical_step(highest_frequency(matrix), plan.damping_time)
+    steps = int(np.ceil(plan.end_time / (plan.settings.step_ratio * critical)))
+    step = plan.end_time / steps
     matrix.data *= step**2
 
-    parts = _Parts(scene, space, numbering, matrix, root, step, damping_time)
-    sliding: Faces | None = None
-    pressing: Faces | None = None
-    odd: tuple[int, ...] = ()
-    if both:
-        bodies = [parts.two_blocks(walls=name == TWO_BLOCKS)]
-        sliding, pressing = (parts.faces(bodies[0], i, ("upper", "lower")) for i in (0, 1))
-    else:
-        odd = {ANTISYMMETRIC: (0,), SYMMETRIC: (1,), LOCKSTEP: (0, 1)}[name]
-        bodies = [parts.half(i) for i in odd]
-        faces = {i: parts.faces(body, i, ("upper",)) for i, body in zip(odd, bodies, strict=True)}
-        sliding, pressing = faces.get(0), faces.get(1)
+    parts = _Parts(plan.scene, space, numbering, matrix, root, step, plan.damping_time)
+    bodies, sliding, pressing = parts.put_together(plan)
     slot_nodes, _ = tributary_length(space, "upper_slot")
     contact_nodes, length = tributary_length(space, "upper_contact")
     slot = slot_nodes[:-1]
     return Model(
-        name=name,
+        plan=plan,
         space=space,
-        materials=materials,
         numbering=numbering,
         bodies=bodies,
-        odd=odd,
-        loads=slot_loads(scene, bodies, step, steps),
-        interface=Interface(scene, length, sliding, pressing),
+        loads=slot_loads(plan.scene, bodies, step, steps),
+        interface=Interface(plan.scene, length, sliding, pressing),
         root=root,
         contact_x=space.points[0, contact_nodes],
         slot_x=space.points[0, slot],
@@ -246,6 +226,16 @@ class _Parts:
     root: NDArray[np.float64]
     step: float
     damping_time: float
+
+    def put_together(self, plan: Plan) -> tuple[list[Body], Faces | None, Faces | None]:
+        """Bodies, and the faces that slide and that press, where symmetry allows them to."""
+        if not plan.halves:
+            body = self.two_blocks(walls=plan.name == TWO_BLOCKS)
+            sliding, pressing = (self.faces(body, i, ("upper", "lower")) for i in (0, 1))
+            return [body], sliding, pressing
+        bodies = {i: self.half(i) for i in plan.halves}
+        faces = {i: self.faces(body, i, ("upper",)) for i, body in bodies.items()}
+        return list(bodies.values()), faces.get(0), faces.get(1)
 
     def half(self, component: int) -> Body:
         """Upper block moved by slot tractions along one component; walls hold the other one."""

@@ -3,25 +3,163 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from skfem import MeshQuad
 
 from fem.assembly import Family, find_family, lumped_mass, make_space, stiffness
-from fem.model import LOCKSTEP, TWO_BLOCKS, TWO_MATERIALS, choose_model
-from fem.settings import Settings
+from fem.resolution import check_resolved, slow_body_caution
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, causal_blocks
-from meshes.blocks import observed_slot
+from meshes.blocks import causal_margin, observed_slot
+from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material, Scene
+
+LEAST_RESOLUTION = 8
+STABLE_RATIO = 1.0
+LARGEST_RATIO = 1.5
+LARGEST_DAMPING = 100.0
+DEFAULT_PACE = 100
+"""Steps between checkpoints."""
 
 PATCH = 8
 """Elements along a side of the patch on which the fastest mode is looked for."""
 
 TRIANGLES = 1.156
 """Nodes of an unstructured mesh over those of squares of the same side, measured."""
+
+ANTISYMMETRIC = "antisymmetric half"
+SYMMETRIC = "symmetric half"
+LOCKSTEP = "antisymmetric and symmetric halves in lockstep"
+TWO_BLOCKS = "two blocks"
+TWO_MATERIALS = "two blocks of different materials, to which the theory does not apply"
+
+HALVES: Mapping[str, tuple[int, ...]] = {ANTISYMMETRIC: (0,), SYMMETRIC: (1,), LOCKSTEP: (0, 1)}
+"""For each half of a model, the displacement component that changes sign from the upper block to
+the lower one, the other being the same in both."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a scene is simulated: mesh, elements, time step and what is kept.
+
+    Parameters
+    ----------
+    resolution : int
+        Node distances per c_t T, at least 8: h = c_t T / resolution.
+    damping : float
+        eta of the Kelvin-Voigt damping C = eta K, in units of h / c_t; 0 for none.
+    step_ratio : float
+        Largest time step over the critical one, above 0.  Beyond 1 the scheme is unstable; up
+        to 1.5 is accepted to show it.
+    model : str
+        "auto" uses one block wherever symmetry allows, which is exact; "two-blocks" never does.
+    element : str
+        "P1" linear triangles, "Q1" bilinear or "Q2" biquadratic quadrilaterals, all with
+        diagonal mass.
+    mesh : str
+        "squares"; "graded", rows that grow away from the interface; or "triangles",
+        unstructured, for P1.  P1 cuts squares and graded rows along a diagonal.
+    lower_material : Material, optional
+        Of the lower block, if it is not that of the scene.  The semi-analytic theory does not
+        apply then.
+    every : int
+        Store every n-th step in the histories; the last one is always stored.
+    frames : int
+        Number of pictures of whole fields, if there are any, at evenly spaced steps up to the end.
+
+    Raises
+    ------
+    SceneError
+        If one is out of range.
+    """
+
+    resolution: int = 100
+    damping: float = 0.02
+    step_ratio: float = 0.95
+    model: str = "auto"
+    element: str = "Q1"
+    mesh: str = "squares"
+    lower_material: Material | None = None
+    every: int = 1
+    frames: int = 20
+
+    def __post_init__(self) -> None:
+        for name in ("damping", "step_ratio"):
+            object.__setattr__(self, name, checked_number(f"simulate: {name}", getattr(self, name)))
+        if not 0 <= self.damping <= LARGEST_DAMPING:
+            raise SceneError(
+                f"simulate: damping must lie between 0 and {LARGEST_DAMPING:g}, got {self.damping}."
+            )
+        if not 0 < self.step_ratio <= LARGEST_RATIO:
+            raise SceneError(
+                f"simulate: step_ratio must be above 0 and at most {LARGEST_RATIO} "
+                f"(above {STABLE_RATIO} it is unstable), got {self.step_ratio}."
+            )
+        for name, least in (("resolution", LEAST_RESOLUTION), ("every", 1), ("frames", 1)):
+            object.__setattr__(self, name, check_count(name, getattr(self, name), least))
+        if self.model not in ("auto", "two-blocks"):
+            raise SceneError(f"simulate: model must be 'auto' or 'two-blocks', got {self.model!r}.")
+        if not isinstance(self.lower_material, Material | None):
+            raise SceneError(
+                f"simulate: lower_material must be a Material, got {shown(self.lower_material)}."
+            )
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How often checkpoints are written: after so many steps or seconds, whichever comes first.
+
+    Raises
+    ------
+    SceneError
+        If one is out of range.
+    """
+
+    steps: int | None = None
+    seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.steps is not None:
+            object.__setattr__(self, "steps", check_count("checkpoint_every", self.steps, 1))
+        elif self.seconds is None:
+            object.__setattr__(self, "steps", DEFAULT_PACE)
+        if self.seconds is not None:
+            seconds = checked_size("simulate: checkpoint_seconds", self.seconds)
+            object.__setattr__(self, "seconds", seconds)
+
+
+def check_count(name: str, value: int, least: int) -> int:
+    """An option as int; SceneError unless it is an integer of at least `least`."""
+    return checked_count(f"simulate: {name}", value, least, "an integer of at least")
+
+
+def choose_model(scene: Scene, model: str, lower_material: Material | None = None) -> str:
+    """Name of the model a scene needs.
+
+    Under shear alone the motion is antisymmetric in y (u_x odd, u_y even) and does not touch
+    the pressure; under pressure alone it is symmetric.  Two identical blocks under both are
+    the sum of the two: slip feels the pressure, the pressure does not feel the slip.
+
+    Parameters
+    ----------
+    scene : Scene
+    model : str
+        "auto", or "two-blocks" to keep both blocks whatever the symmetry.
+    lower_material : Material, optional
+        Of the lower block, if it is another one: there is no symmetry then.
+    """
+    if lower_material not in (None, scene.material):
+        return TWO_MATERIALS
+    if model == "two-blocks":
+        return TWO_BLOCKS
+    if scene.load.pressure == 0:
+        return ANTISYMMETRIC
+    return SYMMETRIC if scene.load.shear == 0 == scene.base.shear else LOCKSTEP
 
 
 @dataclass(frozen=True)
@@ -31,25 +169,28 @@ class Plan:
     Parameters
     ----------
     scene : Scene
+    end_time : float
+        T [time].
     settings : Settings
-    lower_material : Material or None
-        Of the lower block, if it is another one.
     full : bool
         Whether whole fields are observed, not only the interface.
 
     Raises
     ------
     SceneError
-        If the mesh would be too large, the element does not fit the mesh, or different materials
-        slide ahead of all waves.
+        If the end time is out of range, a load swings faster than the mesh can follow, the mesh
+        would be too large, the element does not fit the mesh, or different materials slide ahead
+        of all waves.
     """
 
     scene: Scene
+    end_time: float
     settings: Settings
-    lower_material: Material | None
-    full: bool
+    full: bool = False
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "end_time", checked_size("simulate: end_time", self.end_time))
+        check_resolved(self.scene, self.lower_material, self.end_time, self.settings.resolution)
         if self.name == TWO_MATERIALS and self.scene.far_slip_rate:
             raise SceneError(
                 "simulate: blocks of different materials cannot slide ahead of all waves; "
@@ -57,32 +198,49 @@ class Plan:
             )
 
     @property
-    def name(self) -> str:
-        """Name of the model."""
-        return choose_model(self.scene, self.settings.model, self.lower_material)
+    def lower_material(self) -> Material:
+        """Of the lower block."""
+        return self.settings.lower_material or self.scene.material
 
     @property
-    def materials(self) -> list[Material]:
-        """Those in the mesh, each once."""
-        return list(
-            dict.fromkeys((self.scene.material, self.lower_material or self.scene.material))
-        )
+    def materials(self) -> dict[str, Material]:
+        """Of the upper and of the lower block."""
+        return {"upper": self.scene.material, "lower": self.lower_material}
+
+    @property
+    def name(self) -> str:
+        """Name of the model."""
+        return choose_model(self.scene, self.settings.model, self.settings.lower_material)
+
+    @property
+    def halves(self) -> tuple[int, ...]:
+        """For each body, the component of `HALVES`; none where both blocks are in the mesh."""
+        return HALVES.get(self.name, ())
+
+    @property
+    def bodies(self) -> int:
+        """How many bodies march on the mesh."""
+        return len(self.halves) or 1
 
     @property
     def fastest(self) -> Material:
         """The material whose waves are faster."""
-        return max(self.materials, key=lambda material: material.longitudinal_speed)
+        return max(self.materials.values(), key=lambda material: material.longitudinal_speed)
 
     @property
     def size(self) -> float:
         """Distance h of the nodes on the interface [length]."""
-        reach = self.scene.material.shear_speed * self.settings.end_time
-        return reach / self.settings.resolution
+        return self.scene.material.shear_speed * self.end_time / self.settings.resolution
 
     @property
     def damping_time(self) -> float:
         """eta of the damping C = eta K [time]."""
         return self.settings.damping * self.size / self.scene.material.shear_speed
+
+    @property
+    def forerun(self) -> float:
+        """How far beyond the fastest front nodes may move already [length]."""
+        return causal_margin(self.fastest, self.end_time, self.size, self.damping_time)
 
     @property
     def family(self) -> Family:
@@ -92,18 +250,18 @@ class Plan:
     @property
     def slot_length(self) -> float:
         """Length of slot next to the edge that is stored [length]."""
-        return observed_slot(self.fastest, self.settings.end_time, full=self.full)
+        return observed_slot(self.fastest, self.end_time, full=self.full)
 
     @property
     def blocks(self) -> Blocks:
         """What is meshed."""
         return causal_blocks(
             self.fastest,
-            self.settings.end_time,
+            self.end_time,
             self.size * self.family.spacing,
             damping_time=self.damping_time,
             full=self.full,
-            lower=self.name in (TWO_BLOCKS, TWO_MATERIALS),
+            lower=not self.halves,
             free_walls=self.name == TWO_MATERIALS,
             pattern=self.settings.mesh,
         )
@@ -117,9 +275,11 @@ class Plan:
         return round(TRIANGLES * count) if blocks.pattern == "triangles" else count
 
     @property
-    def bodies(self) -> int:
-        """How many bodies march on the mesh."""
-        return 2 if self.name == LOCKSTEP else 1
+    def caution(self) -> str:
+        """What the mesh is too coarse for, as a sentence; "" if nothing is known."""
+        return slow_body_caution(
+            self.scene.material, self.settings.lower_material, self.settings.resolution
+        )
 
     def steps(self) -> int:
         """Number of steps to the end time.
@@ -131,9 +291,46 @@ class Plan:
         x = blocks.size * np.arange(PATCH + 1.0)
         space = make_space(MeshQuad.init_tensor(x, rows), family)
         step = math.inf
-        for material in self.materials:
+        for material in dict.fromkeys(self.materials.values()):
             mass = lumped_mass(space, {"upper": material})
             order = np.arange(len(mass))
             matrix, _ = normalised(stiffness(space, {"upper": material}), mass, order)
             step = min(step, critical_step(highest_frequency(matrix), self.damping_time))
-        return math.ceil(self.settings.end_time / (self.settings.step_ratio * step))
+        return math.ceil(self.end_time / (self.settings.step_ratio * step))
+
+
+def make_plan(
+    scene: Scene,
+    end_time: float | None,
+    settings: Settings | None,
+    options: Mapping[str, Any],
+    *,
+    full: bool = False,
+) -> Plan:
+    """Plan of a run from what `simulate`, `prepare` and `cost` are given.
+
+    Parameters
+    ----------
+    scene : Scene
+    end_time : float or None
+        T [time]; the time a shear wave takes over a length of 1 if None.
+    settings : Settings or None
+    options : mapping
+        Fields of `Settings`, in place of those of `settings`.
+    full : bool
+        Whether whole fields are observed.
+
+    Raises
+    ------
+    SceneError
+        As `Settings` and `Plan`.
+    """
+    if settings is None:
+        settings = Settings()
+    if not isinstance(settings, Settings):
+        raise SceneError(
+            f"simulate: settings must be fem.Settings, got {shown(settings)}; "
+            "give single options by name, as in resolution=50."
+        )
+    end_time = 1 / scene.material.shear_speed if end_time is None else end_time
+    return Plan(scene, end_time, replace(settings, **options), full)

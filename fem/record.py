@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,47 +10,68 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.model import Model
-from fem.results import EnergyHistory, SlotHistory
+from fem.results import EnergyHistory, Opening, SlotHistory
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.sampled import Totals
+from semianalytic.scene.scene import Scene
+
+LEAST_GAP = 1e-9
+"""What is open less than that, over c_t T times load or base over shear modulus, is closed:
+rounding is 1e-16 of it."""
 
 
 class Record:
     """Histories of the interface, the slot and the energies, filled level by level.
 
+    Every n-th time level of interface and slot is stored, and the last one; energies and totals of
+    the contact are those of every step.
+
     Parameters
     ----------
     model : Model
-    every : int
-        Store every n-th time level, and the last one; the energies are those of every step.
-    slot_length : float
-        Length of slot next to the edge that is stored [length].
     """
 
-    def __init__(self, model: Model, every: int, slot_length: float) -> None:
+    def __init__(self, model: Model) -> None:
         self.model = model
-        self._levels = np.union1d(np.arange(0, model.steps + 1, every), model.steps)
+        plan, steps, nodes = model.plan, model.steps, len(model.contact_x)
+        self._levels = np.union1d(np.arange(0, steps + 1, plan.settings.every), steps)
         self._row = self._level = 0
-        stored = model.slot_x >= -slot_length
+        self._least_gap = LEAST_GAP * displacement_scale(plan.scene, plan.end_time)
+        rows = len(self._levels)
+        stored = model.slot_x >= -plan.slot_length
         self._slot, self._slot_x = model.slot[:, stored], model.slot_x[stored]
-        self._interface = np.zeros((4, len(self._levels), len(model.contact_x)))
-        self._velocity = np.zeros((2, len(self._levels), len(self._slot_x)))
-        self._energy = np.zeros((6, model.steps + 1))
-        self._state = np.zeros((len(self._levels), len(model.contact_x)), dtype=np.int8)
+        self._on_contact = model.contact_x > 0
+        self._interface = np.zeros((4, rows, nodes))
+        self._gap = np.zeros((rows, nodes))  # takes no memory until something opens
+        self._state = np.zeros((rows, nodes), dtype=np.int8)
+        self._velocity = np.zeros((2, rows, len(self._slot_x)))
+        self._totals = np.zeros((3, steps + 1))
+        self._energy = np.zeros((6, steps + 1))
+        self._opened = np.array([math.inf, 0.0, 0.0, 0.0])  # the fields of Opening
 
     def level(self, step: int) -> None:
-        """Store a time level, if it is one to store, when its kick and tractions are done.
+        """Take in a time level whose kick and tractions are done.
 
         Rates are means over the steps before and after the level; at t = 0 all is at rest.
         """
+        self._level = step
         if step:
             self._energy[:, step] = self._energies()
-        self._level = step
-        if step != self._levels[self._row]:
-            return
+            self._totals[:, step] = self._sums()
+        offset = self.model.interface.offset
+        gap = np.where(offset > self._least_gap, offset, 0.0)
+        if gap.any():
+            self._note_opening(step, gap)
+        if step == self._levels[self._row]:
+            self._store(step, gap)
+
+    def _store(self, step: int, gap: NDArray[np.float64]) -> None:
         interface, row, dt = self.model.interface, self._row, self.model.time_step
         slip, rate, shear, pressure = self._interface[:, row]
         shear[:], pressure[:] = interface.shear, interface.pressure
         self._state[row] = interface.state()
+        if gap.any():
+            self._gap[row] = gap
         if step:
             if interface.sliding is not None:
                 slip[:] = interface.sliding.offset()
@@ -66,38 +88,78 @@ class Record:
         friction, impact, base = self.model.interface.work
         return np.array([kinetic, strain, friction, damping, load + base, impact])
 
+    def _sums(self) -> NDArray[np.float64]:
+        """Over the contact at this level, in the order of the fields of Totals."""
+        interface, length = self.model.interface, self.model.interface.length
+        if interface.sliding is None:
+            return np.zeros(3)
+        slip = interface.sliding.offset()[self._on_contact]
+        return np.array(
+            [
+                np.abs(slip).max(),
+                length @ interface.path,
+                length @ interface.friction_work(),
+            ]
+        )
+
+    def _note_opening(self, step: int, gap: NDArray[np.float64]) -> None:
+        """Take in a gap on the contact beyond the edge node, half of which is slot."""
+        interface, x = self.model.interface, self.model.contact_x
+        gap = np.where(self._on_contact, gap, 0.0)
+        widest = int(np.argmax(gap))
+        if gap[widest] == 0:
+            return
+        first, place, largest, length = self._opened
+        if math.isinf(first):
+            first, place = step * self.model.time_step, x[widest]
+        open_now = float(interface.length @ (gap > 0))
+        self._opened[:] = first, place, max(largest, gap[widest]), max(length, open_now)
+
     def stored(self) -> dict[str, NDArray[Any]]:
-        """The rows stored so far, for a checkpoint."""
-        rows = self._row
+        """What was taken in so far, for a checkpoint."""
+        rows, levels = self._row, self._level + 1
         return {
             "interface": self._interface[:, :rows],
             "slot": self._velocity[:, :rows],
-            "energy": self._energy[:, : self._level + 1],
+            "energy": self._energy[:, :levels],
+            "totals": self._totals[:, :levels],
             "state": self._state[:rows],
+            "gap": self._gap[:rows],
+            "opened": self._opened,
         }
 
     def restore(self, stored: Mapping[str, NDArray[Any]]) -> None:
-        """Go on after the rows that `stored` returned in another run of the same model."""
+        """Go on after what `stored` returned in another run of the same model."""
         self._row = rows = len(stored["state"])
+        levels = stored["energy"].shape[1]
+        self._level = levels - 1
         self._interface[:, :rows] = stored["interface"]
         self._velocity[:, :rows] = stored["slot"]
-        self._level = stored["energy"].shape[1] - 1
-        self._energy[:, : self._level + 1] = stored["energy"]
+        self._energy[:, :levels] = stored["energy"]
+        self._totals[:, :levels] = stored["totals"]
         self._state[:rows] = stored["state"]
+        if stored["gap"].any():
+            self._gap[:rows] = stored["gap"]
+        self._opened[:] = stored["opened"]
 
-    @property
-    def states(self) -> NDArray[np.int8]:
-        """State of each contact node at each stored level, (m, n)."""
-        return self._state
+    def results(self) -> dict[str, Any]:
+        """All that was taken in, by the names that `Simulation` gives it."""
+        dt, steps = self.model.time_step, self.model.steps
+        t = self._levels * dt
+        first, place, largest, length = self._opened.tolist()
+        return {
+            "interface": InterfaceHistory(self.model.contact_x, t, *self._interface),
+            "state": self._state,
+            "gap": self._gap,
+            "slot": SlotHistory(self._slot_x, t, *self._velocity),
+            "totals": Totals(dt * np.arange(steps + 1.0), *self._totals),
+            "energy": EnergyHistory(np.arange(0.5, steps) * dt, *self._energy[:, 1:]),
+            "opened": None if math.isinf(first) else Opening(first, place, largest, length),
+        }
 
-    def histories(self) -> tuple[InterfaceHistory, SlotHistory, EnergyHistory]:
-        """All that was stored."""
-        t = self._levels * self.model.time_step
-        return (
-            InterfaceHistory(self.model.contact_x, t, *self._interface),
-            SlotHistory(self._slot_x, t, *self._velocity),
-            EnergyHistory(
-                np.arange(0.5, self.model.steps) * self.model.time_step,
-                *self._energy[:, 1:],
-            ),
-        )
+
+def displacement_scale(scene: Scene, end_time: float) -> float:
+    """Displacement that the largest traction causes within a time [length]."""
+    tractions = (scene.load, scene.base)
+    largest = max(max(abs(one.pressure), abs(one.shear)) for one in tractions)
+    return largest / scene.material.shear_modulus * scene.material.shear_speed * end_time

@@ -8,6 +8,8 @@ spreads it and lowers its peak, and it is the peak that friction answers to.
 
 from __future__ import annotations
 
+import math
+
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Material, Scene
@@ -16,6 +18,10 @@ LARGEST_TURN = {1.5: 0.2, 4.0: 0.5}
 """How far a load may go up and down again, over its largest value, while a shear wave covers so
 many node distances.  That is 12 of them in a period of a harmonic, 8 in a triangle, 4 in a
 rectangle, with friction work within 6 % (docs/fem.md); the shorter time is for ripples."""
+
+LEAST_CROSSED = 16
+"""Elements that the shear wave of the slower block should cross until the end: slip at the end is
+within 0.5 % then, and 2 % and 6 % with 8 and 4, whatever the ratio of speeds (docs/fem.md)."""
 
 MOST = 2**60
 ROUNDING = 1e-9
@@ -93,3 +99,27 @@ def check_resolved(
             f"simulate: the {name} history turns back faster than this mesh can follow; raise "
             f"`resolution` from {resolution} to at least {needed}, or shorten `end_time`."
         )
+
+
+def slow_body_caution(material: Material, lower_material: Material | None, resolution: int) -> str:
+    """What a mesh is too coarse for where the lower block is slower, as a sentence; "" if nothing.
+
+    Parameters
+    ----------
+    material : Material
+        Of the upper block, whose shear wave covers `resolution` node distances until the end.
+    lower_material : Material or None
+        Of the lower block, if it is another one.
+    resolution : int
+    """
+    if lower_material is None:
+        return ""
+    ratio = lower_material.shear_speed / material.shear_speed
+    crossed, needed = resolution * ratio, math.ceil(LEAST_CROSSED / ratio)
+    if crossed >= LEAST_CROSSED or resolution >= needed:
+        return ""
+    return (
+        f"the lower block is under-resolved: its shear wave crosses {crossed:.2g} elements until "
+        f"the end, {1 / ratio:.3g} times fewer than that of the upper one; a resolution of "
+        f"{needed} would make that {LEAST_CROSSED}."
+    )

@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, fields
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.interface import OPEN
+from fem.resolution import slow_body_caution
+from semianalytic.results.answer import FIELDS
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Material, Scene, scene_document, scene_from_document
+from semianalytic.scene.units import SI, unit
 
-FORMAT = "slipfront simulation 4"
+FORMAT = "slipfront simulation 5"
 FILE_NAME = "simulation.h5"
-ARRAYS = ("state", "path", "friction_work")
-HISTORIES = ("interface", "slot", "energy")
+ARRAYS = ("state", "gap", "final_path", "final_work_density")
+HISTORIES = ("interface", "slot", "energy", "totals")
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +88,37 @@ class EnergyHistory:
         return imbalance / scale if scale > 0 else imbalance
 
 
-@dataclass(frozen=True, eq=False)
-class Simulation:
+@dataclass(frozen=True)
+class Opening:
+    """Where and when the contact came apart, of all steps, stored or not.
+
+    The edge node is left out: half of what belongs to it is slot.
+
+    Attributes
+    ----------
+    time : float
+        When a first node opened [time].
+    x : float
+        Which one [length].
+    gap : float
+        Largest gap there has been anywhere [length].
+    length : float
+        Greatest length of contact that has been open at one time [length].
+    """
+
+    time: float
+    x: float
+    gap: float
+    length: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(SampledAnswer):
     """Result of one finite-element simulation.
+
+    It answers what every solver does: `slip_rate(x, t)`, `slip(x, t)`, `shear_traction(x, t)` and
+    `pressure(x, t)` between the stored nodes and levels, `max_slip(t)`, `accumulated_slip(t)` and
+    `frictional_work(t)` between steps, `zones_at(t)`, `history(x, t)`, `to_xarray(x, t)`.
 
     Attributes
     ----------
@@ -114,13 +148,19 @@ class Simulation:
         times: the slip rate is the mean of the rates half a step before and after, the
         tractions are those that act between the two.
     state : (m, n) array of int8
-        What each node of `interface` does in the step after each time: 0 it sticks, +1 or -1 it
-        slips that way, 2 it is open.
-    path : (n,) array
+        What each node of `interface` does in the step after each time: STICK (0), slip FORWARD
+        (+1) or BACKWARD (-1), or OPEN (2).
+    gap : (m, n) array
+        How far each node of `interface` is open at each time [length], 0 where closed.
+    final_path : (n,) array
         |slip| that each node of `interface` has accumulated by the end [length], summed over
         every step, stored or not, and also while the node is open.
-    friction_work : (n,) array
+    final_work_density : (n,) array
         Work per area that friction has taken at each node by the end [stress length], likewise.
+    totals : Totals
+        What the contact as a whole has done by each step, stored or not.
+    opened : Opening or None
+        Where and when the contact came apart; None if it never did.
     slot : SlotHistory
         On the slot nodes next to the edge, as far as no reflection gets.
     energy : EnergyHistory
@@ -151,14 +191,45 @@ class Simulation:
     unknowns: int
     interface: InterfaceHistory
     state: NDArray[np.int8]
-    path: NDArray[np.float64]
-    friction_work: NDArray[np.float64]
+    gap: NDArray[np.float64]
+    final_path: NDArray[np.float64]
+    final_work_density: NDArray[np.float64]
+    totals: Totals
+    opened: Opening | None
     slot: SlotHistory
     energy: EnergyHistory
     seconds: dict[str, float]
     peak_memory: int
     run: str
     unwritten: str
+
+    def __repr__(self) -> str:
+        return (
+            f"Simulation({self.model}, {self.unknowns:,} unknowns, {self.steps} steps to "
+            f"t = {self.end_time:.6g})"
+        )
+
+    @cached_property
+    def on_contact(self) -> NDArray[np.bool_]:
+        """Nodes of `interface` beyond the edge node, half of which is slot, (n,)."""
+        return self.interface.x > 0
+
+    @cached_property
+    def contact(self) -> InterfaceHistory:
+        """The history without the edge node."""
+        history, inside = self.interface, self.on_contact
+        parts = (getattr(history, name)[:, inside] for name in FIELDS)
+        return InterfaceHistory(history.x[inside], history.t, *parts)
+
+    @property
+    def is_open(self) -> NDArray[np.bool_]:
+        """Which nodes of `interface` do not touch in the step after each time, (m, n)."""
+        return self.state == OPEN
+
+    @property
+    def caution(self) -> str:
+        """What the mesh is too coarse for, as a sentence; "" if nothing is known."""
+        return slow_body_caution(self.scene.material, self.lower_material, self.resolution)
 
     def save(self, directory: str | Path) -> None:
         """Write `simulation.h5` into a folder; it appears under its name only when complete.
@@ -175,7 +246,8 @@ class Simulation:
             for field in fields(self)
             if field.name not in ("scene", *ARRAYS, *HISTORIES)
         }
-        facts["lower_material"] = self.lower_material and asdict(self.lower_material)
+        for name in ("lower_material", "opened"):
+            facts[name] = facts[name] and asdict(facts[name])
         with whole_hdf5(directory / FILE_NAME) as file:
             file.attrs["format"] = FORMAT
             file.attrs["scene"] = json.dumps(scene_document(self.scene))
@@ -218,17 +290,19 @@ def load_simulation(directory: str | Path) -> Simulation:
                 )
             scene = json.loads(file.attrs["scene"])
             facts = json.loads(file.attrs["facts"])
-            lower = facts.pop("lower_material")
+            lower, opened = facts.pop("lower_material"), facts.pop("opened")
             arrays = {name: file[name][...] for name in ARRAYS}
-            interface, slot, energy = (
+            interface, slot, energy, totals = (
                 {name: data[...] for name, data in file[group].items()} for group in HISTORIES
             )
         return Simulation(
             scene=scene_from_document(scene),
             lower_material=Material(**lower) if lower else None,
+            opened=Opening(**opened) if opened else None,
             interface=InterfaceHistory(**interface),
             slot=SlotHistory(**slot),
             energy=EnergyHistory(**energy),
+            totals=Totals(**totals),
             **arrays,
             **facts,
         )
@@ -236,3 +310,22 @@ def load_simulation(directory: str | Path) -> Simulation:
         raise DataFileError(
             f"{path} cannot be read as a simulation ({error}); simulate again."
         ) from error
+
+
+def opening_sentence(simulation: Simulation) -> str:
+    """Whether the contact came apart, and where, when, how far and over which length."""
+    opened = simulation.opened
+    if opened is None:
+        return "the contact stayed closed"
+    lengths, times = (
+        unit(dimension, SI) if simulation.scene.units == SI else ""
+        for dimension in ("length", "time")
+    )
+    x, gap, length = (
+        f"{value:.4g} {lengths}".strip() for value in (opened.x, opened.gap, opened.length)
+    )
+    time = f"{opened.time:.4g} {times}".strip()
+    return (
+        f"the contact opened, first at x = {x} at t = {time}, by up to {gap} and over a length of "
+        f"up to {length}"
+    )

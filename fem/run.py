@@ -4,30 +4,23 @@ from __future__ import annotations
 
 import math
 import sys
-import time
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from fem.assembly import make_space
-from fem.budget import Cost, check_fits, predict_cost
+from fem.budget import Cost, check_fits, check_room, predict_cost
 from fem.checkpoint import Keeper, run_identity, run_name
-from fem.model import Model, build_model
-from fem.plan import Plan
+from fem.model import Model, build, timed
+from fem.plan import Pace, Settings, make_plan
 from fem.record import Record
-from fem.resolution import check_resolved
 from fem.results import Simulation
-from fem.room import check_room
-from fem.settings import Pace, Settings
 from fem.snapshots import Snapshots
-from meshes import cached_mesh
-from meshes.blocks import causal_margin
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Scene
 
 RUNAWAY = 2.0
 FIRST_JUDGED = 4
@@ -37,17 +30,9 @@ FIRST_JUDGED = 4
 def simulate(
     scene: Scene,
     end_time: float | None = None,
-    resolution: int = 100,
+    settings: Settings | None = None,
     *,
-    damping: float = 0.02,
-    step_ratio: float = 0.95,
-    model: str = "auto",
-    element: str = "Q1",
-    mesh: str = "squares",
-    lower_material: Material | None = None,
-    every: int = 1,
     snapshots: str | Path | None = None,
-    frames: int = 20,
     checkpoint: str | Path | None = None,
     checkpoint_every: int | None = None,
     checkpoint_seconds: float | None = None,
@@ -55,6 +40,7 @@ def simulate(
     progress: Callable[[int, int], None] | None = None,
     memory: float | None = None,
     tell: Callable[[str], None] | None = None,
+    **options: Any,
 ) -> Simulation:
     """Simulate a scene with finite elements and central differences.
 
@@ -65,30 +51,10 @@ def simulate(
     scene : Scene
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
-    resolution : int
-        Node distances per c_t T, at least 8: h = c_t T / resolution.
-    damping : float
-        eta of the Kelvin-Voigt damping C = eta K, in units of h / c_t; 0 for none.
-    step_ratio : float
-        Largest time step over the critical one, above 0.  Beyond 1 the scheme is unstable; up
-        to 1.5 is accepted to show it.
-    model : str
-        "auto" uses one block wherever symmetry allows, which is exact; "two-blocks" never does.
-    element : str
-        "P1" linear triangles, "Q1" bilinear or "Q2" biquadratic quadrilaterals, all with
-        diagonal mass.
-    mesh : str
-        "squares"; "graded", rows that grow away from the interface; or "triangles",
-        unstructured, for P1.  P1 cuts squares and graded rows along a diagonal.
-    lower_material : Material, optional
-        Of the lower block, if it is not that of the scene.  The semi-analytic theory does not
-        apply then.
-    every : int
-        Store every n-th step in the histories; the last one is always stored.
+    settings : Settings, optional
+        Mesh, elements, time step and what is kept; the defaults of `Settings` unless given.
     snapshots : path, optional
         Folder for pictures of the whole fields; the mesh is then large enough for them.
-    frames : int
-        Number of pictures, at evenly spaced steps up to the end time.
     checkpoint : path, optional
         File to write checkpoints to.
     checkpoint_every : int, optional
@@ -103,8 +69,11 @@ def simulate(
     memory : float, optional
         Most that the run may take [bytes], 70 % of what is available if not given; see `fem.cost`.
     tell : callable, optional
-        Called with a sentence when a snapshot or checkpoint cannot be written, while the run goes
-        on; unless given, that is a warning.
+        Called with a sentence when the mesh is too coarse for one of two materials, or a snapshot
+        or checkpoint cannot be written, while the run goes on; unless given, that is a warning.
+    **options
+        Fields of `Settings`, in place of those of `settings`: resolution, damping, step_ratio,
+        model, element, mesh, lower_material, every, frames.
 
     Returns
     -------
@@ -127,92 +96,68 @@ def simulate(
     KeyboardInterrupt
         On Ctrl-C, after a last checkpoint if there are any.
     """
-    end_time = 1 / scene.material.shear_speed if end_time is None else end_time
-    settings = Settings(
-        end_time, resolution, damping, step_ratio, model, element, mesh, every, frames
-    )
-    resolution, every, frames = settings.resolution, settings.every, settings.frames
-    damping, step_ratio = settings.damping, settings.step_ratio
-    check_resolved(scene, lower_material, settings.end_time, resolution)
+    plan = make_plan(scene, end_time, settings, options, full=snapshots is not None)
     pace = Pace(checkpoint_every, checkpoint_seconds)
     if resume and checkpoint is None:
         raise SceneError("simulate: there is nothing to resume from; give a checkpoint file.")
-    full = snapshots is not None
-    plan = Plan(scene, settings, lower_material, full)
     cost = predict_cost(plan, checkpoints=checkpoint is not None)
     check_fits(plan, cost, memory, checkpoints=checkpoint is not None)
     kept = None if checkpoint is None else Path(checkpoint)
     folder = None if snapshots is None else Path(snapshots)
     _check_places(kept, folder, cost)
-    seconds: dict[str, float] = {}
+    complaints = _Complaints(tell)
+    complaints.hear(plan.caution)
 
-    with _timed(seconds, "mesh"):
-        space = make_space(cached_mesh(plan.blocks), plan.family)
-    with _timed(seconds, "assembly"):
-        built = build_model(
-            scene,
-            space,
-            name=plan.name,
-            size=plan.size,
-            end_time=float(settings.end_time),
-            damping_time=plan.damping_time,
-            step_ratio=step_ratio,
-            lower_material=lower_material,
-        )
-    with _timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
-        fastest = plan.fastest
-        record = Record(built, every, plan.slot_length)
-        identity = run_identity(scene, lower_material, settings, full, built)
+    model = build(plan)
+    seconds = dict(model.seconds)
+    with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
+        record, identity = Record(model), run_identity(model)
         run = run_name(identity)
         keeper = Keeper(kept, pace, identity)
-        started, written = keeper.resume(built, record) if resume else (0, [])
-        framed = np.unique(
-            np.rint(np.linspace(0, built.steps, frames + 1)[1:]).astype(int)
-        ).tolist()
-        pictures = None
-        if folder is not None:
-            due = sum(step < started for step in framed)
-            pictures = Snapshots(folder, built, scene, run, written, due, cost.history)
-        complaints = _Complaints(tell)
-        forerun = causal_margin(fastest, settings.end_time, plan.size, plan.damping_time)
+        started, written = keeper.resume(model, record) if resume else (0, [])
+        pictures = folder and Snapshots(folder, model, run, started, written, cost.history)
         with deferred_interrupt() as interruption:
-            for step in _march(built, record, started, fastest.longitudinal_speed, forerun):
-                if pictures is not None and step in framed and not pictures.failed:
-                    with _timed(seconds, "snapshots"):
-                        pictures.write(step * built.time_step, framed.index(step) + 1)
-                _drift(built, step)
-                listed = [] if pictures is None else pictures.frames
-                keeper.step_done(step, built, record, listed, interruption.pressed)
+            for step in levels(model, started):
+                record.level(step)
+                if pictures and pictures.is_due(step):
+                    with timed(seconds, "snapshots"):
+                        pictures.write(step)
+                drift(model, step)
+                frames = pictures.frames if pictures else []
+                keeper.step_done(step, model, record, frames, interruption.pressed)
                 complaints.hear(pictures.missing if pictures else "", keeper.missing)
                 if interruption.pressed:
                     raise KeyboardInterrupt
                 if progress is not None and step:
-                    progress(step, built.steps)
-    interface, slot, energy = record.histories()
+                    progress(step, model.steps)
+    return _result(model, record, seconds, run, pictures.missing if pictures else "")
+
+
+def _result(
+    model: Model, record: Record, seconds: dict[str, float], run: str, unwritten: str
+) -> Simulation:
+    plan, settings = model.plan, model.plan.settings
     return Simulation(
-        scene=scene,
-        end_time=float(settings.end_time),
-        resolution=resolution,
+        scene=plan.scene,
+        end_time=plan.end_time,
+        resolution=settings.resolution,
         element_size=plan.size,
-        damping=damping,
-        element=element,
-        mesh=mesh,
+        damping=settings.damping,
+        element=settings.element,
+        mesh=settings.mesh,
         model=plan.name,
-        lower_material=lower_material,
-        time_step=built.time_step,
-        critical_step=built.critical_step,
-        steps=built.steps,
-        unknowns=built.unknowns,
-        interface=interface,
-        state=record.states,
-        path=built.interface.path,
-        friction_work=built.interface.friction_work(),
-        slot=slot,
-        energy=energy,
+        lower_material=settings.lower_material,
+        time_step=model.time_step,
+        critical_step=model.critical_step,
+        steps=model.steps,
+        unknowns=model.unknowns,
+        final_path=model.interface.path,
+        final_work_density=model.interface.friction_work(),
         seconds=seconds,
         peak_memory=peak_memory(),
         run=run,
-        unwritten=pictures.missing if pictures else "",
+        unwritten=unwritten,
+        **record.results(),
     )
 
 
@@ -246,45 +191,37 @@ class _Complaints:
         warnings.warn(sentence, stacklevel=4)
 
 
-def _march(
-    model: Model, record: Record, started: int, speed: float, forerun: float
-) -> Iterator[int]:
-    """Kick, time level by time level; whoever iterates lets the bodies drift.
+def levels(model: Model, started: int = 0) -> Iterator[int]:
+    """Kick, time level by time level; whoever iterates lets the bodies `drift`.
 
     Parameters
     ----------
     model : Model
-    record : Record
-        Told about every time level.
     started : int
         First time level, 0 unless resumed.
-    speed : float
-        Fastest wave [length / time].
-    forerun : float
-        How far beyond its front nodes may already move [length].
     """
-    work = 0.0
+    speed, work = model.plan.fastest.longitudinal_speed, 0.0
     for step in range(started, model.steps + 1):
-        front = speed * (step + 1) * model.time_step
+        reach = speed * (step + 1) * model.time_step + model.plan.forerun
         for load in model.loads:
             load.set(step)
         for body in model.bodies:
-            body.activate(model.numbering.reached(front + forerun))
+            body.activate(model.numbering.reached(reach))
             body.kick(_part(step))
         work = _check_stable(model, step, work)
         model.interface.act(_part(step))
-        record.level(step)
         yield step
+
+
+def drift(model: Model, step: int) -> None:
+    """Move on from a time level whose kick is done."""
+    for body in model.bodies:
+        body.drift(_part(step))
 
 
 def _part(step: int) -> float:
     """Fraction of a step for which the forces at a time level act."""
     return 0.5 if step == 0 else 1.0
-
-
-def _drift(model: Model, step: int) -> None:
-    for body in model.bodies:
-        body.drift(_part(step))
 
 
 def _check_stable(model: Model, step: int, work: float) -> float:
@@ -306,13 +243,6 @@ def _check_stable(model: Model, step: int, work: float) -> float:
             f"(now {model.time_step / model.critical_step:.3g} of the critical step)."
         )
     return work
-
-
-@contextmanager
-def _timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
-    started = time.perf_counter()
-    yield
-    seconds[stage] = seconds.get(stage, 0.0) + time.perf_counter() - started
 
 
 def peak_memory() -> int:

@@ -11,11 +11,10 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.budget import free_space
 from fem.model import Model
-from fem.room import free_space
 from semianalytic.results.files import Seal, new_file, write_bytes
 from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.scene import Scene
 
 INDEX = "fields.pvd"
 CELLS = {"P1": "triangle", "Q1": "quad", "Q2": "quad9"}
@@ -42,13 +41,12 @@ class Snapshots:
     directory : path
         Made if it is not there.  Frames and index of another run are removed.
     model : Model
-    scene : Scene
     run : str
         Identity of the run, which index and frames carry.
+    started : int
+        First time level of this run, above 0 if it goes on from an interrupted one.
     frames : iterable of (time, name)
-        Frames of an interrupted run to go on from, as far as they are still there.
-    due : int
-        How many the interrupted run should have written.
+        What that one had written, as far as it is still there.
     reserve : int
         Room that frames must leave on the disk for the histories [bytes].
 
@@ -69,22 +67,24 @@ class Snapshots:
 
     def __init__(
         self,
-        directory: str | Path,
+        directory: Path,
         model: Model,
-        scene: Scene,
         run: str,
+        started: int = 0,
         frames: Iterable[tuple[float, str]] = (),
-        due: int = 0,
         reserve: int = 0,
     ) -> None:
-        self.directory, self.run, self.reserve = Path(directory), run, reserve
+        self.directory, self.model, self.run, self.reserve = directory, model, run, reserve
         forget_other_frames(self.directory, run)
-        self.model, self.scene = model, scene
+        count = model.plan.settings.frames
+        levels = np.rint(np.linspace(0, model.steps, count + 1)[1:]).astype(int)
+        self._levels = np.unique(levels).tolist()
         points, cells = both_blocks(model)
         self._points = np.pad(points.T, ((0, 0), (0, 1)))
         self._cells = [(CELLS[model.space.family.name], cells.T)]
         self.frames = [entry for entry in frames if frame_run(self.directory / entry[1]) == run]
         self.missing, self.failed = "", False
+        due = sum(level < started for level in self._levels)
         if len(self.frames) < due:
             self.missing = (
                 f"{due - len(self.frames)} of the {due} snapshots due before the interruption are "
@@ -92,16 +92,13 @@ class Snapshots:
             )
         self._write_index()
 
-    def write(self, time: float, number: int) -> None:
-        """Add a frame at a time level whose kick is done and whose drift is not.
+    def is_due(self, level: int) -> bool:
+        """Whether a time level is one of those to be shown, and none has failed."""
+        return level in self._levels and not self.failed
 
-        Parameters
-        ----------
-        time : float
-            [time].
-        number : int
-            Of the frame, from 1 on.
-        """
+    def write(self, level: int) -> None:
+        """Add the frame of a time level that is due, its kick done and its drift not."""
+        time, number = level * self.model.time_step, self._levels.index(level) + 1
         name = f"fields-{number:04d}.vtu"
         path = self.directory / name
         try:
@@ -140,7 +137,7 @@ class Snapshots:
         )
 
     def _stress(self, displacement: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        materials, base = self.model.materials, self.scene.base
+        materials, base = self.model.plan.materials, self.model.plan.scene.base
         (uxx, uxy), (uyx, uyy) = self._gradient(displacement)
         lower = self._points[self._cells[0][1], 1].mean(axis=1) < 0
         mu, bulk = (
@@ -192,10 +189,10 @@ def frame_run(path: Path) -> str | None:
     try:
         with path.open("rb") as stream:
             stream.seek(max(stream.seek(0, 2) - 400, 0))
-            found = _RUN.findall(stream.read())
+            names = _RUN.findall(stream.read())
     except OSError:
         return None
-    return found[-1].decode() if found else None
+    return names[-1].decode() if names else None
 
 
 def index_run(directory: Path) -> str | None:
@@ -253,7 +250,7 @@ def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     A half gets its mirror image, whose nodes and elements come after its own.
     """
     points, cells = model.space.points, model.space.basis.element_dofs
-    if not model.odd:
+    if not model.plan.halves:
         return points, cells
     mirrored = cells[MIRRORED[model.space.family.name]] + points.shape[1]
     return (
@@ -277,9 +274,9 @@ def spread(model: Model, unknowns: list[NDArray[np.float64]]) -> NDArray[np.floa
     """
     fields = [(u / model.root).reshape(-1, 2)[model.numbering.place] for u in unknowns]
     upper = np.sum(fields, axis=0)
-    if not model.odd:
+    if not model.plan.halves:
         return upper
     lower = np.zeros_like(upper)
-    for odd, vectors in zip(model.odd, fields, strict=True):
+    for odd, vectors in zip(model.plan.halves, fields, strict=True):
         lower += vectors * [-1 if i == odd else 1 for i in (0, 1)]
     return np.concatenate([upper, lower])

@@ -14,6 +14,21 @@ SELF_SIMILAR = [
 ]
 
 
+class SampledRun(SimpleNamespace):
+    """What compare asks of a simulation; all its nodes lie beyond the edge."""
+
+    opened = None
+    caution = ""
+
+    @property
+    def contact(self):
+        return self.interface
+
+    @property
+    def on_contact(self):
+        return self.interface.x > 0
+
+
 def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, gain=1.0):
     """What a simulation without any error would have recorded, or one with a known error.
 
@@ -34,7 +49,7 @@ def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, g
         shear_traction=gain * solution.shear_traction(*seen_at),
         pressure=gain * solution.pressure(*seen_at),
     )
-    return SimpleNamespace(
+    return SampledRun(
         scene=scene,
         end_time=end_time,
         resolution=resolution,
@@ -48,7 +63,7 @@ def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, g
         unknowns=0,
         seconds={},
         interface=history,
-        path=gain * solution.path(x / stretch, end_time),
-        friction_work=gain**2 * solution.work_density(x / stretch, end_time),
+        final_path=gain * solution.path(x / stretch, end_time),
+        final_work_density=gain**2 * solution.work_density(x / stretch, end_time),
         slot=SimpleNamespace(x=-x, t=t, velocity_x=velocity_x, velocity_y=velocity_y),
     )

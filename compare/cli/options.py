@@ -51,6 +51,16 @@ SCENE_OPTIONS: Mapping[str, Any] = {
     }.items()
 }
 
+LOWER_OPTIONS: Mapping[str, Any] = {
+    f"lower_{name}": _option(float, "Scene (in place of the scene's own values)", text)
+    for name, text in {
+        "shear_modulus": "Shear modulus of the lower block [stress].",
+        "density": "Mass density of the lower block [mass / length³].",
+        "poisson_ratio": "Poisson ratio of the lower block.",
+    }.items()
+}
+"""Where both blocks are not alike; what is not given is that of the upper block."""
+
 MESH_OPTIONS: Mapping[str, Any] = {
     name: _option(type_, "Finite elements", text)
     for name, (type_, text) in {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from rich.console import Console
 from compare.cli import terminal
 from compare.cli.options import (
     CHECKPOINT_OPTIONS,
+    LOWER_OPTIONS,
     MESH_OPTIONS,
     SCENE_OPTIONS,
     NoSnapshots,
@@ -27,7 +29,7 @@ from compare.output.progress import progress_bar
 from semianalytic import Scene
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.extras import FEM, require
-from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
+from semianalytic.scene.named import find_blocks, override_scene, scene_folder, scene_label
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -40,9 +42,15 @@ WORTH_KEEPING = 1e8
 """Predicted size of its snapshots from which on that is said [bytes]."""
 
 
-@with_options(overrides=SCENE_OPTIONS, settings=MESH_OPTIONS, checkpoints=CHECKPOINT_OPTIONS)
+@with_options(
+    overrides=SCENE_OPTIONS,
+    lower=LOWER_OPTIONS,
+    settings=MESH_OPTIONS,
+    checkpoints=CHECKPOINT_OPTIONS,
+)
 def simulate_command(
     overrides: Mapping[str, float],
+    lower: Mapping[str, float],
     settings: Mapping[str, Any],
     checkpoints: Mapping[str, Any],
     scene_name: SceneArgument,
@@ -54,12 +62,20 @@ def simulate_command(
 
     With --checkpoint-every or --checkpoint-seconds a run that is interrupted or killed can be taken
     up again with the same options and --resume; the result is the same to the last bit.  A finished
-    run removes its checkpoint.
+    run removes its checkpoint.  The lower block may be of another material, though to two materials
+    the theory does not apply.
     """
     require("slipfront simulate", *FEM)
     label = scene_label(scene_name)
-    directory = output or scene_folder(scene_name, overrides)
-    scene = override_scene(find_scene(scene_name), **overrides)
+    directory = output or scene_folder(scene_name, {**overrides, **lower})
+    scene, lower_material = find_blocks(scene_name)
+    scene = override_scene(scene, **overrides)
+    if lower or lower_material:
+        changes = {name.removeprefix("lower_"): value for name, value in lower.items()}
+        settings = {
+            **settings,
+            "lower_material": replace(lower_material or scene.material, **changes),
+        }
     with working_folder(directory):
         simulate_into(
             directory,
@@ -84,9 +100,9 @@ def simulate_into(
     quiet: bool,
 ) -> Simulation:
     """Run the finite-element model and keep its history, and snapshots if asked for, on disk."""
-    from fem import cost, simulate
+    from fem import cost, opening_sentence, simulate
+    from fem.budget import check_room
     from fem.checkpoint import forget_checkpoint
-    from fem.room import check_room
 
     settings = {**settings, "memory": in_bytes(settings.get("memory"))}
     path = directory / CHECKPOINT
@@ -112,6 +128,9 @@ def simulate_into(
     forget_checkpoint(path, simulation.run)
     if not quiet:
         notes.print(f"{label}: {terminal.simulation_line(simulation)}", highlight=False)
+        if simulation.opened:
+            sentence = opening_sentence(simulation)
+            notes.print(f"{label}: {sentence}.", highlight=False, soft_wrap=True)
     if simulation.unwritten:
         raise DataFileError(f"{simulation.unwritten} The histories are in {directory}.")
     return simulation

@@ -86,6 +86,8 @@ def units_document(document: Any, dimensions: Any, scene: Scene) -> Any:
     """
     if isinstance(dimensions, str):
         return unit(dimensions, scene.units)
+    if document is None:
+        return {}
     if isinstance(document, list):
         return units_document(document[0], dimensions, scene) if document else {}
     return {

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from compare.comparison.measures import NOTHING, onset_time, sampled_zones
-from compare.comparison.prediction import contact_nodes
 from compare.comparison.rows import ZONE_CELLS, Row, comparison_row, element_over_length
 from compare.comparison.scales import slip_rate_scale, speed_regime
 from semianalytic import SlipZone, Solution
@@ -28,7 +27,7 @@ def zone_rows(solution: Solution, simulation: Simulation) -> Iterator[Row]:
     of the predicted slip rate at the same nodes shows its bias, which is taken off; edges that it
     does not find there, of zones narrower than the mesh, are left out.
     """
-    contact, scene = contact_nodes(simulation), solution.scene
+    contact, scene = simulation.contact, solution.scene
     time, shear_speed = contact.t[-1], scene.material.shear_speed
     cell = simulation.element_size / time
     threshold = SLIP_THRESHOLD * slip_rate_scale(scene)

@@ -116,8 +116,7 @@ def prediction_at_nodes(
     ComputationError
         If a march fails.
     """
-    history = simulation.interface
-    x, t = history.x[history.x > 0], history.t
+    x, t = simulation.contact.x, simulation.contact.t
     chosen = chosen_method(simulation.scene, method)
     if chosen == "self-similar":
         solution = solve(simulation.scene)
@@ -155,17 +154,3 @@ def _marched(
             f"from {simulation.resolution} to {math.ceil(simulation.resolution * needed / nodes)}."
         )
     return march(scene, end_time, needed, length=length, progress=progress)
-
-
-def contact_nodes(simulation: Simulation) -> InterfaceHistory:
-    """The history of a simulation on x > 0, without the node at the edge."""
-    history = simulation.interface
-    inside = history.x > 0
-    return InterfaceHistory(
-        history.x[inside],
-        history.t,
-        history.slip[:, inside],
-        history.slip_rate[:, inside],
-        history.shear_traction[:, inside],
-        history.pressure[:, inside],
-    )

@@ -43,6 +43,7 @@ REPORT_DIMENSIONS: Dimensions = {
         "damping": "element_size / c_t",
         "time_step": "time",
         "critical_step": "time",
+        "opened": {"time": "time", "x": "length", "gap": "length", "length": "length"},
         "seconds": "s",
     },
 }
@@ -139,6 +140,8 @@ def report_document(report: Report) -> dict[str, Any]:
             "critical_step": simulation.critical_step,
             "steps": simulation.steps,
             "unknowns": simulation.unknowns,
+            "caution": simulation.caution,
+            "opened": simulation.opened and asdict(simulation.opened),
             "seconds": dict(simulation.seconds),
         },
         "rows": [

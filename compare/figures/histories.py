@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from compare.comparison.history_rows import sense_maps, slips
-from compare.comparison.prediction import contact_nodes
 from compare.comparison.report import Report
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.figures.interface import fronts_figure, slip_rate_figure, tractions_figure
@@ -56,7 +55,7 @@ def comparison_figures(report: Report) -> dict[str, Callable[[Report], Figure]]:
 def sense_figure(report: Report) -> Figure:
     """Maps of slip sense over (x, t): predicted, simulated, and where the two differ."""
     predicted, seen, reached = sense_maps(report.prediction, report.simulation)
-    history = contact_nodes(report.simulation)
+    history = report.simulation.contact
     material, end = report.simulation.scene.material, history.t[-1]
     length = material.shear_speed * end
     slipping = np.flatnonzero((predicted != 0).any(axis=0))
@@ -92,7 +91,7 @@ def sense_figure(report: Report) -> Figure:
 
 def history_figure(report: Report) -> Figure:
     """Slip rate along the interface at four moments, by both methods."""
-    prediction, seen = report.prediction, contact_nodes(report.simulation)
+    prediction, seen = report.prediction, report.simulation.contact
     scene, end = report.simulation.scene, seen.t[-1]
     length, scale = scene.material.shear_speed * end, slip_rate_scale(scene)
     figure = describe(new_figure(7, 7.7), scene)
@@ -116,15 +115,15 @@ def history_figure(report: Report) -> Figure:
 def wear_figure(report: Report) -> Figure:
     """Accumulated |slip| and frictional work along the interface at the end, by both methods."""
     prediction, simulation = report.prediction, report.simulation
-    scene, inside = simulation.scene, simulation.interface.x > 0
-    x, end = simulation.interface.x[inside], simulation.interface.t[-1]
+    scene, inside = simulation.scene, simulation.on_contact
+    x, end = simulation.contact.x, simulation.interface.t[-1]
     length = scene.material.shear_speed * end
     slip, stress = slip_rate_scale(scene) * end, stress_scale(scene)
-    work = prediction.friction_work, simulation.friction_work
+    work = prediction.friction_work, simulation.final_work_density
     figure = describe(new_figure(7, 5.7), scene)
     panels = figure.subplots(2, 1, sharex=True)
     for panel, label, (predicted, seen), unit in (
-        (panels[0], PATH_LABEL, (prediction.path, simulation.path), slip),
+        (panels[0], PATH_LABEL, (prediction.path, simulation.final_path), slip),
         (panels[1], WORK_LABEL, work, slip * stress),
     ):
         panel.plot(x / length, predicted / unit, color=PREDICTION)

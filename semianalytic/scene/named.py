@@ -19,7 +19,8 @@ TABLES = {
     "base": ("pressure", "shear"),
     "load": ("pressure", "shear"),
 }
-OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law")
+LOWER_MATERIAL = "lower_material"
+OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
 UNITS = "units"
 """Optional key; what it may be is for the scene to judge."""
 
@@ -92,13 +93,19 @@ def find_scene(source: str) -> Scene:
     Raises
     ------
     SceneError
-        If there is no such scene or file, or the file does not describe a scene.
+        If there is no such scene or file, or the file does not describe a scene, or one of two
+        materials.
     """
+    return _identical(source, *find_blocks(source))
+
+
+def find_blocks(source: str) -> tuple[Scene, Material | None]:
+    """Scene as by `find_scene`, and the lower material of its file; None if there is none."""
     if source in NAMED_SCENES:
-        return NAMED_SCENES[source].scene
+        return NAMED_SCENES[source].scene, None
     path = Path(source)
     if path.suffix == ".toml" or path.is_file():
-        return read_scene(path)
+        return read_blocks(path)
     close = difflib.get_close_matches(source, NAMED_SCENES, n=1, cutoff=0.5)
     hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(NAMED_SCENES)}"
     raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
@@ -139,7 +146,25 @@ def read_scene(path: str | Path) -> Scene:
     ------
     SceneError
         If the file cannot be read, or a key is missing, unknown, of the wrong type or out of
-        range; the message names file and key.
+        range, or describes two materials; the message names file and key.
+    """
+    return _identical(path, *read_blocks(path))
+
+
+def _identical(source: str | Path, scene: Scene, lower: Material | None) -> Scene:
+    """The scene, unless its lower block is of another material."""
+    if lower not in (None, scene.material):
+        raise SceneError(
+            f"{source}: the theory and its solvers know identical bodies only, so take out "
+            f"[{LOWER_MATERIAL}], or simulate the scene with finite elements (slipfront simulate)."
+        )
+    return scene
+
+
+def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
+    """Scene as by `read_scene`, and what ``[lower_material]`` says; None if it is not there.
+
+    That table holds what ``[material]`` does, for the lower block.
     """
     try:
         document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
@@ -153,8 +178,12 @@ def read_scene(path: str | Path) -> Scene:
     _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, UNITS))
     for table, keys in TABLES.items():
         _check_keys(path, f"{table}.", document[table], keys)
+    lower = document.get(LOWER_MATERIAL)
+    if lower is not None:
+        _check_keys(path, f"{LOWER_MATERIAL}.", lower, TABLES["material"])
     try:
-        return scene_from_document(document)
+        scene = scene_from_document(document)
+        return scene, None if lower is None else Material(**lower)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
 

@@ -13,7 +13,7 @@ from compare.cli.commands import main
 from compare.comparison.snapshots import last_snapshot
 from fem import load_simulation, simulate
 from fem.checkpoint import Keeper
-from fem.settings import Pace
+from fem.plan import Pace
 from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.named import find_scene
@@ -90,10 +90,10 @@ def call_at(moment, action):
 )
 def test_run_without_room_is_refused_before_it_starts(options, what, tmp_path, monkeypatch, capsys):
     room = {"simulate: field snapshots need about": 10**6}.get(what, 10**4)
-    monkeypatch.setattr("fem.room.free_space", lambda folder: room)
-    monkeypatch.setattr("fem.run.build_model", None)  # nothing is assembled
+    monkeypatch.setattr("fem.budget.free_space", lambda folder: room)
+    monkeypatch.setattr("fem.run.build", None)  # nothing is assembled
     out = tmp_path / "out"
-    assert command(out, "--resolution", "60", *options) == 3
+    assert command(out, "--quiet", "--resolution", "60", *options) == 3
     told = sentence(capsys)
     assert what in told
     assert str(out) in told
@@ -183,7 +183,7 @@ class Empty:
 
 @pytest.mark.skipif("disk" not in FULL, reason="small file systems can be mounted by root only")
 def test_history_that_finds_no_room_is_kept_elsewhere(whole, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("fem.room.check_room", lambda *given: None)
+    monkeypatch.setattr("fem.budget.check_room", lambda *given: None)
     monkeypatch.setattr("fem.run.check_room", lambda *given: None)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     with full_disk("disk", tmp_path) as (folder, _):

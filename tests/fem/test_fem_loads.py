@@ -8,8 +8,8 @@ import pytest
 
 from fem import simulate
 from fem.assembly import FAMILIES, make_space, tributary_length
+from fem.interface import strength
 from fem.loading import kick_means
-from fem.strength import slip_rate
 from meshes import cached_mesh, causal_blocks
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.errors import SceneError
@@ -110,7 +110,7 @@ def test_rectangle_is_a_step_less_a_delayed_step_where_nothing_slips():
         # at level 0 the edge already feels half a kick, at level `delay` it feels the other half
         assert np.abs((got - got[0] - change)[delay:, 1:]).max() < 1e-11
     assert np.abs(rectangle.interface.slip).max() < 1e-14
-    assert rectangle.path.max() < 1e-12
+    assert rectangle.final_path.max() < 1e-12
 
 
 @pytest.mark.parametrize(
@@ -145,7 +145,7 @@ def test_energy_balances_under_any_load_and_law(scene, history, law):
     assert energy.friction[-1] > 1e-3
     for taken in (energy.friction, energy.impact):
         assert np.diff(taken, prepend=0).min() >= -1e-16
-    assert sim.friction_work.min() > -1e-16
+    assert sim.final_work_density.min() > -1e-16
 
 
 def test_half_block_equals_two_blocks_under_any_load():
@@ -192,7 +192,7 @@ def test_law_holds_at_every_node_and_level(scene, history, law):
 
 
 def test_weakening_lets_more_slip():
-    constant, rate, slip = (run(sheared(law=law)).path.sum() for law in LAWS.values())
+    constant, rate, slip = (run(sheared(law=law)).final_path.sum() for law in LAWS.values())
     assert rate > 1.02 * constant
     assert slip > 1.05 * constant
 
@@ -201,9 +201,10 @@ def test_rate_weakening_solves_its_equation():
     law, step = RateWeakening(0.8, 0.3), 0.01
     static, compliance = np.full(5, 0.6), np.full(5, 0.005)
     excess = np.array([0.0, 1e-9, 0.1, 1.0, 1e6])
-    rate = slip_rate(law, static, excess, compliance, step)
-    left = rate * step / compliance
-    np.testing.assert_allclose(left, excess + static * (1 - law.factor(rate, 0.0)), rtol=1e-6)
+    stopping, impedance = static + excess, step / compliance
+    weakened = strength(law, static, np.zeros(5), stopping, impedance)
+    rate = (stopping - weakened) / impedance  # what is left of the slip over the step
+    np.testing.assert_allclose(weakened, static * law.factor(rate, 0.0), rtol=1e-6)
     assert rate[0] == 0
     assert (np.diff(rate) > 0).all()
 
@@ -239,11 +240,11 @@ def test_path_and_friction_work_count_every_step(law, every):
     scene = mixed(Harmonic(2.0), law)
     whole, sim = run(scene), run(scene, every=every)
     increment = np.diff(whole.interface.slip, axis=0)
-    np.testing.assert_allclose(sim.path, np.abs(increment).sum(axis=0), atol=1e-14)
-    assert sim.path.max() > 1.05 * np.abs(sim.interface.slip[-1]).max()  # it went back
+    np.testing.assert_allclose(sim.final_path, np.abs(increment).sum(axis=0), atol=1e-14)
+    assert sim.final_path.max() > 1.05 * np.abs(sim.interface.slip[-1]).max()  # it went back
     shear = whole.interface.shear_traction
     work = (increment * (shear[1:] + shear[:-1]) / 2).sum(axis=0) - increment[0] * shear[0] / 4
-    np.testing.assert_allclose(sim.friction_work, work, atol=1e-14)
+    np.testing.assert_allclose(sim.final_work_density, work, atol=1e-14)
 
 
 def test_friction_work_adds_up_to_the_energy():
@@ -254,14 +255,14 @@ def test_friction_work_adds_up_to_the_energy():
     energy = sim.energy
     # it belongs to the end, the energies to the middle of the last step: extrapolate these
     end = energy.friction[-1] + (energy.friction[-1] - energy.friction[-2]) / 2
-    assert sim.friction_work @ length == pytest.approx(end, rel=1e-3)
+    assert sim.final_work_density @ length == pytest.approx(end, rel=1e-3)
 
 
 def test_nothing_rubs_where_symmetry_forbids_slip():
     scene = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.5, 0.0))
     sim = run(dataclasses.replace(scene, pressure_history=Ramp(0.2)), 20)
-    assert not sim.path.any()
-    assert not sim.friction_work.any()
+    assert not sim.final_path.any()
+    assert not sim.final_work_density.any()
 
 
 def test_energies_are_those_of_every_step():

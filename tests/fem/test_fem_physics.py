@@ -10,7 +10,8 @@ import fem.model
 from fem import simulate
 from fem.assembly import FAMILIES, make_space, tributary_length
 from fem.interface import coulomb_traction
-from fem.model import LOCKSTEP, build_model
+from fem.model import build_model
+from fem.plan import LOCKSTEP, Plan, Settings
 from meshes import Blocks, cached_mesh
 from semianalytic import solve
 from semianalytic.scene.errors import SceneError, TensionError
@@ -209,19 +210,16 @@ def remotely_loaded(resolution):
     blocks = Blocks(size, round(1.75 / size), round(2.15 / size), height)
     arrival = blocks.far / UNIT.shear_speed
     end = arrival + 1.0
-    model = build_model(
-        Scene(UNIT, REMOTE.friction, Tractions(0.0, 0.0), Tractions(0.0, 0.0)),
-        make_space(cached_mesh(blocks), FAMILIES["Q1"]),
-        name=LOCKSTEP,
-        size=size,
-        end_time=end,
-        damping_time=0.02 * size,
-        step_ratio=0.95,
-    )
+    # its slot loads make it two halves; they are replaced below
+    scene = Scene(UNIT, REMOTE.friction, Tractions(0.0, 0.0), REMOTE.load)
+    plan = Plan(scene, end, Settings(resolution=round(end / size)))
+    assert plan.name == LOCKSTEP
+    assert plan.size == pytest.approx(size, rel=1e-12)
+    model = build_model(plan, make_space(cached_mesh(blocks), FAMILIES["Q1"]))
     nodes, length = tributary_length(model.space, "upper_top")
     tractions = {0: REMOTE.load.shear / 2, 1: -REMOTE.load.pressure / 2}
     launch = {}
-    for component, body in zip(model.odd, model.bodies, strict=True):
+    for component, body in zip(model.plan.halves, model.bodies, strict=True):
         body.loaded = model.numbering.unknowns(nodes, component)
         force = tractions[component] * length
         launch[component] = (
@@ -230,7 +228,7 @@ def remotely_loaded(resolution):
         )
         body.activate(len(model.root))
     for step in range(model.steps + 1):
-        for component, body in zip(model.odd, model.bodies, strict=True):
+        for component, body in zip(model.plan.halves, model.bodies, strict=True):
             start, load = launch[component]
             # the part of the interval around this time level in which the load is on
             body.load = load * np.clip(step + 0.5 - start, 0.0, 1.0)

@@ -92,7 +92,7 @@ def test_load_too_fast_for_the_mesh_is_refused(history, needed):
 
 
 def test_resolution_that_is_named_is_enough():
-    assert sheared(Harmonic(3.0), 36).path.max() > 0
+    assert sheared(Harmonic(3.0), 36).final_path.max() > 0
     with pytest.raises(SceneError, match="at least 36"):
         sheared(Harmonic(3.0), 35)
 
@@ -133,10 +133,12 @@ def test_what_is_accepted_is_resolved(history):
     work = []
     for resolution in (24, 72):
         run = sheared(history, resolution)
-        work.append(np.trapezoid(run.friction_work, run.interface.x))
+        work.append(np.trapezoid(run.final_work_density, run.interface.x))
     assert work[0] == pytest.approx(work[1], rel=0.08)
 
 
 def test_ramp_faster_than_a_step_is_a_step():
     sudden, step = sheared(Ramp(1e-6), 40), sheared(Step(), 40)
-    np.testing.assert_allclose(sudden.path, step.path, atol=1e-4 * step.path.max())
+    np.testing.assert_allclose(
+        sudden.final_path, step.final_path, atol=1e-4 * step.final_path.max()
+    )

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,6 @@ from semianalytic.scene.scene import Material, Scene, Tractions
 
 if TYPE_CHECKING:
     from fem import Simulation
-    from fem.model import Model
 
 Array = NDArray[np.float64]
 
@@ -413,29 +412,6 @@ def change_rows(resolutions: tuple[int, int, int]) -> list[ChangeRow]:
     ]
 
 
-def default_model(scene: Scene, resolution: int, element: str = "Q1") -> Model:
-    """The model of default simulations on squares, ready to march to T = 1/c_t."""
-    from fem.assembly import find_family, make_space
-    from fem.model import build_model, choose_model
-    from meshes import cached_mesh, causal_blocks
-
-    size, end_time = 1 / resolution, 1 / scene.material.shear_speed
-    family = find_family(element, "squares")
-    damping_time = 0.02 * size / scene.material.shear_speed
-    blocks = causal_blocks(
-        scene.material, end_time, size * family.spacing, damping_time=damping_time
-    )
-    return build_model(
-        scene,
-        make_space(cached_mesh(blocks), family),
-        name=choose_model(scene, "auto"),
-        size=size,
-        end_time=end_time,
-        damping_time=damping_time,
-        step_ratio=0.95,
-    )
-
-
 @dataclass(frozen=True)
 class CostRow:
     """Product of the stiffness and a full step [ns per unknown], their ratio, and by what factor
@@ -455,24 +431,12 @@ def cost_rows(scene: str, resolutions: Sequence[int]) -> list[CostRow]:
 
     Step and product are timed in turns, in one run, as medians.
     """
-    from meshes import causal_blocks
+    from fem import prepare
 
     rows = []
-    described = NAMED_SCENES[scene].scene
-    material = described.material
     for resolution in resolutions:
-        size = 1 / resolution
-        blocks, whole = (
-            causal_blocks(
-                material,
-                1 / material.shear_speed,
-                size,
-                damping_time=0.02 * size / material.shear_speed,
-                full=full,
-            )
-            for full in (False, True)
-        )
-        model = default_model(described, resolution)
+        model = prepare(NAMED_SCENES[scene].scene, resolution=resolution)
+        plan = model.plan
         unknowns = len(model.root)
         noise = np.random.default_rng(0).standard_normal(unknowns)
         for body in model.bodies:
@@ -491,8 +455,9 @@ def cost_rows(scene: str, resolutions: Sequence[int]) -> list[CostRow]:
                 _ = body.matrix @ noise
 
         product_time, step_time = _medians(product, step, 15)
-        levels = np.arange(model.steps + 1) * model.time_step * material.longitudinal_speed
-        active = np.mean([model.numbering.reached(front + 9 * size) for front in levels])
+        times = model.time_step * np.arange(1.0, model.steps + 2)
+        reach = plan.fastest.longitudinal_speed * times + plan.forerun
+        active = np.mean([model.numbering.reached(distance) for distance in reach])
         rows.append(
             CostRow(
                 f"1/{resolution}",
@@ -501,7 +466,7 @@ def cost_rows(scene: str, resolutions: Sequence[int]) -> list[CostRow]:
                 1e9 * step_time / model.unknowns,
                 step_time / product_time,
                 float(unknowns / active),
-                whole.elements / blocks.elements,
+                replace(plan, full=True).blocks.elements / plan.blocks.elements,
             )
         )
     return rows

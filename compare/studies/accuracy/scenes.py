@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.comparison.prediction import contact_nodes, prediction_at_nodes
+from compare.comparison.prediction import prediction_at_nodes
 from compare.comparison.report import Report, build_report
 from compare.comparison.rows import EDGE_CELLS, Row
 from compare.figures.histories import comparison_figures
@@ -191,7 +191,7 @@ def largest_rates(report: Report) -> tuple[float, float]:
 
     At T where x/t is all that counts, over space and time from 0.2 T on otherwise.
     """
-    predicted, seen = report.prediction.interface, contact_nodes(report.simulation)
+    predicted, seen = report.prediction.interface, report.simulation.contact
     shown = seen.x > (EDGE_CELLS + 0.5) * report.simulation.element_size
     since = 0.2 if report.prediction.solution is None else 1.0
     places = np.ix_(seen.t >= since * seen.t[-1], shown)

@@ -135,7 +135,7 @@ class Cases:
 def run_case(chi: float, base: str, resolution: int, poisson_ratio: float = POISSON_RATIO) -> Case:
     """Solve and simulate one case."""
     scene = article_scene(chi, base, poisson_ratio)
-    simulation = simulate(scene, END_TIME, resolution, every=max(1, resolution // 10))
+    simulation = simulate(scene, END_TIME, resolution=resolution, every=max(1, resolution // 10))
     return Case(chi, base, solve(scene), simulation.interface, resolution)
 
 

@@ -35,7 +35,7 @@ from compare.figures.style import (
     new_figure,
 )
 from compare.figures.style import PUBLISHED as PUBLISHED_COLOUR
-from compare.studies.evidence.study import FEM, OPEN, PUBLISHED, SceneEvidence
+from compare.studies.evidence.study import FEM, PUBLISHED, SceneEvidence
 
 Array = NDArray[np.float64]
 
@@ -115,9 +115,9 @@ def opening_figure(evidence: SceneEvidence) -> Figure:
     history, end = simulation.interface, simulation.end_time
     figure = describe(new_figure(7, 3.8), evidence.scene)
     panel = figure.subplots()
-    place, is_open = history.x / (speed * end), simulation.state == OPEN
+    place = history.x / (speed * end)
     panel.pcolormesh(
-        place, history.t / end, is_open, shading="nearest", cmap="Greys", rasterized=True
+        place, history.t / end, simulation.is_open, shading="nearest", cmap="Greys", rasterized=True
     )
     panel.set(xlabel=PLACE_LABEL, ylabel=TIME_LABEL, xlim=(0, place[-1]), ylim=(0, 1))
     panel.set_title("open (dark) or closed", pad=16)

@@ -36,7 +36,7 @@ from compare.studies.evidence.html import (
     table,
     words,
 )
-from compare.studies.evidence.study import FEM, OPEN, PUBLISHED, SceneEvidence, differences
+from compare.studies.evidence.study import FEM, PUBLISHED, SceneEvidence, differences
 from semianalytic.scene.scene import scene_document
 
 PASS, FAIL = "within", "OUTSIDE"
@@ -83,7 +83,7 @@ def scene_section(anchor: str, evidence: SceneEvidence, quick: bool) -> str:
 def _opening(evidence: SceneEvidence) -> str:
     """How far the contact has opened at the end, in a sentence."""
     simulation = evidence.simulation
-    opened = simulation.interface.x[simulation.state[-1] == OPEN]
+    opened = simulation.interface.x[simulation.is_open[-1]]
     length = evidence.scene.material.shear_speed * simulation.end_time
     if not len(opened):
         return "At T the contact is closed everywhere."
@@ -210,8 +210,8 @@ def _energy(evidence: SceneEvidence) -> str:
         )
     ]
     parts.append(("largest imbalance over the work", number(f"{energy.residual:.1e}")))
-    inside = evidence.simulation.interface.x > 0
-    nodes, end = evidence.simulation.interface.x[inside], evidence.simulation.end_time
+    simulation = evidence.simulation
+    nodes, end = simulation.contact.x, simulation.end_time
     work = []
     for report in evidence.reports:
         prediction = report.prediction
@@ -223,7 +223,7 @@ def _energy(evidence: SceneEvidence) -> str:
             part, whole = float(heat(end, nodes[0], nodes[-1])), float(heat(end))
         shown = number(_work(part / unit)), number(_work(whole / unit))
         work.append((prediction.method, *shown))
-    seen = float(np.trapezoid(evidence.simulation.friction_work[inside], nodes))
+    seen = float(np.trapezoid(simulation.final_work_density[simulation.on_contact], nodes))
     work.append((FEM, number(_work(seen / unit)), parts[3][1]))
     return table(
         ("finite elements at T", "over τ₀ V₀ c_t T²"),

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import in_profile, relative_error
-from compare.comparison.prediction import contact_nodes, prediction_at_nodes
+from compare.comparison.prediction import prediction_at_nodes
 from compare.comparison.report import Report, build_report
 from compare.comparison.rows import Row
 from compare.comparison.scales import slip_rate_scale
@@ -42,8 +42,6 @@ Array = NDArray[np.float64]
 
 FEM = "finite elements"
 PUBLISHED = "published algorithm"
-OPEN = 2
-"""State of an open node of a simulation."""
 RESOLUTION = 100
 ARTICLE_RESOLUTION, QUICK_ARTICLE_RESOLUTION = 60, 40
 QUICK_SCENES = ("preloaded", "remote-shock", "auxetic", "ramp")
@@ -96,7 +94,7 @@ class SceneEvidence:
         """Histories at the contact nodes and times of the simulation, by method."""
         predictions = [report.prediction for report in self.reports]
         predicted = {prediction.method: prediction.interface for prediction in predictions}
-        return {**predicted, FEM: contact_nodes(self.simulation)}
+        return {**predicted, FEM: self.simulation.contact}
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -128,7 +126,7 @@ class SceneEvidence:
         """
         if self.published is None:
             raise SceneError(f"the published algorithm does not apply to {self.source}.")
-        scene, history = self.scene, contact_nodes(self.simulation)
+        scene, history = self.scene, self.simulation.contact
         slowness = scene.material.shear_speed * history.t[:, None] / history.x
         unit = 2 * scene.friction * scene.load.pressure / scene.material.shear_impedance
         return np.asarray(unit * self.published.at(slowness))
@@ -298,7 +296,7 @@ def _closed_form(
         prediction_at_nodes(simulation, method) for method in ("self-similar", "space-time")
     ]
     histories = {prediction.method: prediction.interface for prediction in predictions}
-    histories[FEM] = contact_nodes(simulation)
+    histories[FEM] = simulation.contact
     velocity = histories[FEM].x / simulation.end_time
     shown = in_profile(velocity / scene.material.shear_speed)
     expected = exact(velocity[shown])

@@ -166,7 +166,11 @@ def trials(quick: bool) -> Iterator[Trial]:
 def run_trial(trial: Trial) -> Outcome:
     """Simulate, and note what happened."""
     from fem import simulate
+    from fem.plan import make_plan
 
+    names = ("resolution", "element", "mesh", "step_ratio", "damping")
+    options = {name: getattr(trial, name) for name in names}
+    blocks = make_plan(trial.scene, None, None, options).blocks
     reached = [0, 0]
 
     def note(step: int, steps: int) -> None:
@@ -174,15 +178,7 @@ def run_trial(trial: Trial) -> Outcome:
 
     simulation, message = None, ""
     try:
-        simulation = simulate(
-            trial.scene,
-            resolution=trial.resolution,
-            element=trial.element,
-            mesh=trial.mesh,
-            step_ratio=trial.step_ratio,
-            damping=trial.damping,
-            progress=note,
-        )
+        simulation = simulate(trial.scene, **options, progress=note)
     except ComputationError as error:
         message = str(error)
     return Outcome(
@@ -193,7 +189,7 @@ def run_trial(trial: Trial) -> Outcome:
         poisson_ratio=trial.scene.material.poisson_ratio,
         step_ratio=trial.step_ratio,
         damping=trial.damping,
-        aspect=_aspect(trial),
+        aspect=float(np.diff(blocks.rows)[-1] / blocks.size),
         outcome="completed" if simulation else "stopped",
         step=reached[0],
         steps=reached[1],
@@ -269,7 +265,7 @@ def _error(simulation: Simulation) -> float:
 
 
 def _switches(simulation: Simulation) -> int:
-    is_open = simulation.state[:, 1:] == 2
+    is_open = simulation.is_open[:, simulation.on_contact]
     return int((is_open[1:] != is_open[:-1]).sum(axis=0).max(initial=0))
 
 
@@ -277,19 +273,3 @@ def _energy_gained(simulation: Simulation) -> float:
     energy = simulation.energy
     least = min(np.diff(taken, prepend=0.0).min() for taken in (energy.friction, energy.impact))
     return max(0.0, -float(least)) / float(np.abs(energy.external).max())
-
-
-def _aspect(trial: Trial) -> float:
-    from meshes import causal_blocks
-
-    material = trial.scene.material
-    end_time = 1 / material.shear_speed
-    size = 1 / trial.resolution
-    blocks = causal_blocks(
-        material,
-        end_time,
-        size,
-        damping_time=trial.damping * size / material.shear_speed,
-        pattern=trial.mesh,
-    )
-    return float(np.diff(blocks.rows)[-1] / size)

@@ -101,8 +101,8 @@ def test_what_is_simulated_where_nothing_is_predicted_fails(name):
         slip_rate=history.slip_rate + rate,
         shear_traction=history.shear_traction + stress,
     )
-    run.path = run.path + rate * run.end_time
-    run.friction_work = run.friction_work + rate * stress * run.end_time
+    run.final_path = run.final_path + rate * run.end_time
+    run.final_work_density = run.final_work_density + rate * stress * run.end_time
     rows = [
         *slip_rate_rows(solution, run),
         *rate_rows(prediction, run),

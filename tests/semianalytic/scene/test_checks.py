@@ -9,7 +9,7 @@ from catalogue import PRELOADED
 
 import fem
 import semianalytic
-from fem.settings import Pace, Settings
+from fem.plan import Pace, Plan, Settings
 from semianalytic import (
     Harmonic,
     InterfaceHistory,
@@ -28,18 +28,6 @@ from semianalytic import (
 )
 from semianalytic.scene.checks import LARGEST, SMALLEST, shown
 
-SETTINGS = {
-    "end_time": 1.0,
-    "resolution": 10,
-    "damping": 0.02,
-    "step_ratio": 0.9,
-    "model": "auto",
-    "element": "Q1",
-    "mesh": "squares",
-    "every": 1,
-    "frames": 1,
-}
-
 TAKES_A_NUMBER = {
     "shear_modulus": lambda value: Material(value, 1.0, 0.3),
     "density": lambda value: Material(1.0, value, 0.3),
@@ -55,9 +43,9 @@ TAKES_A_NUMBER = {
     "distance": lambda value: SlipWeakening(0.5, value),
     "times": lambda value: Tabulated((value,), (1.0,)),
     "values": lambda value: Tabulated((1.0,), (value,)),
-    "end_time": lambda value: Settings(**(SETTINGS | {"end_time": value})),
-    "damping": lambda value: Settings(**(SETTINGS | {"damping": value})),
-    "step_ratio": lambda value: Settings(**(SETTINGS | {"step_ratio": value})),
+    "end_time": lambda value: Plan(PRELOADED, value, Settings()),
+    "damping": lambda value: Settings(damping=value),
+    "step_ratio": lambda value: Settings(step_ratio=value),
     "checkpoint_seconds": lambda value: Pace(seconds=value if value is not None else "None"),
 }
 TAKES_A_SIZE = ("shear_modulus", "density", "duration", "frequency", "rate", "distance", "end_time")
@@ -159,8 +147,8 @@ def test_counts_are_whole_numbers_of_bounded_size(value):
         lambda: march(PRELOADED, nodes=given),
         lambda: march(PRELOADED, every=value),
         lambda: predict(PRELOADED, nodes=given),
-        lambda: Settings(**(SETTINGS | {"resolution": value})),
-        lambda: Settings(**(SETTINGS | {"frames": value})),
+        lambda: Settings(resolution=value),
+        lambda: Settings(frames=value),
     ):
         with pytest.raises(SceneError, match=r"whole number|integer|at most"):
             take()

@@ -1,0 +1,272 @@
+"""A simulation answers what every solver does, and says what else happened."""
+
+from dataclasses import fields, replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from fem import (
+    BACKWARD,
+    FORWARD,
+    OPEN,
+    STICK,
+    Settings,
+    cost,
+    load_simulation,
+    opening_sentence,
+    prepare,
+    simulate,
+)
+from fem.interface import strength
+from fem.resolution import LEAST_CROSSED
+from semianalytic import solve
+from semianalytic.results.answer import FIELDS, TOTALS
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import CoulombFriction
+from semianalytic.scene.named import find_scene
+from semianalytic.scene.scene import Material, Scene, Tractions
+
+UNIT = Material(1.0, 1.0, 1 / 3)
+BACK_AND_FORTH = find_scene("harmonic")
+
+
+@cache
+def run(name, resolution=50, **options):
+    return simulate(find_scene(name), resolution=resolution, **options)
+
+
+# --- the questions every solver answers -------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "most"),
+    [
+        # measured: 1.1e-2, 2.9e-3, 8.6e-3, 1e-16 and 4.2e-2, 2.2e-2, 4.5e-3, 3.5e-3
+        ("preloaded", "slip_rate", 0.015),
+        ("preloaded", "slip", 0.004),
+        ("preloaded", "shear_traction", 0.012),
+        ("preloaded", "pressure", 1e-12),
+        ("remote-shock", "slip_rate", 0.06),
+        ("remote-shock", "slip", 0.03),
+        ("remote-shock", "shear_traction", 0.006),
+        ("remote-shock", "pressure", 0.005),
+    ],
+)
+def test_fields_are_those_of_the_exact_solution(name, field, most):
+    x, t = np.linspace(0.05, 1.85, 181), np.array([[0.5], [0.77], [1.0]])
+    exact = getattr(solve(find_scene(name)), field)(x, t)
+    seen = getattr(run(name), field)(x, t)
+    assert seen.shape == (3, 181)
+    assert np.abs(seen - exact).sum() < most * np.abs(exact).sum()
+
+
+@pytest.mark.parametrize(
+    ("name", "total", "most"),
+    [
+        ("preloaded", "accumulated_slip", 0.003),
+        ("preloaded", "frictional_work", 0.003),
+        ("remote-shock", "accumulated_slip", 0.02),
+        ("remote-shock", "frictional_work", 0.07),  # what rubs at the edge node, of order sqrt(h)
+    ],
+)
+def test_totals_are_those_of_the_exact_solution(name, total, most):
+    t = np.array([0.5, 0.77, 1.0])
+    exact = getattr(solve(find_scene(name)), total)(t)
+    np.testing.assert_allclose(getattr(run(name), total)(t), exact, rtol=most)
+
+
+@pytest.mark.parametrize(("name", "most"), [("preloaded", 0.01), ("remote-shock", 0.015)])
+def test_largest_slip_is_that_of_the_first_node_beyond_the_edge(name, most):
+    sim, exact, t = run(name), solve(find_scene(name)), np.array([0.5, 0.77, 1.0])
+    np.testing.assert_allclose(sim.max_slip(t), exact.slip(sim.element_size, t), rtol=most)
+    assert (0.85 * exact.max_slip(t) < sim.max_slip(t)).all()  # which is at the edge, one h away
+    assert (sim.max_slip(t) < exact.max_slip(t)).all()
+
+
+def test_zones_are_those_of_the_exact_solution():
+    exact = solve(find_scene("preloaded")).zones_at(0.77)
+    seen = run("preloaded", 100).zones_at(0.77)
+    assert [zone.sense for zone in seen] == [zone.sense for zone in exact]
+    for one, other in zip(seen, exact, strict=True):
+        assert one.start == pytest.approx(other.start, abs=0.02)
+        assert one.end == pytest.approx(other.end, abs=0.02)
+
+
+def test_totals_are_sums_of_every_step_stored_or_not():
+    whole, thinned = (simulate(BACK_AND_FORTH, resolution=40, every=every) for every in (1, 10**6))
+    for field in fields(whole.totals):
+        one, other = getattr(whole.totals, field.name), getattr(thinned.totals, field.name)
+        np.testing.assert_array_equal(one, other)
+    history, length = whole.interface, np.full(len(whole.interface.x), whole.element_size)
+    length[[0, -1]] /= 2
+    path = np.abs(np.diff(history.slip, axis=0, prepend=0.0)).cumsum(axis=0)
+    np.testing.assert_allclose(whole.totals.accumulated_slip, path @ length, atol=1e-14)
+    largest = np.abs(whole.contact.slip).max(axis=1)
+    np.testing.assert_allclose(whole.totals.max_slip, largest, atol=1e-16)
+    assert whole.accumulated_slip(1.0) > 1.05 * np.abs(history.slip[-1]) @ length  # it went back
+
+
+def test_frictional_work_is_that_of_the_energy_balance():
+    """Totals belong to time levels, energies to the middle of the steps between them."""
+    sim = simulate(BACK_AND_FORTH, resolution=40)
+    work = sim.frictional_work(sim.energy.t)
+    np.testing.assert_allclose(work, sim.energy.friction, atol=2e-4 * work[-1])
+    length = np.full(len(sim.interface.x), sim.element_size)
+    length[[0, -1]] /= 2
+    assert sim.frictional_work(1.0) == pytest.approx(sim.final_work_density @ length, rel=1e-12)
+    assert sim.accumulated_slip(1.0) == pytest.approx(sim.final_path @ length, rel=1e-12)
+
+
+def test_nothing_is_answered_beyond_what_was_recorded():
+    sim = run("preloaded")
+    for name in FIELDS:
+        with pytest.raises(SceneError, match="ends at t = 1"):
+            getattr(sim, name)(0.5, 1.01)
+        with pytest.raises(SceneError, match="reaches to x"):
+            getattr(sim, name)(10.0, 0.5)
+    for name in TOTALS:
+        with pytest.raises(SceneError, match="ends at t = 1"):
+            getattr(sim, name)(1.01)
+
+
+def test_one_line_says_what_it_is():
+    line = repr(run("preloaded"))
+    assert line == "Simulation(antisymmetric half, 23,364 unknowns, 112 steps to t = 1)"
+
+
+def test_contact_leaves_out_the_edge_node_alone():
+    sim = run("preloaded")
+    assert sim.interface.x[0] == 0
+    assert sim.on_contact.sum() == len(sim.interface.x) - 1 == len(sim.contact.x)
+    np.testing.assert_array_equal(sim.contact.slip, sim.interface.slip[:, 1:])
+
+
+# --- opening ----------------------------------------------------------------------------------
+
+
+def test_states_are_named():
+    assert set(np.unique(run("lift-off").state)) == {STICK, OPEN}
+    states = simulate(BACK_AND_FORTH, resolution=40).state
+    assert set(np.unique(states)) == {STICK, FORWARD, BACKWARD}
+
+
+def test_opening_is_told_with_its_place_time_width_and_length():
+    sim = run("lift-off")
+    opened, inside = sim.opened, sim.on_contact
+    gap = sim.gap[:, inside]
+    level, node = np.argwhere(gap > 0)[0]
+    assert opened.time == sim.interface.t[level]
+    assert opened.x == sim.contact.x[node] == sim.element_size
+    assert opened.gap == gap.max()
+    # it opens to x = 0.186 t (Mode I, P_0 = -P_b)
+    assert opened.length == pytest.approx((gap[-1] > 0).sum() * sim.element_size)
+    assert opened.length == pytest.approx(0.186, abs=sim.element_size)
+    sentence = opening_sentence(sim)
+    for value in (opened.x, opened.time, opened.gap, opened.length):
+        assert f"{value:.4g}" in sentence
+    assert f"{opened.x:.4g} m at t = {opened.time:.4g} s" in opening_sentence(
+        replace(sim, scene=replace(sim.scene, units="SI"))
+    )
+
+
+def test_gap_is_there_where_the_contact_is_open_and_never_negative():
+    sim = run("lift-off")
+    assert sim.gap.min() == 0
+    before, after = sim.is_open[:-1], sim.is_open[1:]
+    np.testing.assert_array_equal(sim.gap[1:][before & after] > 0, True)
+    assert not sim.gap[1:][~before & ~after].any()
+
+
+def test_opening_is_that_of_every_step_and_comes_back_from_a_file(tmp_path):
+    whole, thinned = run("lift-off"), run("lift-off", every=10**6)
+    assert thinned.opened == whole.opened
+    thinned.save(tmp_path)
+    assert load_simulation(tmp_path).opened == whole.opened
+
+
+@pytest.mark.parametrize("name", ["preloaded", "remote-shock"])
+def test_what_stays_closed_is_said_to(name):
+    sim = run(name)
+    assert sim.opened is None
+    assert not sim.gap.any()
+    assert opening_sentence(sim) == "the contact stayed closed"
+
+
+def test_no_pressure_before_the_load_is_no_gap():
+    scene = Scene(UNIT, 0.5, Tractions(0.0, 0.0), Tractions(0.0, 0.0))
+    sim = simulate(scene, resolution=20, model="two-blocks")
+    assert sim.is_open.all()
+    assert sim.opened is None
+
+
+# --- one definition of the options ------------------------------------------------------------
+
+
+def test_options_may_be_given_by_name_or_as_one_object():
+    scene, coarse = find_scene("preloaded"), Settings(resolution=20, element="P1")
+    by_name = simulate(scene, 0.5, resolution=20, element="P1", every=2)
+    as_one = simulate(scene, 0.5, coarse, every=2)
+    assert by_name.run == as_one.run
+    assert cost(scene, 0.5, coarse) == cost(scene, 0.5, resolution=20, element="P1")
+    assert cost(scene, 0.5, coarse).unknowns == as_one.unknowns
+
+
+def test_what_is_no_option_is_refused():
+    scene = find_scene("preloaded")
+    with pytest.raises(SceneError, match="give single options by name"):
+        simulate(scene, 1.0, 50)
+    for ask in (simulate, cost, prepare):
+        with pytest.raises(TypeError, match="resolutions"):
+            ask(scene, resolutions=50)
+    with pytest.raises(SceneError, match="lower_material must be a Material"):
+        prepare(scene, lower_material="steel")
+
+
+def test_prepared_model_is_that_of_the_simulation():
+    scene = find_scene("remote-shock")
+    model, sim = prepare(scene, resolution=20), simulate(scene, resolution=20)
+    assert (model.unknowns, model.steps) == (sim.unknowns, sim.steps)
+    assert (model.time_step, model.plan.size) == (sim.time_step, sim.element_size)
+    np.testing.assert_array_equal(model.contact_x, sim.interface.x)
+    assert set(model.seconds) == {"mesh", "assembly"}
+    whole = prepare(scene, resolution=20, full=True)
+    assert whole.unknowns == cost(scene, resolution=20, snapshots=True).unknowns > model.unknowns
+
+
+# --- two materials ----------------------------------------------------------------------------
+
+
+def test_body_too_slow_for_the_mesh_is_named_with_a_resolution_that_would_do():
+    scene, rubber = find_scene("preloaded"), Material(1 / 16, 1.0, 0.45)
+    options = {"end_time": 0.5, "lower_material": rubber}
+    with pytest.warns(UserWarning, match="the lower block is under-resolved") as caught:
+        sim = simulate(scene, resolution=20, **options)
+    assert str(caught[0].message) == sim.caution
+    assert "crosses 5 elements" in sim.caution
+    needed = int(sim.caution.split("a resolution of ")[1].split()[0])
+    assert needed == 4 * LEAST_CROSSED
+    for resolution, cautious in ((needed - 1, True), (needed, False)):
+        model_free = replace(sim, resolution=resolution)
+        assert bool(model_free.caution) == cautious
+
+
+def test_faster_lower_body_needs_no_caution():
+    assert not run("preloaded").caution
+    assert not replace(run("preloaded"), lower_material=Material(4.0, 1.0, 0.3)).caution
+
+
+# --- friction laws ----------------------------------------------------------------------------
+
+
+class Halved(CoulombFriction):
+    """A law that the finite elements have never heard of."""
+
+    def factor(self, slip_rate, path):
+        return super().factor(slip_rate, path) / 2
+
+
+def test_strength_is_what_the_law_says_whatever_the_law():
+    static, path, impedance = np.array([0.2, 0.4]), np.zeros(2), np.ones(2)
+    carried = strength(Halved(), static, path, np.array([1.0, 0.1]), impedance)
+    np.testing.assert_array_equal(carried, static / 2)
