@@ -104,7 +104,7 @@ def test_a_scene_file_is_as_good_as_a_name(tmp_path, capsys):
     path = tmp_path / "mine.toml"
     path.write_text(
         "friction = 1\nmaterial = {shear_modulus = 1, density = 1, poisson_ratio = 0.3}\n"
-        "base = {pressure = 1, shear = 0}\nstep = {pressure = 0, shear = 1}\n"
+        "base = {pressure = 1, shear = 0}\nload = {pressure = 0, shear = 1}\n"
     )
     assert main(["solve", str(path), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
