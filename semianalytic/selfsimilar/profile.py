@@ -29,6 +29,7 @@ class Profile:
 
     @property
     def panels(self) -> Panels:
+        """Panels of the fields."""
         return self.fields.panels
 
     @property
