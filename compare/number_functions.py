@@ -31,7 +31,7 @@ from semianalytic import Harmonic, Material, Scene, Solution, march, solve
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import Mode, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.reference.closed_forms import (
+from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,
@@ -373,7 +373,7 @@ def _work_error(scene: Scene, nodes: int, finest: int) -> float:
 def _march_work(scene: Scene, nodes: int) -> float:
     """Frictional work of a march to T = 1 on a length of 2, per unit thickness."""
     marched = march(scene, 1.0, nodes, length=2.0, every=10**9)
-    return float(marched.friction_work.sum() * marched.grid.spacing)
+    return float(marched.final_work_density.sum() * marched.grid.spacing)
 
 
 def march_trouble(nu: float, friction: float, step_ratio: float, damping: float) -> float:

@@ -25,7 +25,7 @@ import numpy as np
 from compare import number_functions
 from compare.comparison.report import default_report
 from compare.figures.histories import comparison_figures
-from compare.figures.interface import figure_png
+from compare.figures.saving import figure_png
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import SlipfrontError
 

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-import signal
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -263,33 +261,3 @@ def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
                 f"not {identity.get(name)}; repeat those options or delete it."
             )
     return Checkpoint(known["step"], arrays, [(time, name) for time, name in known["frames"]])
-
-
-class Interruption:
-    """Whether Ctrl-C was pressed."""
-
-    pressed = False
-
-
-@contextmanager
-def deferred_interrupt() -> Iterator[Interruption]:
-    """Let the first Ctrl-C only be noted, so that a step is never left half done.
-
-    The second one interrupts at once.  Outside the main thread nothing is changed.
-    """
-    noted = Interruption()
-    before = signal.getsignal(signal.SIGINT)
-
-    def note(number: int, frame: Any) -> None:
-        noted.pressed = True
-        signal.signal(signal.SIGINT, before)
-
-    try:
-        signal.signal(signal.SIGINT, note)
-    except ValueError:  # not the main thread
-        yield noted
-        return
-    try:
-        yield noted
-    finally:
-        signal.signal(signal.SIGINT, before)

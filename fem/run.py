@@ -14,7 +14,7 @@ import numpy as np
 
 from fem.assembly import make_space
 from fem.budget import Cost, check_fits, predict_cost
-from fem.checkpoint import Keeper, deferred_interrupt, run_identity, run_name
+from fem.checkpoint import Keeper, run_identity, run_name
 from fem.model import Model, build_model
 from fem.plan import Plan
 from fem.record import Record
@@ -25,6 +25,7 @@ from fem.settings import Pace, Settings
 from fem.snapshots import Snapshots
 from meshes import cached_mesh
 from meshes.blocks import causal_margin
+from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.scene import Material, Scene
 

@@ -1,9 +1,12 @@
 """Meshes of the two blocks that meet along y = 0: described, built by gmsh, cached, read back."""
 
-from meshes.blocks import Blocks, causal_blocks
-from meshes.build import build_mesh
-from meshes.cache import cache_directory, cached_mesh
-from meshes.read import read_mesh
+from semianalytic.scene.extras import needing
+
+with needing("the mesh of a finite-element model"):
+    from meshes.blocks import Blocks, causal_blocks
+    from meshes.build import build_mesh
+    from meshes.cache import cache_directory, cached_mesh
+    from meshes.read import read_mesh
 
 __all__ = [
     "Blocks",

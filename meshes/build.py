@@ -15,6 +15,7 @@ from typing import Any
 from meshes.blocks import GROWTH, Blocks
 from semianalytic.results.files import Seal, new_file
 from semianalytic.scene.errors import MissingLibraryError
+from semianalytic.scene.extras import needing
 
 APT_PACKAGES = (
     "libglu1-mesa libgl1 libxrender1 libxcursor1 libxfixes3 libxext6 libxft2 libfontconfig1 "
@@ -136,7 +137,8 @@ def _signals_kept() -> Iterator[None]:
 def _gmsh_model() -> Iterator[Any]:
     """An empty gmsh model; gmsh is silent and leaves Ctrl-C and its configuration alone."""
     try:
-        import gmsh
+        with needing("the mesh of a finite-element model"):
+            import gmsh
     except OSError as error:
         raise MissingLibraryError(
             f"gmsh cannot be loaded ({error}); install its libraries with "

@@ -1,6 +1,7 @@
-"""Slip on a frictional interface after a sudden load: the semi-analytic Wiener-Hopf solver."""
+"""Slip on a frictional interface after a sudden load: exact where self-similar, else marched."""
 
-from semianalytic.prediction import slip_history
+from semianalytic.prediction import predict
+from semianalytic.results.answer import Answer, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import (
     ComputationError,
@@ -10,7 +11,7 @@ from semianalytic.scene.errors import (
     SlipfrontError,
     TensionError,
 )
-from semianalytic.scene.friction import CoulombFriction, RateWeakening, SlipWeakening
+from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
@@ -20,9 +21,11 @@ from semianalytic.spacetime.marched import Marched
 from semianalytic.sweeps.sweep import Sweep, sweep
 
 __all__ = [
+    "Answer",
     "ComputationError",
     "CoulombFriction",
     "DataFileError",
+    "FrictionLaw",
     "Harmonic",
     "InterfaceHistory",
     "LoadHistory",
@@ -34,6 +37,7 @@ __all__ = [
     "RateWeakening",
     "Scene",
     "SceneError",
+    "SlipInterval",
     "SlipWeakening",
     "SlipZone",
     "SlipfrontError",
@@ -46,7 +50,7 @@ __all__ = [
     "Tractions",
     "march",
     "march_on",
-    "slip_history",
+    "predict",
     "solve",
     "sweep",
 ]

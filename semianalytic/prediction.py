@@ -1,21 +1,18 @@
-"""The history of an interface by the solver its scene calls for."""
+"""The answer to a scene by the solver it calls for."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
-from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 from semianalytic.spacetime.march import march
+from semianalytic.spacetime.marched import Marched
 
 METHODS = ("auto", "self-similar", "space-time")
-_LEVELS = 200
-_NODES = 1000
 
 
 def chosen_method(scene: Scene, method: str = "auto") -> str:
@@ -35,51 +32,56 @@ def chosen_method(scene: Scene, method: str = "auto") -> str:
     return method
 
 
-def slip_history(
+def predict(
     scene: Scene,
     end_time: float | None = None,
-    nodes: int | None = None,
     *,
+    nodes: int | None = None,
     length: float | None = None,
+    rtol: float = 1e-8,
     method: str = "auto",
-    progress: Callable[[int, int], None] | None = None,
-) -> InterfaceHistory:
-    """What happens on the contact until an end time.
+    progress: Callable[[int, int], object] | None = None,
+) -> Solution | Marched:
+    """What happens on the contact of a scene: exact where it is self-similar, marched otherwise.
+
+    Both answer the same questions, those of `results.answer.Answer`: a solution at all times and
+    positions, a march until the end time and on the length it was given.
 
     Parameters
     ----------
     scene : Scene
     end_time : float, optional
-        T [time]; by default the time a shear wave takes over a length of 1.
+        Until when to march [time]; the time a shear wave takes over a length of 1 unless given.
     nodes : int, optional
-        Positions, evenly spaced on 0 < x < length, the first half a spacing from the edge; 1000
-        unless given, more where a march needs them to follow the loads.
+        Of a march; 1000 unless given, or as many as follow the loads and resolve slip at the edge.
     length : float, optional
-        Of the contact that is observed [length]; c_l T unless given.
+        Of the contact that a march observes [length]; c_l end_time unless given.
+    rtol : float
+        Wanted accuracy of a solution, as in `solve`.
     method : str
-        "self-similar" (exact, sampled at 200 times), "space-time" (marched, every step), or "auto",
-        which takes the first wherever it applies.
+        "self-similar", "space-time", or "auto", which takes the first wherever it applies.
     progress : callable, optional
-        Called with (step, steps) during a march.
+        Called with (step, steps) after each step of a march; if it returns True it ends there.
+
+    Returns
+    -------
+    Solution or Marched
 
     Raises
     ------
     SceneError
-        If the method does not apply or an option is out of range.
+        If the method does not apply, or an option is out of range, whichever method takes it.
     TensionError
         If the pressure turns tensile.
     ComputationError
         If a march fails.
     """
-    if chosen_method(scene, method) == "space-time":
-        return march(scene, end_time, nodes, length=length, progress=progress).interface
-    end_time = 1 / scene.material.shear_speed if end_time is None else end_time
-    end_time = checked_size("slip_history: end_time", end_time)
-    length = scene.material.longitudinal_speed * end_time if length is None else length
-    length = checked_size("slip_history: length", length)
-    nodes = checked_count("slip_history: nodes", nodes, 1, "a whole number from")
-    solution = solve(scene)
-    nodes = _NODES if nodes is None else nodes
-    x = (np.arange(nodes) + 0.5) * length / nodes
-    t = end_time * np.arange(1, _LEVELS + 1) / _LEVELS
-    return solution.history(x, t)
+    if end_time is not None:
+        end_time = checked_size("predict: end_time", end_time)
+    if length is not None:
+        length = checked_size("predict: length", length)
+    if nodes is not None:
+        nodes = checked_count("predict: nodes", nodes, 1, "a whole number from")
+    if chosen_method(scene, method) == "self-similar":
+        return solve(scene, rtol=rtol)
+    return march(scene, end_time, nodes, length=length, progress=progress)

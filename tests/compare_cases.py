@@ -49,6 +49,6 @@ def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, g
         seconds={},
         interface=history,
         path=gain * solution.path(x / stretch, end_time),
-        friction_work=gain**2 * solution.friction_work(x / stretch, end_time),
+        friction_work=gain**2 * solution.work_density(x / stretch, end_time),
         slot=SimpleNamespace(x=-x, t=t, velocity_x=velocity_x, velocity_y=velocity_y),
     )

@@ -17,4 +17,4 @@ def undrawn(monkeypatch):
 
     For tests that look at other results; those of figures are in compare/figures/test_figures.py.
     """
-    monkeypatch.setattr("compare.figures.interface.save_figure", lambda figure, path: path.touch())
+    monkeypatch.setattr("compare.figures.saving.save_figure", lambda figure, path: path.touch())

@@ -16,9 +16,9 @@ import numpy as np
 from fault_tasks import history
 
 from compare.comparison.snapshots import last_snapshot
-from compare.output.files import write_rows
+from compare.output.tables import append_rows, write_rows
 from compare.studies.chart.study import read_points
-from compare.studies.regimes.points import MapPoint, append_points, kept_columns, poisson_ratios
+from compare.studies.regimes.points import MapPoint, kept_columns, poisson_ratios
 from fem import load_simulation, simulate
 from fem.checkpoint import Checkpoint, read_checkpoint, write_checkpoint
 from meshes import Blocks, cached_mesh
@@ -131,7 +131,7 @@ def all_kinds():
 
 
 def write_columns(folder):
-    append_points(folder / "columns.part", columns())
+    append_rows(folder / "columns.part", columns())
 
 
 def read_columns(path):

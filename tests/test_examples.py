@@ -3,17 +3,25 @@
 import contextlib
 import importlib
 import io
+import re
 from pathlib import Path
 
 import pytest
 
 import compare.examples
+from compare.cli.commands import main
+from compare.examples import __main__ as gallery
 from compare.examples.fit_friction import TRUE
 from semianalytic import Marched, Ramp, SlipWeakening
 from semianalytic.scene.named import read_scene
 
 FOLDER = Path(compare.examples.__file__).parent
-EXAMPLES = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem != "__init__")
+EXAMPLES = sorted(path.stem for path in FOLDER.glob("[a-z]*.py"))
+DOCS = FOLDER.parents[1] / "docs"
+SECTIONS = dict(
+    re.findall(r"^## (\w+)$(.+?)(?=^## |\Z)", (DOCS / "gallery.md").read_text(), re.M | re.S)
+)
+NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +40,7 @@ def runs(tmp_path_factory, mesh_cache):
 def test_every_example_runs_and_prints_one_line(name, runs):
     _, shown, folder = runs[name]
     assert shown.count("\n") == 1
-    assert list(folder.iterdir())
+    assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
@@ -40,6 +48,46 @@ def test_examples_are_short_and_documented(name):
     lines = (FOLDER / f"{name}.py").read_text().splitlines()
     assert 20 <= sum(bool(line.strip()) for line in lines) <= 50
     assert f"python -m compare.examples.{name}" in "\n".join(lines)
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_gallery_shows_every_example_and_what_it_prints(name, runs):
+    section = SECTIONS[name]
+    assert f"`compare/examples/{name}.py`" in section
+    assert f"](figures/examples/{name}.png)" in section
+    assert (DOCS / "figures" / "examples" / f"{name}.png").stat().st_size < 100_000
+    quoted, shown = section.split("```text\n")[1].split("\n```")[0], runs[name][1].strip()
+    assert NUMBER.sub("#", quoted) == NUMBER.sub("#", shown)
+    values = [[float(number) for number in NUMBER.findall(text)] for text in (quoted, shown)]
+    assert values[1] == pytest.approx(values[0], rel=2e-3, abs=1e-9)
+
+
+def test_gallery_is_drawn_in_its_own_order(tmp_path, monkeypatch):
+    assert list(SECTIONS) == list(gallery.EXAMPLES)
+    assert sorted(SECTIONS) == EXAMPLES
+    monkeypatch.setattr(gallery, "EXAMPLES", ("first_answer",))
+    gallery.main(tmp_path / "figures")
+    assert [path.name for path in (tmp_path / "figures").iterdir()] == ["first_answer.png"]
+
+
+def test_page_for_newcomers_prints_what_it_says():
+    page = (DOCS / "start.md").read_text()
+    code = page.split("```python\n")[1].split("```")[0]
+    assert len([line for line in code.splitlines() if line]) <= 12
+    shown = io.StringIO()
+    with contextlib.redirect_stdout(shown):
+        exec(code, {})
+    assert shown.getvalue() == page.split("```text\n")[1].split("```")[0]
+
+
+def test_page_for_newcomers_asks_the_command_line_the_same(capsys):
+    page = (DOCS / "start.md").read_text()
+    line = page.split("    slipfront solve")[1].split("\n\n")[0].replace("\\\n", " ")
+    assert main(["solve", *line.split()]) == 0
+    table = capsys.readouterr().out
+    edges = re.findall(r"([\d.]+)(?: to| m/s,)", page.split("```text\n")[1].split("```")[0])
+    assert len(edges) == 4
+    assert [edge for edge in edges if edge not in table] == []
 
 
 def test_friction_is_recovered_within_three_standard_errors(runs):
@@ -73,7 +121,7 @@ def test_weakening_lets_more_slip(runs):
 
 
 def test_scene_file_of_the_page_on_extending(tmp_path):
-    page = (FOLDER.parents[1] / "docs" / "extending.md").read_text()
+    page = (DOCS / "extending.md").read_text()
     path = tmp_path / "slider.toml"
     path.write_text(page.split("```toml\n")[1].split("```")[0])
     scene = read_scene(path)

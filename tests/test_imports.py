@@ -95,9 +95,16 @@ def test_an_arrow_back_up_is_found(tmp_path):
     assert len(list(against_the_arrows("semianalytic", tmp_path))) == 1
 
 
+@pytest.mark.parametrize("package", ["semianalytic", "fem", "meshes", "compare"])
+def test_folders_say_what_they_are_for_and_stay_small(package):
+    for face in (ROOT / package).rglob("__init__.py"):
+        assert ast.get_docstring(ast.parse(face.read_text())), face
+        assert len(list(face.parent.glob("*.py"))) <= 17, face.parent
+
+
 def test_files_hold_no_numerics():
     path = ROOT / "semianalytic" / "results" / "files.py"
-    allowed = {"h5py", "semianalytic.scene.errors"}
+    allowed = {"h5py", "semianalytic.scene.errors", "semianalytic.scene.extras"}
     for name in imported_modules(path):
         assert name in allowed or name.split(".")[0] in sys.stdlib_module_names, name
 

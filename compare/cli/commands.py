@@ -37,8 +37,10 @@ from compare.output.places import check_file, save_somewhere, working_folder
 from compare.output.progress import progress_bar
 from semianalytic import Marched, Scene, Solution, march, march_on, solve
 from semianalytic.prediction import chosen_method
+from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError, SlipfrontError
+from semianalytic.scene.extras import FEM, HDF5, PLOT, needing, require
 from semianalytic.scene.named import (
     DEFAULT_SCENE,
     find_scene,
@@ -108,6 +110,7 @@ def compare(
     The exit code is 0 if every quantity is within its tolerance, 1 if one is not, and 4 if the
     prediction has not converged.
     """
+    require("slipfront compare", *FEM, *PLOT)
     if from_ is None:
         source = scene or DEFAULT_SCENE
         label = scene_label(source)
@@ -159,7 +162,8 @@ def solve_command(
     """
     wanted = override_scene(find_scene(scene), **overrides)
     if plot is not None:
-        from compare.figures.interface import figure_format
+        require("slipfront solve --plot", *PLOT)
+        from compare.figures.saving import figure_format
 
         figure_format(plot)
         check_file(plot)
@@ -172,7 +176,8 @@ def solve_command(
         )
     solution = solve(wanted)
     if plot is not None:
-        from compare.figures.interface import prediction_figure, save_figure
+        from compare.figures.interface import prediction_figure
+        from compare.figures.saving import save_figure
 
         save_figure(prediction_figure(solution), plot)
     if as_json:
@@ -203,6 +208,7 @@ def simulate(
     up again with the same options and --resume; the result is the same to the last bit.  A finished
     run removes its checkpoint.
     """
+    require("slipfront simulate", *FEM)
     label = scene_label(scene)
     directory = output or scene_folder(scene, overrides)
     wanted = override_scene(find_scene(scene), **overrides)
@@ -254,7 +260,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _make_streams_lenient()
     os.environ["MPLBACKEND"] = "agg"  # figures go to files; no other backend need exist
     try:
-        app(args=arguments, prog_name="slipfront")
+        with needing("This command"):
+            app(args=arguments, prog_name="slipfront")
     except SlipfrontError as error:
         print(_printed(error), file=sys.stderr)
         return error.exit_code
@@ -366,10 +373,10 @@ def _march(
     quiet: bool,
 ) -> None:
     """March a scene, or go on with a saved march, and say what happened."""
-    from fem.checkpoint import deferred_interrupt
-
     options = dict(options)
     save, earlier = options.pop("save", None), options.pop("go_on", None)
+    if save is not None or earlier is not None:
+        require("a saved march", *HDF5)
     if save is not None:
         check_file(save)
     memory = options.pop("memory", None)
@@ -410,7 +417,7 @@ def _march(
         )
     if plot is not None:
         from compare.figures.histories import march_figure
-        from compare.figures.interface import save_figure
+        from compare.figures.saving import save_figure
 
         save_figure(march_figure(marched), plot)
     if as_json:
@@ -448,7 +455,7 @@ def _earlier_simulation(
 
 def _write_comparison(report: Report, directory: Path) -> None:
     from compare.figures.histories import comparison_figures
-    from compare.figures.interface import save_figure
+    from compare.figures.saving import save_figure
 
     drawn = comparison_figures(report)
     for name, draw in drawn.items():

@@ -14,6 +14,7 @@ from rich.console import Console
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.extras import FEM, PLOT, require
 
 Output = Annotated[
     Path | None,
@@ -36,6 +37,7 @@ def regimes(
 
     An interrupted run continues when it is started again with the same size.
     """
+    require("slipfront regimes", *PLOT)
     from compare.studies.regimes.study import write_regimes
 
     directory = output or Path("results", "regimes")
@@ -59,6 +61,7 @@ def stability(
     """Study where the methods fail, how, and what the program does about it."""
     if not (solver or fem or space_time):
         raise SceneError("say what to study: --solver, --fem, --space-time or several.")
+    require("slipfront stability", *PLOT, *(FEM if fem else ()))
     directory = output or Path("results", "stability")
     chosen: list[Callable[..., object]] = []
     if solver:
@@ -70,7 +73,7 @@ def stability(
 
         chosen.append(fem_stability)
     if space_time:
-        from compare.studies.accuracy.spacetime import write_stability
+        from compare.studies.stability.spacetime import write_stability
 
         chosen.append(write_stability)
     with working_folder(directory):
@@ -82,6 +85,7 @@ def stability(
 
 def article(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> None:
     """Redraw the article's figures by three methods and judge its claims."""
+    require("slipfront article", *FEM, *PLOT)
     from compare.studies.article.study import claims_table, write_article
 
     directory = output or Path("results", "article")
@@ -105,6 +109,7 @@ def chart(
 
     --output docs refreshes the page of the documentation.
     """
+    require("slipfront chart", *FEM, *PLOT)
     from compare.studies.chart.figure import slopes_table, write_chart
     from compare.studies.chart.study import FILE_NAME, SCENES, measure_all
 
@@ -128,6 +133,7 @@ def chart(
 
 def wear(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> None:
     """Sweep friction for a step, a ramp and a pulse: accumulated slip and frictional work."""
+    require("slipfront wear", *PLOT)
     from compare.studies.wear import LOADS, POISSON_RATIOS, most_wear, write_wear
 
     directory = output or Path("results", "wear")
@@ -162,7 +168,8 @@ def evidence(
 
     The exit code is 0 if every quantity is within its tolerance, 1 if one is not.
     """
-    from compare.studies.evidence.study import write_evidence
+    require("slipfront evidence", *FEM, *PLOT)
+    from compare.studies.evidence.page import write_evidence
 
     path = output or Path("results", "evidence.html")
     with _progress(quiet, "collecting") as progress:

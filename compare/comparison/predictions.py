@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import RegularGridInterpolator
 
-from semianalytic import InterfaceHistory, Scene, Solution, march, solve
+from semianalytic import InterfaceHistory, Marched, Scene, Solution, march, solve
 from semianalytic.prediction import chosen_method
 from semianalytic.selfsimilar.load import check_pressure
-from semianalytic.spacetime.resolution import MOST_NODES, check_loads
+from semianalytic.spacetime.resolution import check_loads
+from semianalytic.spacetime.tuning import MOST_NODES
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 
 FINER = 4
 """Nodes of a march per element of the simulation."""
+
+CURVE_POINTS = 1500
+"""Places at which a self-similar slip rate is drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +35,8 @@ class Prediction:
     ----------
     method : str
         "self-similar" or "space-time".
-    solution : Solution or None
-        The self-similar solution, where that is the method.
+    answer : Solution or Marched
+        What was computed.
     interface : InterfaceHistory
         At the nodes x > 0 and the times of the simulation.
     path : (n,) array
@@ -47,12 +50,29 @@ class Prediction:
     """
 
     method: str
-    solution: Solution | None
+    answer: Solution | Marched
     interface: InterfaceHistory
     path: Array
     friction_work: Array
     seconds: float
     caution: str = ""
+
+    @property
+    def solution(self) -> Solution | None:
+        """The self-similar solution, where that is the method."""
+        return self.answer if isinstance(self.answer, Solution) else None
+
+    def curve(self, time: float) -> tuple[Array, Array]:
+        """Positions and slip rates there (n,), as fine as the answer itself is known."""
+        if isinstance(self.answer, Solution):
+            end = self.interface.x[-1]
+            x = np.linspace(end / CURVE_POINTS, end, CURVE_POINTS)
+            return x, self.answer.slip_rate(x, time)
+        own = self.answer.interface
+        level = int(np.clip(np.searchsorted(own.t, time), 1, len(own.t) - 1))
+        before, after = own.t[level - 1 : level + 1]
+        share = (time - before) / (after - before)
+        return own.x, (1 - share) * own.slip_rate[level - 1] + share * own.slip_rate[level]
 
 
 def check_predictable(scene: Scene, method: str = "auto") -> None:
@@ -101,7 +121,7 @@ def predict(
         solution = solve(simulation.scene)
         whole = solution.history(x, t)
         seconds = sum(solution.statistics.seconds.values())
-        worn = solution.path(x, t[-1]), solution.friction_work(x, t[-1])
+        worn = solution.path(x, t[-1]), solution.work_density(x, t[-1])
         return Prediction(chosen, solution, whole, *worn, seconds)
     spacing = simulation.element_size / FINER
     nodes = int(np.ceil(x[-1] / spacing)) + 1
@@ -109,15 +129,12 @@ def predict(
     nodes = check_loads(simulation.scene, float(t[-1]), length, nodes, max(nodes, MOST_NODES))
     marched = march(simulation.scene, float(t[-1]), nodes, length=length, progress=progress)
     own = marched.interface
-    at = tuple(np.meshgrid(t, np.clip(x, own.x[0], None), indexing="ij"))
-    names = ("slip", "slip_rate", "shear_traction", "pressure")
-    sampled = (RegularGridInterpolator((own.t, own.x), getattr(own, name))(at) for name in names)
     return Prediction(
         chosen,
-        None,
-        InterfaceHistory(x, t, *sampled),
-        np.interp(x, own.x, marched.path),
-        np.interp(x, own.x, marched.friction_work),
+        marched,
+        marched.history(x, t),
+        np.interp(x, own.x, marched.final_path),
+        np.interp(x, own.x, marched.final_work_density),
         sum(marched.statistics.seconds.values()),
         marched.caution,
     )

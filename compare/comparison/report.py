@@ -201,8 +201,8 @@ def march_document(marched: Marched) -> dict[str, Any]:
             }
             for node in (int(np.argmin(np.abs(x - probe * length))) for probe in PROBES)
         ],
-        "accumulated_slip": float(marched.path.sum() * spacing),
-        "friction_work": float(marched.friction_work.sum() * spacing),
+        "accumulated_slip": float(marched.final_path.sum() * spacing),
+        "friction_work": float(marched.final_work_density.sum() * spacing),
         "stress_intensity_of_a_stuck_edge": {"K_I": float(mode_one), "K_II": float(mode_two)},
         "stored_levels": len(marched.interface.t),
         "statistics": {

@@ -1,6 +1,6 @@
 """Constant, rate-weakening and slip-weakening friction under one ramp, and a refused law.
 
-``python -m compare.examples.friction_law [FOLDER]`` writes friction_law.csv.
+``python -m compare.examples.friction_law [FOLDER]`` writes friction_law.csv and .png.
 """
 
 from __future__ import annotations
@@ -10,34 +10,34 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from semianalytic import (
-    CoulombFriction,
-    Material,
-    Ramp,
-    RateWeakening,
-    Scene,
-    SceneError,
-    SlipWeakening,
-    Tractions,
-    march,
-)
+import slipfront as sf
 
-MATERIAL = Material(1.0, 1.0, 1 / 3)
-SCENE = Scene(MATERIAL, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0), shear_history=Ramp(0.5))
-LAWS = (CoulombFriction(), RateWeakening(0.4, 1.0), SlipWeakening(0.6, 0.05))
+MATERIAL = sf.Material(1.0, 1.0, 1 / 3)
+LOAD = sf.Tractions(0.0, 1.0)
+SCENE = sf.Scene(MATERIAL, 0.3, sf.Tractions(1.0, 0.0), LOAD, shear_history=sf.Ramp(0.5))
+LAWS = (sf.CoulombFriction(), sf.RateWeakening(0.4, 1.0), sf.SlipWeakening(0.6, 0.05))
 
 
 def main(folder: Path = Path(".")) -> list[float]:
     """Write slip at the end along the interface by law; return the largest slip of each."""
-    marches = [march(replace(SCENE, friction_law=law), nodes=400) for law in LAWS]
+    marches = [sf.march(replace(SCENE, friction_law=law), nodes=400) for law in LAWS]
     slips = [marched.interface.slip[-1] for marched in marches]
-    table = np.column_stack([marches[0].grid.x, *slips])
-    head = "x," + ",".join(type(law).__name__ for law in LAWS)
+    x, names = marches[0].grid.x, [type(law).__name__ for law in LAWS]
+    head = ",".join(["x", *names])
+    table = np.column_stack([x, *slips])
     np.savetxt(folder / "friction_law.csv", table, delimiter=",", header=head, comments="")
+    figure = Figure(figsize=(6, 3.4), layout="constrained")
+    axes = figure.subplots()
+    for name, slip, style in zip(names, slips, ("-", "--", ":"), strict=True):
+        axes.plot(x, slip, style, label=name)
+    axes.set(xlabel="x / (c_t T)", ylabel="slip at T", xlim=(0, 1.2), ylim=(0, None))
+    axes.legend()
+    figure.savefig(folder / "friction_law.png", dpi=100)
     try:
-        replace(SCENE, friction_law=RateWeakening(0.9, 0.1))
-    except SceneError as error:
+        replace(SCENE, friction_law=sf.RateWeakening(0.9, 0.1))
+    except sf.SceneError as error:
         refused = str(error).split(";")[0]
     largest = [float(slip.max()) for slip in slips]
     shown = ", ".join(f"{slip:.4f}" for slip in largest)

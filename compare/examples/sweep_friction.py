@@ -11,29 +11,29 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from semianalytic import Material, Scene, Tractions, sweep
+import slipfront as sf
 from semianalytic.reference import edge_speed_under_shear_step
 
-MATERIAL = Material(1.0, 1.0, 1 / 3)
-SCENE = Scene(MATERIAL, 0.3, base=Tractions(1.0, 0.0), load=Tractions(0.0, 1.0))
+MATERIAL = sf.Material(1.0, 1.0, 1 / 3)
+SCENE = sf.Scene(MATERIAL, 0.3, base=sf.Tractions(1.0, 0.0), load=sf.Tractions(0.0, 1.0))
 
 
 def main(folder: Path = Path(".")) -> float:
     """Draw the edges of all zones; return the largest difference from the closed form."""
     friction = np.linspace(0.1, 1.0, 91)
-    swept = sweep(SCENE, friction, rtol=1e-8)
+    swept = sf.sweep(SCENE, friction, rtol=1e-8)
     edges = swept.edges  # (frictions, zones, 2), NaN where there are fewer zones
     closed = np.array([edge_speed_under_shear_step(MATERIAL, f) for f in friction])
     one = np.array([len(solution.zones) == 1 for solution in swept.solutions])
     difference = float(np.abs(edges[one, 0, 1] / closed[one] - 1).max())
 
-    figure = Figure(figsize=(6, 4), layout="constrained")
+    figure = Figure(figsize=(6, 3.4), layout="constrained")
     axes = figure.subplots()
     axes.plot(friction, edges.reshape(len(friction), -1), ".", color="C0", markersize=3)
     axes.plot(friction[one], closed[one], "k--", linewidth=1, label="closed form, one zone")
     axes.set(xlabel="f P_b / Q_0", ylabel="speed of zone edges / c_t", ylim=(0, 2.05))
     axes.legend()
-    figure.savefig(folder / "sweep_friction.png", dpi=120)
+    figure.savefig(folder / "sweep_friction.png", dpi=100)
     scratch = int(swept.from_scratch.sum())
     print(f"{len(friction)} frictions, {scratch} from scratch; closed form met to {difference:.1e}")
     return difference

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -13,19 +12,26 @@ from matplotlib.patches import Patch
 from compare.comparison.history_rows import sense_maps, slips
 from compare.comparison.predictions import contact_nodes
 from compare.comparison.report import Report
-from compare.comparison.scales import slip_rate_scale, stress_scale, wave_speeds
-from compare.figures.interface import (
+from compare.comparison.scales import slip_rate_scale, stress_scale
+from compare.figures.interface import fronts_figure, slip_rate_figure, tractions_figure
+from compare.figures.style import (
+    PATH_LABEL,
+    PLACE_LABEL,
     PREDICTION,
     RATE_LABEL,
+    SENSE_COLOURS,
     SIMULATION,
-    fronts_figure,
+    SMALL,
+    TIME_LABEL,
+    WORK_LABEL,
+    describe,
+    mark_waves,
     method_handles,
-    slip_rate_figure,
-    tractions_figure,
+    new_figure,
+    waves_handle,
 )
 from semianalytic import Marched
 
-SENSE_COLOURS = {"reverse slip": "#d1495b", "stick": "#efefef", "slip": "#6fa8dc"}
 MOMENTS = (0.25, 0.5, 0.75, 1.0)
 LEVELS = 400
 """Most points of a march that are drawn along each axis, nearly."""
@@ -53,11 +59,13 @@ def sense_figure(report: Report) -> Figure:
     history = contact_nodes(report.simulation)
     material, end = report.simulation.scene.material, history.t[-1]
     length = material.shear_speed * end
-    figure = Figure(figsize=(10.5, 4.2), layout="constrained")
-    panels = figure.subplots(1, 3, sharex=True, sharey=True)
+    slipping = np.flatnonzero((predicted != 0).any(axis=0))
+    right = min(1.15 * history.x[slipping[-1]] / length + 0.05, history.x[-1] / length)
     differs = np.where((predicted != seen) & reached, 1, 0)
     share = differs.sum() / reached.sum()
     kinds = ListedColormap(list(SENSE_COLOURS.values()))
+    figure = describe(new_figure(10.5, 4.6), report.simulation.scene)
+    panels = figure.subplots(1, 3, sharex=True, sharey=True)
     for panel, title, values, colours, low in (
         (panels[0], f"semi-analytic ({report.prediction.method})", predicted, kinds, -1),
         (panels[1], "finite elements", seen, kinds, -1),
@@ -73,34 +81,34 @@ def sense_figure(report: Report) -> Figure:
             vmax=1,
             rasterized=True,
         )
-        _mark_fronts(panel, report)
-        panel.set(title=title, xlabel=r"$x/(c_t T)$", ylim=(0, 1))
-    slips = np.flatnonzero((predicted != 0).any(axis=0))
-    panels[0].set_xlim(0, min(1.15 * history.x[slips[-1]] / length + 0.05, history.x[-1] / length))
-    panels[0].set_ylabel(r"$t/T$")
+        panel.set(xlabel=PLACE_LABEL, xlim=(0, right), ylim=(0, 1))
+        panel.set_title(title, pad=16)
+        mark_waves(panel, material, material.shear_speed, "rays")
+    panels[0].set_ylabel(TIME_LABEL)
     handles = [Patch(color=colour, label=kind) for kind, colour in SENSE_COLOURS.items()]
-    panels[1].legend(handles=handles, loc="lower right", fontsize=8)
+    panels[1].legend(handles=[*handles, waves_handle()], loc="lower right", fontsize=SMALL)
     return figure
 
 
 def history_figure(report: Report) -> Figure:
     """Slip rate along the interface at four moments, by both methods."""
-    predicted, seen = report.prediction.interface, contact_nodes(report.simulation)
+    prediction, seen = report.prediction, contact_nodes(report.simulation)
     scene, end = report.simulation.scene, seen.t[-1]
     length, scale = scene.material.shear_speed * end, slip_rate_scale(scene)
-    figure = Figure(figsize=(7, 7.5), layout="constrained")
+    figure = describe(new_figure(7, 7.7), scene)
     panels = figure.subplots(len(MOMENTS), 1, sharex=True)
-    reach = np.flatnonzero(np.abs(predicted.slip_rate).max(axis=0) > 0)[-1]
+    reach = np.flatnonzero(np.abs(prediction.interface.slip_rate).max(axis=0) > 0)[-1]
     for panel, moment in zip(panels, MOMENTS, strict=True):
         level = int(np.argmin(np.abs(seen.t - moment * end)))
+        x, slip_rate = prediction.curve(seen.t[level])
         panel.axhline(0, color="0.6", linewidth=0.6)
-        panel.plot(predicted.x / length, predicted.slip_rate[level] / scale, color=PREDICTION)
         panel.plot(
             seen.x / length, seen.slip_rate[level] / scale, ".", color=SIMULATION, markersize=2.5
         )
+        panel.plot(x / length, slip_rate / scale, color=PREDICTION, linewidth=1.2)
         panel.annotate(f"t = {moment:g} T", (0.98, 0.85), xycoords="axes fraction", ha="right")
-    panels[0].legend(handles=method_handles(), loc="upper center", fontsize=8)
-    panels[-1].set(xlabel=r"$x/(c_t T)$", xlim=(0, 1.05 * seen.x[reach] / length))
+    panels[0].legend(handles=method_handles(), loc="upper center", fontsize=SMALL)
+    panels[-1].set(xlabel=PLACE_LABEL, xlim=(0, 1.05 * seen.x[reach] / length))
     figure.supylabel(RATE_LABEL)
     return figure
 
@@ -112,25 +120,20 @@ def wear_figure(report: Report) -> Figure:
     x, end = simulation.interface.x[inside], simulation.interface.t[-1]
     length = scene.material.shear_speed * end
     slip, stress = slip_rate_scale(scene) * end, stress_scale(scene)
-    figure = Figure(figsize=(7, 5.5), layout="constrained")
+    work = prediction.friction_work, simulation.friction_work
+    figure = describe(new_figure(7, 5.7), scene)
     panels = figure.subplots(2, 1, sharex=True)
-    for panel, label, wanted, found, unit in (
-        (panels[0], r"$\int |V|\,dt\ /\ V_0 T$", prediction.path, simulation.path, slip),
-        (
-            panels[1],
-            r"frictional work $/\ \tau_0 V_0 T$",
-            prediction.friction_work,
-            simulation.friction_work,
-            slip * stress,
-        ),
+    for panel, label, (predicted, seen), unit in (
+        (panels[0], PATH_LABEL, (prediction.path, simulation.path), slip),
+        (panels[1], WORK_LABEL, work, slip * stress),
     ):
-        panel.plot(x / length, wanted / unit, color=PREDICTION)
-        panel.plot(x / length, found[inside] / unit, ".", color=SIMULATION, markersize=2.5)
+        panel.plot(x / length, predicted / unit, color=PREDICTION)
+        panel.plot(x / length, seen[inside] / unit, ".", color=SIMULATION, markersize=2.5)
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0)
     reach = np.flatnonzero(prediction.path > 0)[-1]
-    panels[0].legend(handles=method_handles(), loc="upper right", fontsize=8)
-    panels[1].set(xlabel=r"$x/(c_t T)$", xlim=(0, 1.05 * x[reach] / length))
+    panels[0].legend(handles=method_handles(), loc="upper right", fontsize=SMALL)
+    panels[1].set(xlabel=PLACE_LABEL, xlim=(0, 1.05 * x[reach] / length))
     return figure
 
 
@@ -142,7 +145,7 @@ def march_figure(marched: Marched) -> Figure:
     columns = slice(None, None, max(1, len(fields.x) // LEVELS))
     rate = fields.slip_rate[rows, columns] / scale
     top = max(float(np.quantile(np.abs(rate), 0.99)), 1e-6)
-    figure = Figure(figsize=(7, 6), layout="constrained")
+    figure = describe(new_figure(7, 6.2), scene)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     image = upper.pcolormesh(
         fields.x[columns] / length,
@@ -155,17 +158,8 @@ def march_figure(marched: Marched) -> Figure:
         rasterized=True,
     )
     figure.colorbar(image, ax=upper, label=RATE_LABEL)
-    upper.set_ylabel(r"$t/T$")
-    lower.plot(fields.x / length, marched.path / (scale * marched.end_time), color=PREDICTION)
-    lower.set(
-        xlabel=r"$x/(c_t T)$",
-        ylabel=r"$\int |V|\,dt\ /\ V_0 T$",
-        xlim=(0, fields.x[-1] / length),
-    )
+    upper.set(ylabel=TIME_LABEL, xlim=(0, fields.x[-1] / length), ylim=(0, 1))
+    mark_waves(upper, scene.material, scene.material.shear_speed, "rays")
+    lower.plot(fields.x / length, marched.final_path / (scale * marched.end_time), color=PREDICTION)
+    lower.set(xlabel=PLACE_LABEL, ylabel=PATH_LABEL)
     return figure
-
-
-def _mark_fronts(panel: Axes, report: Report) -> None:
-    material = report.simulation.scene.material
-    for speed in wave_speeds(material).values():
-        panel.plot([0, speed / material.shear_speed], [0, 1], "--", color="0.3", linewidth=0.7)

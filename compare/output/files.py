@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Callable, Sequence
-from dataclasses import astuple, fields
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-from semianalytic.results.files import new_file, refusal, row_checksum, write_bytes
+from semianalytic.results.files import new_file, refusal, write_bytes
 from semianalytic.scene.errors import DataFileError
-
-
-def checksum_heading(rows: int) -> str:
-    """Heading of the column of checksums in a table of so many rows."""
-    return f"checksum of {rows} rows"
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> None:
@@ -59,39 +50,3 @@ def append_text(path: Path, text: str) -> None:
             stream.write(data)
     except OSError as error:
         raise DataFileError(refusal(path, error, len(data))) from error
-
-
-def write_rows(path: Path, rows: Sequence[Any], checked: bool = False) -> None:
-    """Write dataclass instances as CSV, whole or not at all; no rows, no file.
-
-    Parameters
-    ----------
-    path : Path
-    rows : sequence of dataclass instances
-    checked : bool
-        Whether a last column holds the checksum of each row, for tables that are read back.
-
-    Raises
-    ------
-    DataFileError
-        If the file cannot be written.
-    """
-    if not rows:
-        return
-    stream = io.StringIO(newline="")
-    writer = csv.writer(stream)
-    heading = [field.name for field in fields(rows[0])]
-    writer.writerow([*heading, checksum_heading(len(rows))] if checked else heading)
-    writer.writerows(checked_cells(row) if checked else astuple(row) for row in rows)
-    write_text(path, stream.getvalue())
-
-
-def checked_cells(row: Any) -> list[str]:
-    """Cells of a dataclass instance as CSV holds them, and their checksum."""
-    cells = [str(value) for value in astuple(row)]
-    return [*cells, row_checksum(cells)]
-
-
-def are_sound(cells: Sequence[str]) -> bool:
-    """Whether cells that were read back end in their checksum."""
-    return len(cells) > 1 and row_checksum(list(cells[:-1])) == cells[-1]

@@ -8,20 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from compare.figures.interface import save_figure
-from compare.output.files import write_rows
+from compare.figures.saving import save_figure
+from compare.figures.style import CYCLE, SMALL, new_figure
+from compare.output.tables import write_rows
 from compare.studies.workers import Progress, counted
 from semianalytic import LoadHistory, Material, Pulse, Ramp, Scene, Step, Tractions, march
 
 LOADS: dict[str, LoadHistory] = {"step": Step(), "ramp": Ramp(0.5), "pulse": Pulse(0.4)}
 POISSON_RATIOS = (1 / 3, 0.2)
-COLOURS = {"step": "#12355b", "ramp": "#7f8c3a", "pulse": "#d1495b"}
+COLOURS = dict(zip(LOADS, CYCLE, strict=False))
 LENGTH = 2.0
+SUMS = ("accumulated_slip", "friction_work")
 
 
 @dataclass(frozen=True)
@@ -64,33 +67,22 @@ def wear_after(load: str, poisson_ratio: float, chi: float, nodes: int) -> WearR
         load,
         poisson_ratio,
         chi,
-        float(marched.path.sum() * spacing) / scale,
-        float(marched.friction_work.sum() * spacing) / scale,
-        float(np.count_nonzero(marched.path > 1e-6 * scale) * spacing),
+        float(marched.final_path.sum() * spacing) / scale,
+        float(marched.final_work_density.sum() * spacing) / scale,
+        float(np.count_nonzero(marched.final_path > 1e-6 * scale) * spacing),
     )
 
 
-def wear_rows(chis: Sequence[float], nodes: int) -> Iterator[WearRow]:
+def swept_rows(chis: Sequence[float], nodes: int) -> Iterator[WearRow]:
     """All loads and Poisson ratios over friction."""
-    for poisson_ratio in POISSON_RATIOS:
-        for load in LOADS:
-            for chi in chis:
-                yield wear_after(load, poisson_ratio, float(chi), nodes)
+    for poisson_ratio, load, chi in product(POISSON_RATIOS, LOADS, chis):
+        yield wear_after(load, poisson_ratio, float(chi), nodes)
 
 
 def write_wear(
     output: Path, quick: bool = False, progress: Progress | None = None
 ) -> list[WearRow]:
-    """Sweep friction; write wear.csv and wear.png into a folder, and return the rows.
-
-    Parameters
-    ----------
-    output : Path
-        Folder.
-    quick : bool
-        Few frictions on a coarse grid.
-    progress : callable, optional
-        Called with the number of marches done and of all marches.
+    """Sweep friction, coarsely if quick; write wear.csv and wear.png into a folder.
 
     Raises
     ------
@@ -100,36 +92,40 @@ def write_wear(
     output.mkdir(parents=True, exist_ok=True)
     chis = np.concatenate([[0.0], np.geomspace(0.01, 2.0, 12 if quick else 40)])
     count = len(chis) * len(LOADS) * len(POISSON_RATIOS)
-    rows = list(counted(wear_rows(chis.tolist(), 150 if quick else 600), count, progress))
+    rows = list(counted(swept_rows(chis.tolist(), 150 if quick else 600), count, progress))
     write_rows(output / "wear.csv", rows)
-    save_figure(wear_figure(rows), output / "wear.png")
+    save_figure(sweep_figure(rows), output / "wear.png")
     return rows
+
+
+def _part(rows: Sequence[WearRow], load: str, poisson_ratio: float) -> list[WearRow]:
+    return [row for row in rows if (row.load, row.poisson_ratio) == (load, poisson_ratio)]
 
 
 def most_wear(rows: Sequence[WearRow], load: str, poisson_ratio: float) -> tuple[float, float]:
     """chi at which frictional work is largest, and that work, for one load."""
-    part = [row for row in rows if (row.load, row.poisson_ratio) == (load, poisson_ratio)]
-    worst = max(part, key=lambda row: row.friction_work)
+    worst = max(_part(rows, load, poisson_ratio), key=lambda row: row.friction_work)
     return worst.chi, worst.friction_work
 
 
-def wear_figure(rows: Sequence[WearRow]) -> Figure:
+def sweep_figure(rows: Sequence[WearRow]) -> Figure:
     """Accumulated |slip| above, frictional work below, against chi."""
-    figure = Figure(figsize=(7, 6.5), layout="constrained")
+    figure = new_figure(7, 6.7)
+    figure.suptitle(
+        "until T, shear $Q_0$ under constant pressure $P_b$;  $V_0 = 2 Q_0/(\\rho c_t)$", fontsize=9
+    )
     upper, lower = figure.subplots(2, 1, sharex=True)
     for poisson_ratio, style in zip(POISSON_RATIOS, ("-", "--"), strict=True):
         for load, colour in COLOURS.items():
-            part = [r for r in rows if (r.load, r.poisson_ratio) == (load, poisson_ratio)]
-            chi = [row.chi for row in part]
-            label = rf"{load}, $\nu$ = {poisson_ratio:.2g}"
-            upper.plot(
-                chi, [row.accumulated_slip for row in part], style, color=colour, label=label
-            )
-            lower.plot(chi, [row.friction_work for row in part], style, color=colour)
+            part = _part(rows, load, poisson_ratio)
+            chi, label = [row.chi for row in part], rf"{load}, $\nu$ = {poisson_ratio:.2g}"
+            slip, work = ([getattr(row, name) for row in part] for name in SUMS)
+            upper.plot(chi, slip, style, color=colour, label=label)
+            lower.plot(chi, work, style, color=colour)
     upper.set_ylabel(r"$\int\!\!\int |V|\,dt\,dx\ /\ V_0 c_t T^2$")
     lower.set_ylabel(r"frictional work $/\ Q_0 V_0 c_t T^2$")
     lower.set(xlabel=r"$\chi = f P_b / Q_0$", xlim=(0, 2))
-    upper.legend(fontsize=8, ncols=2)
+    upper.legend(fontsize=SMALL, ncols=2)
     for panel in (upper, lower):
         panel.set_ylim(bottom=0)
     return figure

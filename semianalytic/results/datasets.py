@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from semianalytic.scene.errors import MissingLibraryError
+from semianalytic.scene.extras import needing
 
 QUANTITIES: Mapping[str, tuple[str, str]] = {
     "x": ("length", "position along the contact"),
@@ -42,12 +42,9 @@ def dataset(x: ArrayLike, t: ArrayLike, values: Mapping[str, Any]) -> Any:
     MissingLibraryError
         If xarray is not installed.
     """
-    try:
+    with needing("to_xarray"):
         import xarray
-    except ImportError as error:
-        raise MissingLibraryError(
-            "xarray is not installed; install it with `pip install xarray`."
-        ) from error
+
     data = xarray.Dataset(
         {name: (("t", "x")[: value.ndim], value) for name, value in values.items()},
         coords={"x": x, "t": t},

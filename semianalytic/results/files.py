@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.extras import needing
 
 NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
@@ -126,10 +127,13 @@ def whole_hdf5(path: str | Path) -> Iterator[Any]:
 
     Raises
     ------
+    MissingLibraryError
+        If h5py is not installed.
     DataFileError
         As `new_file`.
     """
-    import h5py
+    with needing("an HDF5 file"):
+        import h5py
 
     image = BytesIO()
     with h5py.File(image, "w") as file:
@@ -146,12 +150,15 @@ def sealed_hdf5(path: str | Path) -> Iterator[Any]:
 
     Raises
     ------
+    MissingLibraryError
+        If h5py is not installed.
     OSError
         If it cannot be opened.
     ValueError
         If its seal is broken or missing.
     """
-    import h5py
+    with needing("an HDF5 file"):
+        import h5py
 
     sealed = has_seal(path)
     with h5py.File(path, "r") as file:

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.results.datasets import dataset
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
-from semianalytic.scene.errors import DataFileError, MissingLibraryError
+from semianalytic.scene.errors import DataFileError
 
 FORMAT = "slipfront interface history 1"
 
@@ -52,25 +53,15 @@ class InterfaceHistory:
                 file.create_dataset(field.name, data=getattr(self, field.name), compression="gzip")
 
     def to_xarray(self) -> Any:
-        """The history as an `xarray.Dataset` with dimensions t and x.
+        """The history as an `xarray.Dataset` of dimensions t and x, with units as attributes.
 
         Raises
         ------
         MissingLibraryError
             If xarray is not installed.
         """
-        try:
-            import xarray
-        except ImportError as error:
-            raise MissingLibraryError(
-                "xarray is not installed; install it with `pip install xarray`."
-            ) from error
-        values = {
-            field.name: (("t", "x"), getattr(self, field.name))
-            for field in fields(self)
-            if field.name not in ("x", "t")
-        }
-        return xarray.Dataset(values, coords={"x": self.x, "t": self.t})
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return dataset(values.pop("x"), values.pop("t"), values)
 
     @classmethod
     def load(cls, path: str | Path) -> InterfaceHistory:

@@ -31,7 +31,7 @@ class ComputationError(SlipfrontError):
     exit_code = 4
 
 
-class MissingLibraryError(SlipfrontError):
-    """A system library that a Python package needs is not installed."""
+class MissingLibraryError(SlipfrontError, ImportError):
+    """A package of an extra, or a system library that one needs, is not installed."""
 
     exit_code = 5

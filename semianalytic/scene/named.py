@@ -193,6 +193,10 @@ def _replace_given(description: Any, **values: float | None) -> Any:
     return replace(description, **{key: v for key, v in values.items() if v is not None})
 
 
+_NAMED_OTHERWISE = {"step": "what is loaded goes into the table [load]."}
+"""Keys one may take for others that are spelt too differently to be guessed."""
+
+
 def _check_keys(
     path: str | Path,
     prefix: str,
@@ -206,6 +210,7 @@ def _check_keys(
         if key not in known:
             close = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
             hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
+            hint = _NAMED_OTHERWISE.get(prefix + key, hint)
             raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
         if key in (*TABLES, *OPTIONAL_TABLES):
             if not isinstance(value, dict):

@@ -27,7 +27,7 @@ HISTORY_KINDS: Mapping[str, type] = {
     "harmonic": Harmonic,
     "tabulated": Tabulated,
 }
-FRICTION_LAWS: Mapping[str, type] = {
+FRICTION_LAWS: Mapping[str, type[FrictionLaw]] = {
     "coulomb": CoulombFriction,
     "rate-weakening": RateWeakening,
     "slip-weakening": SlipWeakening,
@@ -189,10 +189,8 @@ class Scene:
 
     def check_weakening(self, pressure: float) -> None:
         """Raise SceneError if rate weakening is ill posed under a pressure [stress]."""
-        law, radiated = self.friction_law, self.material.shear_impedance / 2
-        if not isinstance(law, RateWeakening):
-            return
-        slope = self.friction * pressure * law.reduction / law.rate
+        slope = self.friction * pressure * self.friction_law.fall_with_rate
+        radiated = self.material.shear_impedance / 2
         if slope >= radiated:
             raise SceneError(
                 "scene: friction falls with slip rate faster than radiation can balance "
@@ -224,8 +222,9 @@ class Scene:
         """Raise SceneError unless all fields depend on x/t alone."""
         if not self.is_self_similar:
             raise SceneError(
-                "the self-similar solver takes step loads and constant friction only; "
-                "use the space-time solver for this scene."
+                "the self-similar solver takes step loads and constant friction only; use the "
+                "space-time solver for this scene, `march` or --method space-time "
+                "(docs/limits.md)."
             )
 
     @property

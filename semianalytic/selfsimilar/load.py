@@ -96,12 +96,13 @@ def check_pressure(scene: Scene) -> None:
     if load < 0:
         raise TensionError(
             "scene: a negative pressure step opens the contact at its edge x = 0; "
-            "make load pressure positive, or simulate the scene with finite elements."
+            "make load pressure positive, or simulate the scene with finite elements "
+            "(docs/limits.md)."
         )
     least = base + load * stuck_traction(scene.material.poisson_ratio, "I").at_rayleigh_front
     if least < 0:
         raise TensionError(
             f"scene: the contact pressure would fall to {least:.4g} at the Rayleigh front "
             f"x/t = {scene.material.rayleigh_speed:.6g}; raise base pressure to at least "
-            f"{base - least:.4g}."
+            f"{base - least:.4g}, or simulate the scene with finite elements (docs/limits.md)."
         )

@@ -256,21 +256,20 @@ class Profile:
 
         return self._piecewise(u, -load.far_slip_rate, inside)
 
-    @cached_property
-    def frictional_power(self) -> float:
-        """Integral of tau V over xi, one-sided slip rate, without slip ahead of all waves.
+    def contact_integral(self, weight: Array) -> float:
+        """Integral of weight |V| over xi, of slip behind the longitudinal front; weight (p, n).
 
         By parts: V is unbounded at c, but its slope has a principal value there, which the rule
         of the panels knows.
         """
-        panels, rate, power = self.panels, self._slip_rate, 0.0
-        weight = self.strength(panels.at.v) / np.square(panels.at.v)
-        passed = panels.rule.running(weight * panels.jacobian)
-        whole, lost = panels.integrals(weight), panels.integrals(passed * rate.density)
+        panels, rate, total = self.panels, self._slip_rate, 0.0
+        density = weight / np.square(panels.at.v)
+        passed = panels.rule.running(density * panels.jacobian)
+        whole, lost = panels.integrals(density), panels.integrals(passed * rate.density)
         for i in panels.layout.slip:
             end = self._starts[0][i] + rate.totals[i]
-            power += panels.sense[i] * float(end * whole[i] - lost[i])
-        return power
+            total += panels.sense[i] * float(end * whole[i] - lost[i])
+        return total
 
     @cached_property
     def _slot_panels(self) -> Panels:

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
+from semianalytic.results.answer import SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.dissipation import dissipation
 from semianalytic.selfsimilar.profile import Profile
+from semianalytic.selfsimilar.totals import dissipation, largest_slip_over_time
 
 
 @dataclass(frozen=True)
@@ -83,7 +87,8 @@ class Solution:
           plus the largest load.  Nearer the error may be larger: a shift e of an edge changes
           the square root at it by up to e^(1/2), and the logarithm at c_R has no largest value;
         - slip, path and work of friction at every point, relative to their largest value;
-        - frictional power of the whole contact or of a part, relative to that of the whole;
+        - frictional power and work of the whole contact or of a part, relative to the whole, and
+          accumulated slip, relative to itself;
         - slip rate and stress intensity at the contact edge, relative to themselves.
     statistics : Statistics
     profile : Profile
@@ -99,6 +104,12 @@ class Solution:
     statistics: Statistics
     profile: Profile
     stress: float
+
+    def __repr__(self) -> str:
+        speeds = [(f"{zone.inner:.4g}", f"{zone.outer:.4g}", zone.sense) for zone in self.zones]
+        zones = ", ".join(f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds)
+        slips = f"slip at {zones}" if zones else "no slip"
+        return f"<Solution: {slips}; {self.status}, error estimate {self.error_estimate:.1e}>"
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]) -> Array:
         """A field over slowness (m,), or several (k, m), at x, t; 0 before t = 0."""
@@ -149,10 +160,20 @@ class Solution:
         return bound - np.abs(self.shear_traction(x, t))
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """All interface fields at positions x (n,) and times t (m,)."""
-        x, t = np.asarray(x, dtype=float), np.asarray(t, dtype=float)
-        fields = (self.slip, self.slip_rate, self.shear_traction, self.pressure)
-        return InterfaceHistory(x, t, *(field(x[None, :], t[:, None]) for field in fields))
+        """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
+        return sampled_history(self, x, t)
+
+    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
+        """Fields and totals at positions x (n,) and times t (m,) as an `xarray.Dataset`.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        SceneError
+            As `slip_rate`.
+        """
+        return answer_dataset(self, x, t)
 
     @cached_property
     def edge_slip_rate(self) -> float:
@@ -183,8 +204,8 @@ class Solution:
             total = total + np.abs(self.slip(x, stops) - self.slip(x, starts))
         return total
 
-    def friction_work(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Work per area taken by friction at x until t [stress length]; raises as `slip_rate`."""
+    def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Energy turned to heat at x until t, per area [stress length]; raises as `slip_rate`."""
         unit = self._rate_unit * self.stress / self.scene.material.shear_speed
 
         def over_slowness(u: Array) -> Array:
@@ -201,6 +222,12 @@ class Solution:
         contact it grows linearly in time; it is infinite when the interface slips ahead of all
         waves.
 
+        It is all the power that leaves the solids through the contact.  The edges of slip zones
+        take none, for slip rate vanishes there at least like |x - edge|^(1/2) (between c_t and c_l
+        like |x - edge|^(1 - phi/pi)) under a finite traction; nor does a stuck contact edge, which
+        is singular but does not move.  What the load does beyond that is radiated; it is infinite,
+        as the slot is.
+
         Raises
         ------
         SceneError
@@ -215,36 +242,79 @@ class Solution:
     def _power_per_time(self, x: Array, time: Array) -> Array:
         """Power beyond x over time, in units of `profile`; slip ahead of all waves counts from the
         longitudinal front."""
-        value = np.full(x.shape, self.profile.frictional_power)
+        value = np.full(x.shape, self._whole_power)
         value[np.isinf(x)] = -np.inf if self.scene.far_slip_rate else 0.0
         part = (x > 0) & np.isfinite(x) & (time > 0)
         u = time[part] * self.scene.material.shear_speed / x[part]
         value[part] = dissipation(self.profile, u)[0]
         return value
 
-    def heat(self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf) -> Array:
-        """Energy turned to heat between inner and outer per unit depth until t [stress length^2].
+    def frictional_work(
+        self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf
+    ) -> Array:
+        """Energy turned to heat on the contact until t, per unit depth [stress length^2].
 
-        The time integral of `frictional_power`; raises as it.
+        The time integral of `frictional_power`; parameters and what it raises as there.
         """
         t, inner, outer = _intervals(t, inner, outer)
-        heat = np.asarray(t * self.frictional_power(t, inner, outer))
+        twice = np.asarray(t * self.frictional_power(t, inner, outer))
         # By self-similarity the power beyond x is t F(x/t), and the work at x follows from F.
         for x, sign in ((inner, -1), (outer, 1)):
             part = (x > 0) & np.isfinite(x)
-            heat[part] += sign * x[part] * self.friction_work(x[part], t[part])
-        return heat / 2
+            twice[part] += sign * x[part] * self.work_density(x[part], t[part])
+        return twice / 2
 
-    def energy_flux(self, t: ArrayLike) -> Array:
-        """Power that leaves the solids through the contact, per unit depth, at times t.
+    def accumulated_slip(self, t: ArrayLike) -> Array:
+        """Integral over the contact of the |slip| accumulated until t, of `path` [length^2].
 
-        [stress length^2 / time], in units of `frictional_power`, to which it is equal: friction
-        takes all of it.  The edges of slip zones take none, for slip rate vanishes there at
-        least like |x - edge|^(1/2) (between c_t and c_l like |x - edge|^(1 - phi/pi)) under a
-        finite traction; nor does a stuck contact edge, which is singular but does not move.
-        What the load does beyond that is radiated; it is infinite, as the slot is.
+        It grows like t^2, and is infinite when the interface slips ahead of all waves.
+
+        Raises
+        ------
+        SceneError
+            If a time is not finite.
         """
-        return self.frictional_power(t)
+        time = np.maximum(_finite_times(t), 0.0)
+        rate = math.inf if self.scene.far_slip_rate else self._rate_unit * self._whole_rate
+        area = rate * self.scene.material.shear_speed / 2
+        return np.asarray(np.multiply(area, time**2, out=np.zeros(time.shape), where=time > 0))
+
+    def max_slip(self, t: ArrayLike) -> Array:
+        """Largest |slip| on the contact at times t [length], or what it tends to at the edge.
+
+        It grows linearly in time; raises as `accumulated_slip`.
+        """
+        return self._rate_unit * np.maximum(_finite_times(t), 0.0) * self._largest_slip_over_time
+
+    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
+        """What slips at a time [time], from the contact edge outward; nothing until t = 0.
+
+        Raises
+        ------
+        SceneError
+            If the time is not a finite number.
+        """
+        t = checked_number("zones_at: t", t)
+        if t <= 0:
+            return ()
+        return tuple(
+            SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in self.zones
+        )
+
+    @cached_property
+    def _whole_power(self) -> float:
+        """Frictional power over time, in units of `profile`."""
+        return self.profile.contact_integral(self.profile.strength(self.profile.panels.at.v))
+
+    @cached_property
+    def _whole_rate(self) -> float:
+        """Integral of |slip rate| over the contact, over time, in units of `profile`."""
+        return self.profile.contact_integral(np.ones_like(self.profile.panels.at.v))
+
+    @cached_property
+    def _largest_slip_over_time(self) -> float:
+        """In units of `profile`."""
+        return largest_slip_over_time(self.profile)
 
     @property
     def edge_speeds(self) -> Array:
@@ -273,13 +343,19 @@ class Solution:
         return unit * tangential, unit * normal
 
 
+def _finite_times(t: ArrayLike) -> Array:
+    """Times as an array; SceneError if one is not finite."""
+    t = np.asarray(t, dtype=float)
+    if not np.all(np.isfinite(t)):
+        raise SceneError("times must be finite numbers.")
+    return t
+
+
 def _intervals(t: ArrayLike, inner: ArrayLike, outer: ArrayLike) -> tuple[Array, Array, Array]:
     """Times and the ends of intervals of the contact, broadcast and checked."""
     t, inner, outer = np.broadcast_arrays(
-        *(np.asarray(one, dtype=float) for one in (t, inner, outer))
+        _finite_times(t), *(np.asarray(one, dtype=float) for one in (inner, outer))
     )
-    if not np.all(np.isfinite(t)):
-        raise SceneError("times must be finite numbers.")
     if not np.all((inner >= 0) & (inner <= outer) & np.isfinite(inner)):
         raise SceneError("the contact is x > 0; ask for an interval with 0 <= inner <= outer.")
     return t, inner, outer

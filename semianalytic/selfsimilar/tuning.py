@@ -152,7 +152,7 @@ AT_SHEAR_FRONT = 1e-4
 BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 """Where such an edge starts on the other side, over the segment there.  Not recorded."""
 
-# Panels and their quadrature (panels, dissipation)
+# Panels and their quadrature (panels, totals)
 
 CACHED_KERNEL = 50_000
 """Kernel values formed at once, so that they stay in the processor's cache."""
@@ -168,3 +168,6 @@ PIECE_GROWTH = 4.0
 """Of slowness from piece to piece towards a slipping contact edge.  Not recorded."""
 GAUSS_PER_ELEMENT = 6
 """Gauss points per element of the complementarity grid.  Not recorded."""
+ZOOM_POINTS, ZOOMS = 33, 6
+"""Points in a bracket around the largest slip, which each zoom narrows 16 times; the last is 10^-7
+as wide: slip, flat at its maximum, is right to rounding."""

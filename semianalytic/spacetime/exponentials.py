@@ -21,15 +21,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import ComputationError
+from semianalytic.spacetime.tuning import (
+    FAR_SAMPLE,
+    MOST_PAIRS,
+    SAMPLES,
+    SHORTEST_SAMPLE,
+)
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-
-_SAMPLES = 60
-_MOST_PAIRS = 60
-_FAR = 30.0
-_SHORTEST = 0.1
-"""Smallest distance of samples to the branch points, over 1 / horizon."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,10 +94,10 @@ def fit_memory(speed_ratio: float, horizon: float, tolerance: float) -> Memory:
     def remainder(s: Complex) -> Complex:
         return impedance_transform(s, speed_ratio) - 1 - static / s
 
-    s = _samples(speed_ratio, horizon, _SAMPLES)
+    s = _samples(speed_ratio, horizon, SAMPLES)
     poles = _poles(s, remainder(s), tolerance)
     residues = _residues(s, remainder(s), poles)
-    check = _samples(speed_ratio, horizon, 4 * _SAMPLES + 1)
+    check = _samples(speed_ratio, horizon, 4 * SAMPLES + 1)
     wanted, found = remainder(check), _columns(check, poles) @ residues
     error = float(np.abs(found - wanted).max() / np.abs(wanted).max())
     if not error < 10 * tolerance:
@@ -119,9 +119,9 @@ def fit_memory(speed_ratio: float, horizon: float, tolerance: float) -> Memory:
 
 def _samples(speed_ratio: float, horizon: float, count: int) -> Complex:
     """Points on Re s = 1/horizon, dense beside the branch points at i and i c_l/c_t, (n,)."""
-    near, longitudinal = _SHORTEST / horizon, 1 / speed_ratio
+    near, longitudinal = SHORTEST_SAMPLE / horizon, 1 / speed_ratio
     spread = np.geomspace(near, longitudinal, count)
-    parts = [np.geomspace(near, max(_FAR, 3 * longitudinal), count)]
+    parts = [np.geomspace(near, max(FAR_SAMPLE, 3 * longitudinal), count)]
     parts += [branch + sign * spread for branch in (1.0, longitudinal) for sign in (1, -1)]
     return 1 / horizon + 1j * np.unique(np.maximum(np.abs(np.concatenate(parts)), near))
 
@@ -149,7 +149,7 @@ def _poles(s: Complex, values: Complex, tolerance: float) -> Complex:
         approximation[left] = numerator / (direct @ weights + mirrored @ weights.conj())
         approximation[chosen] = at_support
         error = np.abs(values - approximation).max() / np.abs(values).max()
-        if error < tolerance or len(chosen) == _MOST_PAIRS:
+        if error < tolerance or len(chosen) == MOST_PAIRS:
             break
     # the denominator's zeros are the eigenvalues of an arrowhead pencil
     both = np.concatenate([support, support.conj()])
@@ -158,7 +158,7 @@ def _poles(s: Complex, values: Complex, tolerance: float) -> Complex:
     mass = np.eye(len(pencil))
     mass[0, 0] = 0
     poles: Complex = np.asarray(eigvals(pencil, mass), dtype=complex)
-    poles = poles[np.isfinite(poles) & (np.abs(poles) < 100 * _FAR)]
+    poles = poles[np.isfinite(poles) & (np.abs(poles) < 100 * FAR_SAMPLE)]
     # poles to the right are doublets of rounding: their residues are nothing
     return poles[(poles.real < 0) & (poles.imag > -1e-8 * np.abs(poles))]
 

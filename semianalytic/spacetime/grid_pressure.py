@@ -12,24 +12,25 @@ from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.loads import Pieces
 from semianalytic.scene.scene import Scene
+from semianalytic.spacetime.tuning import (
+    BLOCK_VALUES,
+    EXACT_KINKS,
+    TABLE_BYTES,
+    TABLE_ROWS,
+    TABLE_SAMPLES,
+)
 
 Array = NDArray[np.float64]
-
-_ROWS = 64
-_TABLE_SAMPLES = 2
-_EXACT_KINKS = 4
-_BLOCK = 1 << 16
-_TABLE_BYTES = 8
 
 
 def table_bytes(scene: Scene, count: int, steps: float) -> float:
     """What `GridPressure` keeps for `count` nodes and a number of time steps [bytes]."""
-    return _TABLE_SAMPLES * steps * count * _TABLE_BYTES if _needs_table(scene) else 0.0
+    return TABLE_SAMPLES * steps * count * TABLE_BYTES if _needs_table(scene) else 0.0
 
 
 def _needs_table(scene: Scene) -> bool:
     pieces = scene.pressure_history.pieces
-    return bool(scene.load.pressure and (pieces.waves or len(pieces.kinks) > _EXACT_KINKS))
+    return bool(scene.load.pressure and (pieces.waves or len(pieces.kinks) > EXACT_KINKS))
 
 
 class GridPressure:
@@ -68,8 +69,8 @@ class GridPressure:
         self._table = np.zeros((0, count))
         self._kinks = self._pieces.kinks
         if _needs_table(scene):
-            self._kinks = self._kinks if len(self._kinks) <= _EXACT_KINKS else ()
-            self._rows = _TABLE_SAMPLES * int(np.ceil(end_time / time_step))
+            self._kinks = self._kinks if len(self._kinks) <= EXACT_KINKS else ()
+            self._rows = TABLE_SAMPLES * int(np.ceil(end_time / time_step))
             self._interval = end_time / self._rows
             self._table = self._response_table(count)
 
@@ -79,7 +80,7 @@ class GridPressure:
 
     def over(self, times: Array) -> Iterator[Array]:
         """Pressure at one time after the other, (n,) each [stress]."""
-        rows = max(1, _BLOCK // len(self._x))
+        rows = max(1, BLOCK_VALUES // len(self._x))
         for first in range(0, len(times), rows):
             yield from self._block(times[first : first + rows])
 
@@ -125,14 +126,14 @@ class GridPressure:
         size = next_fast_len(2 * len(t), real=True)
         transform = rfft(kinks, size)
         table = np.empty((len(t), count))
-        for first in range(0, count, _ROWS):
-            per = self._per[first : first + _ROWS, None]
+        for first in range(0, count, TABLE_ROWS):
+            per = self._per[first : first + TABLE_ROWS, None]
             ramps = np.zeros((len(per), len(t)))
-            reached = t > self._arrival[first : first + _ROWS, None]
+            reached = t > self._arrival[first : first + TABLE_ROWS, None]
             u = (t / per)[reached]
             ramps[reached] = np.broadcast_to(per, reached.shape)[reached] * self._primitive(u)
             full = irfft(transform * rfft(ramps, size, axis=1), size, axis=1)
-            table[:, first : first + _ROWS] = full[:, : len(t)].T
+            table[:, first : first + TABLE_ROWS] = full[:, : len(t)].T
         return table
 
     def _grid_kinks(self, t: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene, scene_document, scene_from_document
 from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.resolution import unresolved_zone
+from semianalytic.spacetime.tuning import ONSET_SHARE
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront march 2"
-ONSET_SHARE = 0.01
-"""Part of the largest slip rate so far that counts as the beginning of slip."""
+FORMAT = "slipfront march 3"
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,15 @@ class Grid:
     def x(self) -> Array:
         """Observed positions on the contact (observed,) [length]."""
         return np.asarray((np.arange(self.observed) + 0.5) * self.spacing)
+
+    @property
+    def contact(self) -> slice:
+        """The nodes of the contact among all of them."""
+        return slice(self.slot, self.size)
+
+    def observe(self, values: Array) -> Array:
+        """Values (size,) at the observed nodes of the contact, (observed,)."""
+        return values[self.slot : self.slot + self.observed]
 
     @property
     def wavenumbers(self) -> Array:
@@ -135,6 +144,10 @@ class MarchState:
         modes = np.zeros((poles, grid.size), dtype=complex)
         return cls(0.0, modes, lasting, lasting, contact, contact, contact, contact)
 
+    def copy(self) -> MarchState:
+        """A state of which the memory can be changed in place."""
+        return replace(self, modes=self.modes.copy(), lasting=self.lasting.copy())
+
 
 @dataclass(frozen=True)
 class MarchStatistics:
@@ -161,14 +174,19 @@ class MarchStatistics:
 
 
 @dataclass(frozen=True, eq=False)
-class Marched:
-    """Slip history of the interface by the space-time solver.
+class Marched(SampledAnswer):
+    """Slip history of the interface by the space-time solver; see `SampledAnswer`.
+
+    Fields are those of the stored levels, and linear between them; where `every` is above 1 ask
+    for what lies on levels, `interface.t`.  Totals are those of every step.
 
     Attributes
     ----------
     scene : Scene
     interface : InterfaceHistory
         At the observed nodes and stored levels.
+    totals : Totals
+        Of the observed contact, at t = 0 and after every step.
     latest : float
         Time to which it can go on [time].
     step_ratio, damping, every : float, float, int
@@ -182,6 +200,7 @@ class Marched:
 
     scene: Scene
     interface: InterfaceHistory
+    totals: Totals
     latest: float
     step_ratio: float
     damping: float
@@ -213,14 +232,21 @@ class Marched:
         return "unresolved" if self.caution else "resolved"
 
     @property
-    def path(self) -> Array:
-        """Accumulated |slip| at the end (n,) [length]."""
+    def final_path(self) -> Array:
+        """|slip| accumulated at the observed nodes until the end (n,) [length]."""
         return self.state.path[: self.grid.observed]
 
     @property
-    def friction_work(self) -> Array:
-        """Work done against friction until the end, per area (n,) [stress length]."""
+    def final_work_density(self) -> Array:
+        """Energy turned to heat at the observed nodes until the end, per area [stress length]."""
         return self.state.work[: self.grid.observed]
+
+    def __repr__(self) -> str:
+        grid = self.grid
+        return (
+            f"<Marched: to t = {self.end_time:.4g} in {self.statistics.steps} steps, "
+            f"{grid.observed} nodes on 0 < x < {grid.observed * grid.spacing:.4g}; {self.status}>"
+        )
 
     def save(self, path: str | Path) -> None:
         """Write all of it as HDF5, to be loaded or continued; whole or not at all."""
@@ -271,6 +297,7 @@ class Marched:
 _OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}
 _GROUPS = {
     "interface": InterfaceHistory,
+    "totals": Totals,
     "grid": Grid,
     "memory": Memory,
     "state": MarchState,

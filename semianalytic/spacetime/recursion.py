@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from semianalytic.scene.errors import SceneError
 from semianalytic.spacetime.exponentials import Memory
+from semianalytic.spacetime.tuning import (
+    LARGEST_FEEDBACK,
+)
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-
-LARGEST_FEEDBACK = 0.95
 
 
 class Recursion:

@@ -19,31 +19,28 @@ from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import LoadHistory
 from semianalytic.scene.scene import Scene
+from semianalytic.spacetime.tuning import (
+    HALVINGS,
+    LARGEST_TURN,
+    LEAST_TIMES,
+    MOST_SAMPLES,
+    NO_INTENSITY,
+    STEP_RATIO,
+    TIMES,
+    ZONE_NODES,
+)
 
 Array = NDArray[np.float64]
-
-_LARGEST_TURN = {1: 0.08, 4: 0.32}
-"""Of a load within so many steps, over its largest value."""
-MOST_NODES = 8000
-"""That a march chooses by itself, some 20 seconds of work."""
-
-_STEP_RATIO = 0.5
-_HALVINGS = 50
-_ZONE_NODES = 4.0
-_TIMES = 2000
-_LEAST_TIMES = 40
-_MOST_SAMPLES = 4 * 10**6
-_NO_INTENSITY = 1e-9
 
 
 def _follows(history: LoadHistory, step: float, latest: float) -> bool:
     return all(
-        history.turn(steps * step, latest) <= allowed for steps, allowed in _LARGEST_TURN.items()
+        history.turn(steps * step, latest) <= allowed for steps, allowed in LARGEST_TURN.items()
     )
 
 
 def nodes_for_loads(
-    scene: Scene, latest: float, length: float, least: int, step_ratio: float = _STEP_RATIO
+    scene: Scene, latest: float, length: float, least: int, step_ratio: float = STEP_RATIO
 ) -> tuple[int, str]:
     """Contact nodes that follow the loads until `latest`, `least` or more, and what needs them.
 
@@ -60,13 +57,13 @@ def nodes_for_loads(
         Largest c_t dt / h; less than 0.5 does not help.
     """
     nodes, reason = least, ""
-    times_nodes = max(step_ratio, _STEP_RATIO) * length / scene.material.shear_speed
+    times_nodes = max(step_ratio, STEP_RATIO) * length / scene.material.shear_speed
     for name, history in scene.acting_histories.items():
         step = times_nodes / nodes
         if _follows(history, step, latest):
             continue
         enough, lacking = 0.0, step
-        for _ in range(_HALVINGS):
+        for _ in range(HALVINGS):
             middle = lacking / 16 if enough == 0 else (enough + lacking) / 2
             enough, lacking = (
                 (middle, lacking) if _follows(history, middle, latest) else (enough, middle)
@@ -88,7 +85,7 @@ def check_loads(
     length: float,
     nodes: int,
     most: int,
-    step_ratio: float = _STEP_RATIO,
+    step_ratio: float = STEP_RATIO,
 ) -> int:
     """Contact nodes to march with: `nodes`, or as many up to `most` as follow the loads.
 
@@ -121,7 +118,7 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     and s the strength left beside it; what waves have reached at most.  0 where the edge holds.
     """
     breaks = [at for history in scene.acting_histories.values() for at in history.pieces.breaks]
-    count = max(_LEAST_TIMES, min(_TIMES, _MOST_SAMPLES // max(1, len(breaks))))
+    count = max(LEAST_TIMES, min(TIMES, MOST_SAMPLES // max(1, len(breaks))))
     times = np.linspace(0, end_time, count + 1)
     times = np.concatenate([times, [at for at in breaks[:count] if at < end_time]])
     mode_one, mode_two = np.zeros(times.shape), np.zeros(times.shape)
@@ -136,7 +133,7 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
         scene.base.pressure - scene.load.pressure * scene.pressure_history.value(times)
     ) - np.sign(mode_two) * (scene.base.shear - scene.load.shear * scene.shear_history.value(times))
     scale = np.abs(mode_two).max() + scene.friction * np.abs(mode_one).max()
-    slips = excess > _NO_INTENSITY * scale
+    slips = excess > NO_INTENSITY * scale
     bounded = strength > 0
     ratio = np.where(slips, excess, 0.0) / np.where(bounded, strength, 1.0)
     zone = np.where(slips & ~bounded, np.inf, np.pi / 8 * ratio**2)
@@ -146,7 +143,7 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
 def nodes_for_zone(scene: Scene, end_time: float, length: float) -> int:
     """Contact nodes on a length that resolve the longest slip zone at the edge; 0 without one."""
     zone = zone_at_edge(scene, end_time)
-    return math.ceil(_ZONE_NODES * length / zone) if zone else 0
+    return math.ceil(ZONE_NODES * length / zone) if zone else 0
 
 
 def unresolved_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> str:
@@ -162,7 +159,7 @@ def unresolved_zone(scene: Scene, end_time: float, spacing: float, reach: float)
     reach : float
         How far from the edge it saw slip [length].
     """
-    least = _ZONE_NODES * spacing
+    least = ZONE_NODES * spacing
     if reach >= least:
         return ""
     zone = zone_at_edge(scene, end_time)

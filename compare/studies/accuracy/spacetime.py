@@ -1,4 +1,4 @@
-"""Studies of the space-time solver: accuracy, cost, memory, slow ramps, stability.
+"""Studies of the space-time solver: accuracy, cost, memory, slow ramps, the edge of its grid.
 
 ``python -m compare.studies.accuracy.spacetime accuracy`` prints a table; `STUDIES` lists more.
 """
@@ -7,25 +7,19 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from compare.comparison.measures import in_profile
-from compare.figures.interface import PREDICTION, SIMULATION, save_figure
-from compare.output.files import write_rows
-from compare.studies.workers import Progress, counted
+from compare.comparison.measures import in_profile, relative_error
 from semianalytic import Marched, Material, Ramp, Scene, Tractions, march, solve
-from semianalytic.halfplane.stuck_histories import intensity_history, stuck_shear
-from semianalytic.scene.errors import SlipfrontError
+from semianalytic.halfplane.stuck_histories import stuck_shear
+from semianalytic.reference import static_zone
 from semianalytic.scene.loads import Step
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.spacetime.march_memory import state_bytes
@@ -43,9 +37,8 @@ def step_error(scene: Scene, marched: Marched) -> float:
     """Relative L1 error of the slip rate at the end on 0.02 < x/(c_t t) < 1.9, a step load."""
     x, end = marched.grid.x, marched.end_time
     seen = in_profile(x / (end * scene.material.shear_speed))
-    wanted = solve(scene, rtol=1e-9).slip_rate(x[seen], end)
-    found = marched.interface.slip_rate[-1, seen]
-    return float(np.abs(found - wanted).sum() / np.abs(wanted).sum())
+    exact = solve(scene, rtol=1e-9).slip_rate(x[seen], end)
+    return relative_error(marched.interface.slip_rate[-1, seen], exact, x[seen], 1)
 
 
 def last_march(
@@ -134,44 +127,6 @@ def memory() -> Table:
     return table
 
 
-@dataclass(frozen=True)
-class StaticZone:
-    """Slip zone of a slot loaded slowly: the static near field of a constant strength.
-
-    The stress intensity of the zone's own traction at its far end cancels that of the load,
-    2 strength sqrt(2 length / pi) = K_II (Dugdale; Barenblatt).
-
-    Attributes
-    ----------
-    strength : float
-        Friction bound less shear traction of the slot [stress].
-    length : float
-        [length].
-    material : Material
-    """
-
-    strength: float
-    length: float
-    material: Material
-
-    def slip(self, x: Array) -> Array:
-        """Relative slip at x > 0, (n,) [length]."""
-        share = np.clip(x / self.length, 1e-300, 1.0)
-        root = np.sqrt(1 - share)
-        shape = root - share / 2 * np.log((1 + root) / (1 - root + 1e-300))
-        unit = 4 * (1 - self.material.poisson_ratio) / (np.pi * self.material.shear_modulus)
-        return unit * self.strength * self.length * shape
-
-
-def static_zone(scene: Scene, t: float) -> StaticZone:
-    """The static zone at a time of a scene with slow shear under constant pressure."""
-    load = scene.load.shear * float(scene.shear_history.value(t))
-    strength = scene.friction * scene.base.pressure - scene.base.shear + load
-    _, intensity = intensity_history(scene.shear_history, scene.load, scene.material, t)
-    length = np.pi / 8 * (float(intensity) / strength) ** 2
-    return StaticZone(strength, float(length), scene.material)
-
-
 def ramp_errors(rise_time: float, nodes: int = 1500) -> tuple[float, float, float]:
     """Static zone length over c_t T, and relative differences of a march in length and slip (L1).
 
@@ -182,12 +137,11 @@ def ramp_errors(rise_time: float, nodes: int = 1500) -> tuple[float, float, floa
     length = float(np.clip(4 * static.length, 0.4, 2.0))
     marched = march(scene, 1.0, nodes, length=length, every=10**9)
     x, slip = marched.grid.x, marched.interface.slip[-1]
-    found = x[slip > 1e-4 * slip.max()].max() + marched.grid.spacing / 2
-    wanted = static.slip(x)
+    end = x[slip > 1e-4 * slip.max()].max() + marched.grid.spacing / 2
     return (
         static.length,
-        float(found / static.length - 1),
-        float(np.abs(slip - wanted).sum() / wanted.sum()),
+        float(end / static.length - 1),
+        relative_error(slip, static.slip(x), x, 1),
     )
 
 
@@ -198,125 +152,6 @@ def ramps() -> Table:
         length, longer, slip = ramp_errors(rise_time)
         table.add_row(f"{rise_time:g}", f"{length:.4f}", f"{100 * longer:.1f}", f"{100 * slip:.1f}")
     return table
-
-
-@dataclass(frozen=True)
-class StabilityRow:
-    """One run of the stability study.
-
-    Attributes
-    ----------
-    study : str
-    case : str
-    parameter : float
-        What was varied.
-    error : float
-        Relative L1 error of the slip rate; nan where the run was refused or failed.
-    outcome : str
-        "ran", or what the program said.
-    """
-
-    study: str
-    case: str
-    parameter: float
-    error: float
-    outcome: str
-
-
-def stability_rows(quick: bool) -> Iterator[StabilityRow]:
-    """Step ratio with and without damping, Poisson ratio, friction near thresholds, long times."""
-    nodes = 128 if quick else 512
-    preloaded = NAMED_SCENES["preloaded"].scene
-    for damping in (0.0, 0.7):
-        for ratio in (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8):
-            yield _stability(
-                "step ratio", f"damping {damping:g}", ratio, preloaded, nodes, ratio, damping
-            )
-    for nu in (-0.99, -0.9, -0.7, -0.5, -0.2, 0.0, 0.2, 0.4, 0.45, 0.49, 0.499, 0.4999):
-        scene = replace(preloaded, material=Material(1.0, 1.0, nu))
-        for damping in (0.0, 0.7):
-            case = f"damping {damping:g}"
-            yield _stability("Poisson ratio", case, nu, scene, nodes, 0.5, damping)
-    for chi in (0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 1.0, 2.0, 5.0):
-        yield _stability(
-            "friction", "preload", chi, replace(preloaded, friction=chi), nodes, 0.5, 0.7
-        )
-    remote = NAMED_SCENES["remote-shock"].scene
-    for chi in (0.3, 0.8, 0.99, 1.01, 1.1, 1.2, 1.25, 1.3, 1.38, 1.41):
-        yield _stability("friction", "remote", chi, replace(remote, friction=chi), nodes, 0.5, 0.7)
-    for end in (1.0, 2.0, 4.0) if quick else (1.0, 2.0, 4.0, 8.0, 16.0):
-        marched = march(preloaded, end, int(nodes * end / 4), every=10**9)
-        error = step_error(preloaded, marched)
-        yield StabilityRow("steps", "preload", marched.statistics.steps, error, "ran")
-
-
-def _stability(
-    study: str, case: str, value: float, scene: Scene, nodes: int, ratio: float, damping: float
-) -> StabilityRow:
-    try:
-        marched = last_march(scene, nodes, step_ratio=ratio, damping=damping)
-        return StabilityRow(study, case, value, step_error(scene, marched), "ran")
-    except SlipfrontError as refusal:
-        return StabilityRow(study, case, value, float("nan"), str(refusal))
-
-
-def write_stability(output: Path, quick: bool = False, progress: Progress | None = None) -> None:
-    """Run the stability study; write stability-space-time.csv and .png into a folder.
-
-    Parameters
-    ----------
-    output : Path
-        Folder.
-    quick : bool
-        Coarse grids.
-    progress : callable, optional
-        Called with the number of runs done and of all runs.
-
-    Raises
-    ------
-    DataFileError
-        If a file cannot be written.
-    """
-    output.mkdir(parents=True, exist_ok=True)
-    count = 22 + 24 + 20 + (3 if quick else 5)
-    rows = list(counted(stability_rows(quick), count, progress))
-    write_rows(output / "stability-space-time.csv", rows)
-    save_figure(stability_figure(rows), output / "stability-space-time.png")
-
-
-def stability_figure(rows: list[StabilityRow]) -> Figure:
-    """Errors of the study's four parts; crosses at the bottom where a run was refused."""
-    labels = {
-        "step ratio": r"$c_t\,\Delta t / h$",
-        "Poisson ratio": r"$\nu$",
-        "friction": r"$\chi$",
-        "steps": "time steps",
-    }
-    figure = Figure(figsize=(9, 6.5), layout="constrained")
-    panels = figure.subplots(2, 2).ravel()
-    for panel, (study, label) in zip(panels, labels.items(), strict=True):
-        part = [row for row in rows if row.study == study]
-        colours = iter((SIMULATION, PREDICTION))
-        for case in dict.fromkeys(row.case for row in part):
-            colour = next(colours)
-            own = [row for row in part if row.case == case]
-            ran = [row for row in own if row.outcome == "ran"]
-            panel.plot(
-                [row.parameter for row in ran],
-                [100 * row.error for row in ran],
-                ".-",
-                color=colour,
-                label=case,
-            )
-            refused = [row.parameter for row in own if row.outcome != "ran"]
-            panel.plot(refused, [1e-3] * len(refused), "x", color=colour)
-        panel.set_yscale("log")
-        panel.set(xlabel=label, ylabel="L1 error of slip rate [%]")
-        if study in ("friction", "steps"):
-            panel.set_xscale("log")
-            panel.xaxis.set_minor_formatter(NullFormatter())
-        panel.legend(fontsize=8)
-    return figure
 
 
 def edge() -> Table:
@@ -335,8 +170,8 @@ def edge() -> Table:
     ):
         x = (np.arange(60) + first) * marched.grid.spacing
         exact = 1 + stuck_shear(Step(), 1.0, scene.material, x, 1.0).value
-        found = (1 + marched.interface.shear_traction[-1, :60]) / seen
-        table.add_row(name, f"{100 * np.abs(found - exact).sum() / exact.sum():.3f}")
+        shear = (1 + marched.interface.shear_traction[-1, :60]) / seen
+        table.add_row(name, f"{100 * relative_error(shear, exact, np.asarray(x), 1):.3f}")
     return table
 
 

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from compare.figures.interface import save_figure
+from compare.figures.saving import save_figure
 from compare.output.files import write_text
 from compare.studies.article.cases import (
     END_TIME,
@@ -28,7 +28,7 @@ from compare.studies.article.cases import (
 )
 from compare.studies.article.claims import CLAIMS, METHODS, Claim
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
-from semianalytic.reference.published import (
+from semianalytic.reference import (
     DEFAULT_READING,
     ReadingResult,
     examine_all,

@@ -13,9 +13,8 @@ pulses, waves and tables of shear and pressure under every friction law, marched
 from __future__ import annotations
 
 import argparse
-import csv
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
@@ -25,8 +24,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.output.files import append_text, are_sound, checked_cells, write_text
+from compare.output.files import write_text
 from compare.output.progress import progress_bar
+from compare.output.tables import append_rows, markdown_table, sound_rows
 from compare.studies.campaign.scenes import drawn, random_history_scene, random_step_scene
 from compare.studies.workers import Progress, run_tasks
 from semianalytic import (
@@ -152,12 +152,9 @@ def error_between(one: Solution, other: Solution) -> float:
     edges = []
     for solution in (one, other):
         peaks = np.array([_peak(solution, zone) for zone in solution.zones])
-        told = peaks > one.error_estimate * peaks.max(initial=0.0)
-        pairs = [
-            (zone.inner, zone.outer)
-            for zone, seen in zip(solution.zones, told, strict=True)
-            if seen
-        ]
+        certain = peaks > one.error_estimate * peaks.max(initial=0.0)
+        zones = [zone for zone, kept in zip(solution.zones, certain, strict=True) if kept]
+        pairs = [(zone.inner, zone.outer) for zone in zones]
         edges.append(np.array(pairs).ravel() / speed)
     if len(edges[0]) != len(edges[1]):
         return math.inf
@@ -215,7 +212,7 @@ def marched_row(seed: int, index: int) -> MarchedRow:
     size = float(np.abs(paired).sum())
     change = float(np.abs(coarse.interface.slip[-1] - paired).sum()) / size if size else 0.0
     missed = not coarse.seen.slip_rate.any() and slip.max() > _CHANGED * _scale(scene)
-    work = coarse.friction_work
+    work = coarse.final_work_density
     return row(
         "marched" if coarse.status == "resolved" else "unresolved",
         seconds,
@@ -234,7 +231,7 @@ def _scale(scene: Scene) -> float:
 def _excess(marched: Marched) -> float:
     """Largest |tau| - strength at the end over the largest traction."""
     scene, end = marched.scene, marched.interface
-    factor = scene.friction_law.factor(np.abs(end.slip_rate[-1]), marched.path)
+    factor = scene.friction_law.factor(np.abs(end.slip_rate[-1]), marched.final_path)
     shear = np.abs(end.shear_traction[-1])
     strength = scene.friction * end.pressure[-1] * factor
     return max(float((shear - strength).max()) / (float(shear.max()) or 1.0), 0.0)
@@ -259,12 +256,15 @@ def run_campaign(
         If a table cannot be written.
     """
     directory.mkdir(parents=True, exist_ok=True)
-    plan = ((SolvedRow, solved_row, scenes), (MarchedRow, marched_row, histories))
+    plan: tuple[tuple[type, Callable[[int, int], Any], int], ...] = (
+        (SolvedRow, solved_row, scenes),
+        (MarchedRow, marched_row, histories),
+    )
     tables = [directory / f"{kind.__name__.lower()}s-{seed}.csv" for kind, _, _ in plan]
     results: list[dict[int, Any]] = []
     tasks, owners = [], []
     for owner, ((kind, function, count), table) in enumerate(zip(plan, tables, strict=True)):
-        known = _known_rows(table, kind)
+        known: dict[int, Any] = {row.index: row for row in _known_rows(table, kind)}
         results.append({index: row for index, row in known.items() if index < count})
         left = [index for index in range(count) if index not in known]
         for start in range(0, len(left), _PER_TASK):
@@ -272,33 +272,18 @@ def run_campaign(
             owners.append(owner)
     for task, rows in run_tasks(tasks, None, progress):
         owner = owners[task]
-        append_text(tables[owner], _lines(rows))
+        append_rows(tables[owner], rows)
         results[owner].update({row.index: row for row in rows})
     solved, marched = (sorted(rows.values(), key=lambda row: row.index) for rows in results)
     return solved, marched
 
 
-def _known_rows(table: Path, kind: Any) -> dict[int, Any]:
-    """Whole rows of an earlier run, by index; the heading is written if there is no table."""
-    heading = [field.name for field in fields(kind)]
+def _known_rows(table: Path, kind: type) -> list[Any]:
+    """Whole rows of an earlier run; the heading is written if there is no table."""
     if not table.exists():
-        write_text(table, ",".join([*heading, "checksum"]) + "\n")
-        return {}
-    known: dict[int, Any] = {}
-    parse: dict[str, Callable[[str], object]] = {
-        "int": int, "float": float, "str": str, "bool": "True".__eq__,
-    }  # fmt: skip
-    parsers = [parse[str(field.type)] for field in fields(kind)]
-    with table.open(newline="", encoding="utf-8") as stream:
-        for cells in csv.reader(stream):
-            if len(cells) == len(heading) + 1 and are_sound(cells):
-                values = [read(cell) for read, cell in zip(parsers, cells[:-1], strict=True)]
-                known[int(cells[0])] = kind(*values)
-    return known
-
-
-def _lines(rows: Iterable[Any]) -> str:
-    return "".join(",".join(checked_cells(row)) + "\n" for row in rows)
+        names = [field.name for field in fields(kind)]
+        write_text(table, ",".join([*names, "checksum"]) + "\n")
+    return sound_rows(table, kind)
 
 
 def summary(solved: Sequence[SolvedRow], marched: Sequence[MarchedRow]) -> list[tuple[str, str]]:
@@ -370,8 +355,7 @@ step; what changes most on doubling are small zones of slip at the edge.
 
 def page_text(solved: Sequence[SolvedRow], marched: Sequence[MarchedRow], seed: int = SEED) -> str:
     """The summary as a Markdown page."""
-    rows = [f"| {what} | {much} |" for what, much in summary(solved, marched)]
-    table = "\n".join(["| what | result |", "| --- | --- |", *rows]) + "\n"
+    table = markdown_table(("what", "result"), summary(solved, marched))
     return PAGE.format(
         scenes=len(solved),
         histories=len(marched),

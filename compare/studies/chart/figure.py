@@ -14,7 +14,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 from rich.table import Table
 
-from compare.figures.interface import PREDICTION, SIMULATION, save_figure
+from compare.figures.saving import save_figure
+from compare.figures.style import PREDICTION, SIMULATION
 from compare.output.files import write_text
 from compare.studies.chart.methods import EDGE_THRESHOLD, METHODS
 from compare.studies.chart.study import FINEST, SCENES, Point

@@ -8,7 +8,6 @@ difference at fixed velocities x/(c_t T), zone edges by the worst one, over c_t.
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import os
@@ -16,7 +15,7 @@ import platform
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import date
 from importlib.metadata import version
 from pathlib import Path
@@ -26,11 +25,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import relative_error
-from compare.output.files import are_sound, checksum_heading, write_rows
+from compare.output.tables import read_rows, write_rows
 from compare.studies.chart.methods import METHODS, PLACES, scaled_zones
 from compare.studies.workers import LIFELINE, ONE_THREAD, Progress, lifeline
 from semianalytic import Scene, SlipZone, solve
-from semianalytic.reference.closed_forms import (
+from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,
@@ -336,35 +335,13 @@ def read_points(path: Path) -> list[Point]:
     DataFileError
         If the file is damaged or not a chart.
     """
-    if not path.exists():
-        return []
-    kinds = {"float": float, "int": int, "str": str}
-    try:
-        with path.open(newline="", encoding="utf-8") as stream:
-            header, *rows = csv.reader(stream, strict=True)
-        if header != [*(field.name for field in fields(Point)), checksum_heading(len(rows))]:
-            raise ValueError("unknown columns or lost rows")
-        damaged = [number for number, row in enumerate(rows, start=2) if not are_sound(row)]
-        if damaged:
-            raise ValueError(f"row {damaged[0]} does not fit its checksum")
-        points = [
-            Point(
-                *(
-                    kinds[str(field.type)](cell)
-                    for field, cell in zip(fields(Point), row[:-1], strict=True)
-                )
+    points = read_rows(path, Point, "a chart")
+    for point in points:
+        if point.method not in METHODS or point.scene not in SCENES:
+            raise DataFileError(
+                f"{path} cannot be read as a chart (unknown {point.method} on {point.scene}); "
+                "move it away to measure again."
             )
-            for row in rows
-        ]
-        unknown = {p.method for p in points} - set(METHODS) | {p.scene for p in points} - set(
-            SCENES
-        )
-        if unknown:
-            raise ValueError(f"unknown {min(unknown)}")
-    except (OSError, ValueError, csv.Error) as error:
-        raise DataFileError(
-            f"{path} cannot be read as a chart ({error}); move it away to measure again."
-        ) from error
     return points
 
 

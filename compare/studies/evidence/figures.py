@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Literal
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,23 +13,40 @@ from numpy.typing import NDArray
 
 from compare.comparison.rows import EDGE_CELLS
 from compare.comparison.scales import slip_rate_scale, stress_scale, wave_speeds
-from compare.figures.interface import PREDICTION, RATE_LABEL, SIMULATION
+from compare.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    MARCH,
+    ORANGE,
+    PLACE_LABEL,
+    PREDICTION,
+    RATE_LABEL,
+    SIMULATION,
+    SMALL,
+    TIME_LABEL,
+    TRACTION_LABEL,
+    VERMILLION,
+    LineStyle,
+    describe,
+    line_handle,
+    mark_waves,
+    marker_handle,
+    new_figure,
+)
+from compare.figures.style import PUBLISHED as PUBLISHED_COLOUR
 from compare.studies.evidence.study import FEM, OPEN, PUBLISHED, SceneEvidence
 
 Array = NDArray[np.float64]
 
 COLOURS = {
     "self-similar": PREDICTION,
-    "space-time": "#2a9d8f",
+    "space-time": MARCH,
     FEM: SIMULATION,
-    PUBLISHED: "#b07d12",
+    PUBLISHED: PUBLISHED_COLOUR,
 }
 """One colour per method, in figures and in the profiles that follow the slider."""
-LINES: Mapping[str, Literal["-", "--", "-."]] = {
-    "self-similar": "-",
-    "space-time": "--",
-    PUBLISHED: "-.",
-}
+LINES: Mapping[str, LineStyle] = {"self-similar": "-", "space-time": "--", PUBLISHED: "-."}
 FRAMES = 33
 STEPS_OF_UNIT, LARGEST = 2000, 9999
 """Units of a profile over the height of its panel, and the most of them that are kept."""
@@ -37,137 +54,126 @@ NEAR_EDGE = 0.05
 """Part of the waves' reach, next to the edge, that may leave the panel: singular tractions."""
 
 
-def rates_figure(found: SceneEvidence) -> Figure:
+def rates_figure(evidence: SceneEvidence) -> Figure:
     """Slip rate at T by all methods, and differences from the first of them."""
-    scale = slip_rate_scale(found.scene)
-    rates = {name: h.slip_rate[-1] / scale for name, h in found.histories.items()}
+    scale = slip_rate_scale(evidence.scene)
+    rates = {name: h.slip_rate[-1] / scale for name, h in evidence.histories.items()}
     unjudged = {}
-    if found.published is not None:
-        unjudged[PUBLISHED] = found.published_rate()[-1] / scale
-    figure, (upper, lower), place = _pair(found)
+    if evidence.published is not None:
+        unjudged[PUBLISHED] = evidence.published_rate()[-1] / scale
+    figure, (upper, lower), place = _pair(evidence)
     for name, values in {**rates, **unjudged}.items():
         _draw(upper, name, place, values)
-    _frame(upper, [values[EDGE_CELLS:] for values in rates.values()])
-    first = _draw_differences(lower, place, rates)
+    upper.set_ylim(*_panel_limits([values[EDGE_CELLS:] for values in rates.values()]))
     upper.set_ylabel(RATE_LABEL)
-    lower.set_ylabel(f"less {first}")
-    upper.legend(handles=_handles((*rates, *unjudged)), loc="best", fontsize=8)
+    upper.legend(handles=_handles([*rates, *unjudged]), loc="best", fontsize=SMALL)
+    _draw_differences(lower, place, rates)
     return figure
 
 
-def tractions_figure(found: SceneEvidence) -> Figure:
+def tractions_figure(evidence: SceneEvidence) -> Figure:
     """Shear traction and friction bound ± f p at T by all methods; differences in shear."""
-    scale = stress_scale(found.scene)
-    figure, (upper, lower), place = _pair(found)
+    scale = stress_scale(evidence.scene)
+    figure, (upper, lower), place = _pair(evidence)
     shear = {}
-    for name, history in found.histories.items():
+    for name, history in evidence.histories.items():
         shear[name] = history.shear_traction[-1] / scale
-        bound = found.scene.friction * history.pressure[-1] / scale
+        bound = evidence.scene.friction * history.pressure[-1] / scale
         _draw(upper, name, place, shear[name])
         for sign in (1, -1):
             upper.plot(place, sign * bound, ":", color=COLOURS[name], linewidth=1)
-    _frame(upper, [values[_ahead(place)] for values in shear.values()])
-    first = _draw_differences(lower, place, shear)
-    upper.set_ylabel(r"traction $/\ \tau_0$")
-    lower.set_ylabel(f"less {first}")
-    bound_handle = Line2D([], [], color="0.3", linestyle=":", label=r"bound $\pm f p$")
-    upper.legend(handles=[*_handles(tuple(shear)), bound_handle], loc="best", fontsize=8)
+    upper.set_ylim(*_panel_limits([values[_ahead(place)] for values in shear.values()]))
+    upper.set_ylabel(TRACTION_LABEL)
+    handles = [*_handles(shear), line_handle(r"bound $\pm f p$", "0.3", ":")]
+    upper.legend(handles=handles, loc="best", fontsize=SMALL)
+    _draw_differences(lower, place, shear)
     return figure
 
 
-def energy_figure(found: SceneEvidence) -> Figure:
+def energy_figure(evidence: SceneEvidence) -> Figure:
     """Where the work of the loads goes in the finite-element model, over time."""
-    energy, end = found.simulation.energy, found.simulation.end_time
-    unit = energy_unit(found)
-    figure = Figure(figsize=(7, 3.6), layout="constrained")
+    energy, unit = evidence.simulation.energy, energy_unit(evidence)
+    figure = describe(new_figure(7, 3.8), evidence.scene)
     panel = figure.subplots()
-    parts = {
-        "work of the loads": (energy.external, "black"),
-        "kinetic": (energy.kinetic, "#12355b"),
-        "strain": (energy.strain, "#2a9d8f"),
-        "friction": (energy.friction, "#d1495b"),
-        "damping": (energy.damping, "#b07d12"),
-    }
-    for name, (values, colour) in parts.items():
-        panel.plot(energy.t / end, values / unit, color=colour, label=name)
-    panel.legend(fontsize=8)
-    panel.set(xlabel=r"$t/T$", ylabel=r"energy $/\ \tau_0 V_0 c_t T^2$", xlim=(0, 1))
+    for name, values, colour in (
+        ("work of the loads", energy.external, BLACK),
+        ("kinetic", energy.kinetic, BLUE),
+        ("strain", energy.strain, GREEN),
+        ("friction", energy.friction, VERMILLION),
+        ("damping", energy.damping, ORANGE),
+    ):
+        time = energy.t / evidence.simulation.end_time
+        panel.plot(time, values / unit, color=colour, label=name)
+    panel.legend(fontsize=SMALL)
+    panel.set(xlabel=TIME_LABEL, ylabel=r"energy $/\ \tau_0 V_0 c_t T^2$", xlim=(0, 1))
     return figure
 
 
-def opening_figure(found: SceneEvidence) -> Figure:
+def opening_figure(evidence: SceneEvidence) -> Figure:
     """Where the contact is open over space and time in the finite-element model."""
-    simulation, material = found.simulation, found.scene.material
-    history = simulation.interface
-    length = material.shear_speed * simulation.end_time
-    figure = Figure(figsize=(7, 3.6), layout="constrained")
+    simulation, speed = evidence.simulation, evidence.scene.material.shear_speed
+    history, end = simulation.interface, simulation.end_time
+    figure = describe(new_figure(7, 3.8), evidence.scene)
     panel = figure.subplots()
+    place, is_open = history.x / (speed * end), simulation.state == OPEN
     panel.pcolormesh(
-        history.x / length,
-        history.t / simulation.end_time,
-        simulation.state == OPEN,
-        shading="nearest",
-        cmap="Greys",
-        rasterized=True,
+        place, history.t / end, is_open, shading="nearest", cmap="Greys", rasterized=True
     )
-    for speed in wave_speeds(material).values():
-        panel.plot([0, speed / material.shear_speed], [0, 1], "--", color="0.4", linewidth=0.8)
-    panel.set(xlabel=r"$x/(c_t T)$", ylabel=r"$t/T$", ylim=(0, 1), title="open (dark) or closed")
+    panel.set(xlabel=PLACE_LABEL, ylabel=TIME_LABEL, xlim=(0, place[-1]), ylim=(0, 1))
+    panel.set_title("open (dark) or closed", pad=16)
+    mark_waves(panel, evidence.scene.material, speed, "rays")
     return figure
 
 
-def energy_unit(found: SceneEvidence) -> float:
+def energy_unit(evidence: SceneEvidence) -> float:
     """τ₀ V₀ c_t T² [stress length²], what energies per thickness are measured by."""
-    scene, end = found.scene, found.simulation.end_time
+    scene, end = evidence.scene, evidence.simulation.end_time
     area = scene.material.shear_speed * end**2
     return stress_scale(scene) * slip_rate_scale(scene) * area
 
 
-def profiles(anchor: str, scene: SceneEvidence) -> dict[str, Any]:
+def profiles(anchor: str, evidence: SceneEvidence) -> dict[str, Any]:
     """Profiles over x/(c_t T) at 33 times, as whole multiples of a unit per curve.
 
     Curves are the slip rate over V₀, and shear traction and friction bound over τ₀.
     """
-    histories, material = scene.histories, scene.scene.material
-    first = histories[FEM]
+    scene, histories = evidence.scene, evidence.histories
+    first, material = histories[FEM], scene.material
     end = first.t[-1]
     levels = np.unique(np.linspace(0, len(first.t) - 1, FRAMES).round().astype(int))
     place = first.x / (material.shear_speed * end)
-    rate, stress = slip_rate_scale(scene.scene), stress_scale(scene.scene)
-    rates = {name: history.slip_rate[levels] / rate for name, history in histories.items()}
-    shear = {name: history.shear_traction[levels] / stress for name, history in histories.items()}
-    bound = {
-        name: scene.scene.friction * history.pressure[levels] / stress
-        for name, history in histories.items()
-    }
-    ahead = _ahead(place)
-    framed = shear if scene.reports else {**shear, "bound": bound[FEM]}
-    limits = (
-        _panel_limits([values[:, EDGE_CELLS:] for values in rates.values()]),
-        _panel_limits([values[:, ahead] for values in framed.values()]),
-    )
-    if scene.published is not None:
-        rates[PUBLISHED] = scene.published_rate()[levels] / rate
-    panels = [
-        {
-            "id": f"{anchor}-rate",
-            "label": "slip rate / V₀",
-            "limits": limits[0],
-            "curves": _curves(rates, limits[0]),
-        },
-        {
-            "id": f"{anchor}-traction",
-            "label": "shear traction, and bound ± f p (dotted), / τ₀",
-            "limits": limits[1],
-            "curves": [*_curves(shear, limits[1]), *_curves(bound, limits[1], bound=True)],
-        },
+    rate, stress = slip_rate_scale(scene), stress_scale(scene)
+    rates = {name: h.slip_rate[levels] / rate for name, h in histories.items()}
+    shear = {name: h.shear_traction[levels] / stress for name, h in histories.items()}
+    bound = {name: scene.friction * h.pressure[levels] / stress for name, h in histories.items()}
+    framed = shear if evidence.reports else {**shear, "bound": bound[FEM]}
+    around_rates = _panel_limits([values[:, EDGE_CELLS:] for values in rates.values()])
+    around_shear = _panel_limits([values[:, _ahead(place)] for values in framed.values()])
+    if evidence.published is not None:
+        rates[PUBLISHED] = evidence.published_rate()[levels] / rate
+    tractions = [
+        *_curves(shear, around_shear),
+        *_curves(bound, around_shear, bound=True),
     ]
     symbols = zip(("c_R", "c_t", "c_l"), wave_speeds(material).values(), strict=True)
     return {
         "x": [round(float(x), 5) for x in place],
         "t": [round(float(t), 5) for t in first.t[levels] / end],
         "fronts": {name: round(speed / material.shear_speed, 6) for name, speed in symbols},
-        "panels": panels,
+        "panels": [
+            {
+                "id": f"{anchor}-rate",
+                "label": "slip rate / V₀",
+                "limits": around_rates,
+                "curves": _curves(rates, around_rates),
+            },
+            {
+                "id": f"{anchor}-traction",
+                "label": "shear traction, and bound ± f p (dotted), / τ₀",
+                "limits": around_shear,
+                "curves": tractions,
+            },
+        ],
     }
 
 
@@ -203,19 +209,16 @@ def _ahead(place: Array) -> NDArray[np.bool_]:
     return np.asarray(place > NEAR_EDGE * place[-1])
 
 
-def _pair(found: SceneEvidence) -> tuple[Figure, tuple[Axes, Axes], Array]:
+def _pair(evidence: SceneEvidence) -> tuple[Figure, tuple[Axes, Axes], Array]:
     """Two panels with the wave fronts at T, and x/(c_t T) of the contact nodes."""
-    history, material = found.histories[FEM], found.scene.material
+    history, material = evidence.histories[FEM], evidence.scene.material
     place = history.x / (material.shear_speed * history.t[-1])
-    figure = Figure(figsize=(7, 5), layout="constrained")
+    figure = describe(new_figure(7, 5.2), evidence.scene)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     for panel in (upper, lower):
         panel.axhline(0, color="0.6", linewidth=0.6)
-        for speed in wave_speeds(material).values():
-            panel.axvline(
-                speed / material.shear_speed, color="0.5", linestyle="--", linewidth=0.7, zorder=0
-            )
-    lower.set(xlabel=r"$x/(c_t T)$", xlim=(0, place[-1]))
+        mark_waves(panel, material, material.shear_speed, labels=panel is upper)
+    lower.set(xlabel=PLACE_LABEL, xlim=(0, place[-1]))
     return figure, (upper, lower), place
 
 
@@ -226,25 +229,21 @@ def _draw(panel: Axes, name: str, place: Array, values: Array) -> None:
         panel.plot(place, values, linestyle=LINES[name], color=COLOURS[name], linewidth=1.3)
 
 
-def _draw_differences(panel: Axes, place: Array, fields: dict[str, Array]) -> str:
-    """Draw all but the first field less the first; return the name of that one."""
+def _draw_differences(panel: Axes, place: Array, fields: dict[str, Array]) -> None:
+    """Draw all but the first field less the first."""
     first, *others = fields
-    gaps = [fields[name] - fields[first] for name in others]
-    for name, gap in zip(others, gaps, strict=True):
-        panel.plot(place, gap, color=COLOURS[name], linewidth=1)
-    if gaps:
-        _frame(panel, [gap[_ahead(place)] for gap in gaps])
-    return first
+    differences = {name: fields[name] - fields[first] for name in others}
+    for name, values in differences.items():
+        panel.plot(place, values, color=COLOURS[name], linewidth=1)
+    if differences:
+        panel.set_ylim(*_panel_limits([values[_ahead(place)] for values in differences.values()]))
+    panel.set_ylabel(f"less {first}", fontsize=SMALL)
 
 
-def _frame(panel: Axes, values: list[Array]) -> None:
-    panel.set_ylim(*_panel_limits(values))
-
-
-def _handles(names: tuple[str, ...]) -> list[Line2D]:
+def _handles(names: Iterable[str]) -> list[Line2D]:
     return [
-        Line2D([], [], color=COLOURS[name], marker=".", linestyle="none", label=name)
+        marker_handle(name, COLOURS[name])
         if name == FEM
-        else Line2D([], [], color=COLOURS[name], linestyle=LINES[name], label=name)
+        else line_handle(name, COLOURS[name], LINES[name])
         for name in names
     ]

@@ -9,7 +9,10 @@ from html import escape
 
 from matplotlib.figure import Figure
 
-from compare.figures.interface import figure_png
+from compare.figures.saving import figure_png
+
+BESIDE = 5.0
+"""Width of one of two figures beside each other [inch]."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +60,11 @@ def _cell(cell: str | Cell, *, first: bool) -> str:
 
 
 def drawn_figure(figure: Figure, caption: str, *, wide: bool = False) -> str:
-    """A figure over its caption."""
-    return image(figure_png(figure), caption, caption + ".", wide=wide)
+    """A figure over its caption; one that is not wide is drawn as small as it will be seen."""
+    width, height = figure.get_size_inches()
+    if not wide and width > BESIDE:
+        figure.set_size_inches(BESIDE, 0.85 * height)
+    return image(figure_png(figure, dpi=110 if wide else 150), caption, caption + ".", wide=wide)
 
 
 def image(data: bytes, alternative: str, caption: str, *, wide: bool = False) -> str:

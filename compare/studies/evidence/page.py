@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import shlex
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
@@ -13,6 +13,8 @@ from pathlib import Path
 from string import Template
 
 from compare.comparison.rows import Row
+from compare.output.files import write_text
+from compare.output.places import check_file
 from compare.studies.article.claims import FAILS, HOLDS, METHODS, PARTLY
 from compare.studies.article.study import figure_2, figure_5, figure_6
 from compare.studies.evidence.html import (
@@ -27,9 +29,10 @@ from compare.studies.evidence.html import (
     words,
 )
 from compare.studies.evidence.scene import DASH, FAIL, PASS, scene_section, verdict
-from compare.studies.evidence.study import FEM, Evidence, excess, worst_row
+from compare.studies.evidence.study import FEM, Evidence, collect, excess, worst_row
+from compare.studies.workers import Progress
 
-CHECKOUT = Path(__file__).parents[1]
+CHECKOUT = Path(__file__).parents[3]
 
 
 @dataclass(frozen=True)
@@ -78,20 +81,44 @@ STUDIES = {
 }
 
 
-def page(found: Evidence) -> str:
+def write_evidence(
+    path: Path,
+    sources: Sequence[str] = (),
+    *,
+    quick: bool = False,
+    progress: Progress | None = None,
+) -> Evidence:
+    """Write the page, whole or not at all; parameters as `collect`.
+
+    Raises
+    ------
+    SceneError
+        If there is no such scene, or the path is that of a folder; before anything is computed.
+    ComputationError
+        If a method fails.
+    DataFileError
+        If the file cannot be written.
+    """
+    check_file(path)
+    evidence = collect(sources, quick=quick, progress=progress)
+    write_text(path, page(evidence))
+    return evidence
+
+
+def page(evidence: Evidence) -> str:
     """The whole page."""
-    anchors = [f"scene-{number}" for number in range(1, len(found.scenes) + 1)]
+    anchors = [f"scene-{number}" for number in range(1, len(evidence.scenes) + 1)]
     sections = [
-        ("summary", "Summary", _summary(found, anchors)),
+        ("summary", "Summary", _summary(evidence, anchors)),
         ("reading", "How to read this page", _reading()),
         *(
-            (anchor, f"Scene: {scene.label}", scene_section(anchor, scene, found.quick))
-            for anchor, scene in zip(anchors, found.scenes, strict=True)
+            (anchor, f"Scene: {scene.label}", scene_section(anchor, scene, evidence.quick))
+            for anchor, scene in zip(anchors, evidence.scenes, strict=True)
         ),
-        ("closed", "Closed forms", _closed_forms(found)),
-        ("article", "Claims of the article", _article(found)),
+        ("closed", "Closed forms", _closed_forms(evidence)),
+        ("article", "Claims of the article", _article(evidence)),
         *((key, study.title, _earlier(study)) for key, study in STUDIES.items()),
-        ("versions", "Versions, machine and commands", _versions(found)),
+        ("versions", "Versions, machine and commands", _versions(evidence)),
     ]
     contents = "".join(
         f'<li><a href="#{anchor}">{escape(title)}</a></li>' for anchor, title, _ in sections
@@ -109,7 +136,7 @@ def page(found: Evidence) -> str:
             "semi-analytic methods and by finite elements, which share with them the description "
             "of a scene and nothing else."
         )
-        + paragraph(f"Made on {found.stamp['date']} by slipfront {found.stamp['slipfront']}.")
+        + paragraph(f"Made on {evidence.stamp['date']} by slipfront {evidence.stamp['slipfront']}.")
         + f'</header>\n<nav aria-label="Contents"><h2>Contents</h2><ol>{contents}</ol></nav>\n'
         + f"<main>\n{main}\n</main>"
     )
@@ -117,9 +144,9 @@ def page(found: Evidence) -> str:
     return Template(template).substitute(body=body)
 
 
-def _summary(found: Evidence, anchors: Iterable[str]) -> str:
+def _summary(evidence: Evidence, anchors: Iterable[str]) -> str:
     rows = []
-    for anchor, scene in zip(anchors, found.scenes, strict=True):
+    for anchor, scene in zip(anchors, evidence.scenes, strict=True):
         worst = worst_row(scene)
         passed = sum(row.passed for _, row in scene.rows)
         rows.append(
@@ -133,7 +160,7 @@ def _summary(found: Evidence, anchors: Iterable[str]) -> str:
             )
         )
     head = ("scene", "verdict", "rows within", "closest to its tolerance", "methods", "shows")
-    claims = [claim.verdicts["exact"].verdict for claim in found.claims]
+    claims = [claim.verdicts["exact"].verdict for claim in evidence.claims]
     return table(head, rows, "Every scene, and the row that comes closest to failing") + paragraph(
         f"By the exact solution, {claims.count(HOLDS)} of the {len(claims)} claims of the article "
         f"hold, {claims.count(PARTLY)} hold in part and {claims.count(FAILS)} fail."
@@ -168,12 +195,12 @@ def _reading() -> str:
     )
 
 
-def _closed_forms(found: Evidence) -> str:
-    forms = found.closed_forms
+def _closed_forms(evidence: Evidence) -> str:
+    forms = evidence.closed_forms
     methods = tuple(forms[0].errors)
     rows: list[tuple[str | Cell, ...]] = []
     for form in forms:
-        edges = (DASH if edge is None else f"{edge:.12f}" for edge in (form.edge, form.found))
+        edges = (DASH if edge is None else f"{edge:.12f}" for edge in (form.edge, form.solved_edge))
         errors = (f"{form.errors[method]:.1e}" for method in methods)
         rows.append((words(form.words), *map(number, (*errors, *edges))))
     head = ("scene", *methods, "edge / c_t, closed form", "edge / c_t, self-similar")
@@ -187,24 +214,24 @@ def _closed_forms(found: Evidence) -> str:
     )
 
 
-def _article(found: Evidence) -> str:
+def _article(evidence: Evidence) -> str:
     rows: list[tuple[str | Cell, ...]] = []
-    for claim in found.claims:
+    for claim in evidence.claims:
         verdicts = (claim.verdicts[method] for method in METHODS)
         judged = (words(f"{one.verdict}: {one.evidence}") for one in verdicts)
         rows.append((claim.section, words(claim.text), claim.base, *judged))
-    cases = found.cases.everyone()
+    cases = evidence.cases.everyone()
     drawn = ""
-    if not found.quick:
+    if not evidence.quick:
         drawn = figures(
-            drawn_figure(draw(found.cases), f"Figure {name} of the article, redrawn", wide=True)
+            drawn_figure(draw(evidence.cases), f"Figure {name} of the article, redrawn", wide=True)
             for name, draw in (("2", figure_2), ("5", figure_5), ("6", figure_6))
         )
     return (
         paragraph(
             f"Every verdict is computed from {len(cases)} scenes, solved and simulated with h = "
             f"c_t T / {cases[0].resolution}. Exact and simulated slip rates differ by at most "
-            f"{found.cases.disagreement():.2g} Q_0/(μb) in the mean."
+            f"{evidence.cases.disagreement():.2g} Q_0/(μb) in the mean."
         )
         + table(("section", "claim", "load base", *METHODS), rows, "Claims and verdicts")
         + drawn
@@ -214,8 +241,8 @@ def _article(found: Evidence) -> str:
 
 def _earlier(study: Earlier) -> str:
     """Figures of a longer study from files, with their dates, or how to make them."""
-    found = list(_earlier_files(study.patterns))
-    if not found:
+    paths = list(_earlier_files(study.patterns))
+    if not paths:
         return paragraph(f"{study.about} Not drawn on this machine yet:") + code([study.command])
     drawn = figures(
         image(
@@ -224,7 +251,7 @@ def _earlier(study: Earlier) -> str:
             f"{path.name}, a file of {file_date(path)}",
             wide=True,
         )
-        for path in found
+        for path in paths
     )
     return (
         paragraph(f"{study.about} Drawn earlier, not together with this page, by")
@@ -243,17 +270,20 @@ def file_date(path: Path) -> str:
 
 def _earlier_files(patterns: Iterable[str]) -> Iterator[Path]:
     """Files by name; where two folders hold the same figure, that of this machine's results."""
-    found: dict[str, Path] = {}
+    paths: dict[str, Path] = {}
     for folder in (Path("results"), Path("docs", "figures"), CHECKOUT / "docs" / "figures"):
         for path in sorted({path for pattern in patterns for path in folder.glob(pattern)}):
-            found.setdefault(path.name.replace("_", "-"), path)
-    yield from found.values()
+            paths.setdefault(path.name.replace("_", "-"), path)
+    yield from paths.values()
 
 
-def _versions(found: Evidence) -> str:
-    names = " ".join(shlex.quote(scene.source) for scene in found.scenes)
-    command = f"slipfront evidence {names}" + (" --quick" if found.quick else "")
-    rows = [*found.stamp.items(), ("time to compute", f"{found.seconds:.1f} s, without figures")]
+def _versions(evidence: Evidence) -> str:
+    names = " ".join(shlex.quote(scene.source) for scene in evidence.scenes)
+    command = f"slipfront evidence {names}" + (" --quick" if evidence.quick else "")
+    rows = [
+        *evidence.stamp.items(),
+        ("time to compute", f"{evidence.seconds:.1f} s, without figures"),
+    ]
     return (
         table(("what", "value"), rows, "What made this page")
         + paragraph("This page, the tests behind it, and the parts that take longer:")

@@ -50,48 +50,48 @@ def verdict(passed: bool) -> Cell:
     return Cell(PASS, "good") if passed else Cell(FAIL, "bad")
 
 
-def scene_section(anchor: str, scene: SceneEvidence, quick: bool) -> str:
+def scene_section(anchor: str, evidence: SceneEvidence, quick: bool) -> str:
     """All that is known of a scene; `anchor` begins the identifiers in it."""
-    parts = [paragraph(scene.summary[0].upper() + scene.summary[1:] + ".")]
-    if scene.obstacle:
+    parts = [paragraph(evidence.summary[0].upper() + evidence.summary[1:] + ".")]
+    if evidence.obstacle:
         parts.append(
             paragraph(
                 "Finite elements only. The semi-analytic methods hold while the contact is closed, "
-                f"and refuse this scene: “{scene.obstacle}” {_opening(scene)}"
+                f"and refuse this scene: “{evidence.obstacle}” {_opening(evidence)}"
             )
         )
     parts += [
-        _parameters(scene),
+        _parameters(evidence),
         "<h3>Methods</h3>",
-        _methods(scene),
+        _methods(evidence),
         "<h3>Profiles through time</h3>",
-        _player(anchor, scene),
+        _player(anchor, evidence),
         "<h3>Figures</h3>",
-        _figures(scene, quick),
+        _figures(evidence, quick),
         "<h3>Fronts and slip zones</h3>",
-        _zones(scene),
+        _zones(evidence),
         "<h3>Energy</h3>",
-        _energy(scene),
+        _energy(evidence),
     ]
-    if scene.rows:
-        judged = dict.fromkeys(method for method, _ in scene.rows)
-        parts += ["<h3>Row by row</h3>", *(_rows(scene, method) for method in judged)]
-    parts += ["<h3>Do it again</h3>", _commands(scene)]
+    if evidence.rows:
+        judged = dict.fromkeys(method for method, _ in evidence.rows)
+        parts += ["<h3>Row by row</h3>", *(_rows(evidence, method) for method in judged)]
+    parts += ["<h3>Do it again</h3>", _commands(evidence)]
     return "\n".join(parts)
 
 
-def _opening(scene: SceneEvidence) -> str:
+def _opening(evidence: SceneEvidence) -> str:
     """How far the contact has opened at the end, in a sentence."""
-    simulation = scene.simulation
+    simulation = evidence.simulation
     opened = simulation.interface.x[simulation.state[-1] == OPEN]
-    length = scene.scene.material.shear_speed * simulation.end_time
+    length = evidence.scene.material.shear_speed * simulation.end_time
     if not len(opened):
         return "At T the contact is closed everywhere."
     return f"At T the contact is open up to x = {opened.max() / length:.3f} c_t T."
 
 
-def _parameters(scene: SceneEvidence) -> str:
-    document = scene_document(scene.scene)
+def _parameters(evidence: SceneEvidence) -> str:
+    document = scene_document(evidence.scene)
     items = [("friction", document.pop("friction"))]
     for group, values in document.items():
         items += [(f"{group}.{name}", value) for name, value in values.items()]
@@ -100,12 +100,12 @@ def _parameters(scene: SceneEvidence) -> str:
     ).rstrip()
 
 
-def _methods(scene: SceneEvidence) -> str:
-    gaps = differences(scene)
+def _methods(evidence: SceneEvidence) -> str:
+    gaps = differences(evidence)
     rows: list[tuple[str | Cell, ...]] = []
-    settings = {FEM: _mesh_words(scene), PUBLISHED: "default reading, 200 unknowns"}
-    seconds = {FEM: sum(scene.simulation.seconds.values())}
-    for report in scene.reports:
+    settings = {FEM: _mesh_words(evidence), PUBLISHED: "default reading, 200 unknowns"}
+    seconds = {FEM: sum(evidence.simulation.seconds.values())}
+    for report in evidence.reports:
         prediction = report.prediction
         seconds[prediction.method] = prediction.seconds
         settings[prediction.method] = (
@@ -113,36 +113,36 @@ def _methods(scene: SceneEvidence) -> str:
             if prediction.solution is not None
             else f"{FINER} nodes per element of the mesh"
         )
-    for method in scene.methods:
+    for method in evidence.methods:
         took = f"{seconds[method]:.2g}" if method in seconds else DASH
         gap = [f"{value:.2e}" for value in gaps[method]] if method in gaps else [DASH, DASH]
         rows.append((method, words(settings[method]), *map(number, (took, *gap))))
     return table(
         ("method", "settings", "time [s]", "mean difference / V₀", "largest difference / V₀"),
         rows,
-        f"Slip rate at T on 0.02 < x/(c_t T) < 1.9: differences from {scene.methods[0]}"
+        f"Slip rate at T on 0.02 < x/(c_t T) < 1.9: differences from {evidence.methods[0]}"
         if gaps
         else "The one method that applies",
     )
 
 
-def _mesh_words(scene: SceneEvidence) -> str:
-    run = scene.simulation
+def _mesh_words(evidence: SceneEvidence) -> str:
+    run = evidence.simulation
     return (
         f"h = c_t T / {run.resolution}, {run.element} on {run.mesh}, {run.model}, damping "
         f"{run.damping:g} h/c_t, {run.unknowns:,} unknowns, {run.steps} steps"
     )
 
 
-def _zones(scene: SceneEvidence) -> str:
-    material, simulation = scene.scene.material, scene.simulation
+def _zones(evidence: SceneEvidence) -> str:
+    material, simulation = evidence.scene.material, evidence.simulation
     speeds = [
         (f"{name} wave", number(f"{speed / material.shear_speed:.6f}"))
         for name, speed in wave_speeds(material).items()
     ]
     parts = [table(("front", "speed / c_t"), speeds, "Wave speeds")]
     rows = []
-    for report in scene.reports:
+    for report in evidence.reports:
         solution = report.prediction.solution
         if solution is None:
             continue
@@ -156,20 +156,20 @@ def _zones(scene: SceneEvidence) -> str:
                 )
             ]
             rows.append((_sense(zone.sense), *edges))
+        edge_rate = solution.edge_slip_rate / slip_rate_scale(evidence.scene)
         mode_one, mode_two = solution.stress_intensity(simulation.end_time)
-        unit = stress_scale(scene.scene) * math.sqrt(material.shear_speed * simulation.end_time)
+        unit = stress_scale(evidence.scene) * math.sqrt(material.shear_speed * simulation.end_time)
         if rows:
             head = ("sense", "inner edge / c_t", "which is", "outer edge / c_t", "which is")
             parts.append(table(head, rows, "Slip zones solved for by the self-similar method"))
         parts.append(
             paragraph(
-                f"The contact edge is {edge_state(solution)}; slip rate there "
-                f"{solution.edge_slip_rate / slip_rate_scale(scene.scene):.6f} V₀. At T its stress "
-                f"intensities are K_I = {float(mode_one) / unit:.6f} and K_II = "
-                f"{float(mode_two) / unit:.6f} in units of τ₀ √(c_t T)."
+                f"The contact edge is {edge_state(solution)}; slip rate there {edge_rate:.6f} "
+                f"V₀. At T its stress intensities are K_I = {float(mode_one) / unit:.6f} and "
+                f"K_II = {float(mode_two) / unit:.6f} in units of τ₀ √(c_t T)."
             )
         )
-    read = [(name, words(_read_zones(scene, name))) for name in scene.histories]
+    read = [(name, words(_read_zones(evidence, name))) for name in evidence.histories]
     parts.append(
         table(
             ("method", "zones, x / (c_t T)"),
@@ -180,14 +180,14 @@ def _zones(scene: SceneEvidence) -> str:
     return "".join(parts)
 
 
-def _read_zones(scene: SceneEvidence, method: str) -> str:
-    history = scene.histories[method]
+def _read_zones(evidence: SceneEvidence, method: str) -> str:
+    history = evidence.histories[method]
     rate, time = history.slip_rate[-1], history.t[-1]
     largest = float(np.abs(rate).max())
-    if largest < 1e-6 * slip_rate_scale(scene.scene):
+    if largest < 1e-6 * slip_rate_scale(evidence.scene):
         return "none"
     shown = slip_zones(history.x / time, rate, READ_FROM * largest)
-    unit = scene.scene.material.shear_speed
+    unit = evidence.scene.material.shear_speed
     return "; ".join(
         f"{zone.inner / unit:.4f} to "
         + ("the end " if math.isinf(zone.outer) else f"{zone.outer / unit:.4f} ")
@@ -196,8 +196,8 @@ def _read_zones(scene: SceneEvidence, method: str) -> str:
     )
 
 
-def _energy(scene: SceneEvidence) -> str:
-    unit, energy = energy_unit(scene), scene.simulation.energy
+def _energy(evidence: SceneEvidence) -> str:
+    unit, energy = energy_unit(evidence), evidence.simulation.energy
     parts = [
         (name, number(f"{round(float(values[-1]) / unit, 6) + 0.0:.6f}"))
         for name, values in (
@@ -210,20 +210,20 @@ def _energy(scene: SceneEvidence) -> str:
         )
     ]
     parts.append(("largest imbalance over the work", number(f"{energy.residual:.1e}")))
-    inside = scene.simulation.interface.x > 0
-    nodes, end = scene.simulation.interface.x[inside], scene.simulation.end_time
+    inside = evidence.simulation.interface.x > 0
+    nodes, end = evidence.simulation.interface.x[inside], evidence.simulation.end_time
     work = []
-    for report in scene.reports:
+    for report in evidence.reports:
         prediction = report.prediction
         if prediction.solution is None:
             x, taken = prediction.interface.x, prediction.friction_work
             part, whole = float(np.trapezoid(taken, x)), math.nan
         else:
-            heat = prediction.solution.heat
+            heat = prediction.solution.frictional_work
             part, whole = float(heat(end, nodes[0], nodes[-1])), float(heat(end))
         shown = number(_work(part / unit)), number(_work(whole / unit))
         work.append((prediction.method, *shown))
-    seen = float(np.trapezoid(scene.simulation.friction_work[inside], nodes))
+    seen = float(np.trapezoid(evidence.simulation.friction_work[inside], nodes))
     work.append((FEM, number(_work(seen / unit)), parts[3][1]))
     return table(
         ("finite elements at T", "over τ₀ V₀ c_t T²"),
@@ -243,8 +243,8 @@ def _work(value: float) -> str:
     return "∞" if math.isinf(value) else f"{value:.6f}"
 
 
-def _rows(scene: SceneEvidence, method: str) -> str:
-    rows = [row for name, row in scene.rows if name == method]
+def _rows(evidence: SceneEvidence, method: str) -> str:
+    rows = [row for name, row in evidence.rows if name == method]
     passed = sum(row.passed for row in rows)
     cells = [
         (
@@ -267,32 +267,32 @@ def _rows(scene: SceneEvidence, method: str) -> str:
     )
 
 
-def _commands(scene: SceneEvidence) -> str:
-    name, run = shlex.quote(scene.source), scene.simulation
+def _commands(evidence: SceneEvidence) -> str:
+    name, run = shlex.quote(evidence.source), evidence.simulation
     mesh = f"--resolution {run.resolution}"
-    if not scene.reports:
+    if not evidence.reports:
         return code([f"slipfront simulate {name} {mesh}"])
     lines = [f"slipfront compare {name} {mesh} --no-snapshots"]
-    if len(scene.reports) > 1:
+    if len(evidence.reports) > 1:
         lines.append(f"slipfront compare {name} {mesh} --no-snapshots --method space-time")
     lines.append(f"slipfront solve {name}")
     return code(lines)
 
 
-def _figures(scene: SceneEvidence, quick: bool) -> str:
-    label, methods = scene.label, ", ".join(scene.histories)
-    if not scene.reports:
-        drawn = [drawn_figure(opening_figure(scene), f"Where the contact of {label} is open")]
+def _figures(evidence: SceneEvidence, quick: bool) -> str:
+    label, methods = evidence.label, ", ".join(evidence.histories)
+    if not evidence.reports:
+        drawn = [drawn_figure(opening_figure(evidence), f"Where the contact of {label} is open")]
     else:
-        every = ", ".join(scene.methods)
+        every = ", ".join(evidence.methods)
         drawn = [
-            drawn_figure(rates_figure(scene), f"Slip rate at T of {label} by {every}"),
+            drawn_figure(rates_figure(evidence), f"Slip rate at T of {label} by {every}"),
             drawn_figure(
-                tractions_figure(scene),
+                tractions_figure(evidence),
                 f"Shear traction and friction bound at T of {label} by {methods}",
             ),
         ]
-    for report in scene.reports:
+    for report in evidence.reports:
         if not slips(report.prediction, report.simulation):
             continue
         method = report.prediction.method
@@ -304,7 +304,7 @@ def _figures(scene: SceneEvidence, quick: bool) -> str:
                 wide=True,
             )
         )
-        if quick or report is not scene.reports[0]:
+        if quick or report is not evidence.reports[0]:
             continue
         drawn += [
             drawn_figure(
@@ -316,34 +316,34 @@ def _figures(scene: SceneEvidence, quick: bool) -> str:
             ),
         ]
     if not quick:
-        for report in scene.reports:
+        for report in evidence.reports:
             solution = report.prediction.solution
             if solution is not None:
                 drawn.append(
                     drawn_figure(
-                        fronts_figure(solution, scene.simulation.interface),
+                        fronts_figure(solution, evidence.simulation.interface),
                         f"Simulated slip rate of {label} under predicted fronts and zone edges",
                     )
                 )
         caption = f"Energies of {label} in the {FEM} over time"
-        drawn.append(drawn_figure(energy_figure(scene), caption))
+        drawn.append(drawn_figure(energy_figure(evidence), caption))
     return figures(drawn)
 
 
-def _player(anchor: str, scene: SceneEvidence) -> str:
+def _player(anchor: str, evidence: SceneEvidence) -> str:
     """A slider through time with two panels, drawn by the script of the page."""
     slider = f"{anchor}-time"
-    data = json.dumps(profiles(anchor, scene), separators=(",", ":"))
+    data = json.dumps(profiles(anchor, evidence), separators=(",", ":"))
     panels = "".join(
-        f'<svg role="img" aria-label="{escape(text)} of {escape(scene.label)} along the interface '
-        'at the time of the slider"></svg>'
+        f'<svg role="img" aria-label="{escape(text)} of {escape(evidence.label)} along the '
+        'interface at the time of the slider"></svg>'
         for text in ("Slip rate", "Shear traction and friction bound")
     )
     boxes = "".join(
         f'<label><input type="checkbox" value="{method}" checked>'
         f'<span class="swatch" style="background:var(--{method.replace(" ", "-")})"></span>'
         f"{method}</label>"
-        for method in scene.methods
+        for method in evidence.methods
     )
     return (
         f'<div class="player">{panels}<div class="time"><label for="{slider}">time</label>'

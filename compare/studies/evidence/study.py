@@ -8,9 +8,9 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from importlib.metadata import version
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,18 +20,17 @@ from compare.comparison.predictions import contact_nodes, predict
 from compare.comparison.report import Report, build_report
 from compare.comparison.rows import Row
 from compare.comparison.scales import slip_rate_scale
-from compare.output.files import write_text
-from compare.output.places import check_file
 from compare.studies.chart.methods import published_obstacle
 from compare.studies.workers import Progress, counted
 from semianalytic import InterfaceHistory, Material, Scene, Tractions
-from semianalytic.reference.closed_forms import (
+from semianalytic.reference import (
+    PublishedSlip,
     edge_speed_under_shear_step,
+    published_slip,
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,
     slip_rate_without_friction,
 )
-from semianalytic.reference.published import PublishedSlip, published_slip
 from semianalytic.scene.errors import SceneError, TensionError
 from semianalytic.scene.named import NAMED_SCENES, find_scene, scene_label
 
@@ -96,8 +95,9 @@ class SceneEvidence:
     @property
     def histories(self) -> dict[str, InterfaceHistory]:
         """Histories at the contact nodes and times of the simulation, by method."""
-        found = {report.prediction.method: report.prediction.interface for report in self.reports}
-        return {**found, FEM: contact_nodes(self.simulation)}
+        predictions = [report.prediction for report in self.reports]
+        predicted = {prediction.method: prediction.interface for prediction in predictions}
+        return {**predicted, FEM: contact_nodes(self.simulation)}
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -145,7 +145,7 @@ class ClosedForm:
         What the scene is, and the function of `semianalytic.reference.closed_forms`.
     errors : mapping
         Relative L1 error of the slip rate at T on 0.02 < x/(c_t T) < 1.9, by method.
-    edge, found : float or None
+    edge, solved_edge : float or None
         Velocity of the outer edge over c_t, in closed form and by the self-similar method; None
         where all slips.
     """
@@ -153,7 +153,7 @@ class ClosedForm:
     words: str
     errors: Mapping[str, float]
     edge: float | None
-    found: float | None
+    solved_edge: float | None
 
 
 @dataclass(frozen=True)
@@ -196,28 +196,25 @@ def excess(row: Row) -> float:
     return float(abs(row.difference) / row.tolerance)
 
 
-def worst_row(found: SceneEvidence) -> tuple[str, Row] | None:
+def worst_row(evidence: SceneEvidence) -> tuple[str, Row] | None:
     """The row of a scene that comes closest to its tolerance, or passes it most."""
-    return max(found.rows, key=lambda pair: excess(pair[1]), default=None)
+    return max(evidence.rows, key=lambda pair: excess(pair[1]), default=None)
 
 
-def differences(found: SceneEvidence) -> dict[str, tuple[float, float]]:
+def differences(evidence: SceneEvidence) -> dict[str, tuple[float, float]]:
     """Mean and largest difference of slip rate at T over V₀ from the first method, by method.
 
     At the contact nodes on 0.02 < x/(c_t T) < 1.9.
     """
-    histories = found.histories
+    histories = evidence.histories
     rates = {name: history.slip_rate[-1] for name, history in histories.items()}
-    if found.published is not None:
-        rates[PUBLISHED] = found.published_rate()[-1]
+    if evidence.published is not None:
+        rates[PUBLISHED] = evidence.published_rate()[-1]
     first, *others = rates
-    place = histories[first].x / (found.scene.material.shear_speed * histories[first].t[-1])
-    inside, scale = in_profile(place), slip_rate_scale(found.scene)
-    result = {}
-    for name in others:
-        gap = np.abs(rates[name] - rates[first])[inside] / scale
-        result[name] = (float(gap.mean()), float(gap.max()))
-    return result
+    place = histories[first].x / (evidence.scene.material.shear_speed * histories[first].t[-1])
+    inside, scale = in_profile(place), slip_rate_scale(evidence.scene)
+    gaps = {name: np.abs(rates[name] - rates[first])[inside] / scale for name in others}
+    return {name: (float(gap.mean()), float(gap.max())) for name, gap in gaps.items()}
 
 
 def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
@@ -303,16 +300,16 @@ def _closed_form(
     histories[FEM] = contact_nodes(simulation)
     velocity = histories[FEM].x / simulation.end_time
     shown = in_profile(velocity / scene.material.shear_speed)
-    wanted = exact(velocity[shown])
+    expected = exact(velocity[shown])
     errors = {
-        name: relative_error(history.slip_rate[-1, shown], wanted, velocity[shown], 1)
+        name: relative_error(history.slip_rate[-1, shown], expected, velocity[shown], 1)
         for name, history in histories.items()
     }
     solution = predictions[0].solution
-    found = None
+    solved_edge = None
     if edge is not None and solution is not None:
-        found = solution.zones[-1].outer / scene.material.shear_speed
-    return ClosedForm(words, errors, edge, found)
+        solved_edge = solution.zones[-1].outer / scene.material.shear_speed
+    return ClosedForm(words, errors, edge, solved_edge)
 
 
 def collect(
@@ -349,15 +346,12 @@ def collect(
     for source in chosen:
         find_scene(source)
     started = time.perf_counter()
-    tell = progress or (lambda done, count: None)
-    count = len(chosen) + 2
-    scenes = tuple(counted((collect_scene(one, resolution) for one in chosen), count, progress))
-    forms = closed_forms(resolution)
-    tell(count - 1, count)
-    cases = run_cases(QUICK_ARTICLE_RESOLUTION if quick else ARTICLE_RESOLUTION)
-    claims = judge_claims(cases)
-    tell(count, count)
-    return Evidence(scenes, forms, cases, claims, quick, _stamp(), time.perf_counter() - started)
+    pieces: list[Callable[[], Any]] = [partial(collect_scene, one, resolution) for one in chosen]
+    pieces.append(partial(closed_forms, resolution))
+    pieces.append(partial(run_cases, QUICK_ARTICLE_RESOLUTION if quick else ARTICLE_RESOLUTION))
+    *scenes, forms, cases = counted((piece() for piece in pieces), len(pieces), progress)
+    claims, seconds = judge_claims(cases), time.perf_counter() - started
+    return Evidence(tuple(scenes), forms, cases, claims, quick, _stamp(), seconds)
 
 
 def _stamp() -> dict[str, str]:
@@ -368,29 +362,3 @@ def _stamp() -> dict[str, str]:
         "Python": platform.python_version(),
         **{name: version(name) for name in PACKAGES},
     }
-
-
-def write_evidence(
-    path: Path,
-    sources: Sequence[str] = (),
-    *,
-    quick: bool = False,
-    progress: Progress | None = None,
-) -> Evidence:
-    """Write the page, whole or not at all; parameters as `collect`.
-
-    Raises
-    ------
-    SceneError
-        If there is no such scene, or the path is that of a folder; before anything is computed.
-    ComputationError
-        If a method fails.
-    DataFileError
-        If the file cannot be written.
-    """
-    from compare.studies.evidence.page import page
-
-    check_file(path)
-    found = collect(sources, quick=quick, progress=progress)
-    write_text(path, page(found))
-    return found

@@ -1,6 +1,6 @@
-"""Slip regime of a solution, and tables of regimes and boundary points over (nu, chi).
+"""Tables of regimes and boundary points over (nu, chi).
 
-Loadings and units are those of `semianalytic.regimes.thresholds`.
+Loadings and units are those of `semianalytic.regimes`.
 """
 
 from __future__ import annotations
@@ -13,11 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.output.files import append_text, are_sound, checked_cells, write_text
-from semianalytic import Solution, solve
-from semianalytic.regimes import reverse_slip
-from semianalytic.regimes import thresholds as boundaries
-from semianalytic.regimes.thresholds import Loading, scene_of
+from compare.output.files import write_text
+from compare.output.tables import append_rows, sound_rows
+from semianalytic import Solution, regimes, solve
+from semianalytic.regimes import Loading, regime, scene_of, stuck_threshold
 from semianalytic.scene.errors import ComputationError
 from semianalytic.sweeps.sweep import sweep
 
@@ -68,29 +67,6 @@ class BoundaryPoint:
     log10_chi: float
 
 
-def regime(solution: Solution) -> str:
-    """Regime of a solution, a key of `REGIMES`; "failed" unless its status is "converged".
-
-    Slip counts as reverse if it opposes the shear of the load.
-    """
-    if solution.status != "converged":
-        return "failed"
-    scene = solution.scene
-    forward = math.copysign(1, scene.load.shear or scene.base.shear)
-    if any(zone.sense != forward for zone in solution.zones):
-        return "reverse"
-    if not solution.zones:
-        return "stuck"
-    if math.isinf(solution.zones[-1].outer):
-        return "everywhere"
-    rayleigh = scene.material.rayleigh_speed
-    if any(zone.inner < rayleigh < zone.outer for zone in solution.zones):
-        return "one"
-    if solution.zones[0].inner > 0:
-        return "front"
-    return "slow" if len(solution.zones) == 1 else "two"
-
-
 def poisson_ratios(count: int, corners: bool = False) -> NDArray[np.float64]:
     """Poisson ratios of a map: middles of equal cells, or their corners."""
     return (_corners if corners else _middles)(*POISSON_RATIOS, count)
@@ -107,13 +83,7 @@ def frictions(
     levels = _corners if corners else _middles
     if loading == "preload":
         return 10.0 ** levels(*_PRELOAD_DECADES, count)
-    return 1 + levels(*_REMOTE_SHARES, count) * (stuck_above(poisson_ratio) - 1)
-
-
-def stuck_above(poisson_ratio: float) -> float:
-    """Friction above which a remotely loaded interface is fully stuck."""
-    alone = boundaries.edge_threshold_alone(poisson_ratio)
-    return max(alone, boundaries.front_threshold_stuck(poisson_ratio))
+    return 1 + levels(*_REMOTE_SHARES, count) * (stuck_threshold(poisson_ratio) - 1)
 
 
 def _middles(low: float, high: float, count: int) -> NDArray[np.float64]:
@@ -166,30 +136,22 @@ def trace(loading: Loading, poisson_ratio: float) -> list[BoundaryPoint]:
     half-width of the reversed strip over c_R as friction vanishes.
     """
     found: dict[str, float | None] = {
-        "nucleation": math.log10(boundaries.nucleation(loading, poisson_ratio)),
+        "nucleation": math.log10(regimes.nucleation(loading, poisson_ratio)),
     }
-    gap = boundaries.gap_threshold(loading, poisson_ratio)
+    gap = regimes.gap_threshold(loading, poisson_ratio)
     found["gap"] = None if gap is None else math.log10(gap)
     if loading == "remote":
-        found["edge"] = math.log10(boundaries.edge_threshold(poisson_ratio))
+        found["edge"] = math.log10(regimes.edge_threshold(poisson_ratio))
         found["everywhere"] = 0.0
     else:
-        found["reverse"] = math.log10(reverse_slip.reverse_threshold(poisson_ratio))
-        width = reverse_slip.log_frictionless_half_width(poisson_ratio)
+        found["reverse"] = math.log10(regimes.reverse_threshold(poisson_ratio))
+        width = regimes.log_frictionless_half_width(poisson_ratio)
         found["reverse-width"] = width / math.log(10)
     return [
         BoundaryPoint(loading, curve, poisson_ratio, value)
         for curve, value in found.items()
         if value is not None
     ]
-
-
-def closed_form_speed(poisson_ratio: float, chi: float) -> float:
-    """Front of the only zone of a preloaded interface [c_t]: 1 / ((1 - nu)(1 + chi)^2).
-
-    Holds above the friction of nucleation.
-    """
-    return 1 / ((1 - poisson_ratio) * (1 + chi) ** 2)
 
 
 def zone_speeds(point: MapPoint) -> list[tuple[float, float, int]]:
@@ -203,11 +165,6 @@ def sorted_points(points: Iterable[MapPoint]) -> list[MapPoint]:
     return sorted(points, key=lambda point: (point.loading, point.poisson_ratio, point.chi))
 
 
-def append_points(path: Path, points: Sequence[MapPoint]) -> None:
-    """Append points to an unfinished table."""
-    append_text(path, _table(points))
-
-
 def kept_columns(path: Path, loading: Loading, count: int) -> dict[float, list[MapPoint]]:
     """Columns of a map that an unfinished table holds whole, by Poisson ratio.
 
@@ -215,19 +172,11 @@ def kept_columns(path: Path, loading: Loading, count: int) -> dict[float, list[M
     """
     if not path.exists():
         return {}
-    columns: dict[float, list[MapPoint]] = {}
-    for line in path.read_bytes().decode("utf-8", "replace").splitlines():
-        row = line.split(",")  # no cell holds a comma
-        if are_sound(row) and row[0] == loading:
-            _, nu, chi, name, zones, status, estimate, _ = row
-            point = MapPoint(loading, float(nu), float(chi), name, zones, status, float(estimate))
-            columns.setdefault(point.poisson_ratio, []).append(point)
-    wanted = set(poisson_ratios(count).tolist())
-    whole = {nu: rows for nu, rows in columns.items() if nu in wanted and len(rows) == count}
-    write_text(path, "".join(map(_table, whole.values())))
+    columns: dict[float, list[MapPoint]] = {nu: [] for nu in poisson_ratios(count).tolist()}
+    for point in sound_rows(path, MapPoint):
+        if point.loading == loading and point.poisson_ratio in columns:
+            columns[point.poisson_ratio].append(point)
+    whole = {nu: points for nu, points in columns.items() if len(points) == count}
+    write_text(path, "")
+    append_rows(path, [point for points in whole.values() for point in points])
     return whole
-
-
-def _table(points: Sequence[MapPoint]) -> str:
-    """Rows with their checksums, without a heading."""
-    return "".join(",".join(checked_cells(point)) + "\n" for point in points)

@@ -1,7 +1,7 @@
 """How the interface slips over Poisson ratio and friction: regimes, their boundaries, fronts.
 
 `write_regimes` maps the regimes of two loadings over (nu, chi), traces the curves between them
-and writes figures and tables.  Loadings and units are those of `semianalytic.regimes.thresholds`.
+and writes figures and tables.  Loadings and units are those of `semianalytic.regimes`.
 """
 
 from __future__ import annotations
@@ -12,24 +12,21 @@ from typing import get_args
 
 import numpy as np
 
-from compare.output.files import write_rows
+from compare.output.tables import append_rows, write_rows
 from compare.studies.regimes.figures import RegimeResults, save_fronts, save_regimes, save_reverse
 from compare.studies.regimes.points import (
     POISSON_RATIOS,
     BoundaryPoint,
     MapPoint,
-    append_points,
     kept_columns,
     map_column,
     map_points,
     poisson_ratios,
     sorted_points,
-    stuck_above,
     trace,
 )
 from compare.studies.workers import Progress, Task, run_tasks
-from semianalytic.regimes.reverse_slip import reverse_threshold
-from semianalytic.regimes.thresholds import Loading
+from semianalytic.regimes import Loading, reverse_threshold, stuck_threshold
 from semianalytic.scene.checks import checked_count
 from semianalytic.scene.errors import SceneError
 
@@ -42,7 +39,7 @@ def front_frictions(loading: Loading, poisson_ratio: float, count: int) -> list[
     """Frictions chi of one panel of the figure of front speeds."""
     if loading == "preload":
         return (10.0 ** np.linspace(-3, 0.5, count)).tolist()
-    return np.linspace(0.98, 1.02 * stuck_above(poisson_ratio), count).tolist()
+    return np.linspace(0.98, 1.02 * stuck_threshold(poisson_ratio), count).tolist()
 
 
 def reverse_points(poisson_ratio: float, count: int) -> list[MapPoint]:
@@ -142,7 +139,7 @@ def _computed(
         destination = tasks[index][0]
         destination += result
         if destination is columns:
-            append_points(_part(output, result[0].loading, count), result)
+            append_rows(_part(output, result[0].loading, count), result)
     points = {
         name: sorted_points(
             [point for rows in kept[name].values() for point in rows]

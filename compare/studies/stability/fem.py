@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from compare.figures.interface import save_figure
+from compare.figures.saving import save_figure
 from compare.output.files import write_text
 from compare.studies.accuracy.fem import errors_of
 from compare.studies.workers import Progress, counted

@@ -13,7 +13,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator, ScalarFormatter
 
-from compare.figures.interface import save_figure
+from compare.figures.saving import save_figure
 from compare.studies.stability.sweeps import StudyRow
 
 PLACEMENT_STYLE = {

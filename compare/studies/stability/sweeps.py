@@ -1,6 +1,6 @@
 """Studies of where the solver, and methods it does not use, lose digits or fail.
 
-Each returns rows; loadings and units are those of `semianalytic.regimes.thresholds`.
+Each returns rows; loadings and units are those of `semianalytic.regimes`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compare.studies.regimes.points import closed_form_speed, stuck_above
+from compare.comparison.measures import relative_error
 from compare.studies.stability.methods import (
     Array,
     GridAnswer,
@@ -19,12 +19,14 @@ from compare.studies.stability.methods import (
     grid_problem,
     zigzag,
 )
-from semianalytic import Solution, solve
-from semianalytic.halfplane.rayleigh import gauss, rayleigh_factors
+from semianalytic import Material, Solution, regimes, solve
+from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.regimes import reverse_slip
-from semianalytic.regimes import thresholds as boundaries
-from semianalytic.regimes.thresholds import Loading, one_zone, scene_of
+from semianalytic.reference import (
+    edge_speed_under_shear_step,
+    slip_rate_under_shear_step,
+)
+from semianalytic.regimes import Loading, one_zone, scene_of, stuck_threshold
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.collocation import slip_on_grid
 from semianalytic.selfsimilar.edges import edges_of
@@ -61,20 +63,11 @@ class StudyRow:
     status: str = "converged"
 
 
-def closed_form_edge_rate(poisson_ratio: float, chi: float) -> float:
-    """Relative slip rate at the edge of a preloaded interface with one slow zone [2 Q_0 / (mu b)].
-
-    The integral over slowness v = u_s + s^2 behind the front u_s, by a Gauss rule of its own.
-    """
-    factors = rayleigh_factors(poisson_ratio)
-    front = 1 / closed_form_speed(poisson_ratio, chi)
-    t, weight = gauss(120)
-    s = math.sqrt(front) * t / (1 - t)
-    ds = math.sqrt(front) / (1 - t) ** 2 * weight
-    v = front + s * s
-    integral = float((2 * np.sqrt(1 + v) / (v * (factors.c + v) * factors.s_plus(v))) @ ds)
-    scale = math.pi * factors.kappa * float(factors.m_plus(0.0))
-    return 2 * math.sqrt(front) / scale * integral
+def closed_form(poisson_ratio: float, chi: float) -> tuple[float, float]:
+    """Front [c_t] and slip rate at the contact edge of a preloaded interface with one slow zone."""
+    material = Material(1.0, 1.0, poisson_ratio)
+    edge_rate = float(slip_rate_under_shear_step(material, 1.0, chi, 0.0))
+    return edge_speed_under_shear_step(material, chi), edge_rate
 
 
 def attempt(loading: Loading, poisson_ratio: float, chi: float, rtol: float) -> Solution | str:
@@ -97,17 +90,17 @@ def limit_rows(limit: str, exponent: int) -> list[StudyRow]:
         "remote, all slips": ("remote", 0.9),
     }
     for name, share in shares.items():
-        scenes[name] = ("remote", 1 + share * (stuck_above(nu) - 1))
+        scenes[name] = ("remote", 1 + share * (stuck_threshold(nu) - 1))
     for name, (loading, chi) in scenes.items():
-        found = attempt(loading, nu, chi, RTOL)
+        solution = attempt(loading, nu, chi, RTOL)
         values = {"error estimate": math.nan}
-        status = found if isinstance(found, str) else found.status
-        if isinstance(found, Solution):
-            values["error estimate"] = found.error_estimate
-            if name == "preload, χ = 1" and len(found.zones) == 1:
-                exact = closed_form_edge_rate(nu, chi)
-                values["edge error"] = abs(found.zones[0].outer - closed_form_speed(nu, chi))
-                values["slip rate error"] = abs(found.edge_slip_rate / exact - 1)
+        status = solution if isinstance(solution, str) else solution.status
+        if isinstance(solution, Solution):
+            values["error estimate"] = solution.error_estimate
+            if name == "preload, χ = 1" and len(solution.zones) == 1:
+                front, edge_rate = closed_form(nu, chi)
+                values["edge error"] = abs(solution.zones[0].outer - front)
+                values["slip rate error"] = abs(solution.edge_slip_rate / edge_rate - 1)
         rows += [
             StudyRow(f"nu to {limit}", name, "solver", distance, quantity, value, status)
             for quantity, value in values.items()
@@ -118,42 +111,42 @@ def limit_rows(limit: str, exponent: int) -> list[StudyRow]:
 def thresholds() -> dict[str, tuple[Loading, float, float]]:
     """Frictions at which the set of zones changes: (loading, nu, chi) by name."""
     third, half = 1 / 3, -0.5
-    found: dict[str, tuple[Loading, float, float]] = {
-        "edge slips, ν = 1/3": ("remote", third, boundaries.edge_threshold(third)),
-        "edge slips, ν = −0.5": ("remote", half, boundaries.edge_threshold(half)),
+    chosen: dict[str, tuple[Loading, float, float]] = {
+        "edge slips, ν = 1/3": ("remote", third, regimes.edge_threshold(third)),
+        "edge slips, ν = −0.5": ("remote", half, regimes.edge_threshold(half)),
         "front slips, stuck edge, ν = −0.5": (
             "remote",
             half,
-            boundaries.nucleation("remote", half),
+            regimes.nucleation("remote", half),
         ),
-        "front slips, remote, ν = 1/3": ("remote", third, boundaries.nucleation("remote", third)),
+        "front slips, remote, ν = 1/3": ("remote", third, regimes.nucleation("remote", third)),
         "front slips, preload, ν = 1/3": (
             "preload",
             third,
-            boundaries.nucleation("preload", third),
+            regimes.nucleation("preload", third),
         ),
-        "reverse slip, ν = −0.5": ("preload", half, reverse_slip.reverse_threshold(half)),
-        "reverse slip, ν = −0.2": ("preload", -0.2, reverse_slip.reverse_threshold(-0.2)),
+        "reverse slip, ν = −0.5": ("preload", half, regimes.reverse_threshold(half)),
+        "reverse slip, ν = −0.2": ("preload", -0.2, regimes.reverse_threshold(-0.2)),
         "all slips, ν = 1/3": ("remote", third, 1.0),
     }
-    gap = boundaries.gap_threshold("remote", third)
+    gap = regimes.gap_threshold("remote", third)
     if gap is not None:
-        found["gap of 1e-14 at $c_R$, ν = 1/3"] = ("remote", third, gap)
-    return found
+        chosen["gap of 1e-14 at $c_R$, ν = 1/3"] = ("remote", third, gap)
+    return chosen
 
 
 def threshold_rows(name: str, loading: Loading, nu: float, chi: float) -> list[StudyRow]:
     """Scenes at relative distances 10^-1.5 to 10^-10, and 0, from a threshold, on both sides."""
     rows = []
     for signed in (*(s * 10.0**-k for s in (1, -1) for k in (1.5, *range(2, 11))), 0.0):
-        found = attempt(loading, nu, chi * (1 + signed), 1e-8)
-        if isinstance(found, str):
-            rows.append(StudyRow("threshold", name, "solver", signed, "zones", math.nan, found))
+        solution = attempt(loading, nu, chi * (1 + signed), 1e-8)
+        if isinstance(solution, str):
+            rows.append(StudyRow("threshold", name, "solver", signed, "zones", math.nan, solution))
             continue
-        values = {"zones": len(found.zones), "error estimate": found.error_estimate}
-        values["seconds"] = sum(found.statistics.seconds.values())
+        values = {"zones": len(solution.zones), "error estimate": solution.error_estimate}
+        values["seconds"] = sum(solution.statistics.seconds.values())
         rows += [
-            StudyRow("threshold", name, "solver", signed, quantity, float(value), found.status)
+            StudyRow("threshold", name, "solver", signed, quantity, float(value), solution.status)
             for quantity, value in values.items()
         ]
     return rows
@@ -198,16 +191,15 @@ def _errors(xi: Array, answer: GridAnswer, exact: Array) -> dict[str, float]:
     """Mean error and odd-even mode of slip rates on a grid, relative."""
     if answer.status != "solved":
         return {}
-    area = np.convolve(np.diff(xi), [0.5, 0.5])
-    error = float(area @ np.abs(answer.slip_rate - exact) / (area @ np.abs(exact)))
+    error = relative_error(answer.slip_rate, exact, xi, 1)
     return {"slip rate error": error, "odd-even mode": zigzag(xi, answer.slip_rate, exact)}
 
 
 def rule_rows(nu: float) -> list[StudyRow]:
     """Quadrature rules on the closed form of one slow zone, chi = 1: balance and slip rate."""
     factors = rayleigh_factors(nu)
-    edge = factors.beside("c", [1 / closed_form_speed(nu, 1.0) - factors.c])
-    exact = closed_form_edge_rate(nu, 1.0)
+    front, exact = closed_form(nu, 1.0)
+    edge = factors.beside("c", [1 / front - factors.c])
     load = Load(1.0, 1.0, 0.0, 0.0, 1.0, 0.0)
     rows = []
     for exponent in range(1, 15):
@@ -234,20 +226,20 @@ def estimate_rows(loading: Loading, nu: float, chi: float) -> list[StudyRow]:
     rate = np.append(reference.slip_rate(speeds, 1.0), reference.edge_slip_rate)
     rows = []
     for exponent in range(2, 12):
-        found = solve(scene_of(loading, nu, chi), rtol=10.0**-exponent)
-        if len(found.zones) != len(reference.zones):
+        solution = solve(scene_of(loading, nu, chi), rtol=10.0**-exponent)
+        if len(solution.zones) != len(reference.zones):
             continue
         edges = [
             abs(mine - theirs)
-            for one, other in zip(found.zones, reference.zones, strict=True)
+            for one, other in zip(solution.zones, reference.zones, strict=True)
             for mine, theirs in ((one.inner, other.inner), (one.outer, other.outer))
             if mine != theirs
         ]
-        other_rate = np.append(found.slip_rate(speeds, 1.0), found.edge_slip_rate)
+        other_rate = np.append(solution.slip_rate(speeds, 1.0), solution.edge_slip_rate)
         error = max([float(np.abs(other_rate - rate).max() / np.abs(rate).max()), *edges])
-        values = {"true error": error, "error estimate": found.error_estimate}
+        values = {"true error": error, "error estimate": solution.error_estimate}
         rows += [
-            StudyRow("estimate", case, "solver", 10.0**-exponent, name, value, found.status)
+            StudyRow("estimate", case, "solver", 10.0**-exponent, name, value, solution.status)
             for name, value in values.items()
         ]
     return rows
@@ -292,20 +284,21 @@ def narrow_gap_rows(nu: float) -> list[StudyRow]:
     """Half-width of the stick gap at c_R against its closed form, as a remote load narrows it."""
     rows = []
     for unknown in np.arange(1.0, -0.6, -0.2):
-        front = boundaries.past_rayleigh(nu, float(unknown))
+        front = regimes.past_rayleigh(nu, float(unknown))
         zone = one_zone("remote", nu, front)
-        log_width = boundaries.rayleigh_logarithm(zone).log_half_width
-        found = attempt("remote", nu, zone.chi, RTOL)
-        if isinstance(found, str) or len(found.zones) != 2:
+        log_width = regimes.rayleigh_logarithm(zone).log_half_width
+        solution = attempt("remote", nu, zone.chi, RTOL)
+        if isinstance(solution, str) or len(solution.zones) != 2:
             continue
-        inward, outward = found.profile.fields.zones[1].left, found.profile.fields.zones[0].right
+        slow, ahead = solution.profile.fields.zones
+        inward, outward = ahead.left, slow.right
         assert inward is not None  # both edges of a gap between two zones exist
         assert outward is not None
         gap = float(inward.minus(outward)[0])
         half = math.exp(log_width)
         values = {"gap error": abs(gap / (4 * half) - 1)}
         rows += [
-            StudyRow("narrow gap", f"ν = {nu:.3g}", "solver", gap, name, value, found.status)
+            StudyRow("narrow gap", f"ν = {nu:.3g}", "solver", gap, name, value, solution.status)
             for name, value in values.items()
         ]
     return rows

@@ -170,7 +170,7 @@ def test_solve_marches_saves_and_goes_on(tmp_path, capsys):
     assert document["end_time"] == 1.0
     whole = march(find_scene("harmonic"), 1.0, 120, length=Marched.load(saved).interface.x[-1] * 1)
     assert document["friction_work"] == pytest.approx(
-        whole.friction_work.sum() * whole.grid.spacing, rel=0.05
+        whole.final_work_density.sum() * whole.grid.spacing, rel=0.05
     )
 
 

@@ -9,10 +9,10 @@ from matplotlib.image import imread
 from compare.figures.interface import (
     fronts_figure,
     prediction_figure,
-    save_figure,
     slip_rate_figure,
     tractions_figure,
 )
+from compare.figures.saving import save_figure
 from semianalytic import solve
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.named import NAMED_SCENES

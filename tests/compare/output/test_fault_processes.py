@@ -300,11 +300,11 @@ def no_computing(monkeypatch):
         "compare.studies.regimes.study._computed",
         "compare.studies.stability.solver.run_tasks",
         "compare.studies.stability.fem.run_trial",
-        "compare.studies.accuracy.spacetime.stability_rows",
+        "compare.studies.stability.spacetime.stability_rows",
         "compare.studies.article.study.run_cases",
         "compare.studies.chart.study.run_task",
-        "compare.studies.wear.wear_rows",
-        "compare.studies.evidence.study.collect",
+        "compare.studies.wear.swept_rows",
+        "compare.studies.evidence.page.collect",
     ):
         monkeypatch.setattr(name, compute)
 

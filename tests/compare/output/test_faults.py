@@ -23,7 +23,7 @@ from faults import (
     write_columns,
 )
 
-from compare.figures.interface import save_figure
+from compare.figures.saving import save_figure
 from compare.output.files import append_text, write_text
 from compare.output.places import LOCK, check_file, save_somewhere, working_folder
 from compare.studies.chart.study import read_points

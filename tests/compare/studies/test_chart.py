@@ -9,7 +9,7 @@ import pytest
 
 from compare.cli.commands import main
 from compare.comparison.measures import relative_error
-from compare.output.files import write_rows
+from compare.output.tables import write_rows
 from compare.studies.chart import study as chart
 from compare.studies.chart.figure import (
     FAILS,

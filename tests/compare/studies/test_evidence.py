@@ -18,7 +18,6 @@ import pytest
 from compare.cli.commands import main
 from compare.comparison.rows import Row
 from compare.studies.evidence import page as evidence_page
-from compare.studies.evidence import study as evidence
 from compare.studies.evidence.figures import FRAMES, LARGEST, energy_unit, profiles
 from compare.studies.evidence.scene import FAIL, scene_section
 from compare.studies.evidence.study import (
@@ -141,7 +140,7 @@ def test_a_scene_from_a_file_that_slips_everywhere(tmp_path):
     path = tmp_path / "all & more.toml"
     path.write_text(
         "friction = 0.5\nmaterial = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}\n"
-        "base = {pressure = 1.0, shear = 1.0}\nstep = {pressure = 1.0, shear = 1.0}\n",
+        "base = {pressure = 1.0, shear = 1.0}\nload = {pressure = 1.0, shear = 1.0}\n",
         encoding="utf-8",
     )
     scene = collect_scene(str(path), resolution=20)
@@ -166,8 +165,8 @@ def test_all_methods_agree_with_the_closed_forms(found):
     """At 40 elements per c_t T; the self-similar method to its default tolerance."""
     slow, everywhere, frictionless = found.closed_forms
     assert slow.edge == pytest.approx(0.375)
-    assert slow.found == pytest.approx(slow.edge, abs=1e-8)
-    assert everywhere.found is None
+    assert slow.solved_edge == pytest.approx(slow.edge, abs=1e-8)
+    assert everywhere.solved_edge is None
     for form in (slow, everywhere, frictionless):
         assert form.errors["self-similar"] < 1e-7
         assert form.errors["space-time"] < 0.03
@@ -237,7 +236,7 @@ def test_command_writes_the_page_and_tells_by_its_exit_code(
         asked.update(options, sources=sources)
         return found
 
-    monkeypatch.setattr(evidence, "collect", stand_in)
+    monkeypatch.setattr(evidence_page, "collect", stand_in)
     monkeypatch.setattr(evidence_page, "page", lambda _: text)
     path = tmp_path / "new" / "page.html"
     code = main(["evidence", *SCENES, "--quick", "--quiet", "--output", str(path)])
@@ -253,8 +252,8 @@ def test_interruption_leaves_nothing_half_written(stage, found, tmp_path, monkey
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(evidence, "collect", lambda *_, **__: found)
-    monkeypatch.setattr(evidence if stage == "collect" else evidence_page, stage, interrupted)
+    monkeypatch.setattr(evidence_page, "collect", lambda *_, **__: found)
+    monkeypatch.setattr(evidence_page, stage, interrupted)
     path = tmp_path / "page.html"
     path.write_text("earlier", encoding="utf-8")
     assert main(["evidence", "stuck", "--quiet", "--output", str(path)]) == 130
@@ -440,5 +439,10 @@ def test_all_of_the_contact_takes_more_than_a_part_of_it(name):
     row = re.search(r"self-similar.*?(\d\.\d{6}).*?(\d\.\d{6})", work, re.DOTALL)
     part, whole = map(float, row.groups())
     assert 0 < part <= whole
-    heat = solve(scene.scene, rtol=1e-10).heat(scene.simulation.end_time)
+    heat = solve(scene.scene, rtol=1e-10).frictional_work(scene.simulation.end_time)
     assert whole == pytest.approx(float(heat) / energy_unit(scene), abs=1e-6)
+
+
+def test_the_figures_of_this_checkout_are_found():
+    """The studies are drawn in docs/figures of the repository, wherever one stands."""
+    assert (evidence_page.CHECKOUT / "docs" / "figures" / "wear.png").is_file()

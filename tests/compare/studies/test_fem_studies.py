@@ -188,9 +188,9 @@ def test_without_xarray_it_is_asked_for(monkeypatch):
 
     def without_xarray(name, *args, **kwargs):
         if name == "xarray":
-            raise ImportError("No module named 'xarray'")
+            raise ModuleNotFoundError("No module named 'xarray'", name="xarray")
         return original(name, *args, **kwargs)
 
     monkeypatch.setattr(builtins, "__import__", without_xarray)
-    with pytest.raises(MissingLibraryError, match="pip install xarray"):
+    with pytest.raises(MissingLibraryError, match=r"pip install 'slipfront\[xarray\]'"):
         HISTORY.to_xarray()

@@ -7,17 +7,15 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from compare.output.tables import append_rows
 from compare.studies.regimes import study as regimes
 from compare.studies.regimes.points import (
     MapPoint,
-    append_points,
-    closed_form_speed,
     frictions,
     kept_columns,
     map_column,
     map_point,
     poisson_ratios,
-    regime,
     trace,
     zone_speeds,
 )
@@ -25,19 +23,19 @@ from compare.studies.regimes.study import write_regimes
 from compare.studies.workers import run_tasks
 from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.regimes.reverse_slip import (
-    log_frictionless_half_width,
-    log_narrow_reverse_threshold,
-    reverse_threshold,
-)
-from semianalytic.regimes.thresholds import (
+from semianalytic.reference import edge_speed_under_shear_step
+from semianalytic.regimes import (
     NARROWEST,
     crossing_poisson_ratio,
     edge_threshold,
     edge_threshold_alone,
     front_threshold_stuck,
     gap_threshold,
+    log_frictionless_half_width,
+    log_narrow_reverse_threshold,
     nucleation,
+    regime,
+    reverse_threshold,
     scene_of,
 )
 from semianalytic.scene.errors import SceneError
@@ -89,7 +87,7 @@ def test_nucleation_under_a_preload_agrees_with_the_closed_form():
     """The traction at the shear front ahead of one zone, by an adaptive rule."""
     factors = rayleigh_factors(THIRD)
     chi = nucleation("preload", THIRD)
-    front = 1 / closed_form_speed(THIRD, chi)
+    front = 1 / edge_speed_under_shear_step(Material(1.0, 1.0, THIRD), chi)
 
     def density(theta: float) -> float:
         v = factors.a + (1 - factors.a) * math.sin(theta) ** 2
@@ -162,7 +160,8 @@ def test_map_column_is_ascending_and_solved():
     assert "failed" not in {point.regime for point in column}
     inner, outer, sense = zone_speeds(column[-1])[0]
     assert (inner, sense) == (0.0, 1)
-    assert outer == pytest.approx(closed_form_speed(THIRD, column[-1].chi), rel=1e-6)
+    exact = edge_speed_under_shear_step(Material(1.0, 1.0, THIRD), column[-1].chi)
+    assert outer == pytest.approx(exact, rel=1e-6)
 
 
 def test_cells_of_a_map_have_their_points_in_the_middle():
@@ -175,8 +174,8 @@ def test_unfinished_tables_keep_whole_columns_only(tmp_path):
     first, second = poisson_ratios(2).tolist()
     rest = ("slow", "0:0.5:+1", "converged", 1e-9)
     whole = [MapPoint("preload", first, chi, *rest) for chi in (1.0, 2.0)]
-    append_points(path, whole)
-    append_points(path, [MapPoint("preload", second, 1.0, *rest)])
+    append_rows(path, whole)
+    append_rows(path, [MapPoint("preload", second, 1.0, *rest)])
     with path.open("a") as stream:
         stream.write("preload,0.1")
     kept = kept_columns(path, "preload", 2)

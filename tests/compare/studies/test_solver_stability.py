@@ -24,7 +24,7 @@ from compare.studies.stability.methods import (
 )
 from compare.studies.stability.solver import study_tasks, write_solver_stability
 from compare.studies.stability.sweeps import (
-    closed_form_edge_rate,
+    closed_form,
     estimate_rows,
     grid_rows,
     limit_rows,
@@ -35,7 +35,7 @@ from compare.studies.stability.sweeps import (
 )
 from compare.studies.workers import run_tasks
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.regimes.thresholds import edge_threshold
+from semianalytic.regimes import edge_threshold
 
 THIRD = 1 / 3
 
@@ -99,8 +99,8 @@ def test_odd_even_mode_is_told_from_smooth_error():
 
 def test_closed_form_of_the_slip_rate_at_the_edge():
     """Values of the theory at nu = 1/3, one-sided there."""
-    assert closed_form_edge_rate(THIRD, 1.0) == pytest.approx(2 * 0.293203, abs=2e-6)
-    assert closed_form_edge_rate(THIRD, 0.5) == pytest.approx(2 * 0.370954, abs=2e-6)
+    assert closed_form(THIRD, 1.0)[1] == pytest.approx(2 * 0.293203, abs=2e-6)
+    assert closed_form(THIRD, 0.5)[1] == pytest.approx(2 * 0.370954, abs=2e-6)
 
 
 def test_rules_reach_their_tolerance_on_the_closed_form():

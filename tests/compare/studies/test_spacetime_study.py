@@ -8,14 +8,14 @@ import pytest
 from compare.cli.commands import main
 from compare.studies.accuracy.spacetime import (
     STUDIES,
-    StaticZone,
     edge,
     ramp_errors,
-    stability_rows,
 )
 from compare.studies.accuracy.spacetime import main as study
+from compare.studies.stability.spacetime import stability_rows
 from compare.studies.wear import LOADS, most_wear, wear_after
 from semianalytic import Material
+from semianalytic.reference import StaticZone
 
 
 def test_static_zone_closes_smoothly():
@@ -45,10 +45,10 @@ def test_edge_table_names_the_grids_own_edge_best():
 def test_refusals_and_errors_of_the_stability_study():
     rows = list(stability_rows(quick=True))
     for row in rows:
-        assert (row.outcome == "ran") == np.isfinite(row.error)
-        assert row.outcome == "ran" or "lower it by" in row.outcome
+        assert (row.status == "ran") == np.isfinite(row.value)
+        assert row.status == "ran" or "lower it by" in row.status
     damped, plain = (
-        [row.error for row in rows if row.study == "step ratio" and row.case == case][:4]
+        [row.value for row in rows if row.study == "step ratio" and row.case == case][:4]
         for case in ("damping 0.7", "damping 0")
     )
     assert max(damped) < min(plain)

@@ -7,9 +7,10 @@ from itertools import pairwise
 import mpmath as mp
 import numpy as np
 import pytest
+from catalogue import UNIT
 from scipy.integrate import quad
 
-from semianalytic import Material, Tractions
+from semianalytic import Tractions
 from semianalytic.halfplane.primitives import stuck_primitive
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stress_intensity, stuck_traction
@@ -22,7 +23,6 @@ from semianalytic.halfplane.stuck_histories import (
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import PULSE_SHAPES, Harmonic, Pulse, Ramp, Step, Tabulated
 
-SOLID = Material(1.0, 1.0, 1 / 3)
 HISTORIES = [
     Step(),
     Ramp(0.4),
@@ -113,17 +113,17 @@ def test_duhamel_integral(history, mode):
         quad(density, 1e-12, np.pi / 2 - 1e-12, (left, right), epsabs=1e-12, epsrel=1e-11)[0]
         for left, right in pairwise(ends)
     )
-    found = STUCK[mode](history, 2.5, SOLID, x, t)
+    found = STUCK[mode](history, 2.5, UNIT, x, t)
     assert found.error < 1e-12
     assert found.value == pytest.approx(2.5 * expected, rel=1e-9)
 
 
 def test_harmonic_error_estimate_and_many_periods():
     history = Harmonic(20.0)
-    found = stuck_shear(history, 1.0, SOLID, np.array([0.02, 0.4]), 3.0)
+    found = stuck_shear(history, 1.0, UNIT, np.array([0.02, 0.4]), 3.0)
     t = np.linspace(0, 3.0, 60001)
     table = Tabulated(tuple(t), tuple(history.value(t)))
-    interpolated = stuck_shear(table, 1.0, SOLID, np.array([0.02, 0.4]), 3.0)
+    interpolated = stuck_shear(table, 1.0, UNIT, np.array([0.02, 0.4]), 3.0)
     # linear interpolation errs by (omega dt)^2 / 8 of the amplitude, times the response
     np.testing.assert_allclose(found.value, interpolated.value, atol=1e-4)
     assert found.error < 1e-9
@@ -132,9 +132,9 @@ def test_harmonic_error_estimate_and_many_periods():
 def test_step_and_short_ramp():
     x, t = np.array([0.3, 0.9, 1.5, 2.5]), 1.0
     for mode in ("I", "II"):
-        step = STUCK[mode](Step(), 3.0, SOLID, x, t).value
+        step = STUCK[mode](Step(), 3.0, UNIT, x, t).value
         np.testing.assert_array_equal(step, 3 * stuck_traction(1 / 3, mode)(t / x))
-        ramp = STUCK[mode](Ramp(1e-3), 3.0, SOLID, x, t).value
+        ramp = STUCK[mode](Ramp(1e-3), 3.0, UNIT, x, t).value
         np.testing.assert_allclose(ramp, step, atol=6e-3)
 
 
@@ -165,7 +165,7 @@ def test_very_short_ramps_keep_their_digits():
 def test_at_the_very_shear_front(history, mode):
     """t = x/c_t exactly, where dq*/dv has a root: the mean of what is beside it."""
     at, before, after = (
-        float(STUCK[mode](history, 0.8, SOLID, 1.0, t).value) for t in (1.0, 1 - 1e-7, 1 + 1e-7)
+        float(STUCK[mode](history, 0.8, UNIT, 1.0, t).value) for t in (1.0, 1 - 1e-7, 1 + 1e-7)
     )
     assert at == pytest.approx((before + after) / 2, abs=1e-3)
 
@@ -182,30 +182,30 @@ def test_means(history):
 def test_stress_intensity_of_histories():
     """K of a history is int f'(s) K_step(t - s) ds."""
     loads, t = Tractions(1.3, -0.4), 1.1
-    unit = stress_intensity(SOLID, loads, 1.0)
+    unit = stress_intensity(UNIT, loads, 1.0)
     history, angular = Harmonic(0.7), 2 * np.pi * 0.7
     response = quad(lambda r: 2 * r**2 * angular * np.cos(angular * (t - r * r)), 0, np.sqrt(t))[0]
     np.testing.assert_allclose(
-        intensity_history(history, loads, SOLID, t), np.array(unit) * response, rtol=1e-10
+        intensity_history(history, loads, UNIT, t), np.array(unit) * response, rtol=1e-10
     )
     np.testing.assert_allclose(
-        intensity_history(Step(), loads, SOLID, t), stress_intensity(SOLID, loads, t), rtol=1e-14
+        intensity_history(Step(), loads, UNIT, t), stress_intensity(UNIT, loads, t), rtol=1e-14
     )
     table = Tabulated((0.0, 0.5), (0.0, 1.0))
     np.testing.assert_allclose(
-        intensity_history(Ramp(0.5), loads, SOLID, t), intensity_history(table, loads, SOLID, t)
+        intensity_history(Ramp(0.5), loads, UNIT, t), intensity_history(table, loads, UNIT, t)
     )
-    assert intensity_history(Step(), loads, SOLID, -1.0) == (0, 0)
+    assert intensity_history(Step(), loads, UNIT, -1.0) == (0, 0)
 
 
 @pytest.mark.parametrize("history", [Step(), Ramp(0.4), Harmonic(2.0)])
 def test_near_field(history):
     """Traction with the load's own constant over K / sqrt(2 pi x) tends to 1 like x."""
-    intensities = intensity_history(history, Tractions(1.0, 1.0), SOLID, 1.1)
+    intensities = intensity_history(history, Tractions(1.0, 1.0), UNIT, 1.1)
     for function, intensity in zip((stuck_pressure, stuck_shear), intensities, strict=True):
         gaps = []
         for x in (1e-4, 1e-6):
-            total = function(history, 1.0, SOLID, x, 1.1).value + history.value(1.1)
+            total = function(history, 1.0, UNIT, x, 1.1).value + history.value(1.1)
             gaps.append(abs(float(total / near_field(intensity, x)) - 1))
         assert gaps[0] < 5e-3
         assert gaps[1] < 0.02 * gaps[0] + 1e-9
@@ -226,8 +226,8 @@ def test_near_field(history):
         (lambda: Tabulated((-1.0, 0.5), (0.0, 1.0)), "start at 0"),
         (lambda: Tabulated((1.0, 1.0, 1.0), (0.0, 1.0, 2.0)), "more often"),
         (lambda: Tabulated(("x",), (1.0,)), "lists of numbers"),
-        (lambda: stuck_shear(Step(), 1.0, SOLID, 0.0, 1.0), "x > 0"),
-        (lambda: stuck_shear(Step(), 1.0, SOLID, 1.0, float("nan")), "finite"),
+        (lambda: stuck_shear(Step(), 1.0, UNIT, 0.0, 1.0), "x > 0"),
+        (lambda: stuck_shear(Step(), 1.0, UNIT, 1.0, float("nan")), "finite"),
     ],
 )
 def test_bad_input(make, message):

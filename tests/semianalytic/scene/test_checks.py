@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from catalogue import PRELOADED
 
 import fem
 import semianalytic
@@ -16,20 +17,17 @@ from semianalytic import (
     Pulse,
     Ramp,
     RateWeakening,
-    Scene,
     SceneError,
     SlipWeakening,
     Tabulated,
     Tractions,
     march,
-    slip_history,
+    predict,
     solve,
     sweep,
 )
 from semianalytic.scene.checks import LARGEST, SMALLEST, shown
 
-SOLID = Material(1.0, 1.0, 1 / 3)
-SCENE = Scene(SOLID, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
 SETTINGS = {
     "end_time": 1.0,
     "resolution": 10,
@@ -48,7 +46,7 @@ TAKES_A_NUMBER = {
     "poisson_ratio": lambda value: Material(1.0, 1.0, value),
     "pressure": lambda value: Tractions(value, 0.0),
     "shear": lambda value: Tractions(0.0, value),
-    "friction": lambda value: replace(SCENE, friction=value),
+    "friction": lambda value: replace(PRELOADED, friction=value),
     "rise_time": Ramp,
     "duration": Pulse,
     "frequency": Harmonic,
@@ -151,16 +149,16 @@ def test_tables_refuse_what_is_not_a_number_and_slopes_beyond_range():
 @pytest.mark.parametrize("value", [(1.0, 0.0), None, {"pressure": 1.0}, 1.0, "rock"], ids=repr)
 def test_parts_of_a_scene_of_the_wrong_type_are_named(name, value):
     with pytest.raises(SceneError, match=f"scene: {name} must be a "):
-        replace(SCENE, **{name: value})
+        replace(PRELOADED, **{name: value})
 
 
 @pytest.mark.parametrize("value", [50.0, True, "50", None, 10**400, 10**17], ids=shown)
 def test_counts_are_whole_numbers_of_bounded_size(value):
     given = value if value is not None else "None"  # no number of nodes is the default one
     for take in (
-        lambda: march(SCENE, nodes=given),
-        lambda: march(SCENE, every=value),
-        lambda: slip_history(SCENE, nodes=given),
+        lambda: march(PRELOADED, nodes=given),
+        lambda: march(PRELOADED, every=value),
+        lambda: predict(PRELOADED, nodes=given),
         lambda: Settings(**(SETTINGS | {"resolution": value})),
         lambda: Settings(**(SETTINGS | {"frames": value})),
     ):
@@ -169,37 +167,42 @@ def test_counts_are_whole_numbers_of_bounded_size(value):
 
 
 def test_options_of_a_march_are_numbers_of_any_type():
-    plain = march(SCENE, 0.25, 32, damping=0.5, step_ratio=0.5)
+    plain = march(PRELOADED, 0.25, 32, damping=0.5, step_ratio=0.5)
     other = march(
-        SCENE, np.float32(0.25), np.int64(32), damping=np.float32(0.5), step_ratio=Fraction(1, 2)
+        PRELOADED,
+        np.float32(0.25),
+        np.int64(32),
+        damping=np.float32(0.5),
+        step_ratio=Fraction(1, 2),
     )
     np.testing.assert_array_equal(plain.interface.slip, other.interface.slip)
     for name in ("end_time", "length", "latest", "damping", "step_ratio", "tolerance"):
         for value in ("1", True, 10**400, 1e300, float("nan")):
             with pytest.raises(SceneError, match=f"march: {name} must"):
-                march(SCENE, **{"nodes": 32, name: value})
+                march(PRELOADED, **{"nodes": 32, name: value})
 
 
-def test_options_of_a_slip_history_are_checked_whatever_the_method():
+@pytest.mark.parametrize("method", ["auto", "space-time"])
+def test_options_of_a_prediction_are_checked_whatever_the_method(method):
     for bad in ({"end_time": -1.0}, {"end_time": "1"}, {"length": 0.0}, {"nodes": 0}):
-        with pytest.raises(SceneError, match="slip_history: "):
-            slip_history(SCENE, **bad)
+        with pytest.raises(SceneError, match="predict: "):
+            predict(PRELOADED, method=method, **bad)
 
 
 def test_a_sweep_takes_numbers_only():
-    swept = sweep(SCENE, [np.float32(0.25), Fraction(1, 2)], rtol=1e-4)
+    swept = sweep(PRELOADED, [np.float32(0.25), Fraction(1, 2)], rtol=1e-4)
     assert swept.friction.tolist() == [0.25, 0.5]
     for bad in (["0.3"], [True], [None], [[1.0], 2.0], [10**400]):
         with pytest.raises(SceneError, match="friction"):
-            sweep(SCENE, bad)
+            sweep(PRELOADED, bad)
 
 
 def test_results_can_be_compared_and_kept_in_sets():
-    history = [slip_history(SCENE, nodes=20) for _ in range(2)]
-    simulations = [fem.simulate(SCENE, resolution=8) for _ in range(2)]
-    marches = [march(SCENE, nodes=16) for _ in range(2)]
-    solutions = [solve(SCENE) for _ in range(2)]
-    sweeps = [sweep(SCENE, [0.3], rtol=1e-3) for _ in range(2)]
+    history = [solve(PRELOADED).history([0.1, 0.2], [1.0]) for _ in range(2)]
+    simulations = [fem.simulate(PRELOADED, resolution=8) for _ in range(2)]
+    marches = [march(PRELOADED, nodes=16) for _ in range(2)]
+    solutions = [solve(PRELOADED) for _ in range(2)]
+    sweeps = [sweep(PRELOADED, [0.3], rtol=1e-3) for _ in range(2)]
     for one, other in (history, simulations, marches, solutions, sweeps):
         assert one == one
         assert one != other

@@ -89,6 +89,7 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
         ("density = 7800", "density = -1", "density must be positive"),
         ("pressure = 1e6", "presure = 1e6", "base.presure; did you mean pressure?"),
         ("[load]", "[laod]", "unknown key laod; did you mean load?"),
+        ("[load]", "[step]", r"unknown key step; what is loaded goes into the table \[load\]\."),
         ("friction = 0.4", "friction = ", "not a valid TOML file"),
     ],
 )
@@ -102,7 +103,7 @@ def test_a_faulty_file_is_named_with_the_key(steel, old, new, named):
 
 def test_a_value_in_place_of_a_table_is_refused(tmp_path):
     path = tmp_path / "flat.toml"
-    path.write_text("friction = 0.4\nmaterial = 1\nbase = 2\nstep = 3\n")
+    path.write_text("friction = 0.4\nmaterial = 1\nbase = 2\nload = 3\n")
     with pytest.raises(SceneError, match="material must be a table"):
         read_scene(path)
 

@@ -1,6 +1,7 @@
 import math
 
 import pytest
+from catalogue import unit_scene
 
 from semianalytic import Material, Scene, SceneError, Tractions
 
@@ -41,34 +42,30 @@ def test_material_names_the_bad_parameter(field, value):
         Material(**(good | {field: value}))
 
 
-def _scene(friction=0.3, base=(1.0, 0.0), load=(0.0, 1.0)):
-    return Scene(Material(1.0, 1.0, 1 / 3), friction, Tractions(*base), Tractions(*load))
-
-
 @pytest.mark.parametrize("friction", [-0.1, float("nan"), None])
 def test_scene_refuses_bad_friction(friction):
     with pytest.raises(SceneError, match="friction"):
-        _scene(friction=friction)
+        unit_scene(friction=friction)
 
 
 def test_scene_refuses_tensile_base():
     with pytest.raises(SceneError, match="base pressure"):
-        _scene(base=(-1.0, 0.0))
+        unit_scene(base=(-1.0, 0.0))
 
 
 def test_scene_refuses_an_interface_that_slides_before_the_load():
     with pytest.raises(SceneError, match="already slide"):
-        _scene(friction=0.3, base=(1.0, 0.5))
+        unit_scene(friction=0.3, base=(1.0, 0.5))
 
 
 def test_remote_shock_on_a_preload_is_admissible():
-    scene = _scene(friction=0.5, base=(2.0, 1.5), load=(1.0, 1.5))
+    scene = unit_scene(friction=0.5, base=(2.0, 1.5), load=(1.0, 1.5))
     assert scene.far_slip_rate == pytest.approx(2 * (1.5 - 0.5 * 2.0))
 
 
 def test_far_slip_rate_follows_the_excess_of_a_remote_shock():
-    assert _scene(friction=1.25, base=(1.0, 1.0), load=(1.0, 1.0)).far_slip_rate == 0
-    assert _scene(friction=0.4, base=(1.0, -1.0), load=(1.0, -1.0)).far_slip_rate == -1.2
+    assert unit_scene(friction=1.25, base=(1.0, 1.0), load=(1.0, 1.0)).far_slip_rate == 0
+    assert unit_scene(friction=0.4, base=(1.0, -1.0), load=(1.0, -1.0)).far_slip_rate == -1.2
 
 
 def test_tractions_must_be_finite():

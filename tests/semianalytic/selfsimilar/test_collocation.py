@@ -2,16 +2,15 @@
 
 import numpy as np
 import pytest
+from catalogue import UNIT
 
-from semianalytic import Material, Scene, Tractions, solve
+from semianalytic import Scene, Tractions, solve
 from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_shear_step,
 )
 from semianalytic.selfsimilar.collocation import slip_grid, slip_on_grid
 from semianalytic.selfsimilar.load import Load
-
-UNIT = Material(1.0, 1.0, 1 / 3)
 
 
 @pytest.mark.parametrize("strength", [1.0, 0.5])

@@ -3,32 +3,9 @@
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from laws import check_invariants, random_scenes, scenes
 
-from semianalytic import Material, Scene, SceneError, Tractions, solve
-
-
-@st.composite
-def scenes(draw):
-    """Admissible scenes: preload and shear step, remote shock, or any base and step."""
-    number = st.floats(-2, 2).map(lambda value: round(value, 3))
-    poisson_ratio = draw(st.floats(-0.9, 0.49).map(lambda value: round(value, 3)))
-    friction = round(10 ** draw(st.floats(-2, 0.5)), 4)
-    kind = draw(st.sampled_from(["shear step", "remote shock", "any"]))
-    shear = draw(number.filter(lambda value: value != 0))
-    if kind == "shear step":
-        base, step = Tractions(1.0, 0.0), Tractions(0.0, shear)
-    elif kind == "remote shock":
-        base = step = Tractions(1.0, shear)
-    else:
-        share = draw(st.floats(-0.99, 0.99).map(lambda value: round(value, 3)))
-        base = Tractions(1.0, share * friction)
-        step = Tractions(abs(draw(number)), shear)
-    return Scene(Material(1.0, 1.0, poisson_ratio), friction, base, step)
-
-
-# Positions over all velocities, denser towards the edge.
-XI = np.concatenate([np.geomspace(1e-3, 0.05, 12), np.linspace(0.06, 1.99, 120)])
+from semianalytic import solve
 
 
 @settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
@@ -42,63 +19,6 @@ def test_coulomb_dissipation_causality_and_self_similarity(scene):
 @given(scenes())
 def test_invariants_in_a_thousand_scenes(scene):
     check_invariants(scene)
-
-
-def check_invariants(scene):
-    try:
-        solution = solve(scene)
-    except SceneError:
-        return  # tension: refused, as it must be
-    if solution.status != "converged":
-        # Allowed only next to a threshold, where a zone is about to close at the contact edge.
-        assert solution.zones[0].inner == 0
-        assert solution.zones[0].outer < 0.01
-        return
-    rate, traction = solution.slip_rate(XI, 1.0), solution.shear_traction(XI, 1.0)
-    strength = scene.friction * solution.pressure(XI, 1.0)
-    largest = max(np.abs(rate).max(), abs(solution.edge_slip_rate), 1e-300)
-    load = solution.stress
-    slips = np.zeros(len(XI), dtype=bool)
-    for zone in solution.zones:
-        slips |= (zone.inner < XI) & (zone.outer > XI)
-    tolerance = 100 * solution.error_estimate
-    # Coulomb's law at every point
-    assert np.all(np.abs(traction) <= strength + tolerance * (load + strength))
-    assert np.all(rate[~slips] == 0)
-    assert np.all(traction * rate >= -tolerance * largest * (load + strength))
-    sliding = slips & (np.abs(rate) > tolerance * largest)
-    np.testing.assert_allclose(
-        np.abs(traction[sliding]), strength[sliding], rtol=0, atol=tolerance * load
-    )
-    # Causality
-    ahead = np.array([1.001, 2.0]) * scene.material.longitudinal_speed
-    np.testing.assert_allclose(solution.slip_rate(ahead, 1.0), scene.far_slip_rate, rtol=1e-15)
-    assert np.all(solution.pressure(ahead, 1.0) == scene.base.pressure)
-    # Self-similarity, to the rounding of t/x
-    np.testing.assert_allclose(
-        solution.shear_traction(3 * XI, 3.0), traction, rtol=1e-9, atol=1e-9 * load
-    )
-
-
-def random_scenes(count, rtol=1e-12):
-    """Scenes of any load, a third of them with a base at friction; always the same ones."""
-    random = np.random.default_rng(11)
-    while count:
-        nu = float(random.choice([1 / 3, 0.25, 0.0, 0.45, -0.5, random.uniform(-0.9, 0.49)]))
-        friction = float(np.exp(random.uniform(np.log(0.02), np.log(3))))
-        base = float(random.choice([0, 1, random.lognormal()]))
-        share = float(random.choice([0, random.uniform(-1, 1), 1.0]))
-        step = Tractions(float(random.choice([0, 1, random.lognormal()])), float(random.normal()))
-        scene = Scene(
-            Material(1.0, 1.0, nu), friction, Tractions(base, share * friction * base), step
-        )
-        try:
-            exact = solve(scene, rtol=rtol)
-        except SceneError:
-            continue  # tension
-        if exact.status == "converged":  # rounding may not leave twelve digits
-            count -= 1
-            yield exact
 
 
 CLEAR = 0.03
@@ -155,7 +75,7 @@ def errors_of_integrals(solution, exact):
         errors["power"] = abs(float(solution.frictional_power(1.0)) / power - 1)
         part = solution.frictional_power(1.0, x) - exact.frictional_power(1.0, x)
         errors["power of a part"] = np.abs(part).max() / power
-    for name in ("slip", "path", "friction_work"):
+    for name in ("slip", "path", "work_density"):
         wanted, found = (getattr(one, name)(x, 1.0) for one in (exact, solution))
         errors[name] = np.abs(found - wanted).max() / max(np.abs(wanted).max(), 1e-300)
     wanted, found = exact.edge_slip_rate, solution.edge_slip_rate

@@ -2,37 +2,31 @@
 
 import numpy as np
 import pytest
+from catalogue import PRELOADED, REMOTE, SHOCK, STEEL, UNIT, unit_scene
 from scipy.integrate import quad
 
-from semianalytic import Material, Scene, SceneError, Tractions, solve
+from semianalytic import Scene, SceneError, Tractions, solve
 from semianalytic.halfplane.stuck import stuck_traction
-
-STEEL = Material(80e9, 7800.0, 1 / 3)
-UNIT = Material(1.0, 1.0, 1 / 3)
-
-
-def scene(friction=0.3, base=(1.0, 0.0), load=(0.0, 1.0), material=UNIT):
-    return Scene(material, friction, Tractions(*base), Tractions(*load))
 
 
 @pytest.fixture(scope="module")
 def preloaded():
-    return solve(scene())
+    return solve(PRELOADED)
 
 
 @pytest.fixture(scope="module")
 def shock():
-    return solve(scene(1.25, (1.0, 1.0), (1.0, 1.0)))
+    return solve(SHOCK)
 
 
 @pytest.fixture(scope="module")
 def stuck():
-    return solve(scene(2.0, (1.0, 1.0), (1.0, 1.0)))
+    return solve(unit_scene(2.0, *REMOTE))
 
 
 @pytest.fixture(scope="module")
 def sliding():
-    return solve(scene(0.5, (1.0, 1.0), (1.0, 1.0)))
+    return solve(unit_scene(0.5, *REMOTE))
 
 
 @pytest.mark.parametrize("name", ["preloaded", "shock", "sliding"])
@@ -92,7 +86,7 @@ def test_shear_traction_of_the_stuck_scene_is_the_diffracted_load(stuck):
 
 @pytest.mark.parametrize("friction", [1.25, 1.5, 2.0])
 def test_stress_intensity_is_the_limit_of_the_tractions(friction):
-    solution = solve(scene(friction, (1.0, 1.0), (1.0, 1.0)))
+    solution = solve(unit_scene(friction, *REMOTE))
     x = 1e-10
     mode_one, mode_two = solution.stress_intensity(1.0)
     near = np.sqrt(2 * np.pi * x)
@@ -183,8 +177,8 @@ def test_bad_positions_are_refused(preloaded):
 
 
 def test_dimensional_fields():
-    solution = solve(scene(1.25, (5e6, 5e6), (5e6, 5e6), STEEL))
-    unit = solve(scene(1.25, (1.0, 1.0), (1.0, 1.0)))
+    solution = solve(Scene(STEEL, 1.25, *2 * [Tractions(5e6, 5e6)]))
+    unit = solve(SHOCK)
     t, speed = 1e-4, STEEL.shear_speed
     x = np.array([0.3, 0.9, 1.02]) * speed * t
     np.testing.assert_allclose(

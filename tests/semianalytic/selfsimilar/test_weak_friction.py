@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from catalogue import unit_scene
 
 from semianalytic import ComputationError, Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
@@ -12,10 +13,6 @@ from semianalytic.halfplane.rules import rule_for
 from semianalytic.selfsimilar import guesses
 from semianalytic.selfsimilar.guesses import frictionless_profile, slip_senses
 from semianalytic.selfsimilar.load import scaled_load
-
-
-def scene(nu, friction, base_shear=0.0, load=(0.0, 1.0)):
-    return Scene(Material(1.0, 1.0, nu), friction, Tractions(1.0, base_shear), Tractions(*load))
 
 
 def edges_from_c(solution):
@@ -33,19 +30,21 @@ def random_weak_scenes(count, seed=5):
         friction = float(10 ** random.uniform(-13, -2))
         share = float(random.choice([0, 0, random.uniform(-1, 1), 1, -1]))
         pressure = float(random.choice([0, 1, min(random.lognormal(), 2.0)]))  # more may open it
-        yield scene(nu, friction, share * friction, (pressure, float(random.normal() + 0.01)))
+        yield unit_scene(
+            friction, (1.0, share * friction), (pressure, float(random.normal() + 0.01)), nu=nu
+        )
 
 
 @pytest.mark.parametrize("nu", [-0.5, 0.0])
 def test_gaps_shrink_to_where_a_frictionless_interface_changes_sense(nu):
     """As wide as 4 f p / (pi m |V'|), and off by no more than a few widths."""
     factors = rayleigh_factors(nu)
-    load, _ = scaled_load(scene(nu, 0.0))
+    load, _ = scaled_load(unit_scene(0.0, nu=nu))
     profile = frictionless_profile(factors, load, rule_for(1e-10))
     senses, changes = slip_senses(profile)
     assert senses == [1, -1, 1]
     for friction, error in ((1e-5, 0.05), (1e-7, 2e-3), (1e-9, 1e-3)):
-        solution = solve(scene(nu, friction), rtol=1e-9)
+        solution = solve(unit_scene(friction, nu=nu), rtol=1e-9)
         assert [zone.sense for zone in solution.zones] == senses
         v = factors.c * (1 + edges_from_c(solution))
         for change, start, end in zip(changes, v[::2], v[1::2], strict=True):
@@ -62,7 +61,7 @@ def test_reversed_strip_begins_at_a_gap_of_the_same_shape_whatever_its_width(nu)
     """Beside c the slip rate is r ln(|v - c| / d): with the impedance m' |v - c| the strip is there
     below f P = m' r d."""
     factors = rayleigh_factors(nu)
-    profile = frictionless_profile(factors, scaled_load(scene(nu, 0.0))[0], rule_for(1e-10))
+    profile = frictionless_profile(factors, scaled_load(unit_scene(0.0, nu=nu))[0], rule_for(1e-10))
     change = slip_senses(profile)[1][0]
     distance = abs(change.from_c[0])
     near = factors.beside("c", [-1e-3 * distance, -1e-6 * distance])
@@ -70,7 +69,7 @@ def test_reversed_strip_begins_at_a_gap_of_the_same_shape_whatever_its_width(nu)
     impedance = abs(factors.impedance_behind(near)[1] / near.from_c[1])
     threshold = impedance * residue * distance
     for share, senses in ((0.99, [1, -1, 1]), (1.01, [1, 1])):
-        solution = solve(scene(nu, share * threshold), rtol=1e-8)
+        solution = solve(unit_scene(share * threshold, nu=nu), rtol=1e-8)
         assert solution.status == "converged"
         assert [zone.sense for zone in solution.zones] == senses
         if share > 1:  # a gap twice as wide as the frictionless strip
@@ -97,7 +96,7 @@ def test_weak_friction_converges_and_its_estimates_are_honest(count):
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-11])
 @pytest.mark.parametrize(
-    ("nu", "friction", "base_shear", "step"),
+    ("nu", "friction", "base_shear", "load"),
     [
         # a zone at the contact edge, 2e-8 to 1e-3 c_t wide
         (-0.668412, 1.175155, 0.0, (0.144159, -0.155212)),
@@ -117,8 +116,8 @@ def test_weak_friction_converges_and_its_estimates_are_honest(count):
         (0.2, 1e-12, 0.0, (0.0, 1.0)),
     ],
 )
-def test_thresholds_that_used_to_end_in_a_status(nu, friction, base_shear, step, rtol):
-    solution = solve(scene(nu, friction, base_shear, step), rtol=rtol)
+def test_thresholds_that_used_to_end_in_a_status(nu, friction, base_shear, load, rtol):
+    solution = solve(unit_scene(friction, (1.0, base_shear), load, nu=nu), rtol=rtol)
     assert solution.status == "converged"
     assert solution.error_estimate <= rtol
 
@@ -139,7 +138,7 @@ def test_edge_just_below_its_threshold(excess, rtol):
 @pytest.mark.parametrize("sign", [1, -1])
 def test_nothing_happens_without_a_step_though_the_base_is_at_friction(sign):
     for friction in (1e-3, 0.3, 1 / 3):
-        solution = solve(scene(0.25, friction, sign * friction, (0.0, 0.0)))
+        solution = solve(unit_scene(friction, (1.0, sign * friction), (0.0, 0.0), nu=0.25))
         assert solution.status == "converged"
         assert solution.zones == ()
         assert not solution.slip_rate(np.linspace(0.1, 2.0, 5), 1.0).any()
@@ -147,7 +146,7 @@ def test_nothing_happens_without_a_step_though_the_base_is_at_friction(sign):
 
 def test_a_base_above_friction_by_rounding_does_not_slide():
     friction = 8.783039916140936e-05
-    just_above = scene(1 / 3, friction, float(np.nextafter(friction, 1.0)), (0.0, 1.0))
+    just_above = unit_scene(friction, (1.0, float(np.nextafter(friction, 1.0))))
     assert just_above.far_slip_rate == 0.0
     sliding = Tractions(1.0, friction * 1.001)
     assert replace(just_above, base=sliding, load=sliding).far_slip_rate > 0
@@ -166,21 +165,21 @@ def test_grids_on_which_pivoting_fails_are_passed_over(monkeypatch):
             raise ComputationError("ended on a ray")
         return slip_on_grid(poisson_ratio, load, size)
 
-    expected = solve(scene(0.25, 0.3)).zones
+    expected = solve(unit_scene(0.3, nu=0.25)).zones
     monkeypatch.setattr(guesses, "slip_on_grid", failing)
-    found = solve(scene(0.25, 0.3))
+    found = solve(unit_scene(0.3, nu=0.25))
     assert sizes == [48, 96]
     assert found.status == "converged"
     assert found.zones[0].outer == pytest.approx(expected[0].outer, rel=1e-8)
     monkeypatch.setattr(guesses, "slip_on_grid", partial(failing, most=99))
-    failed = solve(scene(0.25, 0.3))
+    failed = solve(unit_scene(0.3, nu=0.25))
     assert "no set of slip zones" in failed.status
     assert failed.error_estimate == np.inf
 
 
 def test_friction_that_rounding_takes_from_the_load_is_none():
-    none = solve(scene(0.25, 0.0))
+    none = solve(unit_scene(0.0, nu=0.25))
     for friction in (1e-300, 1e-16):
-        faint = solve(scene(0.25, friction))
+        faint = solve(unit_scene(friction, nu=0.25))
         assert faint.status == "converged"
         assert faint.zones == none.zones

@@ -6,6 +6,7 @@ from time import perf_counter
 
 import numpy as np
 import pytest
+from catalogue import UNIT
 
 from compare.cli.commands import main
 from compare.comparison.report import march_document
@@ -29,12 +30,10 @@ from semianalytic.spacetime import grid_pressure as grid_pressure_module
 from semianalytic.spacetime.grid_pressure import GridPressure
 from semianalytic.spacetime.resolution import nodes_for_loads, zone_at_edge
 
-SOLID = Material(1.0, 1.0, 1 / 3)
-
 
 def sheared(history, friction=0.1, **parts):
     base, step = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
-    return Scene(SOLID, friction, base, step, shear_history=history, **parts)
+    return Scene(UNIT, friction, base, step, shear_history=history, **parts)
 
 
 def sampled(history, count, end=1.0):
@@ -43,7 +42,7 @@ def sampled(history, count, end=1.0):
 
 
 def total_work(marched):
-    return float(marched.friction_work.sum() * marched.grid.spacing)
+    return float(marched.final_work_density.sum() * marched.grid.spacing)
 
 
 # --- turns of loads ---------------------------------------------------------------------------
@@ -121,7 +120,7 @@ def test_what_turns_too_fast_is_refused(history, load):
     """Sampled at levels, 1003 cycles gave the answer of 3, and a short pulse none at all."""
     scene = sheared(history)
     if load == "pressure":
-        scene = Scene(SOLID, 0.1, Tractions(2.0, 0.0), Tractions(0.5, 1.0), history)
+        scene = Scene(UNIT, 0.1, Tractions(2.0, 0.0), Tractions(0.5, 1.0), history)
     with pytest.raises(SceneError, match=rf"the {load} history turns faster .* give [0-9.e+]+ nod"):
         march(scene, nodes=200)
 
@@ -191,14 +190,14 @@ def test_pressure_of_tables_is_that_of_the_exact_sum(monkeypatch):
     random = np.random.default_rng(1)
     t = np.sort(random.uniform(0, 1, 60))
     table = Tabulated(tuple(t), tuple(np.sin(7 * t)))
-    scene = Scene(SOLID, 0.3, Tractions(3.0, 0.0), Tractions(1.0, 0.5), table, Step())
+    scene = Scene(UNIT, 0.3, Tractions(3.0, 0.0), Tractions(1.0, 0.5), table, Step())
     levels = np.linspace(0.05, 1.0, 20)
 
     def pressures():
         return np.array(list(GridPressure(scene, 400, 2 / 400, 1.0, 1 / 400).over(levels)))
 
     found = pressures()
-    monkeypatch.setattr(grid_pressure_module, "_EXACT_KINKS", 1000)
+    monkeypatch.setattr(grid_pressure_module, "EXACT_KINKS", 1000)
     exact = pressures()
     assert np.ptp(exact) > 1
     assert np.abs(found - exact).max() < 1e-4
@@ -212,7 +211,7 @@ def test_tabulated_pressure_costs_what_shear_does():
     table = Tabulated(tuple(t), tuple(0.3 * np.sin(7 * t)))
 
     def seconds(history, pressure):
-        scene = Scene(SOLID, 0.3, Tractions(3.0, 0.0), Tractions(pressure, 0.5), history, table)
+        scene = Scene(UNIT, 0.3, Tractions(3.0, 0.0), Tractions(pressure, 0.5), history, table)
         times = []
         for _ in range(2):
             started = perf_counter()
@@ -234,7 +233,7 @@ def test_slip_below_the_grid_is_not_called_none(history, friction):
     scene = sheared(history, friction)
     marched = march(scene, nodes=64)
     x = marched.grid.x[0] / 50
-    stuck = stuck_shear(history, 1.0, SOLID, x, marched.interface.t[1:]).value
+    stuck = stuck_shear(history, 1.0, UNIT, x, marched.interface.t[1:]).value
     assert np.abs(stuck).max() > friction  # it must slip
     assert not marched.seen.slip_rate.any()  # and is not seen to
     assert marched.status == "unresolved"

@@ -4,21 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from catalogue import PRELOADED, REMOTE, SHOCK, unit_scene
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from compare.studies.chart.benchmark import edge_difference
-from semianalytic import Material, Scene, SceneError, Tractions, solve
+from semianalytic import SceneError, solve
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
 from semianalytic.sweeps.sweep import sweep
-
-
-def scene(nu=1 / 3, friction=0.3, base=(1.0, 0.0), load=(0.0, 1.0)):
-    return Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), Tractions(*load))
-
-
-PRELOADED = scene()
-REMOTE = scene(friction=1.25, base=(1.0, 1.0), load=(1.0, 1.0))
 
 
 def check_against_single(swept, rtol):
@@ -37,10 +30,10 @@ def check_against_single(swept, rtol):
     ("start", "low", "high"),
     [
         (PRELOADED, 0.2, 0.6),  # a second zone until 0.34
-        (REMOTE, 0.9, 1.6),  # everywhere, past c_R, two zones, one, none
-        (scene(nu=-0.5), 1e-3, 0.2),  # reverse slip, two zones, one
-        (scene(nu=-0.5, friction=1.1, base=(1.0, 1.0), load=(1.0, 1.0)), 1.05, 1.2),  # stuck edge
-        (scene(base=(2.0, 0.1), load=(0.5, 0.6)), 0.1, 0.9),  # both senses
+        (SHOCK, 0.9, 1.6),  # everywhere, past c_R, two zones, one, none
+        (unit_scene(nu=-0.5), 1e-3, 0.2),  # reverse slip, two zones, one
+        (unit_scene(1.1, *REMOTE, nu=-0.5), 1.05, 1.2),  # stuck edge
+        (unit_scene(base=(2.0, 0.1), load=(0.5, 0.6)), 0.1, 0.9),  # both senses
     ],
 )
 def test_sweep_agrees_with_single_solutions_across_thresholds(start, low, high):
@@ -54,7 +47,7 @@ def start_of(nu, remote, low):
     """A shear step or a remote load, and where a sweep over friction may start: under the second
     above 1, its base being at friction there."""
     load = (1.0, 1.0) if remote else (0.0, 1.0)
-    start = scene(nu, friction=2.0, base=(1.0, load[0] * load[1]), load=load)
+    start = unit_scene(2.0, (1.0, load[0] * load[1]), load, nu=nu)
     return start, 1.001 + low / 4 if remote else low
 
 
@@ -80,7 +73,7 @@ def test_sweeps_of_any_material(nu, remote, low, width):
 
 def test_fields_are_those_of_single_solutions():
     friction = np.linspace(1.15, 1.25, 9)
-    swept = sweep(REMOTE, friction)
+    swept = sweep(SHOCK, friction)
     assert not swept.from_scratch.all()
     x = np.linspace(0.05, 1.9, 50)
     for one in swept.solutions:
@@ -150,7 +143,7 @@ def test_interpolated_frictions_agree_with_single_solutions(nu, remote, low, wid
         assert difference <= one.error_estimate + other.error_estimate <= 2 * rtol
 
 
-@pytest.mark.parametrize(("start", "low", "high"), [(PRELOADED, 0.335, 0.35), (REMOTE, 1.1, 1.45)])
+@pytest.mark.parametrize(("start", "low", "high"), [(PRELOADED, 0.335, 0.35), (SHOCK, 1.1, 1.45)])
 def test_changes_of_zones_are_not_smeared(start, low, high):
     swept = sweep(start, np.linspace(low, high, 200), 1e-7)
     count = [len(solution.zones) for solution in swept.solutions]
@@ -172,7 +165,7 @@ def test_changes_of_zones_are_not_smeared(start, low, high):
 )
 def test_error_estimates_hold_for_every_origin(nu, low, width, rtol):
     """Also where the rule of a batch is longer than one friction needs: beside narrow gaps."""
-    swept = sweep(scene(nu), low + width * np.linspace(0, 1, 60), rtol)
+    swept = sweep(unit_scene(nu=nu), low + width * np.linspace(0, 1, 60), rtol)
     for origin in (COMPUTED, INTERPOLATED):
         some = [i for i, one in enumerate(swept.origin) if one == origin]
         for i in some[:: max(1, len(some) // 6)]:

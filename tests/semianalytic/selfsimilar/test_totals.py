@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from laws import random_scenes
 from scipy.integrate import quad
-from test_invariants import random_scenes
 
 from semianalytic import Material, Scene, SceneError, Tractions, solve
 from semianalytic.scene.named import NAMED_SCENES
@@ -83,7 +83,7 @@ def check_integrals(exact):
         assert np.isinf(exact.frictional_power(1.0)) == (whole != 0)
     else:
         assert exact.frictional_power(1.0) == pytest.approx(whole, rel=tolerance)
-        assert exact.heat(3.0) == pytest.approx(4.5 * whole, rel=tolerance)
+        assert exact.frictional_work(3.0) == pytest.approx(4.5 * whole, rel=tolerance)
     inner, outer = 0.3 * scene.material.rayleigh_speed, 1.02 * scene.material.shear_speed
     part = integral(density, inner, outer, speeds)
     scale = tolerance * max(whole, 1e-300)
@@ -93,11 +93,11 @@ def check_integrals(exact):
     work = integral(lambda t: rate(x, t) * traction(x, t), 0.0, 1.0, times)
     path = integral(lambda t: np.abs(rate(x, t)), 0.0, 1.0, times)
     slip = integral(lambda t: rate(x, t), 0.0, 1.0, times)
-    assert exact.friction_work(x, 1.0) == pytest.approx(work, rel=tolerance)
+    assert exact.work_density(x, 1.0) == pytest.approx(work, rel=tolerance)
     assert exact.path(x, 1.0) == pytest.approx(path, rel=tolerance)
     assert exact.slip(x, 1.0) == pytest.approx(slip, abs=tolerance * path)
-    assert exact.heat(1.0, inner, outer) == pytest.approx(
-        integral(lambda y: exact.friction_work(y, 1.0), inner, outer, speeds, 12), abs=scale
+    assert exact.frictional_work(1.0, inner, outer) == pytest.approx(
+        integral(lambda y: exact.work_density(y, 1.0), inner, outer, speeds, 12), abs=scale
     )
 
 
@@ -144,7 +144,7 @@ def test_momentum_balance(name):
 def test_parts_of_the_contact_add_up():
     solution = solve(NAMED_SCENES["pressure-drop"].scene)
     ends = np.array([0.0, 1e-3, 0.4, 0.93, 1.1, np.inf])
-    for taken in (solution.frictional_power, solution.heat):
+    for taken in (solution.frictional_power, solution.frictional_work):
         parts, whole = taken(1.0, ends[:-1], ends[1:]), float(taken(1.0))
         assert np.all(parts >= -1e-12 * whole)  # differences, right to rounding of the whole
         assert parts.sum() == pytest.approx(whole, rel=1e-12)
@@ -158,20 +158,25 @@ def test_slip_ahead_of_all_waves_takes_what_a_steady_slide_takes():
     rate = solution.scene.far_slip_rate
     x, t = np.array([3.0, 5.0]), 1.5
     np.testing.assert_allclose(solution.path(x, t), rate * t, rtol=1e-14)
-    np.testing.assert_allclose(solution.friction_work(x, t), 0.5 * rate * t, rtol=1e-14)
+    np.testing.assert_allclose(solution.work_density(x, t), 0.5 * rate * t, rtol=1e-14)
     assert solution.frictional_power(t, 3.0, 5.0) == pytest.approx(rate, rel=1e-13)
-    assert solution.heat(t, 3.0, 5.0) == pytest.approx(rate * t, rel=1e-13)
-    assert solution.heat(t) == solution.frictional_power(t, 3.0) == np.inf
+    assert solution.frictional_work(t, 3.0, 5.0) == pytest.approx(rate * t, rel=1e-13)
+    assert solution.frictional_work(t) == solution.frictional_power(t, 3.0) == np.inf
 
 
 def test_nothing_is_taken_before_the_load_or_without_friction():
     solution = solve(NAMED_SCENES["preloaded"].scene)
-    for taken in (solution.frictional_power, solution.heat):
+    for taken in (solution.frictional_power, solution.frictional_work):
         assert np.all(taken(np.array([-1.0, 0.0]), 0.1) == 0)
     assert np.all(solution.path(0.3, np.array([-1.0, 0.0])) == 0)
-    assert np.all(solution.friction_work(0.3, np.array([-1.0, 0.0])) == 0)
+    assert np.all(solution.work_density(0.3, np.array([-1.0, 0.0])) == 0)
     free = solve(Scene(Material(1.0, 1.0, -0.5), 0.0, Tractions(1.0, 0.0), Tractions(0.0, 1.0)))
-    assert free.frictional_power(1.0) == free.heat(1.0, 0.1) == free.friction_work(0.3, 1.0) == 0
+    assert (
+        free.frictional_power(1.0)
+        == free.frictional_work(1.0, 0.1)
+        == free.work_density(0.3, 1.0)
+        == 0
+    )
     assert free.path(0.3, 1.0) > abs(free.slip(0.3, 1.0))  # it reverses around the Rayleigh front
 
 
@@ -179,6 +184,6 @@ def test_nothing_is_taken_before_the_load_or_without_friction():
 def test_bad_intervals_are_refused(ends):
     solution = solve(NAMED_SCENES["preloaded"].scene)
     with pytest.raises(SceneError, match="inner <= outer"):
-        solution.heat(1.0, *ends)
+        solution.frictional_work(1.0, *ends)
     with pytest.raises(SceneError, match="finite"):
         solution.frictional_power(np.inf)

@@ -1,4 +1,4 @@
-"""What friction takes: integrals of traction times slip rate over position, and over time."""
+"""Integrals of slip rate and of what friction takes over position and time, and largest slip."""
 
 from __future__ import annotations
 
@@ -10,6 +10,25 @@ import numpy as np
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.profile import Profile
+
+
+def largest_slip_over_time(profile: Profile) -> float:
+    """Largest |slip| / t, b = mu = 1 and one-sided, on the contact; the limit at a slipping edge.
+
+    The largest at the nodes of panels that slip, and at ever closer points around it; where it
+    sticks slip / t falls.
+    """
+    limits = [abs(float(profile.fields.load.far_slip_rate)), abs(profile.edge_slip_rate)]
+    slipping = list(profile.panels.layout.slip)
+    if not slipping:
+        return max(limits)
+    u = np.sort(profile.panels.at.v[slipping].ravel())
+    for _ in range(tuning.ZOOMS):
+        size = np.abs(profile.slip_over_time(u))
+        top = int(np.argmax(size))
+        limits.append(float(size[top]))
+        u = np.linspace(u[max(top - 1, 0)], u[min(top + 1, len(u) - 1)], tuning.ZOOM_POINTS)
+    return max(limits)
 
 
 def dissipation(profile: Profile, u: Array) -> Array:

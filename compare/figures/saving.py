@@ -1,0 +1,54 @@
+"""Figures as files, and as pictures within a page."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from pathlib import Path
+
+from matplotlib.backend_bases import FigureCanvasBase
+from matplotlib.figure import Figure
+from PIL import Image
+
+from semianalytic.results.files import write_bytes
+from semianalytic.scene.errors import SceneError
+
+
+def figure_format(path: str | Path) -> str:
+    """The format that the name of a figure asks for.
+
+    Raises
+    ------
+    SceneError
+        If matplotlib knows no such format.
+    """
+    path = Path(path)
+    form = path.suffix.removeprefix(".").lower()
+    if form not in FigureCanvasBase.get_supported_filetypes():
+        raise SceneError(
+            f"Figures cannot be written as {path.name!r}; end the name in .png, .pdf or .svg."
+        )
+    return form
+
+
+def save_figure(figure: Figure, path: str | Path) -> None:
+    """Write a figure in the format its name asks for, whole or not at all.
+
+    Raises
+    ------
+    SceneError
+        If matplotlib knows no such format.
+    DataFileError
+        If the file cannot be written.
+    """
+    drawn = BytesIO()
+    figure.savefig(drawn, format=figure_format(path), dpi=200)
+    write_bytes(path, drawn.getbuffer())
+
+
+def figure_png(figure: Figure, dpi: int = 110, colours: int = 256) -> bytes:
+    """A figure as PNG of few colours, which takes a third of the space."""
+    drawn, packed = BytesIO(), BytesIO()
+    figure.savefig(drawn, format="png", dpi=dpi)
+    picture = Image.open(drawn).convert("RGB")
+    picture.quantize(colours, dither=Image.Dither.NONE).save(packed, format="png", optimize=True)
+    return packed.getvalue()

@@ -1,0 +1,108 @@
+"""Where a space-time march stops, and how its error grows: step, Poisson ratio, friction, time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+from compare.figures.saving import save_figure
+from compare.figures.style import CYCLE, SMALL, new_figure
+from compare.output.tables import write_rows
+from compare.studies.accuracy.spacetime import last_march, step_error
+from compare.studies.stability.sweeps import StudyRow
+from compare.studies.workers import Progress, counted
+from semianalytic import Marched, Material, Scene, march
+from semianalytic.scene.errors import SlipfrontError
+from semianalytic.scene.named import NAMED_SCENES
+
+RAN = "ran"
+STEP_RATIOS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8)
+POISSON_RATIOS = (-0.99, -0.9, -0.7, -0.5, -0.2, 0.0, 0.2, 0.4, 0.45, 0.49, 0.499, 0.4999)
+FRICTIONS = {
+    "preloaded": (0.02, 0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 1.0, 2.0, 5.0),
+    "remote-shock": (0.3, 0.8, 0.99, 1.01, 1.1, 1.2, 1.25, 1.3, 1.38, 1.41),
+}
+END_TIMES = (1.0, 2.0, 4.0, 8.0, 16.0)
+FLOOR = 1e-3
+"""Where runs that were refused are marked [%]."""
+
+Trial = tuple[str, str, float, Scene, Callable[[], Marched]]
+"""Study, case, what is varied, the scene, and how it is marched."""
+
+
+def trials(quick: bool) -> Iterator[Trial]:
+    """All marches of the study, on coarse grids and not as long if quick."""
+    nodes = 128 if quick else 512
+    preloaded = NAMED_SCENES["preloaded"].scene
+    for damping in (0.0, 0.7):
+        for ratio in STEP_RATIOS:
+            run = partial(last_march, preloaded, nodes, step_ratio=ratio, damping=damping)
+            yield "step ratio", f"damping {damping:g}", ratio, preloaded, run
+    for nu in POISSON_RATIOS:
+        scene = replace(preloaded, material=Material(1.0, 1.0, nu))
+        for damping in (0.0, 0.7):
+            run = partial(last_march, scene, nodes, damping=damping)
+            yield "Poisson ratio", f"damping {damping:g}", nu, scene, run
+    for name, frictions in FRICTIONS.items():
+        for chi in frictions:
+            scene = replace(NAMED_SCENES[name].scene, friction=chi)
+            yield "friction", name, chi, scene, partial(last_march, scene, nodes)
+    for end in END_TIMES[:3] if quick else END_TIMES:
+        run = partial(march, preloaded, end, int(nodes * end / 4), every=10**9)
+        yield "end time", "preloaded", end, preloaded, run
+
+
+def stability_rows(quick: bool) -> Iterator[StudyRow]:
+    """Relative L1 error of the slip rate of every march; NaN, and why, where one was refused."""
+    for study, case, value, scene, run in trials(quick):
+        try:
+            error, status = step_error(scene, run()), RAN
+        except SlipfrontError as refusal:
+            error, status = math.nan, str(refusal)
+        yield StudyRow(study, case, "space-time", value, "slip rate error", error, status)
+
+
+def write_stability(output: Path, quick: bool = False, progress: Progress | None = None) -> None:
+    """Run the study; write stability-space-time.csv and .png into a folder.
+
+    Raises
+    ------
+    DataFileError
+        If a file cannot be written.
+    """
+    output.mkdir(parents=True, exist_ok=True)
+    rows = list(counted(stability_rows(quick), len(list(trials(quick))), progress))
+    write_rows(output / "stability-space-time.csv", rows)
+    save_figure(stability_figure(rows), output / "stability-space-time.png")
+
+
+def stability_figure(rows: Sequence[StudyRow]) -> Figure:
+    """Errors of the study's four parts; crosses at the bottom where a run was refused."""
+    labels = {
+        "step ratio": r"$c_t\,\Delta t / h$",
+        "Poisson ratio": r"$\nu$",
+        "friction": r"$f$ times pressure over shear of the load",
+        "end time": r"end time, at constant $h$",
+    }
+    figure = new_figure(9, 6.5)
+    figure.suptitle("space-time march of preloaded, one thing varied at a time", fontsize=9)
+    for panel, (study, label) in zip(figure.subplots(2, 2).ravel(), labels.items(), strict=True):
+        part = [row for row in rows if row.study == study]
+        for case, colour in zip(dict.fromkeys(row.case for row in part), CYCLE, strict=False):
+            own = [row for row in part if row.case == case]
+            ran = [(row.parameter, 100 * row.value) for row in own if row.status == RAN]
+            refused = [(row.parameter, FLOOR) for row in own if row.status != RAN]
+            panel.plot(*zip(*ran, strict=True), ".-", color=colour, label=case)
+            panel.plot([x for x, _ in refused], [y for _, y in refused], "x", color=colour)
+        panel.set(xlabel=label, ylabel="L1 error of slip rate [%]", yscale="log")
+        if study in ("friction", "end time"):
+            panel.set_xscale("log")
+            panel.xaxis.set_minor_formatter(NullFormatter())
+        panel.legend(fontsize=SMALL)
+    return figure

@@ -1,0 +1,51 @@
+"""The slip zone of a slot that is loaded slowly: the static near field, in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.halfplane.stuck_histories import intensity_history
+from semianalytic.scene.scene import Material, Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StaticZone:
+    """Slip zone beside the contact edge under a constant strength.
+
+    The stress intensity of the zone's own traction at its far end cancels that of the load,
+    2 strength sqrt(2 length / pi) = K_II (Dugdale; Barenblatt).
+
+    Attributes
+    ----------
+    strength : float
+        Friction bound less shear traction of the slot [stress].
+    length : float
+        [length].
+    material : Material
+    """
+
+    strength: float
+    length: float
+    material: Material
+
+    def slip(self, x: Array) -> Array:
+        """Relative slip at x > 0, (n,) [length]."""
+        share = np.clip(x / self.length, 1e-300, 1.0)
+        root = np.sqrt(1 - share)
+        shape = root - share / 2 * np.log((1 + root) / (1 - root + 1e-300))
+        unit = 4 * (1 - self.material.poisson_ratio) / (np.pi * self.material.shear_modulus)
+        return unit * self.strength * self.length * shape
+
+
+def static_zone(scene: Scene, t: float) -> StaticZone:
+    """The static zone at a time of a scene with slow shear under constant pressure."""
+    load = scene.load.shear * float(scene.shear_history.value(t))
+    strength = scene.friction * scene.base.pressure - scene.base.shear + load
+    _, intensity = intensity_history(scene.shear_history, scene.load, scene.material, t)
+    length = np.pi / 8 * (float(intensity) / strength) ** 2
+    return StaticZone(strength, float(length), scene.material)

@@ -1,0 +1,125 @@
+"""What every solver answers: the same questions about the contact, with the same meaning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.results.datasets import dataset
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
+"""Methods of positions and times."""
+TOTALS = ("max_slip", "accumulated_slip", "frictional_work")
+"""Methods of times alone."""
+
+
+@dataclass(frozen=True)
+class SlipInterval:
+    """Part of the contact that slips at one time: start < x < end.
+
+    Attributes
+    ----------
+    start, end : float
+        Positions [length]; 0 is the contact edge, inf is slip ahead of all waves, or beyond all
+        that was recorded.
+    sense : int
+        +1 where the upper side slips towards +x, -1 towards -x.
+    """
+
+    start: float
+    end: float
+    sense: int
+
+
+class Answer(Protocol):
+    """What slips when, how fast and which way, and what it takes.
+
+    Positions x > 0 [length] and times t [time] broadcast; before t = 0 there is the base state.
+    Slip and slip rate are relative, upper minus lower side; tractions are the whole ones, base
+    included, pressure positive in compression.  All methods raise a SceneError for positions off
+    the contact, for what is not a finite number, and beyond what an answer has recorded.
+    """
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that was asked."""
+        ...
+
+    def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip rate [length / time]."""
+        ...
+
+    def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip since t = 0 [length]."""
+        ...
+
+    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Shear traction sigma_xy [stress]."""
+        ...
+
+    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Contact pressure [stress]."""
+        ...
+
+    def max_slip(self, t: ArrayLike) -> Array:
+        """Largest |slip| on the contact at times t [length]."""
+        ...
+
+    def accumulated_slip(self, t: ArrayLike) -> Array:
+        """Integral over the contact of the |slip| accumulated until t [length^2]."""
+        ...
+
+    def frictional_work(self, t: ArrayLike) -> Array:
+        """Energy turned to heat on the contact until t, per unit depth [stress length^2]."""
+        ...
+
+    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
+        """What slips at a time, from the contact edge outward; nothing until the load comes."""
+        ...
+
+    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+        """All fields at positions x (n,) and times t (m,)."""
+        ...
+
+    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
+        """All fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`."""
+        ...
+
+
+def sampled_history(answer: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+    """All fields of an answer at positions x (n,) [length] and times t (m,) [time]."""
+    x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
+    return InterfaceHistory(x, t, *(getattr(answer, name)(x, t[:, None]) for name in FIELDS))
+
+
+def answer_dataset(answer: Answer, x: ArrayLike, t: ArrayLike) -> Any:
+    """Fields and totals of an answer as an `xarray.Dataset` of dimensions t and x.
+
+    Parameters
+    ----------
+    answer : Answer
+    x : (n,) array
+        [length].
+    t : (m,) array
+        [time].
+
+    Raises
+    ------
+    MissingLibraryError
+        If xarray is not installed.
+    SceneError
+        As the methods of the answer.
+    """
+    history = answer.history(x, t)
+    values = {field.name: getattr(history, field.name) for field in fields(history)}
+    totals = {name: getattr(answer, name)(history.t) for name in TOTALS}
+    data = dataset(values.pop("x"), values.pop("t"), {**values, **totals})
+    data.attrs["title"] = repr(answer)
+    return data

@@ -1,0 +1,261 @@
+"""Answers that were recorded at nodes and time levels, and what lies between the samples.
+
+A solver that steps through time keeps an `InterfaceHistory` of the levels it stored and the
+`Totals` of every step; `SampledAnswer` makes an `Answer` of the two.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.results.answer import SlipInterval, answer_dataset, sampled_history
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.checks import checked_number
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+_ROUNDING = 1e-9
+"""By which the last time or position may be missed, relative to it."""
+_EDGE_NODES = 2
+"""Samples next to the edge of a zone that say where it is."""
+_NO_SLIP = 1e-6
+"""Part of the largest recorded slip rate that counts as none; where it sticks it is 0 exactly."""
+
+
+@dataclass(frozen=True, eq=False)
+class Totals:
+    """What the contact as a whole has done, at every step, stored or not; (m,) arrays.
+
+    Attributes
+    ----------
+    t : increasing from 0 [time].
+    max_slip : largest |slip| at the time [length].
+    accumulated_slip : integral over the contact of accumulated |slip| [length^2].
+    frictional_work : energy turned to heat per unit depth until then [stress length^2].
+    """
+
+    t: Array
+    max_slip: Array
+    accumulated_slip: Array
+    frictional_work: Array
+
+    def at(self, name: str, t: ArrayLike) -> Array:
+        """One of them at times t [time], linear between steps, 0 before t = 0.
+
+        Raises
+        ------
+        SceneError
+            If a time is not finite or beyond the last.
+        """
+        t = np.asarray(t, dtype=float)
+        _check_times(t, self.t)
+        return np.asarray(np.interp(t, self.t, getattr(self, name), left=0.0))
+
+
+class SampledAnswer:
+    """An `Answer` between its samples: linear in position and time.
+
+    Fields are known at the stored levels only, totals at every step.  Between the contact edge and
+    the first node fields are those of the first node, and likewise as far beyond the last one.
+
+    Attributes
+    ----------
+    scene : Scene
+    interface : InterfaceHistory
+        From t = 0 on.
+    totals : Totals
+    """
+
+    scene: Scene
+    interface: InterfaceHistory
+    totals: Totals
+
+    def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip rate, upper minus lower side [length / time].
+
+        Raises
+        ------
+        SceneError
+            If x or t is not finite, not on the contact, or beyond what was recorded.
+        """
+        return self._field("slip_rate", x, t)
+
+    def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip since t = 0 [length]; raises as `slip_rate`."""
+        return self._field("slip", x, t)
+
+    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Shear traction sigma_xy [stress], base included; raises as `slip_rate`."""
+        return self._field("shear_traction", x, t, self.scene.base.shear)
+
+    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Contact pressure [stress], base included, compression positive; raises as `slip_rate`."""
+        return self._field("pressure", x, t, self.scene.base.pressure)
+
+    def max_slip(self, t: ArrayLike) -> Array:
+        """Largest |slip| on the recorded contact at times t [length].
+
+        Raises
+        ------
+        SceneError
+            If a time is not finite or beyond the last step.
+        """
+        return self.totals.at("max_slip", t)
+
+    def accumulated_slip(self, t: ArrayLike) -> Array:
+        """Integral over the recorded contact of the |slip| accumulated until t [length^2].
+
+        Raises as `max_slip`.
+        """
+        return self.totals.at("accumulated_slip", t)
+
+    def frictional_work(self, t: ArrayLike) -> Array:
+        """Energy turned to heat on the recorded contact until t per unit depth [stress length^2].
+
+        Raises as `max_slip`.
+        """
+        return self.totals.at("frictional_work", t)
+
+    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
+        """What slips at a time, from the contact edge outward, as `slip_intervals` finds it.
+
+        Between two stored levels that is what slips at either.
+
+        Raises
+        ------
+        SceneError
+            If the time is not a finite number or beyond the last.
+        """
+        t = checked_number("zones_at: t", t)
+        if t <= 0:
+            return ()
+        seen = self.interface
+        inside = seen.x[seen.x > 0]
+        least = _NO_SLIP * float(np.abs(seen.slip_rate).max(initial=0.0))
+        return slip_intervals(inside, self.slip_rate(inside, t), least)
+
+    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+        """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
+        return sampled_history(self, x, t)
+
+    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
+        """Fields and totals at positions x (n,) and times t (m,) as an `xarray.Dataset`.
+
+        Raises
+        ------
+        MissingLibraryError
+            If xarray is not installed.
+        SceneError
+            As `slip_rate`.
+        """
+        return answer_dataset(self, x, t)
+
+    def _field(self, name: str, x: ArrayLike, t: ArrayLike, at_rest: float = 0.0) -> Array:
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        _check_positions(x, self.interface.x)
+        _check_times(t, self.interface.t)
+        return np.asarray(np.where(t < 0, at_rest, interpolated(self.interface, name, x, t)))
+
+
+def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Array:
+    """A field between the samples of a history, linear in both; that of the nearest beyond them.
+
+    Parameters
+    ----------
+    history : InterfaceHistory
+    name : str
+        Of the field, as "slip_rate".
+    x, t : arrays of one shape
+        [length], [time].
+    """
+    (left, right, along), (earlier, later, on) = _between(history.x, x), _between(history.t, t)
+    field = getattr(history, name)
+    before = (1 - along) * field[earlier, left] + along * field[earlier, right]
+    after = (1 - along) * field[later, left] + along * field[later, right]
+    return np.asarray((1 - on) * before + on * after)
+
+
+def _between(samples: Array, at: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """Indices of the samples on either side, and the share of the way from one to the other."""
+    after = np.clip(np.searchsorted(samples, at, "right"), 0, len(samples) - 1)
+    before = np.maximum(after - 1, 0)
+    width = samples[after] - samples[before]
+    share = (at - samples[before]) / np.where(width > 0, width, 1.0)
+    return before, after, np.clip(share, 0.0, 1.0)
+
+
+def slip_intervals(x: Array, slip_rate: Array, least: float) -> tuple[SlipInterval, ...]:
+    """What slips, from a sampled slip rate.
+
+    An interval is a run of two samples or more of one sign beyond the least.  Its ends are placed
+    between samples by the square-root law of slip rate at an edge: a straight line through the
+    squares of the samples next to the end is followed down to zero, though no further than the
+    nearest sample that does not belong to the edge layer.
+
+    Parameters
+    ----------
+    x : (n,) array
+        Positions [length], increasing, all positive; velocities x/t do as well.
+    slip_rate : (n,) array
+        Relative slip rate [length / time].
+    least : float
+        Largest |slip rate| that counts as none [length / time].
+
+    Returns
+    -------
+    tuple of SlipInterval
+        From the edge outward.  One that holds the first sample starts at 0, one that holds the last
+        sample ends at infinity.
+    """
+    sense = np.where(np.abs(slip_rate) > least, np.sign(slip_rate), 0.0)
+    runs = np.split(np.arange(len(sense)), np.flatnonzero(np.diff(sense)) + 1)
+    intervals = []
+    for run in runs:
+        if len(run) < 2 or sense[run[0]] == 0:
+            continue
+        inward = run[::-1]
+        start = _edge(x[run], slip_rate[run]) if run[0] else 0.0
+        end = _edge(x[inward], slip_rate[inward]) if run[-1] < len(sense) - 1 else math.inf
+        intervals.append(SlipInterval(start, end, int(sense[run[0]])))
+    return tuple(intervals)
+
+
+def _edge(x: Array, slip_rate: Array) -> float:
+    """Where the square of the slip rate falls to zero, samples given from the edge inward."""
+    near = x[:_EDGE_NODES]
+    slope, offset = np.polyfit(near - near[0], slip_rate[:_EDGE_NODES] ** 2, 1)
+    step = near[1] - near[0]
+    beyond = -offset / slope if slope * step > 0 else 0.0
+    return float(near[0] + np.clip(beyond / step, -_EDGE_NODES, 0.0) * step)
+
+
+def _check_times(t: Array, recorded: Array) -> None:
+    """Raise SceneError for times that are not finite or later than what was recorded."""
+    if not np.all(np.isfinite(t)):
+        raise SceneError("times must be finite numbers.")
+    if np.any(t > recorded[-1] * (1 + _ROUNDING)):
+        raise SceneError(
+            f"this answer ends at t = {recorded[-1]:.6g}; ask for earlier times, or compute it to "
+            "a later end time."
+        )
+
+
+def _check_positions(x: Array, nodes: Array) -> None:
+    """Raise SceneError for positions that are not finite, off the contact or beyond the nodes."""
+    if not np.all(np.isfinite(x)):
+        raise SceneError("positions must be finite numbers.")
+    if np.any((x <= 0) & (x < nodes[0])):
+        raise SceneError("the contact is x > 0; ask for positive positions.")
+    reach = nodes[-1] + nodes[0]
+    if np.any(x > reach * (1 + _ROUNDING)):
+        raise SceneError(
+            f"this answer reaches to x = {reach:.6g}; ask for nearer positions, or compute it on a "
+            "greater length or to a later end time."
+        )

@@ -1,0 +1,126 @@
+"""What is kept of the steps of a march: stored levels, and what every step adds to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import astuple, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.results.answer import FIELDS
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.sampled import Totals
+from semianalytic.spacetime.marched import Marched, MarchState
+
+Array = NDArray[np.float64]
+
+
+class MarchRecord:
+    """Level by level, in arrays that are as long as they will be.
+
+    Parameters
+    ----------
+    marched : Marched
+        What there is already.
+    steps : int
+        That are to come.
+    every : int
+        Store every n-th level, and the last.
+    progress : callable, optional
+        Called with (step, steps) after each step; if it returns True the march is `stopped`.
+    """
+
+    def __init__(
+        self,
+        marched: Marched,
+        steps: int,
+        every: int,
+        progress: Callable[[int, int], object] | None,
+    ) -> None:
+        self._marched, self._steps, self._every, self._progress = marched, steps, every, progress
+        self._observed, self._spacing = marched.grid.observed, marched.grid.spacing
+        self.done, self.stopped, self.seen = 0, False, marched.seen
+        earlier, before = marched.interface, marched.statistics.steps
+        self._stored = len(earlier.t)
+        whole = (before + steps) // every - before // every
+        levels = self._stored + (not self._stored) + whole + bool((before + steps) % every) + 1
+        self._times = _extended(earlier.t, levels)
+        self._fields = [_extended(getattr(earlier, name), levels) for name in FIELDS]
+        self._summed = len(marched.totals.t)
+        self._totals = [
+            _extended(getattr(marched.totals, field.name), self._summed + (not before) + steps)
+            for field in fields(Totals)
+        ]
+
+    def begin(self, state: MarchState, pressure: Array) -> None:
+        """Keep the level at t = 0, pressure of the contact."""
+        self._store(state, pressure)
+        self._sum(state)
+
+    def jump(self, state: MarchState) -> None:
+        """Note the slip rate that a jump of the loads sets off at once."""
+        rate = self._marched.grid.observe(state.rate)
+        self.seen = self.seen.with_level(
+            state.time, state.time, rate, rate, state.slip[: self._observed]
+        )
+
+    def add(self, before: MarchState, state: MarchState, pressure: Array) -> None:
+        """Keep one more level after that before it, pressure of the contact."""
+        observe = self._marched.grid.observe
+        self.seen = self.seen.with_level(
+            before.time,
+            state.time,
+            observe(before.rate),
+            observe(state.rate),
+            state.slip[: self._observed],
+        )
+        self._sum(state)
+        self.done += 1
+        self.stopped = self._progress is not None and (
+            self._progress(self.done, self._steps) is True
+        )
+        reached = self._marched.statistics.steps + self.done
+        if reached % self._every == 0 or self.done == self._steps or self.stopped:
+            self._store(state, pressure)
+
+    def _store(self, state: MarchState, pressure: Array) -> None:
+        self._times[self._stored] = state.time
+        rate = state.rate[self._marched.grid.contact]
+        for kept, field in zip(
+            self._fields, (state.slip, rate, state.traction, pressure), strict=True
+        ):
+            kept[self._stored] = field[: self._observed]
+        self._stored += 1
+
+    def _sum(self, state: MarchState) -> None:
+        slip, path, work = (
+            field[: self._observed] for field in (state.slip, state.path, state.work)
+        )
+        totals = Totals(
+            np.asarray(state.time),
+            np.abs(slip).max(),
+            path.sum() * self._spacing,
+            work.sum() * self._spacing,
+        )
+        for kept, total in zip(self._totals, astuple(totals), strict=True):
+            kept[self._summed] = total
+        self._summed += 1
+
+    def interface(self) -> InterfaceHistory:
+        """What was stored."""
+        kept = slice(0, self._stored)
+        return InterfaceHistory(
+            self._marched.grid.x, self._times[kept], *(field[kept] for field in self._fields)
+        )
+
+    def totals(self) -> Totals:
+        """Of every step."""
+        return Totals(*(total[: self._summed] for total in self._totals))
+
+
+def _extended(earlier: Array, rows: int) -> Array:
+    """An array of so many rows that begins with earlier ones."""
+    longer = np.empty((rows, *earlier.shape[1:]))
+    longer[: len(earlier)] = earlier
+    return longer

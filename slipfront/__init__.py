@@ -1,0 +1,48 @@
+"""Where, when, how fast and which way a frictional interface slips after a sudden load.
+
+``import slipfront as sf``: everything under the name it is installed by.  Nothing is made here:
+scenes and semi-analytic solvers come from `semianalytic`, finite elements from `fem`, which is
+imported when one of its names is first used and needs the extra ``slipfront[fem]``.
+"""
+
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import semianalytic
+from semianalytic import *
+
+if TYPE_CHECKING:
+    from fem import Cost, EnergyHistory, Simulation, SlotHistory, cost, load_simulation, simulate
+
+__version__ = version("slipfront")
+
+__all__ = [
+    "Cost",
+    "EnergyHistory",
+    "Simulation",
+    "SlotHistory",
+    "__version__",
+    "cost",
+    "load_simulation",
+    "simulate",
+]
+__all__ += semianalytic.__all__
+
+
+def __getattr__(name: str) -> Any:
+    """A name of `fem`.
+
+    Raises
+    ------
+    MissingLibraryError
+        If a package that the finite elements need is not installed.
+    """
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    import fem
+
+    return getattr(fem, name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

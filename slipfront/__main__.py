@@ -1,0 +1,7 @@
+"""``python -m slipfront``: the command line, where no program of that name is on the path."""
+
+import sys
+
+from compare.cli.entry import main
+
+sys.exit(main())

@@ -1,0 +1,111 @@
+"""Every scene of the catalogue: what each solver says of it, and whether its error is honest."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from catalogue import PROBLEMS, STEEL, over
+from laws import check_invariants
+
+from semianalytic import Scene, SceneError, TensionError, Tractions, march, solve
+
+
+def test_names_are_unique():
+    assert len({problem.name for problem in PROBLEMS}) == len(PROBLEMS)
+
+
+@over("exact")
+def test_zones_are_the_known_ones(problem):
+    solution = solve(problem.scene)
+    assert solution.status == "converged"
+    assert tuple(zone.sense for zone in solution.zones) == problem.senses
+
+
+@over("exact")
+def test_laws_hold(problem):
+    check_invariants(problem.scene)
+
+
+@over("exact")
+def test_error_is_honest(problem):
+    fine = solve(problem.scene, rtol=1e-11)
+    assert fine.status == "converged"
+    speed = fine.scene.material.shear_speed
+    x = np.linspace(0.02, 1.95, 300)
+    scale = np.abs(fine.slip_rate(x * speed, 1.0)).max()
+    fronts = [1.0, fine.scene.material.rayleigh_speed / speed]
+    fronts += [v / speed for v in fine.edge_speeds.ravel()]
+    # The logarithm at c_R and the square roots at edges amplify a shift of the edge; the
+    # estimate is for the slip rate away from them by more than the shift itself.
+    x = x[np.min(np.abs(x[:, None] - np.array(fronts)), axis=1) > 0.01] * speed
+    for rtol in (1e-3, 1e-5, 1e-8):
+        solution = solve(problem.scene, rtol=rtol)
+        assert solution.status == "converged"
+        assert solution.error_estimate <= rtol
+        assert tuple(zone.sense for zone in solution.zones) == problem.senses
+        finite = np.isfinite(fine.edge_speeds)
+        shift = np.abs(solution.edge_speeds[finite] - fine.edge_speeds[finite]) / speed
+        assert shift.max(initial=0.0) <= solution.error_estimate
+        error = np.abs(solution.slip_rate(x, 1.0) - fine.slip_rate(x, 1.0)).max()
+        assert error <= solution.error_estimate * scale
+
+
+@over("exact")
+def test_mirrored_tractions_mirror_slip(problem):
+    scene = problem.scene
+    base, load = (Tractions(one.pressure, -one.shear) for one in (scene.base, scene.load))
+    solution, mirrored = solve(scene), solve(dataclasses.replace(scene, base=base, load=load))
+    np.testing.assert_array_equal(solution.edge_speeds, mirrored.edge_speeds)
+    assert tuple(-zone.sense for zone in mirrored.zones) == problem.senses
+    x = np.linspace(0.02, 1.95, 50) * scene.material.shear_speed
+    np.testing.assert_array_equal(solution.slip_rate(x, 1.0), -mirrored.slip_rate(x, 1.0))
+
+
+@over("exact", without="SI")
+def test_units_do_not_matter(problem):
+    """Steel of the same Poisson ratio under MPa, millisecond for second."""
+    scene, stress, time = problem.scene, 3e6, 1e-3
+    material = dataclasses.replace(STEEL, poisson_ratio=scene.material.poisson_ratio)
+    base, load = (
+        Tractions(stress * one.pressure, stress * one.shear) for one in (scene.base, scene.load)
+    )
+    solution, other = solve(scene), solve(Scene(material, scene.friction, base, load))
+    speed = material.shear_speed
+    np.testing.assert_allclose(other.edge_speeds, solution.edge_speeds * speed, rtol=1e-7)
+    x = np.linspace(0.02, 1.95, 50)
+    clear = np.abs(x[:, None] - np.append(solution.edge_speeds, 9.0)).min(axis=1) > 0.01
+    x = x[clear]
+    rate = solution.slip_rate(x, 1.0)
+    in_units = other.slip_rate(x * speed * time, time) * material.shear_impedance / stress
+    np.testing.assert_allclose(in_units, rate, atol=1e-7 * np.abs(rate).max(initial=1e-300))
+
+
+@over("exact", "witness")
+def test_march_agrees(problem):
+    scene = problem.scene
+    marched = march(scene, nodes=400)
+    assert marched.status == "resolved"
+    x = marched.interface.x
+    seen = (x > 0.02) & (x < 1.9)
+    exact = solve(scene).slip_rate(x[seen], 1.0)
+    error = np.abs(marched.interface.slip_rate[-1, seen] - exact).sum()
+    assert error <= 0.01 * np.abs(exact).sum()
+
+
+@over("march")
+def test_what_is_not_self_similar_is_refused_and_marched(problem):
+    with pytest.raises(SceneError, match="space-time"):
+        solve(problem.scene)
+    marched = march(problem.scene, nodes=400)
+    assert marched.status == "resolved"
+    strength = problem.scene.friction * marched.interface.pressure
+    assert np.all(np.abs(marched.interface.shear_traction) <= strength * (1 + 2e-3))
+    assert np.abs(marched.interface.slip).max() > 0
+
+
+@over("opens")
+def test_tension_is_refused(problem):
+    with pytest.raises(TensionError):
+        solve(problem.scene)
+    with pytest.raises(TensionError):
+        march(problem.scene, nodes=100)

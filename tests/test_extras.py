@@ -1,0 +1,210 @@
+"""What an installation without extras can do, and the one sentence it says where it cannot."""
+
+import importlib
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import fem
+import semianalytic
+import slipfront
+from semianalytic import MissingLibraryError
+from semianalytic.scene.extras import FEM, HDF5, PLOT, needing, require
+
+ROOT = Path(__file__).parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+PACKAGES = PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
+SLIM = """
+import sys
+from importlib.machinery import PathFinder
+
+class Slim(PathFinder):
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        missing = name.split(".")[0] in {blocked}
+        return None if missing else PathFinder.find_spec(name, path, target)
+
+sys.meta_path[sys.meta_path.index(PathFinder)] = Slim
+"""
+COMMANDS = """
+import contextlib, io, json
+from compare.cli.commands import main
+
+for line in {lines}:
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = main(line.split())
+    print(json.dumps([code, out.getvalue(), err.getvalue()]))
+"""
+ALL = (*FEM, *PLOT, "xarray")
+FINE = [
+    "--help",
+    "scenes",
+    "solve preloaded",
+    "solve preloaded --json",
+    "solve ramp --nodes 100 --quiet",
+    "compare --help",
+    "evidence --help",
+]
+REFUSED = [
+    (PLOT, "solve preloaded --plot a.png", "plot"),
+    (PLOT, "solve ramp --plot a.pdf", "plot"),
+    (PLOT, "compare", "plot"),
+    (PLOT, "regimes --quick", "plot"),
+    (PLOT, "stability --solver", "plot"),
+    (PLOT, "wear --quick", "plot"),
+    (PLOT, "evidence --quick", "plot"),
+    (FEM, "solve ramp --save a.h5", "fem"),
+    (FEM, "solve ramp --go-on a.h5", "fem"),
+    (FEM, "simulate preloaded", "fem"),
+    (FEM, "compare --from somewhere", "fem"),
+    (FEM, "stability --fem", "fem"),
+    (FEM, "evidence --quick", "fem"),
+    (ALL, "compare", "fem,plot"),
+    (ALL, "article", "fem,plot"),
+    (ALL, "chart", "fem,plot"),
+]
+
+
+def run_without(blocked, code, folder):
+    """What a new process that lacks some packages does."""
+    return subprocess.run(
+        [sys.executable, "-c", SLIM.format(blocked=tuple(blocked)) + code],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=folder,
+    )
+
+
+@pytest.fixture(scope="module")
+def commands(tmp_path_factory):
+    """Exit code, output and errors of every command by (what is missing, its line)."""
+    found = {}
+    for blocked in (PLOT, FEM, ALL):
+        lines = [line for missing, line, _ in REFUSED if missing == blocked]
+        lines += FINE if blocked == ALL else []
+        folder = tmp_path_factory.mktemp("empty")
+        run = run_without(blocked, COMMANDS.format(lines=lines), folder)
+        assert run.returncode == 0, run.stderr
+        assert list(folder.iterdir()) == []
+        for line, shown in zip(lines, run.stdout.splitlines(), strict=True):
+            found[blocked, line] = json.loads(shown)
+    return found
+
+
+@pytest.mark.parametrize("line", FINE)
+def test_solver_and_help_need_no_extra(line, commands):
+    code, out, err = commands[ALL, line]
+    assert (code, err) == (0, "")
+    assert out
+
+
+@pytest.mark.parametrize(("blocked", "line", "extras"), REFUSED)
+def test_missing_extra_is_one_sentence(blocked, line, extras, commands):
+    code, out, err = commands[blocked, line]
+    assert (code, out) == (5, "")
+    assert err.count("\n") == 1
+    assert err.endswith(f"not installed; run `pip install 'slipfront[{extras}]'`.\n")
+
+
+def test_missing_extra_of_a_function_is_one_sentence(tmp_path):
+    calls = (
+        *("sf.simulate(sf.Scene)", "sf.load_simulation('somewhere')", "sf.cost"),
+        *("import fem", "import meshes", "sf.Marched.load('a')", "sf.InterfaceHistory.load('a')"),
+    )
+    code = "import slipfront as sf\n" + "".join(
+        f"try:\n    {call}\nexcept sf.MissingLibraryError as error:\n    print(error)\n"
+        for call in calls
+    )
+    run = run_without(FEM, code, tmp_path)
+    assert run.returncode == 0, run.stderr
+    said = run.stdout.splitlines()
+    assert len(said) == len(calls)
+    assert all(line.endswith("not installed; run `pip install 'slipfront[fem]'`.") for line in said)
+
+
+def test_results_are_saved_with_h5py_only(tmp_path):
+    code = (
+        "import slipfront as sf\n"
+        "one = sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0)\n"
+        "scene = sf.Scene(sf.Material(1.0, 1.0, 0.3), 0.3, *one, shear_history=sf.Ramp(0.5))\n"
+        "march = sf.march(scene, nodes=50)\n"
+        "try:\n    march.save('a.h5')\nexcept sf.MissingLibraryError as error:\n    print(error)\n"
+    )
+    assert "needs h5py" in run_without(HDF5, code, tmp_path).stdout
+    others = [module for module in ALL if module != "h5py"]
+    assert run_without(others, code, tmp_path).stderr == ""
+    assert (tmp_path / "a.h5").exists()
+
+
+def test_what_is_missing_is_listed_with_its_extras(monkeypatch):
+    require("this", *FEM, *PLOT)
+    for module in ("skfem", "PIL"):
+        monkeypatch.setitem(sys.modules, module, None)
+    expected = (
+        "this needs scikit-fem and pillow, which are not installed; "
+        "run `pip install 'slipfront[fem,plot]'`."
+    )
+    with pytest.raises(MissingLibraryError) as raised:
+        require("this", *FEM, *PLOT)
+    assert str(raised.value) == expected
+
+
+def test_other_missing_modules_stay_what_they_are():
+    with pytest.raises(ModuleNotFoundError, match="no_such_module"), needing("this"):
+        importlib.import_module("no_such_module")
+
+
+def test_extras_hold_what_they_are_said_to():
+    extras = PROJECT["project"]["optional-dependencies"]
+    names = {"skfem": "scikit-fem", "PIL": "pillow"}
+    for extra, modules in {"fem": FEM, "plot": PLOT, "xarray": ("xarray",)}.items():
+        listed = {requirement.split(">")[0] for requirement in extras[extra]}
+        assert listed == {names.get(module, module) for module in modules}
+    assert extras["all"] == ["slipfront[fem,plot,xarray]"]
+    assert "slipfront[all]" in extras["test"]
+    needed = {requirement.split(">")[0] for requirement in PROJECT["project"]["dependencies"]}
+    assert needed == {"numpy", "scipy", "rich", "typer"}
+
+
+def test_slipfront_holds_all_public_names_and_nothing_of_its_own():
+    public = [name for name in slipfront.__all__ if name != "__version__"]
+    assert sorted(public) == sorted([*semianalytic.__all__, *fem.__all__])
+    assert len(set(public)) == len(public)
+    for name in public:
+        source = fem if name in fem.__all__ else semianalytic
+        assert getattr(slipfront, name) is getattr(source, name)
+    assert slipfront.__version__ == PROJECT["project"]["version"]
+    assert dir(slipfront) == sorted(slipfront.__all__)
+    with pytest.raises(AttributeError, match="no attribute 'solved'"):
+        _ = slipfront.solved
+
+
+def test_slipfront_stays_light(tmp_path):
+    code = (
+        "import slipfront\n"
+        "print(sorted({'skfem', 'gmsh', 'meshio', 'h5py', 'matplotlib', 'xarray', 'rich', 'fem'}"
+        " & set(sys.modules)))"
+    )
+    run = run_without((), code, tmp_path)
+    assert run.stdout.strip() == "[]", run.stderr
+
+
+def test_every_package_says_that_it_is_typed():
+    folders = {path.parent.name for path in ROOT.glob("*/__init__.py")} - {"tests"}
+    assert folders == set(PACKAGES) == set(PROJECT["tool"]["mypy"]["packages"])
+    for package in PACKAGES:
+        assert (ROOT / package / "py.typed").read_text() == ""
+
+
+def test_module_is_the_command_line(tmp_path):
+    run = subprocess.run(
+        [sys.executable, "-m", "slipfront", "scenes"], capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0
+    assert "preloaded" in run.stdout
