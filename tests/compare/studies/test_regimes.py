@@ -25,7 +25,6 @@ from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.reference import edge_speed_under_shear_step
 from semianalytic.regimes import (
-    NARROWEST,
     crossing_poisson_ratio,
     edge_threshold,
     edge_threshold_alone,
@@ -38,6 +37,7 @@ from semianalytic.regimes import (
     reverse_threshold,
     scene_of,
 )
+from semianalytic.regimes.thresholds import NARROWEST
 from semianalytic.scene.errors import SceneError
 
 THIRD = 1 / 3
