@@ -59,18 +59,22 @@ class CutPoints:
 
     @property
     def v(self) -> Array:
+        """Slownesses."""
         return self.parts[0]
 
     @property
     def from_a(self) -> Array:
+        """v - a."""
         return self.parts[1]
 
     @property
     def from_b(self) -> Array:
+        """v - b."""
         return self.parts[2]
 
     @property
     def from_c(self) -> Array:
+        """v - c."""
         return self.parts[3]
 
     def minus(self, other: CutPoints) -> Array:

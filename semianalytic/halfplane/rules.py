@@ -27,6 +27,7 @@ class Rule:
 
     @cached_property
     def y(self) -> Array:
+        """The nodes, (n,), even about 0."""
         count = int(np.ceil((self.reach + self.further) / self.spacing))
         return np.arange(-count, count + 1.0) * self.spacing
 

@@ -9,7 +9,8 @@ Closed forms, at velocities x/t (chi = f P / Q_0):
 - `edge_speed_under_shear_step`, `slip_rate_under_shear_step`: one zone that grows from the contact
   edge under a step of shear, large chi;
 - `slip_rate_under_remote_shock`: slip everywhere under a sudden remote load, chi <= 1;
-- `slip_rate_without_friction`: Lamb's surface velocity under a step of shear, chi = 0.
+- `slip_rate_without_friction`: Lamb's surface velocity under a step of shear, chi = 0;
+- `static_zone`: the slip zone of a slot that is loaded slowly, a `StaticZone`.
 
 The algorithm of section 5 and Appendix B, in every reading its text allows:
 
@@ -43,6 +44,7 @@ from semianalytic.reference.published import (
     readings,
     reverse_slip_limit,
 )
+from semianalytic.reference.static_zone import StaticZone, static_zone
 
 __all__ = [
     "ARTICLE_POISSON_RATIO",
@@ -53,6 +55,7 @@ __all__ = [
     "PublishedSlip",
     "Reading",
     "ReadingResult",
+    "StaticZone",
     "edge_speed_under_shear_step",
     "examine_all",
     "examine_reading",
@@ -64,4 +67,5 @@ __all__ = [
     "slip_rate_under_remote_shock",
     "slip_rate_under_shear_step",
     "slip_rate_without_friction",
+    "static_zone",
 ]

@@ -1,7 +1,8 @@
 """Exact solutions in closed form, to test solvers against: public, and independent of them.
 
-Each is a plain quadrature of elementary functions and S_+ (section 4 of the theory); none uses
-the panels, the collocation grid or Newton's method.
+Each is a plain quadrature of elementary functions and S_+ (3.12), (4.20); none uses the panels, the
+collocation grid or Newton's method.  Slip rates are relative, upper minus lower side, and positive
+towards +x; velocities are x/t.
 """
 
 from __future__ import annotations
@@ -11,14 +12,30 @@ from numpy.typing import ArrayLike
 from scipy.integrate import quad
 
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
+
+
+def _over_shear_speed(material: Material, velocity: ArrayLike, *, edge: bool = False) -> Array:
+    """Velocities over c_t, checked: positive, or 0 as well where the contact edge is included."""
+    xi = np.asarray(velocity, dtype=float) / material.shear_speed
+    if not np.all(xi >= 0 if edge else xi > 0):
+        least = "not negative" if edge else "positive"
+        raise SceneError(f"velocity: x/t must be {least}; the contact is x > 0.")
+    return xi
 
 
 def edge_speed_under_shear_step(material: Material, strength_ratio: float) -> float:
     """Speed [length / time] of the only slip zone [0, speed t] under a shear step.
 
-    c_t / ((1 - nu) (1 + chi_b)^2) for constant strength chi_b Q_0.  Holds while that speed is
-    below c_R and no second zone has nucleated.
+    c_t / ((1 - nu) (1 + chi_b)^2).  Holds while that speed is below c_R and no second zone has
+    nucleated.
+
+    Parameters
+    ----------
+    material : Material
+    strength_ratio : float
+        chi_b, friction f P_b over the step Q_0 of shear.
     """
     return material.shear_speed / ((1 - material.poisson_ratio) * (1 + strength_ratio) ** 2)
 
@@ -30,6 +47,25 @@ def slip_rate_under_shear_step(
 
     2 V, V = (Q_0 sqrt(u_s) / (pi kappa M_+(0))) int sqrt(b + v) / (v sqrt(v - u_s) (c + v) S_+) dv
     from u_s to 1/xi.
+
+    Parameters
+    ----------
+    material : Material
+    load_shear : float
+        Q_0 [stress].
+    strength_ratio : float
+        chi_b, friction f P_b over Q_0.
+    velocity : array of any shape [length / time]
+        0 is the contact edge.
+
+    Returns
+    -------
+    array of the shape of velocity; 0 ahead of the zone.
+
+    Raises
+    ------
+    SceneError
+        If a velocity is negative.
     """
     factors = rayleigh_factors(material.poisson_ratio)
     edge = edge_speed_under_shear_step(material, strength_ratio) / material.shear_speed
@@ -43,7 +79,7 @@ def slip_rate_under_shear_step(
 
     unit = 2 * load_shear / material.shear_impedance
     scale = unit * np.sqrt(start) / (np.pi * factors.kappa * factors.m_plus_at_zero["II"])
-    xi = np.asarray(velocity, dtype=float) / material.shear_speed
+    xi = _over_shear_speed(material, velocity, edge=True)
     result = np.zeros(xi.shape)
     for index in np.ndindex(xi.shape):
         place = float(xi[index])
@@ -59,8 +95,26 @@ def slip_rate_under_remote_shock(
 ) -> Array:
     """Relative slip rate [length / time] of an interface that slips everywhere at once.
 
-    Sudden remote load with chi = f P_0 / Q_0 <= 1 (base = step), at x/t = velocity > 0:
+    Sudden remote load with chi = f P_0 / Q_0 <= 1 (base = load), at x/t = velocity > 0:
     V = [(Q_0 - f P_0) + f P_0 Lambda(1/xi)] / (mu b), constant behind the shear front.
+
+    Parameters
+    ----------
+    material : Material
+    pressure, shear : float
+        P_0, Q_0 [stress].
+    friction : float
+        Coefficient f.
+    velocity : array of any shape [length / time]
+
+    Returns
+    -------
+    array of the shape of velocity.
+
+    Raises
+    ------
+    SceneError
+        If a velocity is not positive.
     """
     factors = rayleigh_factors(material.poisson_ratio)
     a, c = factors.a, factors.c
@@ -72,7 +126,7 @@ def slip_rate_under_remote_shock(
         root = np.sqrt((1 + w) * (1 - w))
         return float(2 * np.sqrt(1 - a) * np.cos(theta) * root / (w * (c + w) * factors.s_plus(w)))
 
-    xi = np.asarray(velocity, dtype=float) / material.shear_speed
+    xi = _over_shear_speed(material, velocity)
     result = np.zeros(xi.shape)
     for index in np.ndindex(xi.shape):
         u = min(1 / float(xi[index]), 1.0)
@@ -90,6 +144,22 @@ def slip_rate_without_friction(material: Material, load_shear: float, velocity: 
 
     Lamb's surface velocity: 2 V, V = (Q_0 b^2 / (pi mu)) PV int_a^u U_1(w) / w dw, u = 1/xi, with
     U_1 of (3.1); logarithmically singular at c_R, negative next to it.
+
+    Parameters
+    ----------
+    material : Material
+    load_shear : float
+        Q_0 [stress].
+    velocity : array of any shape [length / time]
+
+    Returns
+    -------
+    array of the shape of velocity.
+
+    Raises
+    ------
+    SceneError
+        If a velocity is not positive.
     """
     factors = rayleigh_factors(material.poisson_ratio)
     a, c = factors.a, factors.c
@@ -105,7 +175,7 @@ def slip_rate_without_friction(material: Material, load_shear: float, velocity: 
         w = 1 + s * s
         return 2 * s * (regular(w) - regular(c)) / (w - c)
 
-    xi = np.asarray(velocity, dtype=float) / material.shear_speed
+    xi = _over_shear_speed(material, velocity)
     result = np.zeros(xi.shape)
     for index in np.ndindex(xi.shape):
         u = 1 / float(xi[index])

@@ -40,12 +40,13 @@ Signs = Literal["equal", "four minus square", "square minus four"]
 Basis = Literal["box", "hat"]
 
 ARTICLE_POISSON_RATIO = 1 / 3
+"""Poisson ratio of section 6."""
 ARTICLE_SHEAR_SLOWNESS = 0.2
 """1 / c_t in the article's units (c_t = 5; section 6 prints a and b interchanged and b halved)."""
 REVERSE_LIMIT = 0.0575
 """chi below which the article finds reverse slip."""
-_LAST = 5.0
-_MOST_REVERSALS = 15
+_LAST = 5.0  # slowness [1/b] up to which it collocates: x = c_t t / 5
+_MOST_REVERSALS = 15  # rounds of reversal after which signs do not settle
 _SIGNS = {"equal": (1, 1), "four minus square": (1, -1), "square minus four": (-1, 1)}
 
 
@@ -124,10 +125,13 @@ class PublishedGrid:
 def published_grid(
     reading: Reading, size: int, poisson_ratio: float = ARTICLE_POISSON_RATIO, place: float = 0.5
 ) -> PublishedGrid:
-    """Matrix of a reading on `size` equal intervals up to u = 5 b, x = c_t t / 5.
+    """Matrix of a reading on `size` equal intervals up to u = 5 b, x = c_t t / 5 (5.2)-(5.4).
 
     Parameters
     ----------
+    reading : Reading
+    size : int, n_u
+    poisson_ratio : float
     place : where in each interval it collocates, 0.5 for the middle.
 
     Raises
@@ -204,7 +208,7 @@ def published_slip(
     poisson_ratio: float = ARTICLE_POISSON_RATIO,
     place: float = 0.5,
 ) -> PublishedSlip:
-    """Run a reading: solve, reverse friction where slip has the other sign, repeat.
+    """Run a reading: solve, reverse friction where slip has the other sign, repeat (5.1), (7.11).
 
     Parameters
     ----------

@@ -1,4 +1,6 @@
-"""Where the way of slipping changes: thresholds in friction and Poisson ratio, reverse slip.
+"""Ways of slipping, and where they change: thresholds in friction and Poisson ratio, reverse slip.
+
+`regime` names the way in which a solution slips, a `Regime`.
 
 Two loadings of unit shear (`Loading`, `scene_of`): "preload" steps shear alone, under a pressure
 P_b = 1 that was there before; "remote" is a sudden uniform load of pressure P_0 = 1 and shear.
@@ -8,6 +10,7 @@ Thresholds are values of the friction coefficient chi, which is dimensionless in
   stuck interface, sqrt(b/a) (3.17)-(3.19);
 - `nucleation`: below it the interface slips at the shear front, `front_threshold_stuck` on an
   otherwise stuck one (remote); `crossing_poisson_ratio` is where that comes first;
+- `stuck_threshold`: above both the interface is fully stuck (remote);
 - `gap_threshold`: below it the stick gap at c_R is narrower than double precision resolves;
 - `reverse_threshold`: below it some of the interface slips backward (preload),
   `log_narrow_reverse_threshold` in closed form for narrow strips;
@@ -17,6 +20,7 @@ Traced on a single zone from the contact edge: `one_zone`, `OneZone`, `past_rayl
 of its slip rate at c_R: `rayleigh_logarithm`, `RayleighLogarithm`.
 """
 
+from semianalytic.regimes.classification import Regime, regime, stuck_threshold
 from semianalytic.regimes.reverse_slip import (
     log_frictionless_half_width,
     log_narrow_reverse_threshold,
@@ -42,6 +46,7 @@ __all__ = [
     "Loading",
     "OneZone",
     "RayleighLogarithm",
+    "Regime",
     "crossing_poisson_ratio",
     "edge_threshold",
     "edge_threshold_alone",
@@ -53,6 +58,8 @@ __all__ = [
     "one_zone",
     "past_rayleigh",
     "rayleigh_logarithm",
+    "regime",
     "reverse_threshold",
     "scene_of",
+    "stuck_threshold",
 ]

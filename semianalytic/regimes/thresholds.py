@@ -120,12 +120,20 @@ def rayleigh_logarithm(zone: OneZone) -> RayleighLogarithm:
 
 
 def edge_threshold_alone(poisson_ratio: float) -> float:
-    """Friction at which the contact edge sticks on an otherwise stuck interface: sqrt(b/a)."""
+    """Friction at which the contact edge of an otherwise stuck, remotely loaded interface sticks:
+    sqrt(b/a), where K_II = f K_I of (3.13), (3.16); the article says 1 (3.17)-(3.19).
+
+    Raises
+    ------
+    SceneError
+        If the Poisson ratio is not in (-1, 0.5), as of all functions here.
+    """
     return rayleigh_factors(poisson_ratio).a ** -0.5
 
 
 def front_threshold_stuck(poisson_ratio: float) -> float:
-    """Friction at which the shear front of a fully stuck, remotely loaded interface slips."""
+    """Friction at which the shear front of a fully stuck, remotely loaded interface slips:
+    (1 + q*(b)) / (1 + p*(b)), with the stuck tractions of (3.10), (3.14)."""
     shear, pressure = (stuck_traction(poisson_ratio, mode) for mode in ("II", "I"))
     return float((1 + shear(1.0)) / (1 + pressure(1.0)))
 

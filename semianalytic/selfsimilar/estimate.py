@@ -10,8 +10,8 @@ from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import largest_excess
 from semianalytic.selfsimilar.edges import Edges, Placement, edge_shift, moves
 from semianalytic.selfsimilar.load import per_set
+from semianalytic.selfsimilar.panels import RunningIntegral
 from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.running import RunningIntegral
 from semianalytic.selfsimilar.zones import ZoneFields
 
 

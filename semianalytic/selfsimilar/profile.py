@@ -12,8 +12,7 @@ from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
 from semianalytic.selfsimilar.layout import Zone
 from semianalytic.selfsimilar.load import Load, per_set
-from semianalytic.selfsimilar.panels import Panels, lay_panels
-from semianalytic.selfsimilar.running import RunningIntegral
+from semianalytic.selfsimilar.panels import Panels, RunningIntegral, lay_panels
 from semianalytic.selfsimilar.zones import ZoneFields
 
 
@@ -29,6 +28,7 @@ class Profile:
 
     @property
     def panels(self) -> Panels:
+        """Panels of the fields."""
         return self.fields.panels
 
     @property

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.results.datasets import QUANTITIES
 from semianalytic.scene.checks import checked_number
-from semianalytic.scene.errors import MissingLibraryError, SceneError
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.extras import needing
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps.continuation import FROM_SCRATCH, Continuation
@@ -113,12 +114,9 @@ class Sweep:
         SceneError
             If a position is not positive, or x or t is not finite.
         """
-        try:
+        with needing("to_xarray"):
             import xarray
-        except ImportError as error:
-            raise MissingLibraryError(
-                "xarray is not installed; install it with `pip install xarray`."
-            ) from error
+
         x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
         data = xarray.Dataset(
             {

@@ -19,7 +19,7 @@ from compare.comparison.measures import in_profile, relative_error
 from compare.studies.tables import Study, run_studies
 from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Tractions, march, solve
 from semianalytic.halfplane.stuck_histories import stuck_shear
-from semianalytic.reference.static_zone import static_zone
+from semianalytic.reference import static_zone
 from semianalytic.scene.loads import Step
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.spacetime.march_memory import state_bytes

@@ -18,7 +18,7 @@ from compare.studies.article.cases import (
 )
 from semianalytic import SlipZone, solve
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.reference.published import (
+from semianalytic.reference import (
     DEFAULT_READING,
     REVERSE_LIMIT,
     examine_reading,

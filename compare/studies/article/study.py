@@ -32,7 +32,7 @@ from compare.studies.article.cases import (
 from compare.studies.article.claims import CLAIMS, METHODS, Claim
 from compare.studies.tables import Study, run_studies
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
-from semianalytic.reference.published import (
+from semianalytic.reference import (
     DEFAULT_READING,
     ReadingResult,
     examine_all,

@@ -24,12 +24,13 @@ from compare.studies.chart.methods import published_obstacle
 from compare.studies.workers import Progress, counted
 from semianalytic import InterfaceHistory, Material, Scene, Tractions
 from semianalytic.reference import (
+    PublishedSlip,
     edge_speed_under_shear_step,
+    published_slip,
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,
     slip_rate_without_friction,
 )
-from semianalytic.reference.published import PublishedSlip, published_slip
 from semianalytic.scene.errors import SceneError, TensionError
 from semianalytic.scene.named import NAMED_SCENES, find_scene, scene_label
 

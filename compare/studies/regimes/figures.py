@@ -47,9 +47,7 @@ from compare.studies.regimes.points import (
 )
 from semianalytic import Material
 from semianalytic.reference import edge_speed_under_shear_step
-from semianalytic.regimes.classification import stuck_threshold
-from semianalytic.regimes.reverse_slip import log_narrow_reverse_threshold
-from semianalytic.regimes.thresholds import Loading, nucleation
+from semianalytic.regimes import Loading, log_narrow_reverse_threshold, nucleation, stuck_threshold
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 """Tables of regimes and boundary points over (nu, chi).
 
-Loadings and units are those of `semianalytic.regimes.thresholds`.
+Loadings and units are those of `semianalytic.regimes`.
 """
 
 from __future__ import annotations
@@ -15,11 +15,8 @@ from numpy.typing import NDArray
 
 from compare.output.files import write_text
 from compare.output.tables import append_rows, sound_rows
-from semianalytic import Solution, solve
-from semianalytic.regimes import reverse_slip
-from semianalytic.regimes import thresholds as boundaries
-from semianalytic.regimes.classification import regime, stuck_threshold
-from semianalytic.regimes.thresholds import Loading, scene_of
+from semianalytic import Solution, regimes, solve
+from semianalytic.regimes import Loading, regime, scene_of, stuck_threshold
 from semianalytic.scene.errors import ComputationError
 from semianalytic.sweeps.sweep import sweep
 
@@ -139,16 +136,16 @@ def trace(loading: Loading, poisson_ratio: float) -> list[BoundaryPoint]:
     half-width of the reversed strip over c_R as friction vanishes.
     """
     found: dict[str, float | None] = {
-        "nucleation": math.log10(boundaries.nucleation(loading, poisson_ratio)),
+        "nucleation": math.log10(regimes.nucleation(loading, poisson_ratio)),
     }
-    gap = boundaries.gap_threshold(loading, poisson_ratio)
+    gap = regimes.gap_threshold(loading, poisson_ratio)
     found["gap"] = None if gap is None else math.log10(gap)
     if loading == "remote":
-        found["edge"] = math.log10(boundaries.edge_threshold(poisson_ratio))
+        found["edge"] = math.log10(regimes.edge_threshold(poisson_ratio))
         found["everywhere"] = 0.0
     else:
-        found["reverse"] = math.log10(reverse_slip.reverse_threshold(poisson_ratio))
-        width = reverse_slip.log_frictionless_half_width(poisson_ratio)
+        found["reverse"] = math.log10(regimes.reverse_threshold(poisson_ratio))
+        width = regimes.log_frictionless_half_width(poisson_ratio)
         found["reverse-width"] = width / math.log(10)
     return [
         BoundaryPoint(loading, curve, poisson_ratio, value)

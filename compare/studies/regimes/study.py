@@ -1,7 +1,7 @@
 """How the interface slips over Poisson ratio and friction: regimes, their boundaries, fronts.
 
 `write_regimes` maps the regimes of two loadings over (nu, chi), traces the curves between them
-and writes figures and tables.  Loadings and units are those of `semianalytic.regimes.thresholds`.
+and writes figures and tables.  Loadings and units are those of `semianalytic.regimes`.
 """
 
 from __future__ import annotations
@@ -26,9 +26,7 @@ from compare.studies.regimes.points import (
     trace,
 )
 from compare.studies.workers import Progress, Task, run_tasks
-from semianalytic.regimes.classification import stuck_threshold
-from semianalytic.regimes.reverse_slip import reverse_threshold
-from semianalytic.regimes.thresholds import Loading
+from semianalytic.regimes import Loading, reverse_threshold, stuck_threshold
 from semianalytic.scene.checks import checked_count
 from semianalytic.scene.errors import SceneError
 

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from semianalytic.halfplane.rayleigh import gauss, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.regimes.thresholds import Loading, scene_of
+from semianalytic.regimes import Loading, scene_of
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar.collocation import slip_grid
-from semianalytic.selfsimilar.complementarity import lemke
+from semianalytic.selfsimilar.collocation import lemke, slip_grid
 
 Array = NDArray[np.float64]
 PLACEMENTS = ("galerkin", "nodes", "midpoints")

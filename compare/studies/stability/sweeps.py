@@ -1,6 +1,6 @@
 """Studies of where the solver, and methods it does not use, lose digits or fail.
 
-Each returns rows; loadings and units are those of `semianalytic.regimes.thresholds`.
+Each returns rows; loadings and units are those of `semianalytic.regimes`.
 """
 
 from __future__ import annotations
@@ -19,17 +19,14 @@ from compare.studies.stability.methods import (
     grid_problem,
     zigzag,
 )
-from semianalytic import Material, Solution, solve
+from semianalytic import Material, Solution, regimes, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_shear_step,
 )
-from semianalytic.regimes import reverse_slip
-from semianalytic.regimes import thresholds as boundaries
-from semianalytic.regimes.classification import stuck_threshold
-from semianalytic.regimes.thresholds import Loading, one_zone, scene_of
+from semianalytic.regimes import Loading, one_zone, scene_of, stuck_threshold
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.collocation import slip_on_grid
 from semianalytic.selfsimilar.edges import edges_of
@@ -115,24 +112,24 @@ def thresholds() -> dict[str, tuple[Loading, float, float]]:
     """Frictions at which the set of zones changes: (loading, nu, chi) by name."""
     third, half = 1 / 3, -0.5
     chosen: dict[str, tuple[Loading, float, float]] = {
-        "edge slips, ν = 1/3": ("remote", third, boundaries.edge_threshold(third)),
-        "edge slips, ν = −0.5": ("remote", half, boundaries.edge_threshold(half)),
+        "edge slips, ν = 1/3": ("remote", third, regimes.edge_threshold(third)),
+        "edge slips, ν = −0.5": ("remote", half, regimes.edge_threshold(half)),
         "front slips, stuck edge, ν = −0.5": (
             "remote",
             half,
-            boundaries.nucleation("remote", half),
+            regimes.nucleation("remote", half),
         ),
-        "front slips, remote, ν = 1/3": ("remote", third, boundaries.nucleation("remote", third)),
+        "front slips, remote, ν = 1/3": ("remote", third, regimes.nucleation("remote", third)),
         "front slips, preload, ν = 1/3": (
             "preload",
             third,
-            boundaries.nucleation("preload", third),
+            regimes.nucleation("preload", third),
         ),
-        "reverse slip, ν = −0.5": ("preload", half, reverse_slip.reverse_threshold(half)),
-        "reverse slip, ν = −0.2": ("preload", -0.2, reverse_slip.reverse_threshold(-0.2)),
+        "reverse slip, ν = −0.5": ("preload", half, regimes.reverse_threshold(half)),
+        "reverse slip, ν = −0.2": ("preload", -0.2, regimes.reverse_threshold(-0.2)),
         "all slips, ν = 1/3": ("remote", third, 1.0),
     }
-    gap = boundaries.gap_threshold("remote", third)
+    gap = regimes.gap_threshold("remote", third)
     if gap is not None:
         chosen["gap of 1e-14 at $c_R$, ν = 1/3"] = ("remote", third, gap)
     return chosen
@@ -287,9 +284,9 @@ def narrow_gap_rows(nu: float) -> list[StudyRow]:
     """Half-width of the stick gap at c_R against its closed form, as a remote load narrows it."""
     rows = []
     for unknown in np.arange(1.0, -0.6, -0.2):
-        front = boundaries.past_rayleigh(nu, float(unknown))
+        front = regimes.past_rayleigh(nu, float(unknown))
         zone = one_zone("remote", nu, front)
-        log_width = boundaries.rayleigh_logarithm(zone).log_half_width
+        log_width = regimes.rayleigh_logarithm(zone).log_half_width
         solution = attempt("remote", nu, zone.chi, RTOL)
         if isinstance(solution, str) or len(solution.zones) != 2:
             continue

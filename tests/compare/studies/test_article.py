@@ -28,7 +28,7 @@ from compare.studies.article.study import (
     slot_table,
     write_article,
 )
-from semianalytic.reference.published import DEFAULT_READING, Reading, examine_reading
+from semianalytic.reference import DEFAULT_READING, Reading, examine_reading
 from semianalytic.scene.errors import SceneError
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "article.md"

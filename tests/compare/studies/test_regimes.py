@@ -24,22 +24,20 @@ from compare.studies.workers import run_tasks
 from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.reference import edge_speed_under_shear_step
-from semianalytic.regimes.classification import regime
-from semianalytic.regimes.reverse_slip import (
-    log_frictionless_half_width,
-    log_narrow_reverse_threshold,
-    reverse_threshold,
-)
-from semianalytic.regimes.thresholds import (
-    NARROWEST,
+from semianalytic.regimes import (
     crossing_poisson_ratio,
     edge_threshold,
     edge_threshold_alone,
     front_threshold_stuck,
     gap_threshold,
+    log_frictionless_half_width,
+    log_narrow_reverse_threshold,
     nucleation,
+    regime,
+    reverse_threshold,
     scene_of,
 )
+from semianalytic.regimes.thresholds import NARROWEST
 from semianalytic.scene.errors import SceneError
 
 THIRD = 1 / 3

@@ -35,7 +35,7 @@ from compare.studies.stability.sweeps import (
 )
 from compare.studies.workers import run_tasks
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.regimes.thresholds import edge_threshold
+from semianalytic.regimes import edge_threshold
 
 THIRD = 1 / 3
 

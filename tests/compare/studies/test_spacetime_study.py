@@ -18,7 +18,7 @@ from compare.studies.accuracy.spacetime import (
 from compare.studies.stability.spacetime import stability_rows
 from compare.studies.wear import LOADS, most_wear, wear_after
 from semianalytic import Material
-from semianalytic.reference.static_zone import StaticZone
+from semianalytic.reference import StaticZone
 
 
 def test_static_zone_closes_smoothly():

@@ -1,0 +1,94 @@
+"""Loads of scenes, and which zones are tried next where Newton's method or Coulomb's law fails."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from semianalytic import Material, Scene, Tractions
+from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.selfsimilar.corrections import corrected, rearranged
+from semianalytic.selfsimilar.coulomb import Violation
+from semianalytic.selfsimilar.layout import Zone
+from semianalytic.selfsimilar.load import Load, common_load, scaled_load
+
+FACTORS = rayleigh_factors(1 / 3)
+LOAD = Load(0.3, 1.0, 0.0, 0.0, 1.0, 0.0)
+
+
+def at(v):
+    return FACTORS.cut([v])
+
+
+def ends(zones):
+    """Slownesses of the edges of zones, None where they are open, and their senses."""
+    return [(*(edge and edge.v[0] for edge in (one.left, one.right)), one.sense) for one in zones]
+
+
+def wrong(zone, left, right, touches=(False, False), sense=1):
+    return Violation(zone, sense, at(left), right and at(right), *touches)
+
+
+@pytest.mark.parametrize(
+    ("violation", "expected"),
+    [
+        (wrong(0, 2.2, 2.4), [(2.0, 2.2, 1), (2.4, 3.0, 1)]),
+        (wrong(0, 2.0, 2.4, (True, False)), [(2.4, 3.0, 1)]),
+        (wrong(0, 2.6, 3.0, (False, True)), [(2.0, 2.6, 1)]),
+        (wrong(-1, 1.8, 2.0, (False, True)), [(1.8, 3.0, 1)]),
+        (wrong(-1, 3.0, 3.5, (True, False)), [(2.0, 3.5, 1)]),
+        (wrong(-1, 1.2, 1.5), [(1.2, 1.5, 1), (2.0, 3.0, 1)]),
+        (wrong(-1, 3.5, None, sense=-1), [(2.0, 3.0, 1), (3.5, None, -1)]),
+        (wrong(-1, 1.8, 2.0, (False, True), -1), [(1.8, 2.0, -1), (2.0, 3.0, 1)]),
+    ],
+)
+def test_zones_are_cut_widened_or_joined_by_new_ones(violation, expected):
+    assert ends(corrected([Zone(at(2.0), at(3.0), 1)], [violation], LOAD)) == expected
+
+
+def test_new_zones_wait_until_the_present_ones_are_sound():
+    violations = [wrong(-1, 1.2, 1.5), wrong(0, 2.2, 2.4)]
+    zones = corrected([Zone(at(2.0), at(3.0), 1)], violations, LOAD)
+    assert ends(zones) == [(2.0, 2.2, 1), (2.4, 3.0, 1)]
+
+
+@pytest.mark.parametrize(("sense", "left"), [(1, None), (-1, 1.2)])
+def test_under_a_critical_base_the_first_zone_starts_at_the_front(sense, left):
+    critical = replace(LOAD, base_shear=0.3)
+    assert ends(corrected([], [wrong(-1, 1.2, 1.5, sense=sense)], critical)) == [(left, 1.5, sense)]
+
+
+def test_what_newtons_method_fails_on_is_rearranged():
+    front, far = Zone(at(0.8), at(1 + 1e-6), 1), Zone(at(4.0), None, 1)
+    (crossed, _) = rearranged(FACTORS, [front, far])
+    assert crossed.right.v[0] < 1  # an edge just behind the shear front starts ahead of it
+    narrow = Zone(at(2.0), at(2.0 * (1 + 1e-5)), 1)
+    assert ends(rearranged(FACTORS, [narrow, far])) == [(4.0, None, 1)]
+    assert rearranged(FACTORS, [narrow]) == []
+    near = Zone(at(2.0), at(3.8), 1)
+    assert ends(rearranged(FACTORS, [near, far])) == [(2.0, None, 1)]
+    assert rearranged(FACTORS, [near, replace(far, sense=-1)]) is None
+
+
+def test_loads_are_in_units_of_the_largest_traction():
+    material = Material(3.0, 0.7, 0.25)
+    scene = Scene(material, 0.4, Tractions(20.0, 3.0), Tractions(5.0, 10.0))
+    load, unit = scaled_load(scene)
+    assert unit == 10.0
+    assert load == Load(0.4, 2.0, 0.3, 0.5, 1.0, 0.0)
+    shocked = [replace(scene, friction=f, load=Tractions(20.0, 3.0)) for f in (0.1, 0.2)]
+    both = common_load(shocked, 2.0)
+    np.testing.assert_array_equal(both.friction, [[0.1], [0.2]])
+    # V(inf) is what the base exceeds friction by
+    np.testing.assert_allclose(both.far_slip_rate, [[0.5], [0.0]], atol=1e-15)
+    assert both.base_pressure == 10.0
+
+
+def test_loads_know_whether_friction_counts_and_is_reached():
+    assert replace(LOAD, friction=0.0).frictionless
+    assert replace(LOAD, friction=1e-16).frictionless
+    assert not replace(LOAD, friction=1e-14).frictionless
+    assert replace(LOAD, base_shear=-0.3).critical
+    assert not replace(LOAD, base_shear=0.299).critical
+    assert replace(LOAD, load_shear=0.0).rests
+    assert not LOAD.rests
