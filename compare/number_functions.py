@@ -265,7 +265,7 @@ def _timings() -> list[solver_benchmark.Timing]:
 
 def dense_solves(scene: str, rtol: float) -> Numbers:
     """Time of `solve` over that of a dense 400 x 400 solve."""
-    return [row.warm for row in _timings() if row.scene == scene and row.rtol == rtol]
+    return [row.warm for row in _timings() if row.scene_name == scene and row.rtol == rtol]
 
 
 @cache
@@ -399,7 +399,7 @@ def slow_ramp(rise_time: float) -> Numbers:
 @cache
 def _worn() -> list[wear.WearRow]:
     chis = [0.0, *np.geomspace(0.01, 2.0, 40).tolist()]
-    return list(wear.wear_rows(chis, 600))
+    return list(wear.swept_rows(chis, 600))
 
 
 def most_wear(load: str) -> float:

@@ -17,7 +17,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
+from importlib.resources import files
 from pathlib import Path
+from string import Template
 from time import process_time
 from typing import Any
 
@@ -334,29 +336,11 @@ def summary(solved: Sequence[SolvedRow], marched: Sequence[MarchedRow]) -> list[
     return lines
 
 
-PAGE = """# A campaign of random scenes
-
-    python -m compare.studies.campaign.study --page docs/campaign.md
-
-draws {scenes} self-similar scenes and {histories} histories (seed {seed}), solves them to 1e-8
-and 1e-11 and marches them on {nodes} and {more} nodes; this page is written by it. Scenes have any
-Poisson ratio from −0.95 to 0.495, friction from 1e-9 to 10, any base that stands, at friction in
-one of five, and any step that does not open the contact. Histories are ramps, pulses, waves and
-tables of shear and pressure, under constant friction, rate weakening and slip weakening.
-
-{table}
-The error at 1e-8 is the larger of the shift of a zone edge over c_t and the relative L1 error of
-the slip rate, against the answer to 1e-11; zones that slip less than the estimate need not be
-there. Coulomb's law is looked at in random points. Times are processor times, with the tables of a
-new Poisson ratio. A march under slip weakening exceeds its strength by what that falls within a
-step; what changes most on doubling are small zones of slip at the edge.
-"""
-
-
 def page_text(solved: Sequence[SolvedRow], marched: Sequence[MarchedRow], seed: int = SEED) -> str:
     """The summary as a Markdown page."""
     table = markdown_table(("what", "result"), summary(solved, marched))
-    return PAGE.format(
+    page = files("compare.studies.campaign").joinpath("campaign.md").read_text(encoding="utf-8")
+    return Template(page).substitute(
         scenes=len(solved),
         histories=len(marched),
         seed=seed,

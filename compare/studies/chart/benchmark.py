@@ -22,6 +22,7 @@ from time import process_time
 
 import numpy as np
 
+from compare.comparison.measures import relative_error
 from semianalytic import Scene, Solution, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
@@ -42,7 +43,7 @@ TOLERANCES = (1e-3, 1e-8, 1e-11)
 class Timing:
     """One row: ratio to the dense solve with warm and cold tables, and the error reached."""
 
-    scene: str
+    scene_name: str
     rtol: float
     warm: float
     cold: float
@@ -69,8 +70,8 @@ def median_times(tasks: list[Callable[[], object]], repetitions: int) -> list[fl
 def slip_rate_error(scene: Scene, rtol: float) -> float:
     """Relative L1 error of the slip rate over 0.02 < x/(c_t t) < 1.9 against rtol = 1e-12."""
     x = np.linspace(0.02, 1.9, 2000) * scene.material.shear_speed
-    exact = solve(scene, rtol=1e-12).slip_rate(x, 1.0)
-    return float(np.abs(solve(scene, rtol=rtol).slip_rate(x, 1.0) - exact).sum() / exact.sum())
+    exact, rough = (solve(scene, rtol=tolerance).slip_rate(x, 1.0) for tolerance in (1e-12, rtol))
+    return relative_error(rough, exact, x, 1)
 
 
 def measure(repetitions: int = 15) -> list[Timing]:
@@ -102,7 +103,7 @@ class SweepTiming:
     interpolated, and the largest difference of zone edges over c_t, of frictions at which both
     have as many zones."""
 
-    scene: str
+    scene_name: str
     rtol: float
     ratio: float
     scratch: int
@@ -181,7 +182,7 @@ def main() -> None:
     """Print the tables."""
     print(f"{'scene':14}{'rtol':>8}{'warm':>8}{'cold':>8}{'error':>10}   (dense 400 solves)")
     for row in measure():
-        print(f"{row.scene:14}{row.rtol:8.0e}{row.warm:8.1f}{row.cold:8.1f}{row.error:10.1e}")
+        print(f"{row.scene_name:14}{row.rtol:8.0e}{row.warm:8.1f}{row.cold:8.1f}{row.error:10.1e}")
     print(
         f"\n{'sweep':14}{'frictions':>10}{'rtol':>8}{'faster':>8}{'scratch':>8}{'computed':>10}"
         f"{'interpolated':>14}{'differ':>10}{'other zones':>13}"

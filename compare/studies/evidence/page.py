@@ -231,7 +231,7 @@ def _article(evidence: Evidence) -> str:
         paragraph(
             f"Every verdict is computed from {len(cases)} scenes, solved and simulated with h = "
             f"c_t T / {cases[0].resolution}. Exact and simulated slip rates differ by at most "
-            f"{evidence.cases.disagreement():.2g} Q_0/(μb) in the mean."
+            f"{evidence.cases.disagreement():.2g} V₀ in the mean, V₀ = 2 Q_0/(μb)."
         )
         + table(("section", "claim", "load base", *METHODS), rows, "Claims and verdicts")
         + drawn
