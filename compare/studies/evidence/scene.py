@@ -71,7 +71,7 @@ def scene_section(anchor: str, evidence: SceneEvidence, quick: bool) -> str:
         "<h3>Fronts and slip zones</h3>",
         _zones(evidence),
         "<h3>Energy</h3>",
-        _energy(evidence),
+        energy_tables(evidence),
     ]
     if evidence.rows:
         judged = dict.fromkeys(method for method, _ in evidence.rows)
@@ -196,7 +196,8 @@ def _read_zones(evidence: SceneEvidence, method: str) -> str:
     )
 
 
-def _energy(evidence: SceneEvidence) -> str:
+def energy_tables(evidence: SceneEvidence) -> str:
+    """Energy balance of the finite elements, and frictional work by every method, at T."""
     unit, energy = energy_unit(evidence), evidence.simulation.energy
     parts = [
         (name, number(f"{round(float(values[-1]) / unit, 6) + 0.0:.6f}"))

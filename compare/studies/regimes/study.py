@@ -35,6 +35,8 @@ from semianalytic.scene.errors import SceneError
 FRONT_POISSON_RATIOS = (-0.5, 0.0, 1 / 3)
 REVERSE_POISSON_RATIOS = (-0.5, -0.2, 0.0)
 _QUICK_SIZE = 10
+_COUNTS = {False: (57, 144, 33), True: (8, 12, 5)}
+"""Poisson ratios traced, frictions of a panel of front speeds, and of a curve of reverse slip."""
 
 
 def front_frictions(loading: Loading, poisson_ratio: float, count: int) -> list[float]:
@@ -119,7 +121,7 @@ def _traced_ratios(count: int) -> list[float]:
 def _computed(
     output: Path, loadings: Sequence[Loading], count: int, quick: bool, progress: Progress | None
 ) -> RegimeResults:
-    traced, shown, within = (8, 12, 5) if quick else (57, 144, 33)
+    traced, shown, within = _COUNTS[quick]
     kept = {name: kept_columns(_part(output, name, count), name, count) for name in loadings}
     curves: list[BoundaryPoint] = []
     fronts: list[MapPoint] = []
