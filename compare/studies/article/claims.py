@@ -216,9 +216,7 @@ def maximum_lags(cases: Cases) -> Verdicts:
 
 
 @_claim(
-    "6.0.3",
-    f"reverse slip on c_R t < x < c_t t for chi < {REVERSE_LIMIT}",
-    "remote; preloaded",
+    "6.0.3", f"reverse slip on c_R t < x < c_t t for chi < {REVERSE_LIMIT}", "remote; preloaded"
 )
 def reverse_slip(cases: Cases) -> Verdicts:
     """6.0.3: reverse slip between c_R t and c_t t for chi < 0.0575, and only there."""

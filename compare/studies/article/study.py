@@ -96,45 +96,33 @@ def claims_table(claims: Sequence[Claim]) -> str:
 
 def readings_table(results: Sequence[ReadingResult]) -> str:
     """The readings of the published algorithm as a Markdown table."""
-    head = [
-        "unknowns u' >",
-        "delay",
-        "kernel signs",
-        "basis",
-        "constant in p, q",
-        "arctan (7.10)",
-        "condition",
-        "change on doubling n_u",
-        "signs settle",
-        "end of first slip, chi = 2",
-        "maximum, chi = 0.5",
-        "reverse slip below chi",
-        "change off the middle",
-    ]
-    rows = []
-    for result in results:
-        reading = result.reading
-        name = reading.start + (" (default)" if reading == DEFAULT_READING else "")
-        row = [name, reading.delay, reading.signs, reading.basis]
-        row.append("yes" if reading.remote_load else "no")
-        row.append("as printed" if reading.printed_arctan else "b^3 arctan")
-        if np.isinf(result.condition):
-            rows.append([*row, "singular", *["–"] * 6])
-            continue
-        limit = result.reverse_limit
-        rows.append(
-            [
-                *row,
-                f"{result.condition:.1e}",
-                f"{result.change:.1e}",
-                "yes" if result.settled else "no",
-                f"{result.slip_end:.3f}",
-                f"{result.maximum:.3f}",
-                "always" if np.isinf(limit) else "never" if limit == 0 else f"{limit:.4f}",
-                f"{result.off_middle:.1e}",
-            ]
-        )
-    return markdown_table(head, rows)
+    rows = [_reading_row(result) for result in results]
+    return markdown_table(list(rows[0]), [list(row.values()) for row in rows])
+
+
+def _reading_row(result: ReadingResult) -> dict[str, str]:
+    """What a reading is and how it fares, by heading."""
+    reading, limit = result.reading, result.reverse_limit
+    fares = {
+        "condition": f"{result.condition:.1e}",
+        "change on doubling n_u": f"{result.change:.1e}",
+        "signs settle": "yes" if result.settled else "no",
+        "end of first slip, chi = 2": f"{result.slip_end:.3f}",
+        "maximum, chi = 0.5": f"{result.maximum:.3f}",
+        "reverse slip below chi": {0.0: "never", np.inf: "always"}.get(limit, f"{limit:.4f}"),
+        "change off the middle": f"{result.off_middle:.1e}",
+    }
+    if np.isinf(result.condition):
+        fares = {heading: "–" for heading in fares} | {"condition": "singular"}
+    return {
+        "unknowns u' >": reading.start + (" (default)" if reading == DEFAULT_READING else ""),
+        "delay": reading.delay,
+        "kernel signs": reading.signs,
+        "basis": reading.basis,
+        "constant in p, q": "yes" if reading.remote_load else "no",
+        "arctan (7.10)": "as printed" if reading.printed_arctan else "b^3 arctan",
+        **fares,
+    }
 
 
 def slot_table(checks: Sequence[SlotCheck]) -> str:
@@ -289,10 +277,7 @@ def figure_6(cases: Cases) -> Figure:
     preloaded = [cases.preloaded[chi] for chi in _BELOW if chi in cases.preloaded]
     figure, rows = _panels(3, 12, rows=2)
     for panels, curves, label in zip(
-        rows,
-        (_rate_curves, _slip_curves),
-        (RATE_LABEL, r"slip $/\ (V_0 t)$"),
-        strict=True,
+        rows, (_rate_curves, _slip_curves), (RATE_LABEL, r"slip $/\ (V_0 t)$"), strict=True
     ):
         for panel, method in zip(panels, METHODS, strict=True):
             shown = remote if method == "published" else [*remote, *preloaded]

@@ -26,6 +26,7 @@ from compare.comparison.measures import slip_zones
 from compare.studies.chart.benchmark import forget_tables
 from compare.studies.workers import LIFELINE, hang_on
 from semianalytic import Scene, SlipZone, Solution, march, solve
+from semianalytic.reference.known_answers import published_obstacle, published_unit
 from semianalytic.reference.published import DEFAULT_READING, published_grid, published_slip
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES
@@ -185,7 +186,7 @@ def _published(scene: Scene, size: float) -> Answer:
     ratio = strength / scene.load.shear
     answer = published_slip(ratio, DEFAULT_READING, int(size), poisson_ratio=nu, place=_MIDDLE)
     solved = time.perf_counter()
-    unit = 2 * strength / scene.material.shear_impedance
+    unit = published_unit(scene)
     velocity, slip_rate = 1 / answer.u[::-1], unit * answer.slip_rate[::-1]
     ahead = np.nextafter(velocity[-1], np.inf)
     profile = np.append(velocity, ahead), np.append(slip_rate, 0.0)
@@ -220,9 +221,7 @@ def _finite_elements(
     velocity = seen.x / (scene.material.shear_speed * seen.t[-1])
     steps = seconds["steps"] - seconds.get("snapshots", 0.0)
     return Answer(
-        seconds["mesh"] + seconds["assembly"],
-        steps,
-        *sampled(scene, velocity, seen.slip_rate[-1]),
+        seconds["mesh"] + seconds["assembly"], steps, *sampled(scene, velocity, seen.slip_rate[-1])
     )
 
 
@@ -230,24 +229,8 @@ def _not_self_similar(scene: Scene) -> str:
     return "" if scene.is_self_similar else "its loads are not steps"
 
 
-def published_obstacle(scene: Scene) -> str:
-    """Why the published algorithm does not apply, or nothing.
-
-    It knows one load, a sudden remote one, and divides by f P_0.
-    """
-    if not scene.is_self_similar:
-        return _not_self_similar(scene)
-    if scene.base != scene.load:
-        return "its only load is a sudden remote one, base and load equal"
-    return "" if scene.friction * scene.load.pressure * scene.load.shear > 0 else "f P_0 is zero"
-
-
 def _elements(
-    label: str,
-    full: tuple[float, ...],
-    quick: tuple[float, ...],
-    seconds: float,
-    **options: Any,
+    label: str, full: tuple[float, ...], quick: tuple[float, ...], seconds: float, **options: Any
 ) -> Method:
     """A finite-element method; `seconds` is what a run takes with 100 elements per c_t T."""
     run = partial(_finite_elements, **options)

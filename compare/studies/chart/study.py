@@ -29,11 +29,7 @@ from compare.output.tables import read_rows, write_rows
 from compare.studies.chart.methods import METHODS, PLACES, scaled_zones
 from compare.studies.workers import LIFELINE, ONE_THREAD, Progress, lifeline
 from semianalytic import Scene, SlipZone, solve
-from semianalytic.reference.closed_forms import (
-    edge_speed_under_shear_step,
-    slip_rate_under_remote_shock,
-    slip_rate_under_shear_step,
-)
+from semianalytic.reference.known_answers import closed_form
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
 from semianalytic.scene.named import NAMED_SCENES
 
@@ -215,16 +211,11 @@ def closed_form_errors(scene: Scene) -> tuple[float, float]:
     """
     solution, speed = solve(scene, rtol=FINEST), scene.material.shear_speed
     slip_rate = solution.slip_rate(PLACES * speed, 1.0)
-    if scene.base == scene.load:
-        exact = slip_rate_under_remote_shock(
-            scene.material, scene.load.pressure, scene.load.shear, scene.friction, PLACES * speed
-        )
-        return relative_error(slip_rate, exact, PLACES, 1), math.nan
-    ratio = scene.friction * scene.base.pressure / scene.load.shear
-    exact = slip_rate_under_shear_step(scene.material, scene.load.shear, ratio, PLACES * speed)
-    edge = edge_speed_under_shear_step(scene.material, ratio)
-    moved = abs(solution.zones[-1].outer - edge) / speed
-    return relative_error(slip_rate, exact, PLACES, 1), moved
+    known = closed_form(scene)
+    error = relative_error(slip_rate, known.slip_rate(PLACES * speed), PLACES, 1)
+    if known.edge_speed is None:
+        return error, math.nan
+    return error, abs(solution.zones[-1].outer - known.edge_speed) / speed
 
 
 def _extrapolated(scene_name: str, quick: bool) -> Reference:

@@ -139,7 +139,7 @@ def trace(loading: Loading, poisson_ratio: float) -> list[BoundaryPoint]:
     half-width of the reversed strip over c_R as friction vanishes.
     """
     found: dict[str, float | None] = {
-        "nucleation": math.log10(boundaries.nucleation(loading, poisson_ratio)),
+        "nucleation": math.log10(boundaries.nucleation(loading, poisson_ratio))
     }
     gap = boundaries.gap_threshold(loading, poisson_ratio)
     found["gap"] = None if gap is None else math.log10(gap)

@@ -61,28 +61,16 @@ def write_regimes(
     quick: bool = False,
     progress: Progress | None = None,
 ) -> None:
-    """Map regimes, trace their boundaries, and write figures and CSV files into a folder.
+    """Map regimes on size x size points, trace their boundaries, and write figures and CSV files.
 
-    Columns of a map are kept in a hidden file as they are done, so that an interrupted run
-    continues when it is started again with the same size.
-
-    Parameters
-    ----------
-    output : Path
-        Folder: regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, and for
-        the preload reverse-slip.csv and .png.
-    size : int
-        Points along each axis of a map, at least 2.
-    loading : {"both", "preload", "remote"}
-    quick : bool
-        Few points: a look at everything within a minute.
-    progress : callable, optional
-        Called with the number of tasks done and the number of all tasks.
+    regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, and for the preload
+    reverse-slip.csv and .png; few points if quick.  Columns of a map are kept in a hidden file as
+    they are done, so that an interrupted run continues when started again with the same size.
 
     Raises
     ------
     SceneError
-        If size or loading is out of range.
+        If size (at least 2) or loading ("both", "preload" or "remote") is out of range.
     DataFileError
         If a file cannot be written.
     ComputationError

@@ -41,14 +41,7 @@ def write_solver_stability(
 ) -> None:
     """Study limits, thresholds, grids and rules; write figures and stability-solver.csv.
 
-    Parameters
-    ----------
-    output : Path
-        Folder.
-    quick : bool
-        Small grids and few points, within a minute; otherwise some minutes.
-    progress : callable, optional
-        Called with the number of tasks done and the number of all tasks.
+    Small grids and few points, within a minute, if quick; otherwise some minutes.
 
     Raises
     ------
