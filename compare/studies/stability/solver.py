@@ -52,8 +52,8 @@ def write_solver_stability(
     """
     output.mkdir(parents=True, exist_ok=True)
     rows: list[StudyRow] = []
-    for _, found in run_tasks(study_tasks(quick), progress=progress):
-        rows += found
+    for _, part in run_tasks(study_tasks(quick), progress=progress):
+        rows += part
     rows.sort(key=_order)
     write_rows(output / "stability-solver.csv", rows)
     save_figures(output, rows)
