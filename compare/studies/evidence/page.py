@@ -140,7 +140,7 @@ def page(evidence: Evidence) -> str:
         + f'</header>\n<nav aria-label="Contents"><h2>Contents</h2><ol>{contents}</ol></nav>\n'
         + f"<main>\n{main}\n</main>"
     )
-    template = files("compare").joinpath("evidence.html").read_text(encoding="utf-8")
+    template = files("compare.studies.evidence").joinpath("evidence.html").read_text(encoding="utf-8")
     return Template(template).substitute(body=body)
 
 
