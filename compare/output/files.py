@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.resources import files
 from pathlib import Path
+from string import Template
 
 from semianalytic.results.files import new_file, refusal, write_bytes
 from semianalytic.scene.errors import DataFileError
@@ -21,6 +23,12 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> None:
     """
     with new_file(path) as part:
         write(part)
+
+
+def filled_template(package: str, name: str, **values: object) -> str:
+    """The text of a template that lies in a package, its $names replaced by values."""
+    text = files(package).joinpath(name).read_text(encoding="utf-8")
+    return Template(text).substitute(values)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -17,16 +17,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 from time import process_time
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.output.files import write_text
+from compare.output.files import filled_template, write_text
 from compare.output.progress import progress_bar
 from compare.output.tables import append_rows, markdown_table, sound_rows
 from compare.studies.campaign.scenes import drawn, random_history_scene, random_step_scene
@@ -339,8 +337,9 @@ def summary(solved: Sequence[SolvedRow], marched: Sequence[MarchedRow]) -> list[
 def page_text(solved: Sequence[SolvedRow], marched: Sequence[MarchedRow], seed: int = SEED) -> str:
     """The summary as a Markdown page."""
     table = markdown_table(("what", "result"), summary(solved, marched))
-    page = files("compare.studies.campaign").joinpath("campaign.md").read_text(encoding="utf-8")
-    return Template(page).substitute(
+    return filled_template(
+        "compare.studies.campaign",
+        "campaign.md",
         scenes=len(solved),
         histories=len(marched),
         seed=seed,

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from importlib.resources import files
 from itertools import groupby
 from pathlib import Path
-from string import Template
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -31,7 +29,7 @@ from compare.figures.style import (
     new_figure,
     scene_words,
 )
-from compare.output.files import write_text
+from compare.output.files import filled_template, write_text
 from compare.output.tables import markdown_table
 from compare.studies.chart.methods import EDGE_THRESHOLD, METHODS
 from compare.studies.chart.study import FINEST, SCENES, VERSIONS, Point
@@ -206,9 +204,10 @@ def chart_text(points: Sequence[Point]) -> str:
     dates = sorted({point.date for point in points})
     sections = (_scene_lines([p for p in points if p.scene_name == name], name) for name in names)
     slopes = ([label, *powers] for label, powers in _slopes(points, names))
-    page = files("compare.studies.chart").joinpath("chart.md").read_text(encoding="utf-8")
-    return Template(page).substitute(
-        {name: getattr(one, name) for name in (*VERSIONS, "machine", "cores")},
+    return filled_template(
+        "compare.studies.chart",
+        "chart.md",
+        **{name: getattr(one, name) for name in (*VERSIONS, "machine", "cores")},
         count=len(points),
         when=dates[0] if len(dates) == 1 else f"{dates[0]} … {dates[-1]}",
         threshold=f"{EDGE_THRESHOLD:g}",
