@@ -1,6 +1,7 @@
 """Figures: slip rate, tractions and the space–time map, prediction against simulation.
 
-Every function returns a Figure.  Pass `axes` to draw into axes of a figure of your own.
+Every function returns a Figure of a `solution`, the prediction, and where it takes a `history`, of
+the simulation of the same scene.  Pass `axes` to draw into axes of a figure of your own.
 """
 
 from __future__ import annotations
@@ -51,17 +52,7 @@ POINTS = 1500
 def slip_rate_figure(
     solution: Solution, history: InterfaceHistory, *, axes: tuple[Axes, Axes] | None = None
 ) -> Figure:
-    """Slip rate against ξ/c_t at the last time of the history, with the difference below.
-
-    Parameters
-    ----------
-    solution : Solution
-        The prediction.
-    history : InterfaceHistory
-        The simulation of the same scene.
-    axes : (Axes, Axes), optional
-        Where to draw the two answers and their difference.
-    """
+    """Slip rate against ξ/c_t at the last time of the history, with the difference below."""
     scene, scale, time = solution.scene, slip_rate_scale(solution.scene), history.t[-1]
     upper, lower = axes or _new_pair(scene)
     unit, dense = scene.material.shear_speed, _speeds(scene)
@@ -88,17 +79,7 @@ def slip_rate_figure(
 def tractions_figure(
     solution: Solution, history: InterfaceHistory, *, axes: Axes | None = None
 ) -> Figure:
-    """Shear traction and friction bound ±f p against ξ/c_t at the last time of the history.
-
-    Parameters
-    ----------
-    solution : Solution
-        The prediction.
-    history : InterfaceHistory
-        The simulation of the same scene.
-    axes : Axes, optional
-        Where to draw.
-    """
+    """Shear traction and friction bound ±f p against ξ/c_t at the last time of the history."""
     scene, scale, time = solution.scene, stress_scale(solution.scene), history.t[-1]
     panel = axes or _new_axes(scene)
     unit = scene.material.shear_speed
@@ -131,15 +112,6 @@ def fronts_figure(
     """Space–time map of the simulated slip rate under the predicted fronts and zone edges.
 
     Slip of one sense is coloured by its square root, so that weak zones show.
-
-    Parameters
-    ----------
-    solution : Solution
-        The prediction, drawn as straight lines x = speed × t.
-    history : InterfaceHistory
-        The simulation of the same scene, at least two times and two positions.
-    axes : Axes, optional
-        Where to draw.
     """
     scene, scale, time = solution.scene, slip_rate_scale(solution.scene), history.t[-1]
     length = scene.material.shear_speed * time
@@ -174,15 +146,7 @@ def fronts_figure(
 
 
 def prediction_figure(solution: Solution, *, axes: tuple[Axes, Axes] | None = None) -> Figure:
-    """The semi-analytic answer alone: slip rate above, tractions and friction bound below.
-
-    Parameters
-    ----------
-    solution : Solution
-        The prediction.
-    axes : (Axes, Axes), optional
-        Where to draw slip rate and tractions.
-    """
+    """The semi-analytic answer alone: slip rate above, tractions and friction bound below."""
     scene = solution.scene
     upper, lower = axes or _new_pair(scene, ratios=(1, 1))
     unit, dense = scene.material.shear_speed, _speeds(scene)

@@ -141,7 +141,4 @@ def waves_handle(colour: str = "0.35") -> Line2D:
 
 def method_handles() -> list[Line2D]:
     """Legend entries of a prediction, drawn by a line, and of finite elements, by samples."""
-    return [
-        line_handle("semi-analytic", PREDICTION),
-        marker_handle("finite elements", SIMULATION),
-    ]
+    return [line_handle("semi-analytic", PREDICTION), marker_handle("finite elements", SIMULATION)]

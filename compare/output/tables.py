@@ -1,4 +1,4 @@
-"""Rows of a study, dataclass instances, as CSV, with checksums where they are read back."""
+"""Rows of a study as CSV, with checksums where they are read back, and texts as Markdown."""
 
 from __future__ import annotations
 
@@ -102,6 +102,12 @@ def sound_rows(path: Path, kind: type[Row]) -> list[Row]:
         for cells in rows
         if len(cells) == len(_names(kind)) + 1 and _sound(cells)
     ]
+
+
+def markdown_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table of texts in Markdown, with a line end."""
+    lines = (heading, ["---"] * len(heading), *rows)
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
 
 
 def _names(kind: Any) -> list[str]:

@@ -8,6 +8,7 @@ bases replace it:
 - preloaded: constant pressure P_0, sudden shear Q_0.
 
 Lengths and times are the article's (c_t = 5, t = 0.01); it gives no modulus, mu = 1 here.
+Slip rates are relative, over V_0 = 2 Q_0/(mu b); the article's V is one-sided.
 """
 
 from __future__ import annotations
@@ -90,15 +91,15 @@ class Case:
 
     @property
     def scale(self) -> float:
-        """Q_0 / (mu b), the one-sided slip rate of a shear wave, times 2 [length / time]."""
+        """V_0 = 2 Q_0/(mu b), the relative slip rate under a plane shear wave [length / time]."""
         return 2 / self.chi / self.solution.scene.material.shear_impedance
 
     def exact(self, velocity: Array) -> Array:
-        """Slip rate over 2 Q_0/(mu b) at x/(c_t t), from the exact solution."""
+        """Slip rate over V_0 at x/(c_t t), from the exact solution."""
         return self.solution.slip_rate(velocity * SHEAR_SPEED, 1.0) / self.scale
 
     def simulated(self) -> tuple[Array, Array]:
-        """x/(c_t T) > 0 and slip rate over 2 Q_0/(mu b) at the end of the simulation."""
+        """x/(c_t T) > 0 and slip rate over V_0 at the end of the simulation."""
         x = self.history.x[1:] / (SHEAR_SPEED * self.history.t[-1])
         return x, self.history.slip_rate[-1, 1:] / self.scale
 
@@ -109,7 +110,7 @@ class Case:
         return float(rate[inside].mean())
 
     def disagreement(self) -> float:
-        """Mean difference of the two slip rates over x < c_l T, relative to Q_0/(mu b)."""
+        """Mean difference of the two slip rates over x < c_l T, over V_0."""
         velocity, rate = self.simulated()
         inside = velocity < self.solution.scene.material.longitudinal_speed / SHEAR_SPEED
         return float(np.abs(rate[inside] - self.exact(velocity[inside])).mean())

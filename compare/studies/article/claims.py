@@ -1,9 +1,13 @@
-"""The article's claims judged by three methods; every verdict is computed from the cases."""
+"""The article's claims judged by three methods; every verdict is computed from the cases.
+
+V is the relative slip rate, twice the article's, in units of V_0 = 2 Q_0/(mu b).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import wraps
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +34,7 @@ Array = NDArray[np.float64]
 HOLDS, FAILS, PARTLY, SILENT = "holds", "fails", "in part", "no answer"
 METHODS = ("published", "exact", "finite elements")
 NOTICEABLE = 0.01
-"""Simulated slip rates count from this share of 2 Q_0/(mu b) on."""
+"""Simulated slip rates count from this share of V_0 on."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +55,25 @@ class Claim:
     verdicts: Mapping[str, Verdict]
 
 
-def _claim(section: str, text: str, base: str, *verdicts: Verdict) -> Claim:
-    return Claim(section, text, base, dict(zip(METHODS, verdicts, strict=True)))
+Verdicts = tuple[Verdict, Verdict, Verdict]
+"""Of the published algorithm, the exact solution and the simulation."""
+
+CLAIMS: list[Callable[[Cases], Claim]] = []
+"""What judges each claim, in the order of this file."""
+
+
+def _claim(section: str, text: str, base: str) -> Callable[[Callable[[Cases], Verdicts]], object]:
+    """Add to `CLAIMS` what finds the three verdicts on a claim."""
+
+    def add(judge: Callable[[Cases], Verdicts]) -> Callable[[Cases], Claim]:
+        @wraps(judge)
+        def judged(cases: Cases) -> Claim:
+            return Claim(section, text, base, dict(zip(METHODS, judge(cases), strict=True)))
+
+        CLAIMS.append(judged)
+        return judged
+
+    return add
 
 
 def _judge(true: bool, evidence: str) -> Verdict:
@@ -86,7 +107,7 @@ def published_sense_change(chi: float) -> float:
 
 
 def published_reversal(chi: float) -> float:
-    """Mean reversed slip rate on 0.63 to 0.95 c_t t by the published algorithm, Q_0/(mu b)."""
+    """Mean reversed slip rate on 0.63 to 0.95 c_t t by the published algorithm, V_0."""
     return -chi * float(published_slip(chi).at(np.linspace(1.05, 1.6, 100)).mean())
 
 
@@ -96,55 +117,47 @@ def simulated_reversal(case: Case) -> Array:
     return velocity[rate < -NOTICEABLE * np.abs(rate).max()]
 
 
-def no_shear_ahead(cases: Cases) -> Claim:
+@_claim("3.6.1", "no shear traction ahead of the shear wave", "any")
+def no_shear_ahead(cases: Cases) -> Verdicts:
     """3.6.1: q = 0 ahead of the shear wave."""
     front = float(stuck_traction(1 / 3, "II")(1.0))
     simulated = _stuck_shear_near_front(cases.remote[2.0])
-    return _claim(
-        "3.6.1",
-        "no shear traction ahead of the shear wave",
-        "any",
+    return (
         _judge(front < NOTICEABLE, f"its own (3.14) gives q* = {front:.4f} Q_0 at x = c_t t"),
         _judge(front < NOTICEABLE, f"q* rises from 0 at c_l t to {front:.4f} Q_0 at c_t t"),
         _judge(simulated < NOTICEABLE, f"q* up to {simulated:.3f} Q_0 on c_t t < x < c_l t"),
     )
 
 
-def edge_sticks(cases: Cases) -> Claim:
+@_claim("3.6.1", "the edge sticks for chi >= 1", "remote")
+def edge_sticks(cases: Cases) -> Verdicts:
     """(3.17)-(3.19): the edge sticks for chi >= 1."""
     case = cases.remote[1.2]
     exact = case.solution.edge_slip_rate / case.scale
     simulated = case.simulated_mean(0.05, 0.3)
     published = published_slip(1.2).slip_rate[-1]
     above = cases.remote[2.0].simulated_mean(0.05, 0.3)
-    return _claim(
-        "3.6.1",
-        "the edge sticks for chi >= 1",
-        "remote",
-        Verdict(
-            SILENT, f"it has no stick; V(x = c_t t/5) = {published:.3g} f P_0/(mu b) at chi = 1.2"
-        ),
+    return (
+        Verdict(SILENT, f"it has no stick; V(x = c_t t/5) = {published:.3g} chi V_0 at chi = 1.2"),
         _judge(
             exact <= 1e-9,
-            f"V(0+) = {exact:.4f} Q_0/(mu b) at chi = 1.2; the limit is sqrt(b/a) = 1.414, and "
+            f"V(0+) = {exact:.4f} V_0 at chi = 1.2; the limit is sqrt(b/a) = 1.414, and "
             "with constant pressure the edge slips at every chi",
         ),
         _judge(
             simulated < NOTICEABLE,
-            f"V = {simulated:.3f} Q_0/(mu b) beside the edge at chi = 1.2, {above:.1g} at chi = 2",
+            f"V = {simulated:.3f} V_0 beside the edge at chi = 1.2, {above:.1g} at chi = 2",
         ),
     )
 
 
-def slip_wave_above_one(cases: Cases) -> Claim:
+@_claim("6.0.1", "a slip wave for any chi > 1, bounded by x = (a/b) c_t t and c_t t", "remote")
+def slip_wave_above_one(cases: Cases) -> Verdicts:
     """6.0.1: a slip wave for any chi > 1, bounded by x = (a/b) c_t t."""
     case = cases.remote[2.0]
     end = examine_reading(DEFAULT_READING).slip_end
     largest = float(np.abs(case.simulated()[1]).max())
-    return _claim(
-        "6.0.1",
-        "a slip wave for any chi > 1, bounded by x = (a/b) c_t t and c_t t",
-        "remote",
+    return (
         Verdict(
             PARTLY,
             f"slip of one sense from c_t t to {end:.3f} c_t t at chi = 2 (a/b = 0.5); p* = 0 at "
@@ -155,36 +168,35 @@ def slip_wave_above_one(cases: Cases) -> Claim:
             f"{_zones_text(case.solution.zones)} at chi = 2; at chi = 1.2 it slips on x/(c_t t) = "
             f"{_zones_text(cases.remote[1.2].solution.zones)}",
         ),
-        _judge(largest > NOTICEABLE, f"largest V = {largest:.1g} Q_0/(mu b) at chi = 2"),
+        _judge(largest > NOTICEABLE, f"largest V = {largest:.1g} V_0 at chi = 2"),
     )
 
 
-def slip_reaches_shear_front(cases: Cases) -> Claim:
+@_claim("6.0.2", "for chi < 1 slip fills 0 < x < c_t t and ends there", "remote; preloaded")
+def slip_reaches_shear_front(cases: Cases) -> Verdicts:
     """6.0.2: slip for chi < 1 is confined to 0 < x < c_t t."""
     remote, preloaded = cases.remote[0.5], cases.preloaded[0.5]
     ahead = remote.simulated_mean(1.2, 1.8)
     velocity, rate = preloaded.simulated()
     last = float(velocity[rate > NOTICEABLE].max())
     zones = preloaded.solution.zones
-    return _claim(
-        "6.0.2",
-        "for chi < 1 slip fills 0 < x < c_t t and ends there",
-        "remote; preloaded",
+    return (
         Verdict(HOLDS, "by construction: the unknowns start at u = b"),
         _judge(
             bool(zones) and abs(zones[-1].outer / SHEAR_SPEED - 1) < 1e-3,
-            f"remote: everywhere, {remote.exact(np.array([1.5]))[0]:.3f} Q_0/(mu b) at 1.5 c_t t; "
+            f"remote: everywhere, {remote.exact(np.array([1.5]))[0]:.3f} V_0 at 1.5 c_t t; "
             f"preloaded, chi = 0.5: x/(c_t t) = {_zones_text(zones)}",
         ),
         _judge(
             abs(last - 1) < 0.02 and ahead < NOTICEABLE,
-            f"remote: {ahead:.3f} Q_0/(mu b) on 1.2 to 1.8 c_t t; preloaded: last slip at "
+            f"remote: {ahead:.3f} V_0 on 1.2 to 1.8 c_t t; preloaded: last slip at "
             f"{last:.3f} c_t t",
         ),
     )
 
 
-def maximum_lags(cases: Cases) -> Claim:
+@_claim("6.0.2", "for chi < 1 slip has a maximum that lags the shear front", "remote")
+def maximum_lags(cases: Cases) -> Verdicts:
     """6.0.2: the maximum lags the shear front for chi < 1."""
     remote = cases.remote[0.5]
     velocity, rate = remote.simulated()
@@ -192,31 +204,28 @@ def maximum_lags(cases: Cases) -> Claim:
     spread = float(np.ptp(rate[inside]) / rate[inside].mean())
     sample = remote.exact(np.linspace(0.05, 0.99, 50))
     place = examine_reading(DEFAULT_READING).maximum
-    return _claim(
-        "6.0.2",
-        "for chi < 1 slip has a maximum that lags the shear front",
-        "remote",
+    return (
         _judge(place < 0.95, f"maximum at x = {place:.3f} c_t t for chi = 0.5"),
         _judge(
             float(np.ptp(sample)) > 1e-6,
-            f"V = {sample[0]:.5f} Q_0/(mu b) everywhere behind the shear front, no maximum; with "
+            f"V = {sample[0]:.5f} V_0 everywhere behind the shear front, no maximum; with "
             "constant pressure V is largest at the edge",
         ),
         _judge(spread > 0.05, f"V varies by {spread:.1%} over 0.1 < x/(c_t t) < 0.9"),
     )
 
 
-def reverse_slip(cases: Cases) -> Claim:
+@_claim(
+    "6.0.3", f"reverse slip on c_R t < x < c_t t for chi < {REVERSE_LIMIT}", "remote; preloaded"
+)
+def reverse_slip(cases: Cases) -> Verdicts:
     """6.0.3: reverse slip between c_R t and c_t t for chi < 0.0575, and only there."""
     limit = examine_reading(DEFAULT_READING).reverse_limit
     low = (cases.remote[LOW_FRICTION], cases.preloaded[LOW_FRICTION])
     reversed_zones = [z for case in low for z in case.solution.zones if z.sense < 0]
     least = min(float(case.simulated()[1].min()) for case in low)
     auxetic = cases.auxetic
-    return _claim(
-        "6.0.3",
-        f"reverse slip on c_R t < x < c_t t for chi < {REVERSE_LIMIT}",
-        "remote; preloaded",
+    return (
         Verdict(
             PARTLY if np.isinf(limit) else HOLDS,
             "reversed there at every chi up to 2: no limit"
@@ -230,13 +239,18 @@ def reverse_slip(cases: Cases) -> Claim:
         ),
         _judge(
             least < -NOTICEABLE,
-            f"least V = {least:.1g} Q_0/(mu b) at chi = {LOW_FRICTION}; at nu = {AUXETIC_RATIO} "
+            f"least V = {least:.1g} V_0 at chi = {LOW_FRICTION}; at nu = {AUXETIC_RATIO} "
             f"{auxetic.simulated()[1].min():.3f}",
         ),
     )
 
 
-def rayleigh_separates(cases: Cases) -> Claim:
+@_claim(
+    "6.0.3",
+    "the Rayleigh speed separates forward from reverse slip",
+    f"preloaded, nu = {AUXETIC_RATIO}",
+)
+def rayleigh_separates(cases: Cases) -> Verdicts:
     """6.0.3: the Rayleigh speed separates the two senses of slip."""
     case = cases.auxetic
     rayleigh = case.solution.scene.material.rayleigh_speed / SHEAR_SPEED
@@ -244,11 +258,8 @@ def rayleigh_separates(cases: Cases) -> Claim:
     zone = next(z for z in case.solution.zones if z.sense < 0)
     inner, outer = zone.inner / SHEAR_SPEED, zone.outer / SHEAR_SPEED
     seen = simulated_reversal(case)
-    found = f"{seen.min():.3f} to {seen.max():.3f}" if len(seen) else "none"
-    return _claim(
-        "6.0.3",
-        "the Rayleigh speed separates forward from reverse slip",
-        f"preloaded, nu = {AUXETIC_RATIO}",
+    extent = f"{seen.min():.3f} to {seen.max():.3f}" if len(seen) else "none"
+    return (
         _judge(
             abs(published - 0.9325) < 0.02,
             f"senses change at {published:.3f} c_t t (c_R = 0.933 c_t, chi = {LOW_FRICTION})",
@@ -259,12 +270,13 @@ def rayleigh_separates(cases: Cases) -> Claim:
         ),
         _judge(
             bool(len(seen)) and abs(float(seen.min()) - rayleigh) < 0.01,
-            f"reversed on x/(c_t t) = {found}, c_R at {rayleigh:.3f}",
+            f"reversed on x/(c_t t) = {extent}, c_R at {rayleigh:.3f}",
         ),
     )
 
 
-def no_natural_limit(cases: Cases) -> Claim:
+@_claim("6.0.2", "the slip zone has no natural limit and grows with time", "preloaded")
+def no_natural_limit(cases: Cases) -> Verdicts:
     """6.0.2: the slip zone keeps growing."""
     case = cases.preloaded[0.5]
     outer = case.solution.zones[0].outer / SHEAR_SPEED
@@ -272,10 +284,7 @@ def no_natural_limit(cases: Cases) -> Claim:
     for row in (len(case.history.t) // 2, -1):
         slipping = case.history.slip_rate[row] > NOTICEABLE * case.scale
         widths.append(float(case.history.x[slipping].max() / case.history.t[row]) / SHEAR_SPEED)
-    return _claim(
-        "6.0.2",
-        "the slip zone has no natural limit and grows with time",
-        "preloaded",
+    return (
         Verdict(HOLDS, "by construction: a function of x/t"),
         Verdict(HOLDS, f"self-similar: the zone ends at x = {outer:.4f} c_t t (chi = 0.5)"),
         _judge(
@@ -285,7 +294,8 @@ def no_natural_limit(cases: Cases) -> Claim:
     )
 
 
-def full_stick_approached(cases: Cases) -> Claim:
+@_claim("6.0.1", "for chi > 1 full stick is approached over time", "remote")
+def full_stick_approached(cases: Cases) -> Verdicts:
     """6.0.1: over time full stick is restored for chi > 1."""
     case, stuck = cases.remote[1.2], cases.remote[2.0]
     exact = case.solution.edge_slip_rate / case.scale
@@ -293,29 +303,26 @@ def full_stick_approached(cases: Cases) -> Claim:
     published = published_slip(2.0)
     rates = published.slip_rate[published.u > 3.5]
     changes = int(np.count_nonzero(np.diff(np.sign(rates))))
-    return _claim(
-        "6.0.1",
-        "for chi > 1 full stick is approached over time",
-        "remote",
+    return (
         _judge(
             float(np.abs(rates).max()) < NOTICEABLE,
-            f"|V| up to {np.abs(rates).max():.2g} f P_0/(mu b) on 0.2 to 0.29 c_t t, changing sign "
+            f"|V| up to {np.abs(rates).max():.2g} chi V_0 on 0.2 to 0.29 c_t t, changing sign "
             f"{changes} times (chi = 2)",
         ),
         Verdict(
             PARTLY,
-            f"above chi = 1.414 only; at chi = 1.2 V tends to {exact:.4f} Q_0/(mu b) "
-            "at every point",
+            f"above chi = 1.414 only; at chi = 1.2 V tends to {exact:.4f} V_0 at every point",
         ),
         Verdict(
             PARTLY,
-            f"V = {simulated:.3f} Q_0/(mu b) at x = 0.02 to 0.1 c_t t for chi = 1.2, "
+            f"V = {simulated:.3f} V_0 at x = 0.02 to 0.1 c_t t for chi = 1.2, "
             f"{stuck.simulated_mean(0.02, 0.1):.1g} for chi = 2",
         ),
     )
 
 
-def lower_friction_worse(cases: Cases) -> Claim:
+@_claim("6.0.3, 7", "lower friction gives worse reversal", f"preloaded, nu = {AUXETIC_RATIO}")
+def lower_friction_worse(cases: Cases) -> Verdicts:
     """6.0.3, 7: lower friction makes reversal worse."""
 
     def reversed_width(chi: float) -> float:
@@ -325,13 +332,10 @@ def lower_friction_worse(cases: Cases) -> Claim:
     middle, lowest = published_reversal(0.5), published_reversal(0.01)
     low, high = reversed_width(LOW_FRICTION), reversed_width(0.1)
     _, rate = cases.auxetic.simulated()
-    return _claim(
-        "6.0.3, 7",
-        "lower friction gives worse reversal",
-        f"preloaded, nu = {AUXETIC_RATIO}",
+    return (
         _judge(
             lowest > middle,
-            f"mean reversed V on 0.63 to 0.95 c_t t {middle:.3f} Q_0/(mu b) at chi = 0.5, "
+            f"mean reversed V on 0.63 to 0.95 c_t t {middle:.3f} V_0 at chi = 0.5, "
             f"{lowest:.3f} at 0.01",
         ),
         Verdict(
@@ -341,20 +345,6 @@ def lower_friction_worse(cases: Cases) -> Claim:
         ),
         Verdict(
             PARTLY if rate.min() < -NOTICEABLE else FAILS,
-            f"least V {rate.min():.3f} Q_0/(mu b) at chi = {LOW_FRICTION}; none at nu = 1/3",
+            f"least V {rate.min():.3f} V_0 at chi = {LOW_FRICTION}; none at nu = 1/3",
         ),
     )
-
-
-CLAIMS: tuple[Callable[[Cases], Claim], ...] = (
-    no_shear_ahead,
-    edge_sticks,
-    slip_wave_above_one,
-    slip_reaches_shear_front,
-    maximum_lags,
-    reverse_slip,
-    rayleigh_separates,
-    no_natural_limit,
-    full_stick_approached,
-    lower_friction_worse,
-)

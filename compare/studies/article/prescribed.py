@@ -91,7 +91,8 @@ def slipping_half_plane(
     Parameters
     ----------
     slip : SlipHistory
-        Velocity of the upper face, tangential in mode II, normal in mode I.
+        Velocity of the upper face, tangential in mode II, normal in mode I: the article's
+        one-sided V of (4.1), half of the relative slip rate.
     """
     plane = _HalfPlane.build(material, element_size, half_width, end_time)
     component = 0 if mode == "II" else 1
@@ -184,10 +185,10 @@ class _HalfPlane:
             kick *= step**2 * (0.5 if n == 0 else 1.0)
             after = increment + kick
             if moved is not None and velocity is not None:
-                wanted = step * velocity((n + 0.5) * step) * self.root[moved]
+                prescribed = step * velocity((n + 0.5) * step) * self.root[moved]
                 if n == self.steps:
-                    reaction[moved] = (wanted - after[moved]) / step**2 * self.root[moved]
-                after[moved] = wanted
+                    reaction[moved] = (prescribed - after[moved]) / step**2 * self.root[moved]
+                after[moved] = prescribed
             increment = after
             if n < self.steps:
                 position += increment

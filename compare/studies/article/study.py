@@ -1,8 +1,8 @@
 """The article reproduced: its figures, its claims and the readings of its algorithm.
 
-Slip rates of figures are one-sided, in units of Q_0/(mu b).  ``slipfront article`` writes all,
-``python -m compare.studies.article.study claims cases slots --csv docs/data`` what docs/article.md
-shows.
+Slip and slip rates are relative, twice the article's: in units of V_0 = 2 Q_0/(mu b).  ``slipfront
+article`` writes all, ``python -m compare.studies.article.study claims cases slots --csv docs/data``
+what docs/article.md shows.
 """
 
 from __future__ import annotations
@@ -18,7 +18,18 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from compare.figures.saving import save_figure
+from compare.figures.style import (
+    CYCLE,
+    ORANGE,
+    PREDICTION,
+    RATE_LABEL,
+    SIMULATION,
+    SMALL,
+    mark_waves,
+    new_figure,
+)
 from compare.output.files import write_text
+from compare.output.tables import markdown_table
 from compare.studies.article.cases import (
     END_TIME,
     SHEAR_SPEED,
@@ -47,24 +58,19 @@ RESOLUTION, QUICK_RESOLUTION = 200, 60
 _ELEMENT_SIZE, _QUICK_ELEMENT_SIZE = 0.005, 0.01
 _GRID, _QUICK_GRID = 100, 60
 
-COLOURS = ("#12355b", "#d1495b", "#2a9d8f", "#e9a23b", "#7b5ea7")
 _ABOVE = (1.2, 2.0)
 _BELOW = (0.01, 0.5, 0.9)
 _VELOCITY = np.linspace(0.004, 2.05, 1200)  # x/(c_t t)
+UNITS = (
+    r"$\nu$ = 1/3, $c_t$ = 5, $t$ = 0.01, $f P_0$ = 1, $\chi = f P_0/Q_0$;  "
+    r"$V_0 = 2 Q_0/(\mu b)$ = $2 Q_0/(\rho c_t)$"
+)
+"""What holds in all figures of the article."""
 
 
 @dataclass(frozen=True)
 class Article:
-    """What `write_article` found.
-
-    Attributes
-    ----------
-    claims : the claims table
-    readings : how every reading of the published algorithm fares, the best settled first
-    disagreement : largest mean difference of exact and simulated slip rate over all cases,
-        relative to Q_0/(mu b)
-    files : what was written
-    """
+    """What `write_article` comes to; disagreement is that of `Cases`, files what was written."""
 
     claims: tuple[Claim, ...]
     readings: tuple[ReadingResult, ...]
@@ -89,75 +95,51 @@ def claims_table(claims: Sequence[Claim]) -> str:
         ]
         for claim in claims
     ]
-    return _markdown(head, rows)
+    return markdown_table(head, rows)
 
 
 def readings_table(results: Sequence[ReadingResult]) -> str:
     """The readings of the published algorithm as a Markdown table."""
-    head = [
-        "unknowns u' >",
-        "delay",
-        "kernel signs",
-        "basis",
-        "constant in p, q",
-        "arctan (7.10)",
-        "condition",
-        "change on doubling n_u",
-        "signs settle",
-        "end of first slip, chi = 2",
-        "maximum, chi = 0.5",
-        "reverse slip below chi",
-        "change off the middle",
-    ]
-    rows = []
-    for result in results:
-        reading = result.reading
-        name = reading.start + (" (default)" if reading == DEFAULT_READING else "")
-        row = [name, reading.delay, reading.signs, reading.basis]
-        row.append("yes" if reading.remote_load else "no")
-        row.append("as printed" if reading.printed_arctan else "b^3 arctan")
-        if np.isinf(result.condition):
-            rows.append([*row, "singular", *["–"] * 6])
-            continue
-        limit = result.reverse_limit
-        rows.append(
-            [
-                *row,
-                f"{result.condition:.1e}",
-                f"{result.change:.1e}",
-                "yes" if result.settled else "no",
-                f"{result.slip_end:.3f}",
-                f"{result.maximum:.3f}",
-                "always" if np.isinf(limit) else "never" if limit == 0 else f"{limit:.4f}",
-                f"{result.off_middle:.1e}",
-            ]
-        )
-    return _markdown(head, rows)
+    rows = [_reading_row(result) for result in results]
+    return markdown_table(list(rows[0]), [list(row.values()) for row in rows])
+
+
+def _reading_row(result: ReadingResult) -> dict[str, str]:
+    """What a reading is and how it fares, by heading."""
+    reading, limit = result.reading, result.reverse_limit
+    fares = {
+        "condition": f"{result.condition:.1e}",
+        "change on doubling n_u": f"{result.change:.1e}",
+        "signs settle": "yes" if result.settled else "no",
+        "end of first slip, chi = 2": f"{result.slip_end:.3f}",
+        "maximum, chi = 0.5": f"{result.maximum:.3f}",
+        "reverse slip below chi": {0.0: "never", np.inf: "always"}.get(limit, f"{limit:.4f}"),
+        "change off the middle": f"{result.off_middle:.1e}",
+    }
+    if np.isinf(result.condition):
+        fares = {heading: "–" for heading in fares} | {"condition": "singular"}
+    return {
+        "unknowns u' >": reading.start + (" (default)" if reading == DEFAULT_READING else ""),
+        "delay": reading.delay,
+        "kernel signs": reading.signs,
+        "basis": reading.basis,
+        "constant in p, q": "yes" if reading.remote_load else "no",
+        "arctan (7.10)": "as printed" if reading.printed_arctan else "b^3 arctan",
+        **fares,
+    }
 
 
 def slot_table(checks: Sequence[SlotCheck]) -> str:
     """Largest differences from finite elements with a free slot, as a Markdown table."""
     rows = [[f"mode {c.mode}", f"{c.error('free'):.2%}", f"{c.error('held'):.1%}"] for c in checks]
-    return _markdown(["", "slot face free", "slot face held, (4.31), (4.37)"], rows)
-
-
-def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+    return markdown_table(["", "slot face free", "slot face held, (4.31), (4.37)"], rows)
 
 
 def write_article(output: Path, quick: bool = False, progress: Progress | None = None) -> Article:
-    """Redraw figures 2, 5 and 6 by three methods and write the claims table.
+    """Redraw figures 2, 5 and 6, on coarser meshes if quick, and judge the claims.
 
-    Parameters
-    ----------
-    output : folder for figure2.png, figure5.png, figure6.png, slot.png and article.md.
-    quick : coarser meshes.
-    progress : called with one line before each piece of work.
-
-    Returns
-    -------
-    Article
+    Writes figure2.png, figure5.png, figure6.png, slot.png and article.md into a folder; `progress`
+    is called with one line before each piece of work.
 
     Raises
     ------
@@ -191,7 +173,8 @@ def write_article(output: Path, quick: bool = False, progress: Progress | None =
             "# The article's claims\n",
             claims_table(claims),
             "Published: the default reading. Exact and finite elements differ by at most "
-            f"{disagreement:.2g} of Q_0/(mu b) in the mean.\n",
+            f"{disagreement:.2g} V_0 in the mean. V is the relative slip rate, twice the "
+            "article's, and V_0 = 2 Q_0/(mu b).\n",
             "# Prescribed slip, slot faces free: largest difference from finite elements\n",
             slot_table(checks),
             "# Readings of the published algorithm\n",
@@ -203,16 +186,13 @@ def write_article(output: Path, quick: bool = False, progress: Progress | None =
     return Article(claims, readings, disagreement, files)
 
 
-def _panels(columns: int, width: float, rows: int = 1) -> tuple[Figure, list[list[Axes]]]:
-    figure = Figure(figsize=(width, 3.6 * rows), layout="constrained")
+def _panels(
+    columns: int, width: float, rows: int = 1, title: str = UNITS
+) -> tuple[Figure, list[list[Axes]]]:
+    figure = new_figure(width, 3.6 * rows + 0.2)
+    figure.suptitle(title, fontsize=9)
     axes = figure.subplots(rows, columns, squeeze=False)
     return figure, [list(row) for row in axes]
-
-
-def _mark_fronts(panel: Axes, case: Case) -> None:
-    material = case.solution.scene.material
-    for speed in (material.rayleigh_speed, material.shear_speed, material.longitudinal_speed):
-        panel.axvline(speed * END_TIME, color="0.6", linestyle="--", linewidth=0.8, zorder=0)
 
 
 def figure_2(cases: Cases) -> Figure:
@@ -231,13 +211,13 @@ def figure_2(cases: Cases) -> Figure:
         (stuck_shear, (history.shear_traction - base.shear) * case.chi, 1.0, "$q^*/Q_0$"),
     )
     for panel, (predict, seen, amplitude, label) in zip(panels, fields, strict=True):
-        for row, colour in zip(rows, COLOURS, strict=False):
+        for row, colour in zip(rows, CYCLE, strict=False):
             time = history.t[row]
             value = predict(Step(), amplitude, material, x, time).value
             panel.plot(x, value, color=colour, label=f"t = {time:.4f}")
             panel.plot(history.x[1:], seen[row, 1:], ".", color=colour, markersize=2.5)
         panel.set(xlabel="x", ylabel=label, ylim=(-0.12, 0.6), xlim=(0, 0.11))
-        panel.legend(fontsize=8, title="lines exact, dots FEM", title_fontsize=8)
+        panel.legend(fontsize=SMALL, title="lines exact, dots FEM", title_fontsize=SMALL)
     return figure
 
 
@@ -252,7 +232,7 @@ def _rate_curves(case: Case, method: str) -> tuple[Array, Array]:
 
 
 def _slip_curves(case: Case, method: str) -> tuple[Array, Array]:
-    """x/(c_t T) and one-sided slip over Q_0 T/(mu b)."""
+    """x/(c_t T) and relative slip over V_0 T."""
     if method == "exact":
         total = case.solution.slip(_VELOCITY * SHEAR_SPEED * END_TIME, END_TIME)
         return _VELOCITY, total / (case.scale * END_TIME)
@@ -265,11 +245,8 @@ def _slip_curves(case: Case, method: str) -> tuple[Array, Array]:
     return 1 / slip.u[::-1], case.chi * total[::-1]
 
 
-_METHODS = ("published", "exact", "finite elements")
-
-
 def _draw(panel: Axes, cases: Sequence[Case], method: str, curves: Curves) -> None:
-    for case, colour in zip(cases, COLOURS, strict=False):
+    for case, colour in zip(cases, CYCLE, strict=False):
         velocity, value = curves(case, method)
         label = rf"$\chi$ = {case.chi:g}" + (", preloaded" if case.base == "preloaded" else "")
         panel.plot(
@@ -281,19 +258,20 @@ def _draw(panel: Axes, cases: Sequence[Case], method: str, curves: Curves) -> No
             linewidth=1.2,
             label=label,
         )
-    _mark_fronts(panel, cases[0])
-    panel.set(xlabel="x", title=_title(method), xlim=(0, 0.105))
-    panel.legend(fontsize=8)
+    panel.set(xlabel="x", xlim=(0, 0.105))
+    panel.set_title(_title(method), pad=14)
+    mark_waves(panel, cases[0].solution.scene.material, 1 / END_TIME)
+    panel.legend(fontsize=SMALL)
 
 
 def figure_5(cases: Cases) -> Figure:
     """Slip rate for chi > 1 at t = 0.01: published algorithm, exact solution, finite elements."""
     chosen = [*(cases.remote[chi] for chi in _ABOVE), cases.preloaded[2.0]]
     figure, [panels] = _panels(3, 12)
-    for panel, method in zip(panels, _METHODS, strict=True):
+    for panel, method in zip(panels, METHODS, strict=True):
         shown = chosen[:2] if method == "published" else chosen
         _draw(panel, shown, method, _rate_curves)
-    panels[0].set(ylabel=r"$V\ /\ (Q_0/\mu b)$", ylim=(-1.0, 0.6))
+    panels[0].set(ylabel=RATE_LABEL, ylim=(-1.0, 0.6))
     return figure
 
 
@@ -303,12 +281,9 @@ def figure_6(cases: Cases) -> Figure:
     preloaded = [cases.preloaded[chi] for chi in _BELOW if chi in cases.preloaded]
     figure, rows = _panels(3, 12, rows=2)
     for panels, curves, label in zip(
-        rows,
-        (_rate_curves, _slip_curves),
-        (r"$V\ /\ (Q_0/\mu b)$", r"$u_x\ /\ (Q_0 t/\mu b)$"),
-        strict=True,
+        rows, (_rate_curves, _slip_curves), (RATE_LABEL, r"slip $/\ (V_0 t)$"), strict=True
     ):
-        for panel, method in zip(panels, _METHODS, strict=True):
+        for panel, method in zip(panels, METHODS, strict=True):
             shown = remote if method == "published" else [*remote, *preloaded]
             _draw(panel, shown, method, curves)
         panels[0].set(ylabel=label)
@@ -322,16 +297,17 @@ def _title(method: str) -> str:
 
 def slot_figure(checks: Sequence[SlotCheck]) -> Figure:
     """Traction under a prescribed pulse of slip: simulation against both kernels, both modes."""
-    figure, [panels] = _panels(len(checks), 4.8 * len(checks))
+    title = r"a smooth pulse of slip near the edge, $\nu$ = 1/3, $c_t$ = $\mu$ = $t$ = 1"
+    figure, [panels] = _panels(len(checks), 4.8 * len(checks), title=title)
     for panel, check in zip(panels, checks, strict=True):
         edge = int(np.searchsorted(check.x, 0.0))
         x, free, held = (np.insert(v, edge, np.nan) for v in (check.x, check.free, check.held))
-        panel.plot(x, free, color=COLOURS[0], label="kernel, slot face free")
-        panel.plot(x, held, color=COLOURS[3], label="kernel, slot face held, (4.31), (4.37)")
-        panel.plot(check.x, check.simulated, ".", color=COLOURS[1], markersize=3, label="FEM")
+        panel.plot(x, free, color=PREDICTION, label="kernel, slot face free")
+        panel.plot(x, held, color=ORANGE, label="kernel, slot face held, (4.31), (4.37)")
+        panel.plot(check.x, check.simulated, ".", color=SIMULATION, markersize=3, label="FEM")
         panel.axvline(0, color="0.6", linewidth=0.8)
         panel.set(xlabel="x", ylabel="traction", title=f"mode {check.mode}")
-        panel.legend(fontsize=8)
+        panel.legend(fontsize=SMALL)
     return figure
 
 
@@ -349,7 +325,7 @@ class ClaimRow:
 
 @dataclass(frozen=True)
 class CaseRow:
-    """Mean difference of exact and simulated slip rates of a case, over Q_0/(mu b)."""
+    """Mean difference of exact and simulated slip rates of a case, over V_0 = 2 Q_0/(mu b)."""
 
     base: str
     chi: float

@@ -23,6 +23,7 @@ from time import process_time
 
 import numpy as np
 
+from compare.comparison.measures import relative_error
 from compare.studies.tables import Study, run_studies
 from semianalytic import Scene, Solution, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
@@ -45,7 +46,7 @@ TOLERANCES = (1e-3, 1e-8, 1e-11)
 class Timing:
     """One row: ratio to the dense solve with warm and cold tables, and the error reached."""
 
-    scene: str
+    scene_name: str
     rtol: float
     warm: float
     cold: float
@@ -72,8 +73,8 @@ def median_times(tasks: list[Callable[[], object]], repetitions: int) -> list[fl
 def slip_rate_error(scene: Scene, rtol: float) -> float:
     """Relative L1 error of the slip rate over 0.02 < x/(c_t t) < 1.9 against rtol = 1e-12."""
     x = np.linspace(0.02, 1.9, 2000) * scene.material.shear_speed
-    exact = solve(scene, rtol=1e-12).slip_rate(x, 1.0)
-    return float(np.abs(solve(scene, rtol=rtol).slip_rate(x, 1.0) - exact).sum() / exact.sum())
+    exact, rough = (solve(scene, rtol=tolerance).slip_rate(x, 1.0) for tolerance in (1e-12, rtol))
+    return relative_error(rough, exact, x, 1)
 
 
 def measure(repetitions: int = 15) -> list[Timing]:
@@ -105,7 +106,7 @@ class SweepTiming:
     scratch, computed and interpolated, and the largest difference of zone edges over c_t, of
     frictions at which both have as many zones."""
 
-    scene: str
+    scene_name: str
     frictions: int
     rtol: float
     ratio: float

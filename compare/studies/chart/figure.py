@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from pathlib import Path
 
@@ -15,10 +15,24 @@ from matplotlib.ticker import NullFormatter
 from rich.table import Table
 
 from compare.figures.saving import save_figure
-from compare.figures.style import PREDICTION, SIMULATION
-from compare.output.files import write_text
+from compare.figures.style import (
+    BLACK,
+    MARCH,
+    ORANGE,
+    PREDICTION,
+    PUBLISHED,
+    SIMULATION,
+    SKY,
+    SMALL,
+    YELLOW,
+    marker_handle,
+    new_figure,
+    scene_words,
+)
+from compare.output.files import filled_template, write_text
+from compare.output.tables import markdown_table
 from compare.studies.chart.methods import EDGE_THRESHOLD, METHODS
-from compare.studies.chart.study import FINEST, SCENES, Point
+from compare.studies.chart.study import FINEST, SCENES, VERSIONS, Point
 from semianalytic.scene.named import NAMED_SCENES
 
 LEVELS = (0.1, 0.01, 1e-3, 1e-8)
@@ -26,27 +40,27 @@ LEVEL_NAMES = ("10 %", "1 %", "0.1 %", "1e-8")
 
 STYLES = {
     "self-similar": (PREDICTION, "o"),
-    "self-similar-cold": ("#5b8fc7", "o"),
-    "first-stage": ("#7f8c3a", "s"),
-    "published": ("0.45", "X"),
-    "space-time": ("#2a9d8f", "D"),
+    "self-similar-cold": (SKY, "o"),
+    "first-stage": (YELLOW, "s"),
+    "published": (PUBLISHED, "X"),
+    "space-time": (MARCH, "D"),
     "fem": (SIMULATION, "^"),
-    "fem-p1": ("#e07a5f", "v"),
-    "fem-triangles": ("#f2a65a", "<"),
-    "fem-q2": ("#7b2d8b", ">"),
-    "fem-graded": ("#b08968", "P"),
-    "fem-two-blocks": ("#9b2226", "h"),
-    "fem-undamped": ("#ee9bb1", "p"),
-    "fem-whole": ("#6d597a", "*"),
+    "fem-p1": (ORANGE, "v"),
+    "fem-triangles": (ORANGE, "<"),
+    "fem-q2": (SIMULATION, ">"),
+    "fem-graded": (BLACK, "P"),
+    "fem-two-blocks": (BLACK, "h"),
+    "fem-undamped": (SIMULATION, "p"),
+    "fem-whole": (ORANGE, "*"),
 }
 """Colour and marker of every method."""
 
 _AREA = 0.12  # of a marker, points^2 per MB
 
 
-def by_method(points: Sequence[Point], scene: str) -> Iterator[tuple[str, list[Point]]]:
+def by_method(points: Sequence[Point], scene_name: str) -> Iterator[tuple[str, list[Point]]]:
     """Methods of a scene with their points, in the order of the table."""
-    mine = [point for point in points if point.scene == scene]
+    mine = [point for point in points if point.scene_name == scene_name]
     for method, group in groupby(mine, key=lambda point: point.method):
         yield method, list(group)
 
@@ -67,7 +81,7 @@ def slope(points: Sequence[Point]) -> float:
 
 def _floor(point: Point) -> float:
     """Error below which a point of a self-similar scene says nothing."""
-    return _bars(point)[0] if NAMED_SCENES[point.scene].scene.is_self_similar else 0.0
+    return _bars(point)[0] if NAMED_SCENES[point.scene_name].scene.is_self_similar else 0.0
 
 
 def _bars(point: Point) -> tuple[float, float]:
@@ -76,22 +90,22 @@ def _bars(point: Point) -> tuple[float, float]:
     A self-similar one agrees with closed forms to rounding, but is asked for `FINEST` only.
     """
     bars = point.reference_error, point.reference_edge_error
-    if not NAMED_SCENES[point.scene].scene.is_self_similar:
+    if not NAMED_SCENES[point.scene_name].scene.is_self_similar:
         return bars
     return max(bars[0], FINEST), max(float(np.nan_to_num(bars[1])), FINEST)
 
 
-def chart_figure(points: Sequence[Point], scene: str) -> Figure:
+def chart_figure(points: Sequence[Point], scene_name: str) -> Figure:
     """Errors of slip rate and of zone edges against time, one line per method.
 
     Marker areas show peak memory.  Points that are better than the reference are drawn at the
     reference's own error, the upper end of the shaded band; zones missed are left out.
     """
-    figure = Figure(figsize=(12, 5.6), layout="constrained")
+    figure = new_figure(12, 5.6)
     panels = figure.subplots(1, 2, sharex=True)
     titles = "slip rate, relative $L_1$ error", "worst zone edge, error over $c_t$"
     handles = []
-    for method, group in by_method(points, scene):
+    for method, group in by_method(points, scene_name):
         colour, marker = STYLES[method]
         time = np.array([point.seconds for point in group])
         area = np.array([max(_AREA * point.memory, 6) for point in group])
@@ -103,30 +117,23 @@ def chart_figure(points: Sequence[Point], scene: str) -> Figure:
         power = slope(group)
         label = METHODS[method].label + ("" if math.isnan(power) else f", slope {power:.2g}")
         handles.append(Line2D([], [], color=colour, marker=marker, linewidth=1, label=label))
-    bars = _bars(next(point for point in points if point.scene == scene))
+    bars = _bars(next(point for point in points if point.scene_name == scene_name))
     for panel, title, bar in zip(panels, titles, bars, strict=True):
         _finish(panel, bar)
         panel.set(xlabel="set-up and solving [s]", title=title)
     for memory in (100, 1000):
-        handles.append(
-            Line2D(
-                [],
-                [],
-                color="0.6",
-                marker="o",
-                linestyle="none",
-                markersize=math.sqrt(_AREA * memory),
-                label=f"peak memory {memory:,} MB",
-            )
-        )
-    figure.suptitle(f"{scene}: {NAMED_SCENES[scene].summary}", x=0.02, ha="left", fontsize=10)
-    figure.legend(handles=handles, loc="outside right upper", fontsize=8, frameon=False)
+        size, label = math.sqrt(_AREA * memory), f"peak memory {memory:,} MB"
+        handles.append(marker_handle(label, "0.6", "o", size))
+    named = NAMED_SCENES[scene_name]
+    title = f"{scene_name}: {named.summary}\n{scene_words(named.scene)}"
+    figure.suptitle(title, x=0.02, ha="left", fontsize=10)
+    figure.legend(handles=handles, loc="outside right upper", fontsize=SMALL, frameon=False)
     return figure
 
 
 def _errors(group: Sequence[Point]) -> tuple[np.ndarray, np.ndarray]:
     """Errors of both panels; those of self-similar scenes not below what the reference can tell."""
-    limited = NAMED_SCENES[group[0].scene].scene.is_self_similar
+    limited = NAMED_SCENES[group[0].scene_name].scene.is_self_similar
     floors = _bars(group[0]) if limited else (0.0, 0.0)
     return (
         np.maximum([point.error for point in group], floors[0]),
@@ -158,21 +165,27 @@ def _finish(panel: Axes, bar: float) -> None:
     panel.set_ylim(low, high)
 
 
+def charted(points: Sequence[Point]) -> list[str]:
+    """Names of the scenes that have points, in the order of the chart."""
+    present = {point.scene_name for point in points}
+    return [name for name in SCENES if name in present]
+
+
 def slopes_table(points: Sequence[Point]) -> Table:
     """Slope of error against time of every method on every scene."""
-    scenes = [scene for scene in SCENES if any(point.scene == scene for point in points)]
+    names = charted(points)
     table = Table("method", title="error ∝ time^slope")
-    for scene in scenes:
-        table.add_column(scene, justify="right")
-    for label, cells in _slopes(points, scenes):
+    for name in names:
+        table.add_column(name, justify="right")
+    for label, cells in _slopes(points, names):
         table.add_row(label, *cells)
     return table
 
 
-def _slopes(points: Sequence[Point], scenes: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
-    groups = {scene: dict(by_method(points, scene)) for scene in scenes}
+def _slopes(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[tuple[str, list[str]]]:
+    groups = [dict(by_method(points, scene_name)) for scene_name in scene_names]
     for name, method in METHODS.items():
-        powers = [slope(groups[scene].get(name, [])) for scene in scenes]
+        powers = [slope(group.get(name, [])) for group in groups]
         yield method.label, ["—" if math.isnan(power) else f"{power:.2f}" for power in powers]
 
 
@@ -187,57 +200,33 @@ def chart_text(points: Sequence[Point]) -> str:
 
     Links are those of the folder docs/.
     """
-    scenes = [scene for scene in SCENES if any(point.scene == scene for point in points)]
-    one = points[0]
+    names, one = charted(points), points[0]
     dates = sorted({point.date for point in points})
-    when = dates[0] if len(dates) == 1 else f"{dates[0]} … {dates[-1]}"
-    lines = [
-        "# Speed against accuracy",
-        "",
-        "`slipfront chart --output docs` measures all of this and writes this page. "
-        f"{len(points)} points measured {when} on one thread of {one.machine}, {one.cores} cores, "
-        f"with Python {one.python}, numpy {one.numpy}, scipy {one.scipy} and slipfront "
-        f"{one.slipfront}; every number is in [chart.csv](data/chart.csv).",
-        "",
-        "## Which method",
-        "",
-        *_table(("error of", *scenes), _recommended(points, scenes)),
-        "",
-        *_conditions(),
-        "",
-    ]
-    for scene in scenes:
-        lines += [*_scene_lines([p for p in points if p.scene == scene], scene), ""]
-    lines += [
-        "## Slopes",
-        "",
-        "Error ∝ time^slope, least squares over all points of a method.",
-        "",
-        *_table(("method", *scenes), ((name, *row) for name, row in _slopes(points, scenes))),
-        "",
-        "## Where each fails",
-        "",
-        *_failures(points, scenes),
-    ]
-    return "\n".join(lines) + "\n"
+    sections = (_scene_lines([p for p in points if p.scene_name == name], name) for name in names)
+    slopes = ([label, *powers] for label, powers in _slopes(points, names))
+    return filled_template(
+        "compare.studies.chart",
+        "chart.md",
+        **{name: getattr(one, name) for name in (*VERSIONS, "machine", "cores")},
+        count=len(points),
+        when=dates[0] if len(dates) == 1 else f"{dates[0]} … {dates[-1]}",
+        threshold=f"{EDGE_THRESHOLD:g}",
+        recommended=markdown_table(("error of", *names), _recommended(points, names)),
+        scenes="\n".join("\n".join(section) for section in sections),
+        slopes=markdown_table(("method", *names), slopes),
+        failures="\n".join(_failures(points, names)),
+    )
 
 
-def _table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> Iterator[str]:
-    """Lines of a Markdown table."""
-    yield "| " + " | ".join(heading) + " |"
-    yield "|" + "---|" * len(heading)
-    yield from ("| " + " | ".join(row) + " |" for row in rows)
-
-
-def _recommended(points: Sequence[Point], scenes: Sequence[str]) -> Iterator[list[str]]:
+def _recommended(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[list[str]]:
     """The fastest method of every scene for every level of error."""
     for name, level in zip(LEVEL_NAMES, LEVELS, strict=True):
         row = [name]
-        for scene in scenes:
-            mine = [point for point in points if point.scene == scene]
-            found = cheapest(mine, level)
-            if found is not None:
-                cell = f"{METHODS[found.method].label}, {_priced(found)}, error {found.error:.0e}"
+        for scene_name in scene_names:
+            mine = [point for point in points if point.scene_name == scene_name]
+            best = cheapest(mine, level)
+            if best is not None:
+                cell = f"{METHODS[best.method].label}, {_priced(best)}, error {best.error:.0e}"
             else:
                 cell = _unknown(mine[0], level)
             row.append(cell)
@@ -249,27 +238,9 @@ def _unknown(point: Point, level: float) -> str:
     return "—" if point.reference_error < level else "reference not known that well"
 
 
-def _conditions() -> list[str]:
-    return [
-        "- **Error**: relative L1 of the slip rate at T on 400 fixed places, 0.02 < x/(c_t T) < "
-        "1.9, between the nodes of a method by straight lines.",
-        "- **Zone edges**: the worst one, over c_t. Grid methods have none of their own: a zone is "
-        f"a run of two or more samples above {EDGE_THRESHOLD:g} of the largest slip rate, and the "
-        "square of the slip rate is followed down to zero. Zones missed are not drawn.",
-        "- **Time**: set-up (what depends on grid, material and mesh alone) and solving, medians "
-        "of 5 runs, 3 of those that take over a second or of a quick chart; imports are not in it, "
-        "meshes come from the cache. The self-similar solver finds the tables of its Poisson ratio "
-        'ready or, "new ν", works them out. Each point has a process of its own; marker areas '
-        "are its peak memory.",
-        "- **FEM**: `resolution` is c_t T/h; damping 0.02 and the smallest model that symmetry "
-        "allows unless said otherwise. Nodes that waves have not reached are never touched, which "
-        'cannot be switched off; "whole fields" is the larger domain that snapshots need.',
-    ]
-
-
-def _scene_lines(points: Sequence[Point], scene: str) -> Iterator[str]:
-    described, one = NAMED_SCENES[scene], points[0]
-    yield f"## {scene}"
+def _scene_lines(points: Sequence[Point], scene_name: str) -> Iterator[str]:
+    described, one = NAMED_SCENES[scene_name], points[0]
+    yield f"## {scene_name}"
     yield ""
     yield f"The scene: {described.summary}."
     kind = "closed form" if described.scene.is_self_similar else "difference of the two"
@@ -280,7 +251,7 @@ def _scene_lines(points: Sequence[Point], scene: str) -> Iterator[str]:
         + ")."
     )
     yield ""
-    yield f"![{scene}](figures/chart_{scene}.png)"
+    yield f"![{scene_name}](figures/chart_{scene_name}.png)"
     yield ""
     best = [cheapest(points, level) for level in LEVELS]
     rows = []
@@ -288,11 +259,12 @@ def _scene_lines(points: Sequence[Point], scene: str) -> Iterator[str]:
         own = [point for point in points if METHODS[point.method].family == family]
         cells = []
         for level, first in zip(LEVELS, best, strict=True):
-            found = cheapest(own, level)
-            cell = _unknown(one, level) if found is None else _named(found, family)
-            cells.append(f"**{cell}**" if found is not None and found is first else cell)
+            own_best = cheapest(own, level)
+            cell = _unknown(one, level) if own_best is None else _named(own_best, family)
+            is_best = own_best is not None and own_best is first
+            cells.append(f"**{cell}**" if is_best else cell)
         rows.append((family, *cells))
-    yield from _table(("cheapest for an error of", *LEVEL_NAMES), rows)
+    yield markdown_table(("cheapest for an error of", *LEVEL_NAMES), rows)
 
 
 def _named(point: Point, family: str) -> str:
@@ -331,17 +303,17 @@ FAILS: dict[str, str] = {
 """Where methods fail, with links to what was studied; finite elements once for all families."""
 
 
-def _failures(points: Sequence[Point], scenes: Sequence[str]) -> Iterator[str]:
+def _failures(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[str]:
     for name, reason in FAILS.items():
         own = [point for point in points if point.method == name]
         if not own:
             continue
         ends = []
-        for scene in scenes:
-            known = [p for p in own if p.scene == scene and math.isfinite(p.error)]
-            obstacle = METHODS[name].obstacle(NAMED_SCENES[scene].scene)
+        for scene_name in scene_names:
+            known = [p for p in own if p.scene_name == scene_name and math.isfinite(p.error)]
+            obstacle = METHODS[name].obstacle(NAMED_SCENES[scene_name].scene)
             if obstacle:
-                ends.append(f"{scene} not at all ({obstacle})")
+                ends.append(f"{scene_name} not at all ({obstacle})")
             elif known:
                 best = min(known, key=lambda point: point.error)
                 missed = sum(math.isinf(point.edge_error) for point in known)
@@ -350,12 +322,12 @@ def _failures(points: Sequence[Point], scenes: Sequence[str]) -> Iterator[str]:
                 least = (
                     f"{best.error:.1e}" if best.error > bar else f"below {bar:.1e}, the reference"
                 )
-                ends.append(f"{scene} {least} at {best.name}{zones}")
+                ends.append(f"{scene_name} {least} at {best.name}{zones}")
         yield f"- **{METHODS[name].label}** {reason}. Best error: {'; '.join(ends)}."
     doubtful = [point for point in points if point.status != "measured"]
     for point in doubtful:
         label = METHODS[point.method].label
-        yield f"- {label} on {point.scene}, {point.name}: {point.status.rstrip('.')}."
+        yield f"- {label} on {point.scene_name}, {point.name}: {point.status.rstrip('.')}."
 
 
 def write_chart(directory: Path, points: Sequence[Point]) -> str:
@@ -366,10 +338,10 @@ def write_chart(directory: Path, points: Sequence[Point]) -> str:
     DataFileError
         If a file cannot be written.
     """
-    for scene in dict.fromkeys(point.scene for point in points):
+    for name in charted(points):
         folder = directory / "figures"
         folder.mkdir(parents=True, exist_ok=True)
-        save_figure(chart_figure(points, scene), folder / f"chart_{scene}.png")
+        save_figure(chart_figure(points, name), folder / f"chart_{name}.png")
     text = chart_text(points)
     write_text(directory / "chart.md", text)
     return text

@@ -27,6 +27,7 @@ from compare.studies.chart.benchmark import forget_tables
 from compare.studies.workers import LIFELINE, hang_on
 from semianalytic import Scene, SlipZone, Solution, march, solve
 from semianalytic.reference import DEFAULT_READING, published_grid, published_slip
+from semianalytic.reference.known_answers import published_obstacle, published_unit
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.selfsimilar.collocation import slip_grid, slip_on_grid
@@ -174,13 +175,13 @@ def _published(scene: Scene, size: float) -> Answer:
     published_grid(DEFAULT_READING, int(size), nu, _MIDDLE)
     ready = time.perf_counter()
     ratio = strength / scene.load.shear
-    found = published_slip(ratio, DEFAULT_READING, int(size), poisson_ratio=nu, place=_MIDDLE)
+    answer = published_slip(ratio, DEFAULT_READING, int(size), poisson_ratio=nu, place=_MIDDLE)
     solved = time.perf_counter()
-    unit = 2 * strength / scene.material.shear_impedance
-    velocity, slip_rate = 1 / found.u[::-1], unit * found.slip_rate[::-1]
+    unit = published_unit(scene)
+    velocity, slip_rate = 1 / answer.u[::-1], unit * answer.slip_rate[::-1]
     ahead = np.nextafter(velocity[-1], np.inf)
     profile = np.append(velocity, ahead), np.append(slip_rate, 0.0)
-    status = MEASURED if found.settled else "the signs of friction do not settle"
+    status = MEASURED if answer.settled else "the signs of friction do not settle"
     return Answer(ready - started, solved - ready, *sampled(scene, *profile), status)
 
 
@@ -199,7 +200,7 @@ def _finite_elements(
     from fem import simulate
 
     with TemporaryDirectory() as folder:
-        found = simulate(
+        simulation = simulate(
             scene,
             resolution=int(resolution),
             every=_ONLY_LAST,
@@ -207,13 +208,11 @@ def _finite_elements(
             frames=1,
             **options,
         )
-    seen, seconds = found.interface, found.seconds
+    seen, seconds = simulation.interface, simulation.seconds
     velocity = seen.x / (scene.material.shear_speed * seen.t[-1])
     steps = seconds["steps"] - seconds.get("snapshots", 0.0)
     return Answer(
-        seconds["mesh"] + seconds["assembly"],
-        steps,
-        *sampled(scene, velocity, seen.slip_rate[-1]),
+        seconds["mesh"] + seconds["assembly"], steps, *sampled(scene, velocity, seen.slip_rate[-1])
     )
 
 
@@ -221,24 +220,8 @@ def _not_self_similar(scene: Scene) -> str:
     return "" if scene.is_self_similar else "its loads are not steps"
 
 
-def published_obstacle(scene: Scene) -> str:
-    """Why the published algorithm does not apply, or nothing.
-
-    It knows one load, a sudden remote one, and divides by f P_0.
-    """
-    if not scene.is_self_similar:
-        return _not_self_similar(scene)
-    if scene.base != scene.load:
-        return "its only load is a sudden remote one, base and load equal"
-    return "" if scene.friction * scene.load.pressure * scene.load.shear > 0 else "f P_0 is zero"
-
-
 def _elements(
-    label: str,
-    full: tuple[float, ...],
-    quick: tuple[float, ...],
-    seconds: float,
-    **options: Any,
+    label: str, full: tuple[float, ...], quick: tuple[float, ...], seconds: float, **options: Any
 ) -> Method:
     """A finite-element method; `seconds` is what a run takes with 100 elements per c_t T."""
     run = partial(_finite_elements, **options)
@@ -314,20 +297,20 @@ METHODS: Mapping[str, Method] = {
 """All methods by the name they have in the table, the cheapest kind first."""
 
 
-def answer(scene: str, method: str, setting: float) -> Answer:
+def answer(scene_name: str, method: str, setting: float) -> Answer:
     """One run of a method on a named scene; a failed computation is an answer that says so."""
     try:
-        return METHODS[method].run(NAMED_SCENES[scene].scene, setting)
+        return METHODS[method].run(NAMED_SCENES[scene_name].scene, setting)
     except SlipfrontError as error:
         return Answer(math.nan, math.nan, np.full(len(PLACES), math.nan), (), str(error))
 
 
-def measured(scene: str, method: str, setting: float, runs: int = 0) -> dict[str, Any]:
+def measured(scene_name: str, method: str, setting: float, runs: int = 0) -> dict[str, Any]:
     """Run a method several times in this process.
 
     Parameters
     ----------
-    scene, method, setting
+    scene_name, method, setting
         As in `NAMED_SCENES` and `METHODS`.
     runs : int
         Runs that count, 0 for 5 of runs shorter than a second and 3 of longer ones.  The first of
@@ -341,15 +324,15 @@ def measured(scene: str, method: str, setting: float, runs: int = 0) -> dict[str
     """
     from fem.run import peak_memory
 
-    first = answer(scene, method, setting)
+    first = answer(scene_name, method, setting)
     short = first.setup + first.solving < _SHORT
     more = (runs or _SHORT_RUNS) if short else (runs or _RUNS) - 1
-    repeated = [answer(scene, method, setting) for _ in range(more)]
-    found = repeated if short else [first, *repeated]
+    repeated = [answer(scene_name, method, setting) for _ in range(more)]
+    counted = repeated if short else [first, *repeated]
     return {
-        "setup": statistics.median(one.setup for one in found),
-        "solving": statistics.median(one.solving for one in found),
-        "runs": len(found),
+        "setup": statistics.median(one.setup for one in counted),
+        "solving": statistics.median(one.solving for one in counted),
+        "runs": len(counted),
         "memory": peak_memory() / 1e6,
         "slip_rate": first.slip_rate.tolist(),
         "zones": [(zone.inner, zone.outer, zone.sense) for zone in first.zones],

@@ -29,11 +29,7 @@ from compare.output.tables import read_rows, write_rows
 from compare.studies.chart.methods import METHODS, PLACES, scaled_zones
 from compare.studies.workers import LIFELINE, ONE_THREAD, Progress, lifeline
 from semianalytic import Scene, SlipZone, solve
-from semianalytic.reference import (
-    edge_speed_under_shear_step,
-    slip_rate_under_remote_shock,
-    slip_rate_under_shear_step,
-)
+from semianalytic.reference.known_answers import closed_form
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
 from semianalytic.scene.named import NAMED_SCENES
 
@@ -44,6 +40,7 @@ FILE_NAME = "data/chart.csv"
 COMMAND = "slipfront chart --output docs"
 CLOSED_FORM_FRICTION = {"preloaded": 0.8, "remote-shock": 0.9, "auxetic": 0.8}
 """Friction at which a scene of the chart has one slip zone and a closed form."""
+VERSIONS = ("python", "numpy", "scipy", "slipfront")
 FINEST = 1e-12
 """Tolerance of the self-similar reference."""
 
@@ -57,33 +54,22 @@ _REFERENCE_GRIDS = {
 
 @dataclass(frozen=True)
 class Point:
-    """One measured point, a row of the CSV file.
+    """One measured point, a row of the CSV file; `reference_*` are as in `Reference`.
 
     Attributes
     ----------
-    scene, method : str
-        Keys of `NAMED_SCENES` and `METHODS`.
-    setting : float
     setup, solving : float
         Medians [s]; their sum is the time of the chart.
-    runs : int
     memory : float
         Peak of the process [MB].
-    error : float
-        Relative L1 error of the slip rate.
-    edge_error : float
-        Worst error of a zone edge over c_t; inf if a zone is missed.
+    error, edge_error : float
+        Relative L1 error of the slip rate; worst error of a zone edge over c_t, inf if one is
+        missed.
     status : str
         "measured", or what to distrust.
-    reference : str
-        What errors are measured against.
-    reference_error, reference_edge_error : float
-        How far two references, or the reference and a closed form, are apart; nan if unknown.
-    python, numpy, scipy, slipfront, machine, cores, date
-        What it was measured with, where and when.
     """
 
-    scene: str
+    scene_name: str
     method: str
     setting: float
     setup: float
@@ -121,13 +107,12 @@ class Reference:
 
     Attributes
     ----------
-    name : str
     slip_rate : (400,) array
         At `PLACES` [length / time].
     zones : tuple of SlipZone
         Edges over c_t.
     error, edge_error : float
-        As `Point.reference_error`, `Point.reference_edge_error`.
+        How far it is to be trusted, as errors of a `Point`.
     """
 
     name: str
@@ -141,12 +126,12 @@ class Reference:
 class Task:
     """A point to measure."""
 
-    scene: str
+    scene_name: str
     method: str
     setting: float
 
 
-def tasks(scenes: Sequence[str], quick: bool) -> list[Task]:
+def tasks(scene_names: Sequence[str], quick: bool) -> list[Task]:
     """All points of a chart, leaving out what cannot be had.
 
     Raises
@@ -154,14 +139,14 @@ def tasks(scenes: Sequence[str], quick: bool) -> list[Task]:
     SceneError
         If a scene is not one of the chart.
     """
-    for scene in scenes:
-        if scene not in SCENES:
-            raise SceneError(f"there is no chart of {scene!r}; choose {', '.join(SCENES)}.")
+    for scene_name in scene_names:
+        if scene_name not in SCENES:
+            raise SceneError(f"there is no chart of {scene_name!r}; choose {', '.join(SCENES)}.")
     return [
-        Task(scene, name, float(setting))
-        for scene in scenes
+        Task(scene_name, name, float(setting))
+        for scene_name in scene_names
         for name, method in METHODS.items()
-        if not method.obstacle(NAMED_SCENES[scene].scene)
+        if not method.obstacle(NAMED_SCENES[scene_name].scene)
         for setting in (method.quick if quick else method.full)
     ]
 
@@ -174,7 +159,7 @@ def run_task(task: Task, runs: int) -> dict[str, Any]:
     ComputationError
         If the process does not end well, as when memory runs out.
     """
-    command = [sys.executable, "-m", "compare.studies.chart.methods", task.scene, task.method]
+    command = [sys.executable, "-m", "compare.studies.chart.methods", task.scene_name, task.method]
     with lifeline() as stdin:
         process = subprocess.run(
             [*command, repr(task.setting), str(runs), LIFELINE],
@@ -186,32 +171,32 @@ def run_task(task: Task, runs: int) -> dict[str, Any]:
     if process.returncode:
         last = (process.stderr.strip().splitlines() or ["no message"])[-1]
         raise ComputationError(
-            f"{METHODS[task.method].label} on {task.scene} at {task.setting:g} ended with code "
-            f"{process.returncode} ({last}); start again to go on with the other points."
+            f"{METHODS[task.method].label} on {task.scene_name} at {task.setting:g} ended with "
+            f"code {process.returncode} ({last}); start again to go on with the other points."
         )
     return dict(json.loads(process.stdout))
 
 
-def reference_of(scene: str, quick: bool) -> Reference:
+def reference_of(scene_name: str, quick: bool) -> Reference:
     """Self-similar solution at rtol 1e-12, or what two methods extrapolated agree on."""
-    described = NAMED_SCENES[scene].scene
-    if not described.is_self_similar:
-        return _extrapolated(scene, quick)
-    solution, speed = solve(described, rtol=FINEST), described.material.shear_speed
+    scene = NAMED_SCENES[scene_name].scene
+    if not scene.is_self_similar:
+        return _extrapolated(scene_name, quick)
+    solution, speed = solve(scene, rtol=FINEST), scene.material.shear_speed
     slip_rate = solution.slip_rate(PLACES * speed, 1.0)
-    friction = CLOSED_FORM_FRICTION[scene]
-    checked = closed_form_errors(replace(described, friction=friction))
-    return Reference(reference_name(scene, quick), slip_rate, scaled_zones(solution), *checked)
+    friction = CLOSED_FORM_FRICTION[scene_name]
+    checked = closed_form_errors(replace(scene, friction=friction))
+    return Reference(reference_name(scene_name, quick), slip_rate, scaled_zones(solution), *checked)
 
 
-def reference_name(scene: str, quick: bool) -> str:
+def reference_name(scene_name: str, quick: bool) -> str:
     """What the points of a scene are measured against, in words."""
-    if not NAMED_SCENES[scene].scene.is_self_similar:
+    if not NAMED_SCENES[scene_name].scene.is_self_similar:
         return "extrapolated from " + " and ".join(
             f"{METHODS[method].label} {coarse}, {fine}"
             for method, (coarse, fine) in _REFERENCE_GRIDS[quick].items()
         )
-    friction = CLOSED_FORM_FRICTION[scene]
+    friction = CLOSED_FORM_FRICTION[scene_name]
     return f"self-similar solver, rtol 1e-12; checked by the closed form at friction {friction:g}"
 
 
@@ -226,28 +211,23 @@ def closed_form_errors(scene: Scene) -> tuple[float, float]:
         One slow slip zone under a shear step, or a remote shock that makes all slip.
     """
     solution, speed = solve(scene, rtol=FINEST), scene.material.shear_speed
-    found = solution.slip_rate(PLACES * speed, 1.0)
-    if scene.base == scene.load:
-        exact = slip_rate_under_remote_shock(
-            scene.material, scene.load.pressure, scene.load.shear, scene.friction, PLACES * speed
-        )
-        return relative_error(found, exact, PLACES, 1), math.nan
-    ratio = scene.friction * scene.base.pressure / scene.load.shear
-    exact = slip_rate_under_shear_step(scene.material, scene.load.shear, ratio, PLACES * speed)
-    edge = edge_speed_under_shear_step(scene.material, ratio)
-    moved = abs(solution.zones[-1].outer - edge) / speed
-    return relative_error(found, exact, PLACES, 1), moved
+    slip_rate = solution.slip_rate(PLACES * speed, 1.0)
+    known = closed_form(scene)
+    error = relative_error(slip_rate, known.slip_rate(PLACES * speed), PLACES, 1)
+    if known.edge_speed is None:
+        return error, math.nan
+    return error, abs(solution.zones[-1].outer - known.edge_speed) / speed
 
 
-def _extrapolated(scene: str, quick: bool) -> Reference:
+def _extrapolated(scene_name: str, quick: bool) -> Reference:
     """Space-time solver, extrapolated; its difference to finite elements is the error bar."""
     (slip_rate, zones), (other, other_zones) = (
-        _limit(*(run_task(Task(scene, method, float(size)), 1) for size in sizes))
+        _limit(*(run_task(Task(scene_name, method, float(size)), 1) for size in sizes))
         for method, sizes in _REFERENCE_GRIDS[quick].items()
     )
     apart = relative_error(other, slip_rate, PLACES, 1)
     edge = worst_edge_error(other_zones, zones)
-    return Reference(reference_name(scene, quick), slip_rate, zones, apart, edge)
+    return Reference(reference_name(scene_name, quick), slip_rate, zones, apart, edge)
 
 
 def _limit(coarse: dict[str, Any], fine: dict[str, Any]) -> tuple[Array, tuple[SlipZone, ...]]:
@@ -270,7 +250,7 @@ def richardson(coarse: Any, fine: Any, order: int) -> Any:
     return fine + (fine - coarse) / (2**order - 1)
 
 
-def worst_edge_error(found: Sequence[SlipZone], expected: Sequence[SlipZone]) -> float:
+def worst_edge_error(zones: Sequence[SlipZone], expected: Sequence[SlipZone]) -> float:
     """Largest distance of a zone edge from where it should be; inf if a zone is missed.
 
     Each expected zone is compared with the zone of its sense that overlaps it most.
@@ -279,7 +259,7 @@ def worst_edge_error(found: Sequence[SlipZone], expected: Sequence[SlipZone]) ->
     for zone in expected:
         overlaps = [
             (min(zone.outer, one.outer) - max(zone.inner, one.inner), one)
-            for one in found
+            for one in zones
             if one.sense == zone.sense
         ]
         shared, closest = max(overlaps, key=lambda pair: pair[0], default=(0.0, zone))
@@ -294,13 +274,13 @@ def worst_edge_error(found: Sequence[SlipZone], expected: Sequence[SlipZone]) ->
 
 def measure(task: Task, reference: Reference, quick: bool) -> Point:
     """Measure one point and judge it."""
-    found = run_task(task, _QUICK_RUNS if quick else 0)
-    slip_rate = np.array(found["slip_rate"])
-    zones = [SlipZone(*zone) for zone in found["zones"]]
+    answer = run_task(task, _QUICK_RUNS if quick else 0)
+    slip_rate = np.array(answer["slip_rate"])
+    zones = [SlipZone(*zone) for zone in answer["zones"]]
     known = np.isfinite(slip_rate).all()
     return Point(
         **asdict(task),
-        **{key: found[key] for key in ("setup", "solving", "runs", "memory", "status")},
+        **{key: answer[key] for key in ("setup", "solving", "runs", "memory", "status")},
         error=relative_error(slip_rate, reference.slip_rate, PLACES, 1),
         edge_error=worst_edge_error(zones, reference.zones) if known else math.nan,
         reference=reference.name,
@@ -313,7 +293,7 @@ def measure(task: Task, reference: Reference, quick: bool) -> Point:
 
 def stamp() -> dict[str, Any]:
     """Versions and machine of a measurement."""
-    versions = {name: version(name) for name in ("numpy", "scipy", "slipfront")}
+    versions = {name: version(name) for name in VERSIONS[1:]}
     cores = os.cpu_count() or 1
     return {"python": platform.python_version(), **versions, "machine": _machine(), "cores": cores}
 
@@ -321,11 +301,9 @@ def stamp() -> dict[str, Any]:
 def _machine() -> str:
     """Model of the processor, as far as the system tells."""
     known = Path("/proc/cpuinfo")
-    if known.exists():
-        for line in known.read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
+    lines = known.read_text(encoding="utf-8").splitlines() if known.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.processor() or platform.machine()
 
 
 def read_points(path: Path) -> list[Point]:
@@ -338,9 +316,9 @@ def read_points(path: Path) -> list[Point]:
     """
     points = read_rows(path, Point, "a chart", COMMAND)
     for point in points:
-        if point.method not in METHODS or point.scene not in SCENES:
+        if point.method not in METHODS or point.scene_name not in SCENES:
             raise DataFileError(
-                f"{path} cannot be read as a chart (unknown {point.method} on {point.scene}); "
+                f"{path} cannot be read as a chart (unknown {point.method} on {point.scene_name}); "
                 "move it away to measure again."
             )
     return points
@@ -351,14 +329,14 @@ def same_machine(point: Point) -> bool:
     return all(getattr(point, name) == value for name, value in stamp().items())
 
 
-def missing(wanted: Sequence[Task], points: Sequence[Point]) -> list[Task]:
+def missing(planned: Sequence[Task], points: Sequence[Point]) -> list[Task]:
     """Points that are yet to be measured here."""
     done = {_task(point) for point in points if same_machine(point)}
-    return [task for task in wanted if task not in done]
+    return [task for task in planned if task not in done]
 
 
 def _task(point: Point) -> Task:
-    return Task(point.scene, point.method, point.setting)
+    return Task(point.scene_name, point.method, point.setting)
 
 
 def estimated_seconds(todo: Sequence[Task], points: Sequence[Point], quick: bool) -> float:
@@ -369,8 +347,8 @@ def estimated_seconds(todo: Sequence[Task], points: Sequence[Point], quick: bool
         run = stored.get(task, METHODS[task.method].seconds(task.setting))
         runs = (_QUICK_RUNS if quick else 5) + 1 if run < 1 else 3
         total += _START + runs * run
-    for scene in {task.scene for task in todo}:
-        if not NAMED_SCENES[scene].scene.is_self_similar:
+    for scene_name in {task.scene_name for task in todo}:
+        if not NAMED_SCENES[scene_name].scene.is_self_similar:
             for method, sizes in _REFERENCE_GRIDS[quick].items():
                 total += sum(METHODS[method].seconds(size) for size in sizes)
     return total
@@ -378,7 +356,7 @@ def estimated_seconds(todo: Sequence[Task], points: Sequence[Point], quick: bool
 
 def measure_all(
     path: Path,
-    scenes: Sequence[str],
+    scene_names: Sequence[str],
     *,
     quick: bool = False,
     fresh: bool = False,
@@ -387,25 +365,8 @@ def measure_all(
 ) -> list[Point]:
     """Measure what is missing and keep every point in a CSV file as soon as it is there.
 
-    Parameters
-    ----------
-    path : Path
-        The CSV file.
-    scenes : sequence of str
-        Of `SCENES`.
-    quick : bool
-        Few and cheap points.
-    fresh : bool
-        Measure points again that are there.
-    progress : callable, optional
-        Called with the number of points done and the number of all points.
-    tell : callable, optional
-        Called with a line that says how long it will take.
-
-    Returns
-    -------
-    list of Point
-        All points of the file, in the order of the chart.
+    Few and cheap points if quick, and those that are there again if fresh; `tell` is called with
+    a line that says how long it will take.  Returns all points of the file, in order.
 
     Raises
     ------
@@ -416,44 +377,45 @@ def measure_all(
     ComputationError
         If a measurement breaks down; what was measured stays.
     """
-    wanted, points = tasks(scenes, quick), read_points(path)
+    planned, points = tasks(scene_names, quick), read_points(path)
     stored = points
     if fresh:
-        points = [point for point in points if point.scene not in scenes]
-    _check_references(path, points, scenes, quick)
-    todo = missing(wanted, points)
+        points = [point for point in points if point.scene_name not in scene_names]
+    _check_references(path, points, scene_names, quick)
+    todo = missing(planned, points)
     if not todo:
         return points
     if tell is not None:
-        seconds, there = estimated_seconds(todo, stored, quick), len(wanted) - len(todo)
+        seconds, there = estimated_seconds(todo, stored, quick), len(planned) - len(todo)
         tell(f"{len(todo)} points to measure, {there} are there: about {_spoken(seconds)}.")
     points = [point for point in points if same_machine(point)]
-    for done, point in enumerate(_measured(todo, quick), start=len(wanted) - len(todo) + 1):
+    for done, point in enumerate(_measured(todo, quick), start=len(planned) - len(todo) + 1):
         points = _ordered([*points, point])
         write_rows(path, points, checked=True, command=COMMAND)
         if progress is not None:
-            progress(done, len(wanted))
+            progress(done, len(planned))
     return points
 
 
 def _check_references(
-    path: Path, points: Sequence[Point], scenes: Sequence[str], quick: bool
+    path: Path, points: Sequence[Point], scene_names: Sequence[str], quick: bool
 ) -> None:
     """Raise SceneError where a file holds a quick chart and a full one is wanted, or vice versa."""
     for point in points:
-        if point.scene in scenes and point.reference != reference_name(point.scene, quick):
+        name = point.scene_name
+        if name in scene_names and point.reference != reference_name(name, quick):
             raise SceneError(
-                f"{path} measures {point.scene} against another reference ({point.reference}); "
+                f"{path} measures {name} against another reference ({point.reference}); "
                 "give another --output, or --fresh to measure again."
             )
 
 
 def _measured(todo: Sequence[Task], quick: bool) -> Iterator[Point]:
     """Points as they are done, scene by scene."""
-    for scene in dict.fromkeys(task.scene for task in todo):
-        reference = reference_of(scene, quick)
+    for scene_name in dict.fromkeys(task.scene_name for task in todo):
+        reference = reference_of(scene_name, quick)
         for task in todo:
-            if task.scene == scene:
+            if task.scene_name == scene_name:
                 yield measure(task, reference, quick)
 
 
@@ -463,7 +425,7 @@ def _ordered(points: Sequence[Point]) -> list[Point]:
     return sorted(
         points,
         key=lambda point: (
-            SCENES.index(point.scene),
+            SCENES.index(point.scene_name),
             methods.index(point.method),
             abs(math.log(point.setting)),
         ),

@@ -151,10 +151,7 @@ def profiles(anchor: str, evidence: SceneEvidence) -> dict[str, Any]:
     around_shear = _panel_limits([values[:, _ahead(place)] for values in framed.values()])
     if evidence.published is not None:
         rates[PUBLISHED] = evidence.published_rate()[levels] / rate
-    tractions = [
-        *_curves(shear, around_shear),
-        *_curves(bound, around_shear, bound=True),
-    ]
+    tractions = [*_curves(shear, around_shear), *_curves(bound, around_shear, bound=True)]
     symbols = zip(("c_R", "c_t", "c_l"), wave_speeds(material).values(), strict=True)
     return {
         "x": [round(float(x), 5) for x in place],

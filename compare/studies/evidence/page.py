@@ -8,12 +8,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 
 from compare.comparison.rows import Row
-from compare.output.files import write_text
+from compare.output.files import filled_template, write_text
 from compare.output.places import check_file
 from compare.studies.article.claims import FAILS, HOLDS, METHODS, PARTLY
 from compare.studies.article.study import figure_2, figure_5, figure_6
@@ -140,8 +138,7 @@ def page(evidence: Evidence) -> str:
         + f'</header>\n<nav aria-label="Contents"><h2>Contents</h2><ol>{contents}</ol></nav>\n'
         + f"<main>\n{main}\n</main>"
     )
-    template = files("compare").joinpath("evidence.html").read_text(encoding="utf-8")
-    return Template(template).substitute(body=body)
+    return filled_template("compare.studies.evidence", "evidence.html", body=body)
 
 
 def _summary(evidence: Evidence, anchors: Iterable[str]) -> str:
@@ -231,7 +228,7 @@ def _article(evidence: Evidence) -> str:
         paragraph(
             f"Every verdict is computed from {len(cases)} scenes, solved and simulated with h = "
             f"c_t T / {cases[0].resolution}. Exact and simulated slip rates differ by at most "
-            f"{evidence.cases.disagreement():.2g} Q_0/(μb) in the mean."
+            f"{evidence.cases.disagreement():.2g} V₀ in the mean, V₀ = 2 Q_0/(μb)."
         )
         + table(("section", "claim", "load base", *METHODS), rows, "Claims and verdicts")
         + drawn

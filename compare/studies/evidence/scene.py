@@ -71,7 +71,7 @@ def scene_section(anchor: str, evidence: SceneEvidence, quick: bool) -> str:
         "<h3>Fronts and slip zones</h3>",
         _zones(evidence),
         "<h3>Energy</h3>",
-        _energy(evidence),
+        energy_tables(evidence),
     ]
     if evidence.rows:
         judged = dict.fromkeys(method for method, _ in evidence.rows)
@@ -196,7 +196,8 @@ def _read_zones(evidence: SceneEvidence, method: str) -> str:
     )
 
 
-def _energy(evidence: SceneEvidence) -> str:
+def energy_tables(evidence: SceneEvidence) -> str:
+    """Energy balance of the finite elements, and frictional work by every method, at T."""
     unit, energy = energy_unit(evidence), evidence.simulation.energy
     parts = [
         (name, number(f"{round(float(values[-1]) / unit, 6) + 0.0:.6f}"))
@@ -281,50 +282,37 @@ def _commands(evidence: SceneEvidence) -> str:
 
 def _figures(evidence: SceneEvidence, quick: bool) -> str:
     label, methods = evidence.label, ", ".join(evidence.histories)
-    if not evidence.reports:
-        drawn = [drawn_figure(opening_figure(evidence), f"Where the contact of {label} is open")]
+    every = ", ".join(evidence.methods)
+    drawn = []
+    if evidence.reports:
+        caption = f"Slip rate at T of {label} by {every}"
+        drawn.append(drawn_figure(rates_figure(evidence), caption))
+        caption = f"Shear traction and friction bound at T of {label} by {methods}"
+        drawn.append(drawn_figure(tractions_figure(evidence), caption))
     else:
-        every = ", ".join(evidence.methods)
-        drawn = [
-            drawn_figure(rates_figure(evidence), f"Slip rate at T of {label} by {every}"),
-            drawn_figure(
-                tractions_figure(evidence),
-                f"Shear traction and friction bound at T of {label} by {methods}",
-            ),
-        ]
-    for report in evidence.reports:
-        if not slips(report.prediction, report.simulation):
-            continue
+        caption = f"Where the contact of {label} is open"
+        drawn.append(drawn_figure(opening_figure(evidence), caption))
+    moving = [r for r in evidence.reports if slips(r.prediction, r.simulation)]
+    for report in moving:
         method = report.prediction.method
-        drawn.append(
-            drawn_figure(
-                sense_figure(report),
-                f"Sense of slip of {label} over space and time: {method}, {FEM}, and where the two "
-                "differ",
-                wide=True,
-            )
+        caption = (
+            f"Sense of slip of {label} over space and time: {method}, {FEM}, and where the two"
         )
+        drawn.append(drawn_figure(sense_figure(report), f"{caption} differ", wide=True))
         if quick or report is not evidence.reports[0]:
             continue
-        drawn += [
-            drawn_figure(
-                history_figure(report), f"Slip rate of {label} at four moments, {method} and {FEM}"
-            ),
-            drawn_figure(
-                wear_figure(report),
-                f"Accumulated slip and frictional work of {label} at T, {method} and {FEM}",
-            ),
-        ]
+        caption = f"Slip rate of {label} at four moments, {method} and {FEM}"
+        drawn.append(drawn_figure(history_figure(report), caption))
+        caption = f"Accumulated slip and frictional work of {label} at T, {method} and {FEM}"
+        drawn.append(drawn_figure(wear_figure(report), caption))
     if not quick:
-        for report in evidence.reports:
-            solution = report.prediction.solution
-            if solution is not None:
-                drawn.append(
-                    drawn_figure(
-                        fronts_figure(solution, evidence.simulation.interface),
-                        f"Simulated slip rate of {label} under predicted fronts and zone edges",
-                    )
-                )
+        caption = f"Simulated slip rate of {label} under predicted fronts and zone edges"
+        solutions = [report.prediction.solution for report in evidence.reports]
+        drawn += [
+            drawn_figure(fronts_figure(solution, evidence.simulation.interface), caption)
+            for solution in solutions
+            if solution is not None
+        ]
         caption = f"Energies of {label} in the {FEM} over time"
         drawn.append(drawn_figure(energy_figure(evidence), caption))
     return figures(drawn)

@@ -20,17 +20,10 @@ from compare.comparison.prediction import prediction_at_nodes
 from compare.comparison.report import Report, build_report
 from compare.comparison.rows import Row
 from compare.comparison.scales import slip_rate_scale
-from compare.studies.chart.methods import published_obstacle
 from compare.studies.workers import Progress, counted
 from semianalytic import InterfaceHistory, Material, Scene, Tractions
-from semianalytic.reference import (
-    PublishedSlip,
-    edge_speed_under_shear_step,
-    published_slip,
-    slip_rate_under_remote_shock,
-    slip_rate_under_shear_step,
-    slip_rate_without_friction,
-)
+from semianalytic.reference import PublishedSlip
+from semianalytic.reference.known_answers import closed_form, published_answer, published_unit
 from semianalytic.scene.errors import SceneError, TensionError
 from semianalytic.scene.named import NAMED_SCENES, find_scene, scene_label
 
@@ -129,8 +122,7 @@ class SceneEvidence:
             raise SceneError(f"the published algorithm does not apply to {self.source}.")
         scene, history = self.scene, self.simulation.contact
         slowness = scene.material.shear_speed * history.t[:, None] / history.x
-        unit = 2 * scene.friction * scene.load.pressure / scene.material.shear_impedance
-        return np.asarray(unit * self.published.at(slowness))
+        return np.asarray(published_unit(scene) * self.published.at(slowness))
 
 
 @dataclass(frozen=True)
@@ -239,14 +231,7 @@ def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
         )
     except TensionError as error:
         obstacle = str(error)
-    return SceneEvidence(source, simulation, reports, _published(scene), obstacle)
-
-
-def _published(scene: Scene) -> PublishedSlip | None:
-    if published_obstacle(scene):
-        return None
-    ratio = scene.friction * scene.load.pressure / scene.load.shear
-    return published_slip(ratio, poisson_ratio=scene.material.poisson_ratio)
+    return SceneEvidence(source, simulation, reports, published_answer(scene), obstacle)
 
 
 def closed_forms(resolution: int = RESOLUTION) -> tuple[ClosedForm, ...]:
@@ -259,39 +244,24 @@ def closed_forms(resolution: int = RESOLUTION) -> tuple[ClosedForm, ...]:
     """
     solid = Material(shear_modulus=1.0, density=1.0, poisson_ratio=1 / 3)
     pressure, shear, both = Tractions(1.0, 0.0), Tractions(0.0, 1.0), Tractions(1.0, 1.0)
-    return (
-        _closed_form(
-            "constant pressure, sudden shear, friction 1: one slow zone, "
-            "slip_rate_under_shear_step",
-            Scene(solid, 1.0, base=pressure, load=shear),
-            lambda velocity: slip_rate_under_shear_step(solid, 1.0, 1.0, velocity),
-            resolution,
-            edge_speed_under_shear_step(solid, 1.0) / solid.shear_speed,
+    scenes = {
+        "constant pressure, sudden shear, friction 1: one slow zone, slip_rate_under_shear_step": (
+            Scene(solid, 1.0, base=pressure, load=shear)
         ),
-        _closed_form(
-            "sudden remote load, friction 0.5: slip everywhere, slip_rate_under_remote_shock",
-            Scene(solid, 0.5, base=both, load=both),
-            lambda velocity: slip_rate_under_remote_shock(solid, 1.0, 1.0, 0.5, velocity),
-            resolution,
+        "sudden remote load, friction 0.5: slip everywhere, slip_rate_under_remote_shock": (
+            Scene(solid, 0.5, base=both, load=both)
         ),
-        _closed_form(
-            "sudden shear without friction: slip behind the P wave, slip_rate_without_friction",
-            Scene(solid, 0.0, base=pressure, load=shear),
-            lambda velocity: slip_rate_without_friction(solid, 1.0, velocity),
-            resolution,
+        "sudden shear without friction: slip behind the P wave, slip_rate_without_friction": (
+            Scene(solid, 0.0, base=pressure, load=shear)
         ),
-    )
+    }
+    return tuple(_closed_form(words, scene, resolution) for words, scene in scenes.items())
 
 
-def _closed_form(
-    words: str,
-    scene: Scene,
-    exact: Callable[[Array], Array],
-    resolution: int,
-    edge: float | None = None,
-) -> ClosedForm:
+def _closed_form(words: str, scene: Scene, resolution: int) -> ClosedForm:
     from fem import simulate
 
+    known, speed = closed_form(scene), scene.material.shear_speed
     simulation = simulate(scene, resolution=resolution)
     predictions = [
         prediction_at_nodes(simulation, method) for method in ("self-similar", "space-time")
@@ -299,17 +269,16 @@ def _closed_form(
     histories = {prediction.method: prediction.interface for prediction in predictions}
     histories[FEM] = simulation.contact
     velocity = histories[FEM].x / simulation.end_time
-    shown = in_profile(velocity / scene.material.shear_speed)
-    expected = exact(velocity[shown])
+    shown = in_profile(velocity / speed)
+    exact = known.slip_rate(velocity[shown])
     errors = {
-        name: relative_error(history.slip_rate[-1, shown], expected, velocity[shown], 1)
+        name: relative_error(history.slip_rate[-1, shown], exact, velocity[shown], 1)
         for name, history in histories.items()
     }
     solution = predictions[0].solution
-    solved_edge = None
-    if edge is not None and solution is not None:
-        solved_edge = solution.zones[-1].outer / scene.material.shear_speed
-    return ClosedForm(words, errors, edge, solved_edge)
+    if known.edge_speed is None or solution is None:
+        return ClosedForm(words, errors, None, None)
+    return ClosedForm(words, errors, known.edge_speed / speed, solution.zones[-1].outer / speed)
 
 
 def collect(
@@ -321,16 +290,8 @@ def collect(
 ) -> Evidence:
     """Run all methods on all scenes, and judge the claims of the article.
 
-    Parameters
-    ----------
-    sources : sequence of str
-        Names or files of scenes; all named ones, or four of them if quick, unless given.
-    quick : bool
-        A coarser mesh for the article's cases.
-    resolution : int
-        Elements per c_t T in the scenes.
-    progress : callable, optional
-        Called with (done, all) after each piece.
+    All named scenes unless given; if quick, four of them, and a coarser mesh for the article.
+    Scenes have `resolution` elements per c_t T; `progress` is called after each piece.
 
     Raises
     ------

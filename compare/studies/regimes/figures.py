@@ -114,11 +114,7 @@ def save_regimes(path: Path, loading: Loading, results: RegimeResults) -> None:
 
 def _legend_below(figure: Figure, handles: Sequence[Artist], columns: int) -> None:
     figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=columns,
-        fontsize=SMALL,
-        frameon=False,
+        handles=handles, loc="outside lower center", ncols=columns, fontsize=SMALL, frameon=False
     )
 
 

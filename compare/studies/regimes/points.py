@@ -135,21 +135,21 @@ def trace(loading: Loading, poisson_ratio: float) -> list[BoundaryPoint]:
     remote load "edge" and "everywhere", for a preload "reverse" and "reverse-width", the
     half-width of the reversed strip over c_R as friction vanishes.
     """
-    found: dict[str, float | None] = {
+    levels: dict[str, float | None] = {
         "nucleation": math.log10(regimes.nucleation(loading, poisson_ratio)),
     }
     gap = regimes.gap_threshold(loading, poisson_ratio)
-    found["gap"] = None if gap is None else math.log10(gap)
+    levels["gap"] = None if gap is None else math.log10(gap)
     if loading == "remote":
-        found["edge"] = math.log10(regimes.edge_threshold(poisson_ratio))
-        found["everywhere"] = 0.0
+        levels["edge"] = math.log10(regimes.edge_threshold(poisson_ratio))
+        levels["everywhere"] = 0.0
     else:
-        found["reverse"] = math.log10(regimes.reverse_threshold(poisson_ratio))
+        levels["reverse"] = math.log10(regimes.reverse_threshold(poisson_ratio))
         width = regimes.log_frictionless_half_width(poisson_ratio)
-        found["reverse-width"] = width / math.log(10)
+        levels["reverse-width"] = width / math.log(10)
     return [
         BoundaryPoint(loading, curve, poisson_ratio, value)
-        for curve, value in found.items()
+        for curve, value in levels.items()
         if value is not None
     ]
 

@@ -33,6 +33,8 @@ from semianalytic.scene.errors import SceneError
 FRONT_POISSON_RATIOS = (-0.5, 0.0, 1 / 3)
 REVERSE_POISSON_RATIOS = (-0.5, -0.2, 0.0)
 _QUICK_SIZE = 10
+_COUNTS = {False: (57, 144, 33), True: (8, 12, 5)}
+"""Poisson ratios traced, frictions of a panel of front speeds, and of a curve of reverse slip."""
 
 
 def front_frictions(loading: Loading, poisson_ratio: float, count: int) -> list[float]:
@@ -57,28 +59,16 @@ def write_regimes(
     quick: bool = False,
     progress: Progress | None = None,
 ) -> None:
-    """Map regimes, trace their boundaries, and write figures and CSV files into a folder.
+    """Map regimes on size x size points, trace their boundaries, and write figures and CSV files.
 
-    Columns of a map are kept in a hidden file as they are done, so that an interrupted run
-    continues when it is started again with the same size.
-
-    Parameters
-    ----------
-    output : Path
-        Folder: regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, and for
-        the preload reverse-slip.csv and .png.
-    size : int
-        Points along each axis of a map, at least 2.
-    loading : {"both", "preload", "remote"}
-    quick : bool
-        Few points: a look at everything within a minute.
-    progress : callable, optional
-        Called with the number of tasks done and the number of all tasks.
+    regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, and for the preload
+    reverse-slip.csv and .png; few points if quick.  Columns of a map are kept in a hidden file as
+    they are done, so that an interrupted run continues when started again with the same size.
 
     Raises
     ------
     SceneError
-        If size or loading is out of range.
+        If size (at least 2) or loading ("both", "preload" or "remote") is out of range.
     DataFileError
         If a file cannot be written.
     ComputationError
@@ -117,7 +107,7 @@ def _traced_ratios(count: int) -> list[float]:
 def _computed(
     output: Path, loadings: Sequence[Loading], count: int, quick: bool, progress: Progress | None
 ) -> RegimeResults:
-    traced, shown, within = (8, 12, 5) if quick else (57, 144, 33)
+    traced, shown, within = _COUNTS[quick]
     kept = {name: kept_columns(_part(output, name, count), name, count) for name in loadings}
     curves: list[BoundaryPoint] = []
     fronts: list[MapPoint] = []

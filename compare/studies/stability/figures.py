@@ -14,12 +14,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator, ScalarFormatter
 
 from compare.figures.saving import save_figure
+from compare.figures.style import BLUE, GREEN, SMALL, VERMILLION, new_figure
 from compare.studies.stability.sweeps import StudyRow
 
 PLACEMENT_STYLE = {
-    "galerkin": ("#12355b", "Galerkin"),
-    "nodes": ("#d1495b", "collocation at nodes"),
-    "midpoints": ("#7f8c3a", "collocation at mid-points"),
+    "galerkin": (BLUE, "Galerkin"),
+    "nodes": (VERMILLION, "collocation at nodes"),
+    "midpoints": (GREEN, "collocation at mid-points"),
 }
 FLOOR = 1e-17
 
@@ -35,7 +36,7 @@ def save_figures(output: Path, rows: Sequence[StudyRow]) -> None:
 def limits_figure(rows: Sequence[StudyRow]) -> Figure:
     """Errors and estimates as the Poisson ratio approaches 0.5, 0 and -1."""
     studies = sorted({row.study for row in rows if row.study.startswith("nu to")})
-    figure = Figure(figsize=(3.4 * len(studies), 4.4), layout="constrained")
+    figure = new_figure(3.4 * len(studies), 4.4)
     panels = figure.subplots(1, len(studies), sharey=True, squeeze=False)[0]
     for panel, study in zip(panels, studies, strict=True):
         for (case, quantity), part in _curves(rows, study, ("case", "quantity")):
@@ -47,7 +48,9 @@ def limits_figure(rows: Sequence[StudyRow]) -> Figure:
         panel.set(title=_limit_title(study), xlabel=r"distance of $\nu$ from the limit")
     panels[0].set_ylabel("error, error estimate")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+    figure.legend(
+        handles, labels, loc="outside lower center", ncols=3, fontsize=SMALL, frameon=False
+    )
     return figure
 
 
@@ -62,7 +65,7 @@ def thresholds_figure(rows: Sequence[StudyRow]) -> Figure:
     cases = sorted({row.case for row in estimates})
     distances = sorted({row.parameter for row in estimates})
     values = np.full((len(cases), len(distances)), np.nan)
-    figure = Figure(figsize=(11, 0.42 * len(cases) + 1.9), layout="constrained")
+    figure = new_figure(11, 0.42 * len(cases) + 1.9)
     panel = figure.subplots()
     for row in estimates:
         i, j = cases.index(row.case), distances.index(row.parameter)
@@ -71,11 +74,11 @@ def thresholds_figure(rows: Sequence[StudyRow]) -> Figure:
         if row.quantity == "zones" and row.status == "converged":
             panel.text(j, i, f"{row.value:.0f}", ha="center", va="center", color="white")
         elif row.quantity == "zones":
-            panel.plot(j, i, "x", color="#c0392b", markersize=8, markeredgewidth=2)
+            panel.plot(j, i, "x", color=VERMILLION, markersize=8, markeredgewidth=2)
     image = panel.imshow(
         np.maximum(values, 1e-15), norm=LogNorm(1e-15, 1e-7), cmap="viridis", aspect="auto"
     )
-    panel.set_yticks(range(len(cases)), cases, fontsize=8)
+    panel.set_yticks(range(len(cases)), cases, fontsize=SMALL)
     panel.set_xticks(range(len(distances)), [_distance(d) for d in distances], fontsize=7)
     panel.set_xlabel("relative distance of friction from the threshold")
     figure.colorbar(image, ax=panel, label="error estimate at rtol 1e-8")
@@ -92,15 +95,15 @@ def _distance(value: float) -> str:
 
 def grids_figure(rows: Sequence[StudyRow]) -> Figure:
     """First stage over the number of nodes: error, odd-even mode, condition, rounds."""
-    figure = Figure(figsize=(10, 7.6), layout="constrained")
+    figure = new_figure(10, 7.6)
     panels = figure.subplots(2, 2).ravel()
     cases = sorted({row.case for row in rows if row.study == "grid"})
     styles = dict(zip(cases, ("-", "--", ":", "-."), strict=False))
     for panel, quantity in zip(
         panels, ("slip rate error", "odd-even mode", "condition", "rounds"), strict=True
     ):
-        wanted = [row for row in rows if row.quantity == quantity]
-        for (case, method), part in _curves(wanted, "grid", ("case", "method")):
+        measured = [row for row in rows if row.quantity == quantity]
+        for (case, method), part in _curves(measured, "grid", ("case", "method")):
             placement, way = method.split(", ")
             colour, _ = PLACEMENT_STYLE[placement]
             if quantity == "rounds":
@@ -119,7 +122,9 @@ def grids_figure(rows: Sequence[StudyRow]) -> Figure:
     for case, style in styles.items():
         panels[0].plot([], [], style, color="0.3", label=case)
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+    figure.legend(
+        handles, labels, loc="outside lower center", ncols=3, fontsize=SMALL, frameon=False
+    )
     return figure
 
 
@@ -134,7 +139,7 @@ def _draw_rounds(panel: Axes, part: Sequence[StudyRow], colour: str, style: str,
 
 def rules_figure(rows: Sequence[StudyRow]) -> Figure:
     """Quadrature nodes against error, estimate against true error, digits lost near c_R."""
-    figure = Figure(figsize=(12, 4.4), layout="constrained")
+    figure = new_figure(12, 4.4)
     left, middle, right = figure.subplots(1, 3)
     for (case,), part in _curves(
         [row for row in rows if row.quantity == "slip rate error"], "rule", ("case",)

@@ -119,10 +119,10 @@ def traction_operator(poisson_ratio: float, xi: Array, points: Array) -> Array:
 def by_pivoting(problem: GridProblem) -> GridAnswer:
     """Complementary pivoting, as the solver does it."""
     try:
-        found = lemke(problem.matrix, problem.q)
+        pivoted = lemke(problem.matrix, problem.q)
     except ComputationError as error:
         return GridAnswer(np.full(len(problem.xi), np.nan), 0, str(error))
-    return GridAnswer(np.append(found.z, 0.0), found.pivots, "solved")
+    return GridAnswer(np.append(pivoted.z, 0.0), pivoted.pivots, "solved")
 
 
 def by_active_set(problem: GridProblem) -> GridAnswer:

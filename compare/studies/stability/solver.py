@@ -41,14 +41,7 @@ def write_solver_stability(
 ) -> None:
     """Study limits, thresholds, grids and rules; write figures and stability-solver.csv.
 
-    Parameters
-    ----------
-    output : Path
-        Folder.
-    quick : bool
-        Small grids and few points, within a minute; otherwise some minutes.
-    progress : callable, optional
-        Called with the number of tasks done and the number of all tasks.
+    Small grids and few points, within a minute, if quick; otherwise some minutes.
 
     Raises
     ------
@@ -59,8 +52,8 @@ def write_solver_stability(
     """
     output.mkdir(parents=True, exist_ok=True)
     rows: list[StudyRow] = []
-    for _, found in run_tasks(study_tasks(quick), progress=progress):
-        rows += found
+    for _, part in run_tasks(study_tasks(quick), progress=progress):
+        rows += part
     rows.sort(key=_order)
     write_rows(output / "stability-solver.csv", rows)
     save_figures(output, rows)

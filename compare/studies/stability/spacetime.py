@@ -91,7 +91,8 @@ def stability_figure(rows: Sequence[StudyRow]) -> Figure:
         "end time": r"end time, at constant $h$",
     }
     figure = new_figure(9, 6.5)
-    figure.suptitle("space-time march of preloaded, one thing varied at a time", fontsize=9)
+    title = "space-time march of preloaded and remote-shock, one thing varied at a time"
+    figure.suptitle(title, fontsize=9)
     for panel, (study, label) in zip(figure.subplots(2, 2).ravel(), labels.items(), strict=True):
         part = [row for row in rows if row.study == study]
         for case, colour in zip(dict.fromkeys(row.case for row in part), CYCLE, strict=False):

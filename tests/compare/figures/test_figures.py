@@ -1,7 +1,10 @@
 """Figures exist, say what they show, and hold finite data."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from compare.comparison.predictions import predict
 from compare_cases import SELF_SIMILAR, sampled_run
 from matplotlib.figure import Figure
 from matplotlib.image import imread
@@ -13,7 +16,8 @@ from compare.figures.interface import (
     tractions_figure,
 )
 from compare.figures.saving import save_figure
-from semianalytic import solve
+from compare.figures.style import scene_words
+from semianalytic import RateWeakening, solve
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.named import NAMED_SCENES
 
@@ -124,3 +128,48 @@ def test_an_unwritable_place_is_one_clear_error(tmp_path):
     (tmp_path / "taken").write_text("")
     with pytest.raises(DataFileError, match="Cannot write"):
         save_figure(Figure(), tmp_path / "taken" / "line.png")
+
+
+def test_figures_say_what_scene_and_which_units(case):
+    solution, history = case
+    words = scene_words(solution.scene)
+    assert f"ν = {solution.scene.material.poisson_ratio:.3g}" in words
+    assert f"f = {solution.scene.friction:.3g}" in words
+    for figure in (
+        slip_rate_figure(solution, history),
+        tractions_figure(solution, history),
+        fronts_figure(solution, history),
+        prediction_figure(solution),
+    ):
+        assert figure.get_suptitle() == words
+        labels = " ".join(panel.get_ylabel() for panel in figure.axes)
+        assert "V_0" in labels or r"\tau_0" in labels
+
+
+def test_units_are_named_by_the_traction_they_are():
+    scene = NAMED_SCENES["preloaded"].scene
+    assert "τ₀ = shear of the load = 1" in scene_words(scene)
+    resting = replace(scene, load=type(scene.load)(0.0, 0.0))
+    assert "τ₀ = pressure of the base = 1" in scene_words(resting)
+    assert "(RateWeakening)" in scene_words(replace(scene, friction_law=RateWeakening(0.4, 1.0)))
+
+
+def test_symbols_of_neighbouring_waves_keep_to_their_own_side(case):
+    solution, history = case
+    sides = {
+        text.get_text(): text.get_ha() for text in slip_rate_figure(solution, history).axes[0].texts
+    }
+    assert (sides["$c_R$"], sides["$c_t$"]) == ("right", "left")
+
+
+@pytest.mark.parametrize("method", ["self-similar", "space-time"])
+def test_a_prediction_is_drawn_finer_than_the_nodes(method):
+    """And agrees there with what is compared."""
+    run = sampled_run(solve(NAMED_SCENES["preloaded"].scene), resolution=25)
+    prediction = predict(run, method)
+    nodes = prediction.interface
+    x, slip_rate = prediction.curve(float(nodes.t[-1]))
+    assert len(x) > 3.5 * len(nodes.x)
+    smooth = nodes.x < 0.5
+    drawn = np.interp(nodes.x[smooth], x, slip_rate)
+    assert drawn == pytest.approx(nodes.slip_rate[-1, smooth], rel=1e-3)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
+import importlib.util
 import re
 from pathlib import Path
 
@@ -115,7 +115,15 @@ def test_equation_register_is_complete():
     assert len(names) > 25
     for name in names:
         parts = name.split(".")
-        found = importlib.import_module(".".join(parts[:2]))
-        for attribute in parts[2:]:
-            assert hasattr(found, attribute), name
-            found = getattr(found, attribute)
+        depth = max(n for n in range(1, len(parts)) if is_module(".".join(parts[:n])))
+        holder = importlib.import_module(".".join(parts[:depth]))
+        for attribute in parts[depth:]:
+            assert hasattr(holder, attribute), name
+            holder = getattr(holder, attribute)
+
+
+def is_module(name):
+    try:
+        return importlib.util.find_spec(name) is not None
+    except ModuleNotFoundError:  # its parent is no package
+        return False

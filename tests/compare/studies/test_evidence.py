@@ -18,8 +18,9 @@ import pytest
 from compare.cli.commands import main
 from compare.comparison.rows import Row
 from compare.studies.evidence import page as evidence_page
+from compare.studies.evidence import study as evidence_study
 from compare.studies.evidence.figures import FRAMES, LARGEST, energy_unit, profiles
-from compare.studies.evidence.scene import FAIL, scene_section
+from compare.studies.evidence.scene import FAIL, energy_tables, scene_section
 from compare.studies.evidence.study import (
     FEM,
     PUBLISHED,
@@ -41,7 +42,9 @@ SCENES = ("remote-shock", "pulse", "lift-off")
 @pytest.fixture(scope="module")
 def found():
     """One self-similar scene with the published algorithm, one marched, one that opens."""
-    return collect(SCENES, quick=True, resolution=40)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(evidence_study, "QUICK_ARTICLE_RESOLUTION", 20)
+        return collect(SCENES, quick=True, resolution=40)
 
 
 @pytest.fixture(scope="module")
@@ -434,7 +437,7 @@ def test_sliders_and_boxes_redraw_the_profiles(browser, whole_page):
 @pytest.mark.parametrize("name", ["pressure-drop", "auxetic"])
 def test_all_of_the_contact_takes_more_than_a_part_of_it(name):
     scene = collect_scene(name, resolution=20)
-    shown = scene_section("scene-1", scene, quick=True)
+    shown = energy_tables(scene)
     work = shown[shown.index("Frictional work until T") :]
     row = re.search(r"self-similar.*?(\d\.\d{6}).*?(\d\.\d{6})", work, re.DOTALL)
     part, whole = map(float, row.groups())

@@ -193,6 +193,7 @@ def quickly(monkeypatch):
 
 def test_an_interrupted_map_continues(tmp_path, monkeypatch):
     quickly(monkeypatch)
+    monkeypatch.setattr(regimes, "_COUNTS", {True: (2, 6, 2)})
 
     def interrupt(done: int, total: int) -> None:
         if done == total:

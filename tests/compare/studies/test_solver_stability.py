@@ -155,17 +155,6 @@ def test_limits_of_the_poisson_ratio_are_solved():
         assert max(values(rows, "edge error") + values(rows, "slip rate error")) < 1e-10
 
 
-def test_next_to_a_threshold_the_solver_ends_in_a_status():
-    chi = edge_threshold(THIRD)
-    rows = threshold_rows("edge slips", "remote", THIRD, chi)
-    far_below = [row for row in rows if row.parameter == -0.01]
-    assert {row.status for row in far_below} == {"converged"}
-    assert values(far_below, "zones") == [1.0]
-    assert values(rows, "zones", parameter=0.01) == [0.0]
-    for row in rows:
-        assert row.status == "converged" or math.isnan(row.value) or row.status
-
-
 SMALL = [
     (grid_rows, ("preload", THIRD, 0.2, 20, "galerkin", True)),
     (grid_rows, ("preload", THIRD, 0.2, 40, "galerkin", True)),
@@ -184,6 +173,18 @@ SMALL = [
 @pytest.fixture(scope="module")
 def rows():
     return [row for _, found in run_tasks(SMALL, 1) for row in found]
+
+
+def test_next_to_a_threshold_the_solver_ends_in_a_status(rows):
+    rows = [row for row in rows if row.study == "threshold"]
+    assert edge_threshold(THIRD) == pytest.approx(math.sqrt(2), rel=1e-14)
+    assert len({row.parameter for row in rows}) == 21
+    far_below = [row for row in rows if row.parameter == -0.01]
+    assert {row.status for row in far_below} == {"converged"}
+    assert values(far_below, "zones") == [1.0]
+    assert values(rows, "zones", parameter=0.01) == [0.0]
+    for row in rows:
+        assert row.status == "converged" or math.isnan(row.value) or row.status
 
 
 def test_figures_hold_finite_data(rows):

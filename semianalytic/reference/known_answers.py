@@ -1,0 +1,94 @@
+"""Which scenes have an answer in closed form, and which the published algorithm applies to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.reference.closed_forms import (
+    edge_speed_under_shear_step,
+    slip_rate_under_remote_shock,
+    slip_rate_under_shear_step,
+    slip_rate_without_friction,
+)
+from semianalytic.reference.published import PublishedSlip, published_slip
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class KnownAnswer:
+    """A known slip rate.
+
+    Attributes
+    ----------
+    slip_rate : callable
+        Relative slip rate at velocities x/t > 0 [length / time].
+    edge_speed : float or None
+        Outer edge of the only slip zone [length / time]; None where all slips.
+    """
+
+    slip_rate: Callable[[Array], Array]
+    edge_speed: float | None
+
+
+def closed_form(scene: Scene) -> KnownAnswer:
+    """The closed form of a scene under a step: shear on constant pressure, or all of it at once.
+
+    A remote load must make all slip, f P_0 <= Q_0; that a shear step makes one slip zone slower
+    than c_R is not looked at.
+
+    Raises
+    ------
+    SceneError
+        If the scene is of another kind.
+    """
+    material, friction, load = scene.material, scene.friction, scene.load
+    pressure, shear = load.pressure, load.shear
+    if scene.is_self_similar and scene.base == load and friction * pressure <= shear:
+        return KnownAnswer(
+            lambda speed: slip_rate_under_remote_shock(material, pressure, shear, friction, speed),
+            None,
+        )
+    if not scene.is_self_similar or pressure or scene.base.shear or not shear:
+        raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
+    if friction == 0:
+        return KnownAnswer(lambda speed: slip_rate_without_friction(material, shear, speed), None)
+    ratio = friction * scene.base.pressure / shear
+    return KnownAnswer(
+        lambda speed: slip_rate_under_shear_step(material, shear, ratio, speed),
+        edge_speed_under_shear_step(material, ratio),
+    )
+
+
+def published_obstacle(scene: Scene) -> str:
+    """Why the published algorithm does not apply, or nothing.
+
+    It knows one load, a sudden remote one, and divides by f P_0.
+    """
+    if not scene.is_self_similar:
+        return "its loads are not steps"
+    if scene.base != scene.load:
+        return "its only load is a sudden remote one, base and load equal"
+    return "" if scene.friction * scene.load.pressure * scene.load.shear > 0 else "f P_0 is zero"
+
+
+def published_answer(scene: Scene) -> PublishedSlip | None:
+    """The published algorithm by its default reading, where it applies."""
+    if published_obstacle(scene):
+        return None
+    ratio = scene.friction * scene.load.pressure / scene.load.shear
+    return published_slip(ratio, poisson_ratio=scene.material.poisson_ratio)
+
+
+def published_unit(scene: Scene) -> float:
+    """What the one-sided rates of the published algorithm are times to be relative slip rates.
+
+    2 f P_0/(mu b) [length / time].
+    """
+    return 2 * scene.friction * scene.load.pressure / scene.material.shear_impedance
