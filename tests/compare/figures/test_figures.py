@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from compare.comparison.predictions import predict
 from compare_cases import SELF_SIMILAR, sampled_run
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
+from compare.comparison.prediction import prediction_at_nodes
 from compare.figures.interface import (
     fronts_figure,
     prediction_figure,
@@ -166,7 +166,7 @@ def test_symbols_of_neighbouring_waves_keep_to_their_own_side(case):
 def test_a_prediction_is_drawn_finer_than_the_nodes(method):
     """And agrees there with what is compared."""
     run = sampled_run(solve(NAMED_SCENES["preloaded"].scene), resolution=25)
-    prediction = predict(run, method)
+    prediction = prediction_at_nodes(run, method)
     nodes = prediction.interface
     x, slip_rate = prediction.curve(float(nodes.t[-1]))
     assert len(x) > 3.5 * len(nodes.x)
