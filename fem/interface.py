@@ -181,8 +181,14 @@ def strength(
     return static * law.factor(law.slip_speed(np.abs(stopping), static, impedance, path), path)
 
 
-STICK, FORWARD, BACKWARD, OPEN = 0, 1, -1, 2
-"""What a pair of nodes does: neither, slip one way (the sign of the slip rate), or not touch."""
+STICK = 0
+"""State of a node that does not move along the interface."""
+FORWARD = 1
+"""State of a node where the upper side slips towards +x."""
+BACKWARD = -1
+"""State of a node where the upper side slips towards -x."""
+OPEN = 2
+"""State of a node where the sides do not touch."""
 
 
 class InterfaceWork(NamedTuple):
@@ -260,7 +266,7 @@ class Interface:
             state[self.pressure == 0] = OPEN
         return state
 
-    def friction_work(self) -> NDArray[np.float64]:
+    def work_density(self) -> NDArray[np.float64]:
         """Work per area taken by friction up to the time level of the last kick, (n,)
         [stress length]: half of what the last kick does on the step after it is yet to come."""
         if self.sliding is None:

@@ -98,7 +98,7 @@ class Record:
             [
                 np.abs(slip).max(),
                 length @ interface.path,
-                length @ interface.friction_work(),
+                length @ interface.work_density(),
             ]
         )
 

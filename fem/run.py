@@ -152,7 +152,7 @@ def _result(
         steps=model.steps,
         unknowns=model.unknowns,
         final_path=model.interface.path,
-        final_work_density=model.interface.friction_work(),
+        final_work_density=model.interface.work_density(),
         seconds=seconds,
         peak_memory=peak_memory(),
         run=run,

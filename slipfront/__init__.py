@@ -14,20 +14,46 @@ from semianalytic import *
 __version__ = version("slipfront")
 
 __all__ = [
+    "BACKWARD",
+    "FORWARD",
+    "OPEN",
+    "STICK",
     "Cost",
     "EnergyHistory",
+    "Model",
+    "Opening",
+    "Settings",
     "Simulation",
     "SlotHistory",
     "__version__",
     "cost",
     "load_simulation",
+    "opening_sentence",
+    "prepare",
     "simulate",
 ]
 __all__ += semianalytic.__all__
 
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
-    from fem import Cost, EnergyHistory, Simulation, SlotHistory, cost, load_simulation, simulate
+    from fem import (
+        BACKWARD,
+        FORWARD,
+        OPEN,
+        STICK,
+        Cost,
+        EnergyHistory,
+        Model,
+        Opening,
+        Settings,
+        Simulation,
+        SlotHistory,
+        cost,
+        load_simulation,
+        opening_sentence,
+        prepare,
+        simulate,
+    )
 else:
 
     def __getattr__(name: str) -> Any:

@@ -170,8 +170,13 @@ def slip_and_work_rows(prediction: Prediction, simulation: Simulation) -> Iterat
     work = slip[0] * stress_scale(scene), "τ₀ V₀ T", unit("stress length^2", scene.units)
     for name, expected, seen, (scale, symbol, summed) in (
         ("slip at the end", predicted.slip[-1], simulated.slip[-1], slip),
-        ("accumulated |slip|", prediction.path, simulation.final_path[inside], slip),
-        ("frictional work", prediction.friction_work, simulation.final_work_density[inside], work),
+        ("accumulated |slip|", prediction.final_path, simulation.final_path[inside], slip),
+        (
+            "frictional work",
+            prediction.final_work_density,
+            simulation.final_work_density[inside],
+            work,
+        ),
     ):
         pair = expected[shown], seen[shown]
         if is_nothing(pair[0], scale):

@@ -41,9 +41,9 @@ class Prediction:
         What was computed.
     interface : InterfaceHistory
         At the nodes x > 0 and the times of the simulation.
-    path : (n,) array
+    final_path : (n,) array
         Accumulated |slip| at the end [length].
-    friction_work : (n,) array
+    final_work_density : (n,) array
         Work per area taken by friction until the end [stress length].
     seconds : float
         What it took to compute.
@@ -54,8 +54,8 @@ class Prediction:
     method: str
     answer: Solution | Marched
     interface: InterfaceHistory
-    path: Array
-    friction_work: Array
+    final_path: Array
+    final_work_density: Array
     seconds: float
     caution: str = ""
 
@@ -70,11 +70,8 @@ class Prediction:
             end = self.interface.x[-1]
             x = np.linspace(end / CURVE_POINTS, end, CURVE_POINTS)
             return x, self.answer.slip_rate(x, time)
-        own = self.answer.interface
-        level = int(np.clip(np.searchsorted(own.t, time), 1, len(own.t) - 1))
-        before, after = own.t[level - 1 : level + 1]
-        share = (time - before) / (after - before)
-        return own.x, (1 - share) * own.slip_rate[level - 1] + share * own.slip_rate[level]
+        x = self.answer.interface.x
+        return x, self.answer.slip_rate(x, time)
 
 
 def check_predictable(scene: Scene, method: str = "auto") -> None:

@@ -119,18 +119,18 @@ def wear_figure(report: Report) -> Figure:
     x, end = simulation.contact.x, simulation.interface.t[-1]
     length = scene.material.shear_speed * end
     slip, stress = slip_rate_scale(scene) * end, stress_scale(scene)
-    work = prediction.friction_work, simulation.final_work_density
+    work = prediction.final_work_density, simulation.final_work_density
     figure = describe(new_figure(7, 5.7), scene)
     panels = figure.subplots(2, 1, sharex=True)
     for panel, label, (predicted, seen), unit in (
-        (panels[0], PATH_LABEL, (prediction.path, simulation.final_path), slip),
+        (panels[0], PATH_LABEL, (prediction.final_path, simulation.final_path), slip),
         (panels[1], WORK_LABEL, work, slip * stress),
     ):
         panel.plot(x / length, predicted / unit, color=PREDICTION)
         panel.plot(x / length, seen[inside] / unit, ".", color=SIMULATION, markersize=2.5)
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0)
-    reach = np.flatnonzero(prediction.path > 0)[-1]
+    reach = np.flatnonzero(prediction.final_path > 0)[-1]
     panels[0].legend(handles=method_handles(), loc="upper right", fontsize=SMALL)
     panels[1].set(xlabel=PLACE_LABEL, xlim=(0, 1.05 * x[reach] / length))
     return figure

@@ -27,7 +27,7 @@ POISSON_RATIOS = (1 / 3, 0.2)
 COLOURS = dict(zip(LOADS, CYCLE, strict=False))
 LENGTH = 2.0
 NODES = 600
-SUMS = ("accumulated_slip", "friction_work")
+SUMS = ("accumulated_slip", "frictional_work")
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class WearRow:
         chi = f P_b / Q_0.
     accumulated_slip : float
         int int |V| dt dx over V_0 c_t T^2, V_0 = 2 Q_0 / (rho c_t).
-    friction_work : float
+    frictional_work : float
         int int tau V dt dx over Q_0 V_0 c_t T^2.
     slipped_length : float
         Length of contact that has slipped, over c_t T.
@@ -51,7 +51,7 @@ class WearRow:
     poisson_ratio: float
     chi: float
     accumulated_slip: float
-    friction_work: float
+    frictional_work: float
     slipped_length: float
 
 
@@ -112,8 +112,8 @@ def _part(rows: Sequence[WearRow], load: str, poisson_ratio: float) -> list[Wear
 
 def most_wear(rows: Sequence[WearRow], load: str, poisson_ratio: float) -> tuple[float, float]:
     """chi at which frictional work is largest, and that work, for one load."""
-    worst = max(_part(rows, load, poisson_ratio), key=lambda row: row.friction_work)
-    return worst.chi, worst.friction_work
+    worst = max(_part(rows, load, poisson_ratio), key=lambda row: row.frictional_work)
+    return worst.chi, worst.frictional_work
 
 
 def sweep_figure(rows: Sequence[WearRow]) -> Figure:
@@ -146,7 +146,7 @@ class MostRow:
     load: str
     poisson_ratio: float
     chi: float
-    friction_work: float
+    frictional_work: float
 
 
 def most_rows() -> list[MostRow]:

@@ -49,18 +49,18 @@ QUANTITIES = {
         ("reversal at x = 0.75 c_t T [T]", "slip reversal at x = 0.75 c_t T"),
     ),
     "ramp": (
-        ("onset at x = 0.25 c_t T [T]", "slip onset at x = 0.25 c_t T"),
-        ("onset at x = 0.5 c_t T [T]", "slip onset at x = 0.50 c_t T"),
+        ("onset at x = 0.25 c_t T [T]", "slip onset (1 % of peak) at x = 0.25 c_t T"),
+        ("onset at x = 0.5 c_t T [T]", "slip onset (1 % of peak) at x = 0.50 c_t T"),
         ("slip at T, integral", "slip at the end in L1"),
     ),
     "unload": (
         ("reverse slip, part of the map", "reverse slip, part of the map"),
-        ("onset at x = 0.5 c_t T [T]", "slip onset at x = 0.50 c_t T"),
+        ("onset at x = 0.5 c_t T [T]", "slip onset (1 % of peak) at x = 0.50 c_t T"),
         ("accumulated slip, integral", "accumulated |slip| in L1"),
     ),
     "pulse": (
         ("reverse slip, part of the map", "reverse slip, part of the map"),
-        ("onset at x = 0.5 c_t T [T]", "slip onset at x = 0.50 c_t T"),
+        ("onset at x = 0.5 c_t T [T]", "slip onset (1 % of peak) at x = 0.50 c_t T"),
         ("accumulated slip, integral", "accumulated |slip| in L1"),
     ),
     "harmonic": (
@@ -73,7 +73,7 @@ QUANTITIES = {
     "pressure-drop": (
         ("zone, from [c_t]", "zone 1, inner edge"),
         ("to [c_t]", "zone 1, outer edge"),
-        ("onset at x = 0.5 c_t T [T]", "slip onset at x = 0.50 c_t T"),
+        ("onset at x = 0.5 c_t T [T]", "first slip (1e-6 V₀) at x = 0.50 c_t T"),
         ("frictional work, integral", "frictional work in L1"),
     ),
 }

@@ -217,7 +217,7 @@ def energy_tables(evidence: SceneEvidence) -> str:
     for report in evidence.reports:
         prediction = report.prediction
         if prediction.solution is None:
-            x, taken = prediction.interface.x, prediction.friction_work
+            x, taken = prediction.interface.x, prediction.final_work_density
             part, whole = float(np.trapezoid(taken, x)), math.nan
         else:
             heat = prediction.solution.frictional_work

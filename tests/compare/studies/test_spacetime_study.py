@@ -89,7 +89,7 @@ def test_rows_of_accuracy_cost_memory_and_resolution(monkeypatch):
 def test_friction_work_peaks_at_intermediate_friction():
     """No friction, no work; more friction, less slip: the largest work lies between."""
     rows = [wear_after("step", 1 / 3, chi, 150) for chi in (0.0, 0.2, 0.6, 2.0)]
-    assert rows[0].friction_work == 0
+    assert rows[0].frictional_work == 0
     slips = [row.accumulated_slip for row in rows]
     assert slips == sorted(slips, reverse=True)
     assert most_wear(rows, "step", 1 / 3)[0] == 0.6

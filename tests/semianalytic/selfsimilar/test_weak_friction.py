@@ -78,7 +78,7 @@ def test_reversed_strip_begins_at_a_gap_of_the_same_shape_whatever_its_width(nu)
             )
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [20, pytest.param(1000, marks=pytest.mark.slow)])
 def test_weak_friction_converges_and_its_estimates_are_honest(count):
     random = np.random.default_rng(1)
     for one in random_weak_scenes(count):
