@@ -176,7 +176,7 @@ def strength(
             "simulate: friction falls with slip rate faster than a node of the interface can "
             f"radiate (by {slope[worst]:.4g} per slip rate under the pressure it has reached, its "
             f"impedance is {impedance[worst]:.4g}); raise the rate or lower the reduction of the "
-            "friction law, or lower `step_ratio`."
+            "friction law, or lower `step_ratio` (docs/limits.md)."
         )
     return static * law.factor(law.slip_speed(np.abs(stopping), static, impedance, path), path)
 

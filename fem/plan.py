@@ -194,7 +194,7 @@ class Plan:
         if self.name == TWO_MATERIALS and self.scene.far_slip_rate:
             raise SceneError(
                 "simulate: blocks of different materials cannot slide ahead of all waves; "
-                "raise friction or lower the base shear."
+                "raise friction or lower the base shear (docs/limits.md)."
             )
 
     @property

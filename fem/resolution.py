@@ -93,11 +93,12 @@ def check_resolved(
         if needed is None:
             raise SceneError(
                 f"simulate: the {name} history turns back within no time at all; smooth it, or "
-                "take out samples that lie beside each other."
+                "take out samples that lie beside each other (docs/limits.md)."
             )
         raise SceneError(
             f"simulate: the {name} history turns back faster than this mesh can follow; raise "
-            f"`resolution` from {resolution} to at least {needed}, or shorten `end_time`."
+            f"`resolution` from {resolution} to at least {needed}, or shorten `end_time` "
+            "(docs/limits.md)."
         )
 
 

@@ -136,7 +136,8 @@ def _earlier_simulation(
     simulation = load_simulation(directory)
     if simulation.lower_material is not None:
         raise SceneError(
-            f"{directory} holds blocks of two materials, to which the theory does not apply."
+            f"{directory} holds blocks of two materials, to which the theory does not apply "
+            "(docs/limits.md)."
         )
     scene = override_scene(find_scene(scene_name) if scene_name else simulation.scene, **overrides)
     if scene != simulation.scene:

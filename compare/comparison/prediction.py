@@ -148,6 +148,7 @@ def _marched(
     if needed > most:
         raise SceneError(
             f"march: the {name} history turns faster than {most} nodes follow; raise `resolution` "
-            f"from {simulation.resolution} to {math.ceil(simulation.resolution * needed / nodes)}."
+            f"from {simulation.resolution} to {math.ceil(simulation.resolution * needed / nodes)} "
+            "(docs/limits.md)."
         )
     return march(scene, end_time, needed, length=length, progress=progress)

@@ -156,7 +156,8 @@ def _identical(source: str | Path, scene: Scene, lower: Material | None) -> Scen
     if lower not in (None, scene.material):
         raise SceneError(
             f"{source}: the theory and its solvers know identical bodies only, so take out "
-            f"[{LOWER_MATERIAL}], or simulate the scene with finite elements (slipfront simulate)."
+            f"[{LOWER_MATERIAL}], or simulate the scene with finite elements, slipfront simulate "
+            "(docs/limits.md)."
         )
     return scene
 

@@ -221,7 +221,8 @@ def _check_resolved(scene: Scene, spacing: float) -> None:
     if zone < WEAKENING_NODES * spacing:
         raise SceneError(
             f"march: friction weakens within about {zone:.3g} of length, which nodes {spacing:.3g} "
-            f"apart do not resolve; raise `nodes` {WEAKENING_NODES * spacing / zone:.2g} times."
+            f"apart do not resolve; raise `nodes` {WEAKENING_NODES * spacing / zone:.2g} times "
+            "(docs/limits.md)."
         )
 
 

@@ -74,7 +74,7 @@ def nodes_for_loads(
         if enough == 0:
             raise SceneError(
                 f"march: the {name} history turns back within no time at all; "
-                "smooth it, or take out samples that lie beside each other."
+                "smooth it, or take out samples that lie beside each other (docs/limits.md)."
             )
         nodes, reason = math.ceil(times_nodes / enough), name
     return nodes, reason
@@ -100,7 +100,7 @@ def check_loads(
         raise SceneError(
             f"march: the {name} history turns faster than {most} nodes on a length of {length:.4g} "
             f"follow; raise `nodes` to {_rounded(needed)}, or shorten `length` "
-            f"{needed / most:.2g} times."
+            f"{needed / most:.2g} times (docs/limits.md)."
         )
     return needed
 

@@ -58,6 +58,7 @@ def edge_belongs_to(side):
     return lengths
 
 
+@pytest.mark.slow
 def test_split_edge_node_is_several_times_better_than_a_whole_one(monkeypatch):
     split = edge_errors((50, 100))
     for side in ("slot", "contact"):

@@ -101,6 +101,7 @@ def test_elements_and_damping_have_a_row_each(monkeypatch):
     assert rows[-1].critical_step < rows[0].critical_step == 1
 
 
+@pytest.mark.slow
 def test_default_mesh_and_three_meshes_reach_what_is_promised():
     """At most 0.3 % in L1 with defaults, 0.1 % on the next mesh, and of first order or better."""
     solution, errors = solve(NAMED_SCENES["preloaded"].scene), []

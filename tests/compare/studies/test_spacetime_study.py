@@ -45,6 +45,7 @@ def test_edge_table_names_the_grids_own_edge_best():
     assert min(errors[1:]) > 100 * errors[0]
 
 
+@pytest.mark.slow
 def test_refusals_and_errors_of_the_stability_study():
     rows = list(stability_rows(quick=True))
     for row in rows:

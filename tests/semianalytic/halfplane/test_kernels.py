@@ -170,6 +170,7 @@ def test_constant_slip_cancels_the_stuck_transform():
     np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["I", "II"])
 def test_finite_elements_take_the_free_slot(mode):
     """The kernel with the slot free meets the simulation to first order; the article's does not."""

@@ -90,7 +90,7 @@ def errors_of_integrals(solution, exact):
 
 
 def test_error_estimates_bound_errors_in_random_scenes():
-    check_estimates(24, thorough=3)
+    check_estimates(16, thorough=2)
 
 
 @pytest.mark.slow

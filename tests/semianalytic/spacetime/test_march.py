@@ -203,7 +203,7 @@ HISTORIES = st.one_of(
 )
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(HISTORIES)
 def test_stuck_traction_of_any_history(history):
     """High friction: shear traction is the exact stuck one, and nothing moves."""
