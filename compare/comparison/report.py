@@ -22,13 +22,12 @@ from compare.comparison.history_rows import (
     slip_and_work_rows,
     slips,
 )
-from compare.comparison.prediction import Prediction, prediction_at_nodes
+from compare.comparison.prediction import Prediction
 from compare.comparison.profile_rows import slip_rate_rows, snapshot_rows, traction_rows
 from compare.comparison.rows import Row
 from compare.comparison.scales import reference_values
 from compare.comparison.snapshots import SlipRateProfile
 from compare.output.files import write_text
-from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.scene import scene_document
 
 if TYPE_CHECKING:
@@ -106,14 +105,6 @@ def build_report(
             *slip_and_work_rows(prediction, simulation),
         ]
     return Report(label, prediction, simulation, tuple(rows))
-
-
-def default_report(name: str) -> Report:
-    """What `slipfront compare NAME` finds of a named scene with default options."""
-    from fem import simulate
-
-    simulation = simulate(NAMED_SCENES[name].scene)
-    return build_report(name, prediction_at_nodes(simulation), simulation)
 
 
 def report_document(report: Report) -> dict[str, Any]:

@@ -28,9 +28,6 @@ from semianalytic.reference import (
 )
 from semianalytic.regimes import Loading, one_zone, scene_of, stuck_threshold
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar.collocation import slip_on_grid
-from semianalytic.selfsimilar.edges import edges_of
-from semianalytic.selfsimilar.guesses import zones_on_grid
 from semianalytic.selfsimilar.layout import Zone
 from semianalytic.selfsimilar.load import Load
 from semianalytic.selfsimilar.profile import Profile
@@ -243,21 +240,6 @@ def estimate_rows(loading: Loading, nu: float, chi: float) -> list[StudyRow]:
             for name, value in values.items()
         ]
     return rows
-
-
-def guess_errors(loading: Loading, count: int) -> Array:
-    """Errors of the first stage's edge unknowns (logits, or logarithms beyond c_R) in random
-    scenes, -0.5 < nu < 0.45 and 0.1 < chi < 2, of those whose zones it sees."""
-    random, errors = np.random.default_rng(0), []
-    for nu, log_chi in random.uniform((-0.5, math.log(0.1)), (0.45, math.log(2.0)), (count, 2)):
-        fields = solve(scene_of(loading, nu, math.exp(log_chi)), rtol=1e-6).profile.fields
-        edges, unknowns = edges_of(fields.factors, fields.zones)
-        grid = slip_on_grid(nu, fields.load)
-        zones = zones_on_grid(fields.factors, grid, fields.load.critical)
-        seen, guess = edges_of(fields.factors, zones)
-        if seen == edges:
-            errors.append(np.abs(guess - unknowns))
-    return np.concatenate(errors)
 
 
 def near_rayleigh_rows(nu: float) -> list[StudyRow]:
