@@ -1,0 +1,89 @@
+"""Random scenes that the judge is tried on, each drawn from a seed of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from compare.studies.campaign.scenes import random_history_scene
+from semianalytic import Material, Scene, SceneError, Tractions, march
+from semianalytic.selfsimilar.load import check_pressure
+
+STEPS, HISTORIES = "steps", "histories"
+
+RESOLUTIONS = (40, 44, 48, 52, 56, 60, 64)
+"""Modest meshes, whose companions at 2h and 4h share nodes with them."""
+
+_SPECIAL_RATIOS = (1 / 3, 0.25, 0.0, 0.29)
+_SHARES = (0.0, 1.0, -1.0)
+_LOOK_NODES = 200
+"""Nodes of the march that says whether a history opens the contact."""
+
+
+@dataclass(frozen=True)
+class Draw:
+    """A scene, and how many were drawn and refused before it.
+
+    Attributes
+    ----------
+    index : int, which seeds it
+    scene : Scene
+    refusals : int
+    resolution : int
+        Of the mesh it is to be simulated on, one of `RESOLUTIONS`.
+    """
+
+    index: int
+    scene: Scene
+    refusals: int
+    resolution: int
+
+
+def random_steps(random: np.random.Generator) -> Scene:
+    """A self-similar scene; raises SceneError where the draw is not admissible.
+
+    Half of a draw's Poisson ratios are those of real solids; one in ten has no friction, one in
+    five is a sudden remote load; shear acts either way, pressure on the slot or off it.
+    """
+    nu = float(random.choice([random.uniform(-0.9, 0.49), random.choice(_SPECIAL_RATIOS)]))
+    friction = 0.0 if random.random() < 0.1 else float(random.uniform(0.01, 2.0))
+    shear = float(random.choice([-1, 1]) * random.lognormal(0.0, 0.5))
+    solid, share = Material(1.0, 1.0, nu), random.random()
+    if share < 0.2:
+        remote = Tractions(1.0, shear)
+        return Scene(solid, friction, remote, remote)
+    pressure = 0.0 if share < 0.6 else float(random.choice([-1, 1]) * random.lognormal(-0.5, 0.7))
+    rest = float(random.choice([*_SHARES, random.uniform(-1, 1)], p=[0.4, 0.05, 0.05, 0.5]))
+    if pressure and random.random() < 0.3:
+        shear = 0.0
+    base = Tractions(1.0, rest * friction)
+    return Scene(solid, friction, base, Tractions(pressure, shear))
+
+
+def drawn(kind: str, seed: int, index: int) -> Draw:
+    """A scene of a kind, "steps" or "histories", that a solver answers; draws that none does count.
+
+    They are those that are not admissible, open the contact, or turn too fast for a march.
+    """
+    random = np.random.default_rng([seed, index])
+    draw, check = _KINDS[kind]
+    refusals = 0
+    while True:
+        try:
+            scene = draw(random)
+            check(scene)
+            return Draw(index, scene, refusals, int(random.choice(RESOLUTIONS)))
+        except SceneError:
+            refusals += 1
+
+
+def _marched(scene: Scene) -> None:
+    march(scene, 1.0, _LOOK_NODES)
+
+
+_KINDS: dict[str, tuple[Callable[[np.random.Generator], Scene], Callable[[Scene], object]]] = {
+    STEPS: (random_steps, check_pressure),
+    HISTORIES: (random_history_scene, _marched),
+}
