@@ -3,18 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from compare.studies.campaign.scenes import random_history_scene
-from semianalytic import Material, Scene, SceneError, Tractions, march
+from semianalytic import Material, Scene, SceneError, SlipWeakening, Tractions, march
+from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.selfsimilar.load import check_pressure
 
 STEPS, HISTORIES = "steps", "histories"
 
 RESOLUTIONS = (40, 44, 48, 52, 56, 60, 64)
 """Modest meshes, whose companions at 2h and 4h share nodes with them."""
+
+_NAMED = (
+    "remote-shock",
+    "preloaded",
+    "auxetic",
+    "pressure-drop",
+    "ramp",
+    "unload",
+    "pulse",
+    "harmonic",
+)
+_POWER_SEED, _DRAWN = 15, (0, 1, 5, 9, 10, 13)
 
 _SPECIAL_RATIOS = (1 / 3, 0.25, 0.0, 0.29)
 _SHARES = (0.0, 1.0, -1.0)
@@ -87,3 +100,18 @@ _KINDS: dict[str, tuple[Callable[[np.random.Generator], Scene], Callable[[Scene]
     STEPS: (random_steps, check_pressure),
     HISTORIES: (random_history_scene, _marched),
 }
+
+
+def power_scenes() -> dict[str, Scene]:
+    """Scenes for spoilt answers, by name: those of the package that slip, and drawn ones."""
+    named = {name: NAMED_SCENES[name].scene for name in _NAMED}
+    steel = replace(named["preloaded"], material=Material(1.0, 1.0, 0.29), friction=0.15)
+    weakening = Scene(
+        Material(1.0, 1.0, 0.25),
+        0.6,
+        Tractions(1.0, 0.4),
+        Tractions(0.0, 0.4),
+        friction_law=SlipWeakening(2 / 3, 0.05),
+    )
+    drawn_ones = {f"drawn {index}": drawn(STEPS, _POWER_SEED, index).scene for index in _DRAWN}
+    return {**named, "steel": steel, "slip weakening": weakening, **drawn_ones}
