@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, fields
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,6 @@ from numpy.typing import NDArray
 
 from fem.interface import OPEN
 from fem.resolution import slow_body_caution
-from semianalytic.results.answer import FIELDS
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import SampledAnswer, Totals
@@ -20,7 +18,7 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Material, Scene, scene_document, scene_from_document
 from semianalytic.scene.units import SI, unit
 
-FORMAT = "slipfront simulation 5"
+FORMAT = "slipfront simulation 6"
 FILE_NAME = "simulation.h5"
 ARRAYS = ("state", "gap", "final_path", "final_work_density")
 HISTORIES = ("interface", "slot", "energy", "totals")
@@ -92,8 +90,6 @@ class EnergyHistory:
 class Opening:
     """Where and when the contact came apart, of all steps, stored or not.
 
-    The edge node is left out: half of what belongs to it is slot.
-
     Attributes
     ----------
     time : float
@@ -144,8 +140,9 @@ class Simulation(SampledAnswer):
     unknowns : int
         Displacement unknowns.
     interface : InterfaceHistory
-        On the contact nodes x >= 0, the edge node included.  All fields belong to the same
-        times: the slip rate is the mean of the rates half a step before and after, the
+        On the contact nodes x > 0, from x = h on.  The edge node is not among them: half of what
+        it moves with is slot, and what it does does not converge.  All fields belong to the
+        same times: the slip rate is the mean of the rates half a step before and after, the
         tractions are those that act between the two.
     state : (m, n) array of int8
         What each node of `interface` does in the step after each time: STICK (0), slip FORWARD
@@ -158,7 +155,10 @@ class Simulation(SampledAnswer):
     final_work_density : (n,) array
         Work per area that friction has taken at each node by the end [stress length], likewise.
     totals : Totals
-        What the contact as a whole has done by each step, stored or not.
+        What the contact as a whole has done by each step, stored or not.  Accumulated slip and
+        frictional work are sums over all nodes with the lengths that belong to them, the edge
+        node's h/2 included, so that the work is that of `energy`; the largest slip is that on
+        the nodes of `interface`.
     opened : Opening or None
         Where and when the contact came apart; None if it never did.
     slot : SlotHistory
@@ -208,18 +208,6 @@ class Simulation(SampledAnswer):
             f"Simulation({self.model}, {self.unknowns:,} unknowns, {self.steps} steps to "
             f"t = {self.end_time:.6g})"
         )
-
-    @cached_property
-    def on_contact(self) -> NDArray[np.bool_]:
-        """Nodes of `interface` beyond the edge node, half of which is slot, (n,)."""
-        return self.interface.x > 0
-
-    @cached_property
-    def contact(self) -> InterfaceHistory:
-        """The history without the edge node."""
-        history, inside = self.interface, self.on_contact
-        parts = (getattr(history, name)[:, inside] for name in FIELDS)
-        return InterfaceHistory(history.x[inside], history.t, *parts)
 
     @property
     def is_open(self) -> NDArray[np.bool_]:

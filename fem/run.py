@@ -151,8 +151,6 @@ def _result(
         critical_step=model.critical_step,
         steps=model.steps,
         unknowns=model.unknowns,
-        final_path=model.interface.path,
-        final_work_density=model.interface.work_density(),
         seconds=seconds,
         peak_memory=peak_memory(),
         run=run,

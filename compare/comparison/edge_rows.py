@@ -27,7 +27,7 @@ def zone_rows(solution: Solution, simulation: Simulation) -> Iterator[Row]:
     of the predicted slip rate at the same nodes shows its bias, which is taken off; edges that it
     does not find there, of zones narrower than the mesh, are left out.
     """
-    contact, scene = simulation.contact, solution.scene
+    contact, scene = simulation.interface, solution.scene
     time, shear_speed = contact.t[-1], scene.material.shear_speed
     cell = simulation.element_size / time
     threshold = SLIP_THRESHOLD * slip_rate_scale(scene)

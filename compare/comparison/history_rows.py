@@ -56,7 +56,7 @@ def sense_maps(
     prediction: Prediction, simulation: Simulation
 ) -> tuple[NDArray[np.int8], NDArray[np.int8], NDArray[np.bool_]]:
     """Predicted and simulated sense of slip, and what the waves have reached, (m, n) each."""
-    seen = simulation.contact
+    seen = simulation.interface
     largest = float(np.abs(prediction.interface.slip_rate).max())
     speed = simulation.scene.material.longitudinal_speed
     reached = seen.x <= speed * seen.t[:, None]
@@ -75,7 +75,7 @@ def beside_edges(sense: NDArray[np.int8]) -> NDArray[np.bool_]:
 def rate_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
     """Relative L1 error of the slip rate over space and time, the four elements at the edge left
     out; the two values are means.  The largest value where none is predicted."""
-    predicted, simulated = prediction.interface, simulation.contact
+    predicted, simulated = prediction.interface, simulation.interface
     x, t = simulated.x, simulated.t
     shown, later = x > EDGE_CELLS * simulation.element_size, t > EARLY * t[-1]
     scale, quantity = slip_rate_scale(simulation.scene), "slip rate over space and time"
@@ -126,7 +126,7 @@ def sense_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
 
 def event_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
     """Times in T at which slip starts and first reverses at probe points."""
-    predicted, simulated = prediction.interface, simulation.contact
+    predicted, simulated = prediction.interface, simulation.interface
     end = simulated.t[-1]
     length = simulation.scene.material.shear_speed * end
     largest = float(np.abs(predicted.slip_rate).max())
@@ -161,8 +161,7 @@ def slip_and_work_rows(prediction: Prediction, simulation: Simulation) -> Iterat
 
     The two values are integrals over the contact.
     """
-    predicted, simulated = prediction.interface, simulation.contact
-    inside = simulation.on_contact
+    predicted, simulated = prediction.interface, simulation.interface
     scene, tolerance = simulation.scene, _tolerance("wear", 1, simulation)
     x, end = simulated.x, simulated.t[-1]
     shown = x < REACH * scene.material.shear_speed * end
@@ -170,13 +169,8 @@ def slip_and_work_rows(prediction: Prediction, simulation: Simulation) -> Iterat
     work = slip[0] * stress_scale(scene), "τ₀ V₀ T", unit("stress length^2", scene.units)
     for name, expected, seen, (scale, symbol, summed) in (
         ("slip at the end", predicted.slip[-1], simulated.slip[-1], slip),
-        ("accumulated |slip|", prediction.final_path, simulation.final_path[inside], slip),
-        (
-            "frictional work",
-            prediction.final_work_density,
-            simulation.final_work_density[inside],
-            work,
-        ),
+        ("accumulated |slip|", prediction.final_path, simulation.final_path, slip),
+        ("frictional work", prediction.final_work_density, simulation.final_work_density, work),
     ):
         pair = expected[shown], seen[shown]
         if is_nothing(pair[0], scale):
