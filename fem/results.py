@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ FORMAT = "slipfront simulation 6"
 FILE_NAME = "simulation.h5"
 ARRAYS = ("state", "gap", "final_path", "final_work_density")
 HISTORIES = ("interface", "slot", "energy", "totals")
+COMPANION = "companion"
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +135,8 @@ class Simulation(SampledAnswer):
         What was simulated, e.g. "antisymmetric half".
     lower_material : Material or None
         Of the lower block where it is not that of the scene; the theory does not apply then.
+    step_ratio : float
+        Largest time step asked for, over the critical one.
     time_step, critical_step : float
         The step taken and the largest stable one [time].
     steps : int
@@ -174,6 +178,8 @@ class Simulation(SampledAnswer):
         snapshots carry it too.
     unwritten : str
         What could not be written during the run, as a sentence; empty if nothing.
+    companion : Simulation or None
+        The same run at twice the element size, which carries its own; see `with_companions`.
     """
 
     scene: Scene
@@ -185,6 +191,7 @@ class Simulation(SampledAnswer):
     mesh: str
     model: str
     lower_material: Material | None
+    step_ratio: float
     time_step: float
     critical_step: float
     steps: int
@@ -202,6 +209,7 @@ class Simulation(SampledAnswer):
     peak_memory: int
     run: str
     unwritten: str
+    companion: Simulation | None = None
 
     def __repr__(self) -> str:
         return (
@@ -220,7 +228,9 @@ class Simulation(SampledAnswer):
         return slow_body_caution(self.scene.material, self.lower_material, self.resolution)
 
     def save(self, directory: str | Path) -> None:
-        """Write `simulation.h5` into a folder; it appears under its name only when complete.
+        """Write `simulation.h5` into a folder, companions included.
+
+        It appears under its name only when complete.
 
         Parameters
         ----------
@@ -229,25 +239,53 @@ class Simulation(SampledAnswer):
         """
         directory = Path(directory)
         directory.mkdir(parents=True, exist_ok=True)
-        facts = {
-            field.name: getattr(self, field.name)
-            for field in fields(self)
-            if field.name not in ("scene", *ARRAYS, *HISTORIES)
-        }
-        for name in ("lower_material", "opened"):
-            facts[name] = facts[name] and asdict(facts[name])
         with whole_hdf5(directory / FILE_NAME) as file:
             file.attrs["format"] = FORMAT
-            file.attrs["scene"] = json.dumps(scene_document(self.scene))
-            file.attrs["facts"] = json.dumps(facts)
-            for name in ARRAYS:
-                file.create_dataset(name, data=getattr(self, name), compression=4)
-            for group in HISTORIES:
-                history = getattr(self, group)
-                for field in fields(history):
-                    file.create_dataset(
-                        f"{group}/{field.name}", data=getattr(history, field.name), compression=4
-                    )
+            _write(self, file)
+
+
+def _write(simulation: Simulation, group: Any) -> None:
+    """Put a simulation into a group of an HDF5 file, its companion into a group of that."""
+    facts = {
+        field.name: getattr(simulation, field.name)
+        for field in fields(simulation)
+        if field.name not in ("scene", COMPANION, *ARRAYS, *HISTORIES)
+    }
+    for name in ("lower_material", "opened"):
+        facts[name] = facts[name] and asdict(facts[name])
+    group.attrs["scene"] = json.dumps(scene_document(simulation.scene))
+    group.attrs["facts"] = json.dumps(facts)
+    for name in ARRAYS:
+        group.create_dataset(name, data=getattr(simulation, name), compression=4)
+    for part in HISTORIES:
+        history = getattr(simulation, part)
+        for field in fields(history):
+            values = getattr(history, field.name)
+            group.create_dataset(f"{part}/{field.name}", data=values, compression=4)
+    if simulation.companion is not None:
+        _write(simulation.companion, group.create_group(COMPANION))
+
+
+def _read(group: Any) -> Simulation:
+    """The simulation that `_write` put into a group."""
+    scene, facts = (json.loads(group.attrs[name]) for name in ("scene", "facts"))
+    lower, opened = facts.pop("lower_material"), facts.pop("opened")
+    arrays = {name: group[name][...] for name in ARRAYS}
+    interface, slot, energy, totals = (
+        {name: data[...] for name, data in group[part].items()} for part in HISTORIES
+    )
+    return Simulation(
+        scene=scene_from_document(scene),
+        lower_material=Material(**lower) if lower else None,
+        opened=Opening(**opened) if opened else None,
+        interface=InterfaceHistory(**interface),
+        slot=SlotHistory(**slot),
+        energy=EnergyHistory(**energy),
+        totals=Totals(**totals),
+        companion=_read(group[COMPANION]) if COMPANION in group else None,
+        **arrays,
+        **facts,
+    )
 
 
 def load_simulation(directory: str | Path) -> Simulation:
@@ -276,24 +314,7 @@ def load_simulation(directory: str | Path) -> Simulation:
                     f"{path} is not a slipfront simulation; "
                     "give the folder of a finished simulation."
                 )
-            scene = json.loads(file.attrs["scene"])
-            facts = json.loads(file.attrs["facts"])
-            lower, opened = facts.pop("lower_material"), facts.pop("opened")
-            arrays = {name: file[name][...] for name in ARRAYS}
-            interface, slot, energy, totals = (
-                {name: data[...] for name, data in file[group].items()} for group in HISTORIES
-            )
-        return Simulation(
-            scene=scene_from_document(scene),
-            lower_material=Material(**lower) if lower else None,
-            opened=Opening(**opened) if opened else None,
-            interface=InterfaceHistory(**interface),
-            slot=SlotHistory(**slot),
-            energy=EnergyHistory(**energy),
-            totals=Totals(**totals),
-            **arrays,
-            **facts,
-        )
+            return _read(file)
     except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError) as error:
         raise DataFileError(
             f"{path} cannot be read as a simulation ({error}); simulate again."

@@ -147,6 +147,7 @@ def _result(
         mesh=settings.mesh,
         model=plan.name,
         lower_material=settings.lower_material,
+        step_ratio=settings.step_ratio,
         time_step=model.time_step,
         critical_step=model.critical_step,
         steps=model.steps,
