@@ -19,11 +19,11 @@ import numpy as np
 
 from compare import judge
 from compare.output.tables import append_rows, started_rows
-from compare.studies.stability.judge_scenes import HISTORIES, STEPS, drawn, power_scenes
+from compare.studies.stability.judge_scenes import HISTORIES, STEPS, draw, power_scenes
 from compare.studies.stability.spoils import SPOILS, Spoil, Window, effect, spoilt
 from compare.studies.workers import Progress, run_tasks
 from compare.studies.workers import Task as WorkerTask
-from semianalytic import Answer, Scene, SlipfrontError, predict
+from semianalytic import Answer, Scene, SceneError, predict
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -43,18 +43,19 @@ _END_TIME = 1.0
 
 @dataclass(frozen=True)
 class JudgedRow:
-    """A row of a judgement of the right answer, or why there is none.
+    """A row of a judgement of the right answer, of a random scene.
 
     Attributes
     ----------
     group : str, "steps" or "histories"
     index : int, which seeds the draw
     of : int, rows of the scene, all of which have to be there
-    refusals, resolution : as `judge_scenes.Draw`
+    refusals : int, draws before it that had no answer
+    resolution : int, of the mesh
     seconds : what the scene took [s]
     name, kind, unit : as in the judgement
     exact, difference, bar : nan where there is none
-    verdict : "agrees", "differs", "unresolved", or "refused" with a sentence for a name
+    verdict : "agrees", "differs" or "unresolved"
     """
 
     group: str
@@ -120,22 +121,37 @@ def window_of(simulation: Simulation) -> Window:
 
 
 def judged_rows(group: str, seed: int, index: int) -> list[JudgedRow]:
-    """Judge the right answer to a random scene."""
-    draw, began = drawn(group, seed, index), perf_counter()
-    try:
-        simulation = simulated(draw.scene, draw.resolution)
-        rows = judge(predicted(simulation), simulation).rows
-        cells = [
-            (row.name, row.kind, row.unit, *map(_number, (row.exact, row.difference, row.bar)))
-            for row in rows
-        ]
-        verdicts = [row.verdict for row in rows]
-    except SlipfrontError as refusal:
-        cells, verdicts = [(str(refusal), "", "", *[math.nan] * 3)], ["refused"]
+    """Judge the right answer to the first scene of a draw that can be simulated and predicted."""
+    random, began = np.random.default_rng([seed, index]), perf_counter()
+    refusals = 0
+    while True:
+        drawn = draw(group, random)
+        refusals += drawn.refusals
+        try:
+            simulation = simulated(drawn.scene, drawn.resolution)
+            right = predicted(simulation)
+            break
+        except SceneError:
+            refusals += 1
+    rows = judge(right, simulation).rows
     seconds = perf_counter() - began
     return [
-        JudgedRow(group, index, len(cells), draw.refusals, draw.resolution, seconds, *cell, verdict)
-        for cell, verdict in zip(cells, verdicts, strict=True)
+        JudgedRow(
+            group=group,
+            index=index,
+            of=len(rows),
+            refusals=refusals,
+            resolution=drawn.resolution,
+            seconds=seconds,
+            name=row.name,
+            kind=row.kind,
+            unit=row.unit,
+            exact=_number(row.exact),
+            difference=_number(row.difference),
+            bar=_number(row.bar),
+            verdict=row.verdict,
+        )
+        for row in rows
     ]
 
 
@@ -199,11 +215,13 @@ class _Trial:
     def outcome(self, answer: Answer) -> _Outcome:
         judgement = judge(answer, self.simulation)
         x, t = self.simulation.interface.x, self.window.end_time * np.linspace(0.2, 1.0, 9)
+        kinds = dict.fromkeys(row.kind for row in judgement.rows if row.verdict == DIFFERS)
         return _Outcome(
-            *(effect(field, answer, self.right, x, t) for field in ("slip_rate", "shear_traction")),
-            self.exceeds(answer),
-            judgement.verdict,
-            " ".join(dict.fromkeys(row.kind for row in judgement.rows if row.verdict == DIFFERS)),
+            slip_rate=effect("slip_rate", answer, self.right, x, t),
+            shear_traction=effect("shear_traction", answer, self.right, x, t),
+            exceeds=self.exceeds(answer),
+            verdict=judgement.verdict,
+            by="; ".join(kinds),
         )
 
     def exceeds(self, answer: Answer) -> bool:

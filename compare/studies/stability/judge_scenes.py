@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compare.studies.campaign.scenes import random_history_scene
-from semianalytic import Material, Scene, SceneError, SlipWeakening, Tractions, march
+from semianalytic import Material, Scene, SceneError, SlipWeakening, Tractions
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.selfsimilar.load import check_pressure
 
@@ -31,27 +31,6 @@ _POWER_SEED, _DRAWN = 15, (0, 1, 5, 9, 10, 13)
 
 _SPECIAL_RATIOS = (1 / 3, 0.25, 0.0, 0.29)
 _SHARES = (0.0, 1.0, -1.0)
-_LOOK_NODES = 200
-"""Nodes of the march that says whether a history opens the contact."""
-
-
-@dataclass(frozen=True)
-class Draw:
-    """A scene, and how many were drawn and refused before it.
-
-    Attributes
-    ----------
-    index : int, which seeds it
-    scene : Scene
-    refusals : int
-    resolution : int
-        Of the mesh it is to be simulated on, one of `RESOLUTIONS`.
-    """
-
-    index: int
-    scene: Scene
-    refusals: int
-    resolution: int
 
 
 def random_steps(random: np.random.Generator) -> Scene:
@@ -75,30 +54,32 @@ def random_steps(random: np.random.Generator) -> Scene:
     return Scene(solid, friction, base, Tractions(pressure, shear))
 
 
-def drawn(kind: str, seed: int, index: int) -> Draw:
-    """A scene of a kind, "steps" or "histories", that a solver answers; draws that none does count.
+@dataclass(frozen=True)
+class Draw:
+    """A scene, the resolution of a mesh for it, and how many were drawn and refused before it."""
 
-    They are those that are not admissible, open the contact, or turn too fast for a march.
-    """
-    random = np.random.default_rng([seed, index])
-    draw, check = _KINDS[kind]
+    scene: Scene
+    resolution: int
+    refusals: int
+
+
+def draw(kind: str, random: np.random.Generator) -> Draw:
+    """The next admissible scene, of "steps" that leave the contact shut or of "histories"."""
     refusals = 0
     while True:
+        resolution = int(random.choice(RESOLUTIONS))
         try:
-            scene = draw(random)
-            check(scene)
-            return Draw(index, scene, refusals, int(random.choice(RESOLUTIONS)))
+            scene = _KINDS[kind](random)
+            if kind == STEPS:
+                check_pressure(scene)
+            return Draw(scene, resolution, refusals)
         except SceneError:
             refusals += 1
 
 
-def _marched(scene: Scene) -> None:
-    march(scene, 1.0, _LOOK_NODES)
-
-
-_KINDS: dict[str, tuple[Callable[[np.random.Generator], Scene], Callable[[Scene], object]]] = {
-    STEPS: (random_steps, check_pressure),
-    HISTORIES: (random_history_scene, _marched),
+_KINDS: dict[str, Callable[[np.random.Generator], Scene]] = {
+    STEPS: random_steps,
+    HISTORIES: random_history_scene,
 }
 
 
@@ -113,5 +94,8 @@ def power_scenes() -> dict[str, Scene]:
         Tractions(0.0, 0.4),
         friction_law=SlipWeakening(2 / 3, 0.05),
     )
-    drawn_ones = {f"drawn {index}": drawn(STEPS, _POWER_SEED, index).scene for index in _DRAWN}
-    return {**named, "steel": steel, "slip weakening": weakening, **drawn_ones}
+    drawn = {
+        f"drawn {index}": draw(STEPS, np.random.default_rng([_POWER_SEED, index])).scene
+        for index in _DRAWN
+    }
+    return {**named, "steel": steel, "slip weakening": weakening, **drawn}
