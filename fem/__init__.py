@@ -4,6 +4,7 @@ from semianalytic.scene.extras import needing
 
 with needing("the finite-element model"):
     from fem.budget import Cost, cost
+    from fem.companions import with_companions
     from fem.interface import BACKWARD, FORWARD, OPEN, STICK
     from fem.model import Model, prepare
     from fem.plan import Settings
@@ -34,4 +35,5 @@ __all__ = [
     "opening_sentence",
     "prepare",
     "simulate",
+    "with_companions",
 ]

@@ -19,12 +19,16 @@ LEAST_GAP = 1e-9
 """What is open less than that, over c_t T times load or base over shear modulus, is closed:
 rounding is 1e-16 of it."""
 
+SEEN = slice(1, None)
+"""Nodes of the contact whose histories are kept: all beyond the edge node."""
+
 
 class Record:
     """Histories of the interface, the slot and the energies, filled level by level.
 
     Every n-th time level of interface and slot is stored, and the last one; energies and totals of
-    the contact are those of every step.
+    the contact are those of every step.  The edge node x = 0 is left out of the interface and of
+    the largest slip: half of what it moves with is slot, and what it does does not converge.
 
     Parameters
     ----------
@@ -33,14 +37,13 @@ class Record:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        plan, steps, nodes = model.plan, model.steps, len(model.contact_x)
+        plan, steps, nodes = model.plan, model.steps, len(model.contact_x) - 1
         self._levels = np.union1d(np.arange(0, steps + 1, plan.settings.every), steps)
         self._row = self._level = 0
         self._least_gap = LEAST_GAP * displacement_scale(plan.scene, plan.end_time)
         rows = len(self._levels)
         stored = model.slot_x >= -plan.slot_length
         self._slot, self._slot_x = model.slot[:, stored], model.slot_x[stored]
-        self._on_contact = model.contact_x > 0
         self._interface = np.zeros((4, rows, nodes))
         self._gap = np.zeros((rows, nodes))  # takes no memory until something opens
         self._state = np.zeros((rows, nodes), dtype=np.int8)
@@ -58,7 +61,7 @@ class Record:
         if step:
             self._energy[:, step] = self._energies()
             self._totals[:, step] = self._sums()
-        offset = self.model.interface.offset
+        offset = self.model.interface.offset[SEEN]
         gap = np.where(offset > self._least_gap, offset, 0.0)
         if gap.any():
             self._note_opening(step, gap)
@@ -68,14 +71,14 @@ class Record:
     def _store(self, step: int, gap: NDArray[np.float64]) -> None:
         interface, row, dt = self.model.interface, self._row, self.model.time_step
         slip, rate, shear, pressure = self._interface[:, row]
-        shear[:], pressure[:] = interface.shear, interface.pressure
-        self._state[row] = interface.state()
+        shear[:], pressure[:] = interface.shear[SEEN], interface.pressure[SEEN]
+        self._state[row] = interface.state()[SEEN]
         if gap.any():
             self._gap[row] = gap
         if step:
             if interface.sliding is not None:
-                slip[:] = interface.sliding.offset()
-                rate[:] = interface.sliding.mean_increment() / dt
+                slip[:] = interface.sliding.offset()[SEEN]
+                rate[:] = interface.sliding.mean_increment()[SEEN] / dt
             for body in self.model.bodies:
                 increments = body.before[self._slot] + body.increment[self._slot]
                 self._velocity[:, row] += increments / (2 * dt * self.model.root[self._slot])
@@ -93,7 +96,7 @@ class Record:
         interface, length = self.model.interface, self.model.interface.length
         if interface.sliding is None:
             return np.zeros(3)
-        slip = interface.sliding.offset()[self._on_contact]
+        slip = interface.sliding.offset()[SEEN]
         return np.array(
             [
                 np.abs(slip).max(),
@@ -103,16 +106,13 @@ class Record:
         )
 
     def _note_opening(self, step: int, gap: NDArray[np.float64]) -> None:
-        """Take in a gap on the contact beyond the edge node, half of which is slot."""
-        interface, x = self.model.interface, self.model.contact_x
-        gap = np.where(self._on_contact, gap, 0.0)
+        """Take in a gap, (n,), that is open somewhere."""
+        x, lengths = self.model.contact_x[SEEN], self.model.interface.length[SEEN]
         widest = int(np.argmax(gap))
-        if gap[widest] == 0:
-            return
         first, place, largest, length = self._opened
         if math.isinf(first):
             first, place = step * self.model.time_step, x[widest]
-        open_now = float(interface.length @ (gap > 0))
+        open_now = float(lengths @ (gap > 0))
         self._opened[:] = first, place, max(largest, gap[widest]), max(length, open_now)
 
     def stored(self) -> dict[str, NDArray[Any]]:
@@ -147,10 +147,13 @@ class Record:
         dt, steps = self.model.time_step, self.model.steps
         t = self._levels * dt
         first, place, largest, length = self._opened.tolist()
+        interface = self.model.interface
         return {
-            "interface": InterfaceHistory(self.model.contact_x, t, *self._interface),
+            "interface": InterfaceHistory(self.model.contact_x[SEEN], t, *self._interface),
             "state": self._state,
             "gap": self._gap,
+            "final_path": interface.path[SEEN],
+            "final_work_density": interface.work_density()[SEEN],
             "slot": SlotHistory(self._slot_x, t, *self._velocity),
             "totals": Totals(dt * np.arange(steps + 1.0), *self._totals),
             "energy": EnergyHistory(np.arange(0.5, steps) * dt, *self._energy[:, 1:]),

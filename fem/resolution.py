@@ -117,7 +117,7 @@ def slow_body_caution(material: Material, lower_material: Material | None, resol
         return ""
     ratio = lower_material.shear_speed / material.shear_speed
     crossed, needed = resolution * ratio, math.ceil(LEAST_CROSSED / ratio)
-    if crossed >= LEAST_CROSSED or resolution >= needed:
+    if ratio >= 1 or crossed >= LEAST_CROSSED or resolution >= needed:
         return ""
     return (
         f"the lower block is under-resolved: its shear wave crosses {crossed:.2g} elements until "

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, fields
-from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.interface import OPEN
 from fem.resolution import slow_body_caution
-from semianalytic.results.answer import FIELDS
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import SampledAnswer, Totals
@@ -20,10 +19,11 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Material, Scene, scene_document, scene_from_document
 from semianalytic.scene.units import SI, unit
 
-FORMAT = "slipfront simulation 5"
+FORMAT = "slipfront simulation 6"
 FILE_NAME = "simulation.h5"
 ARRAYS = ("state", "gap", "final_path", "final_work_density")
 HISTORIES = ("interface", "slot", "energy", "totals")
+COMPANION = "companion"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +92,6 @@ class EnergyHistory:
 class Opening:
     """Where and when the contact came apart, of all steps, stored or not.
 
-    The edge node is left out: half of what belongs to it is slot.
-
     Attributes
     ----------
     time : float
@@ -137,6 +135,8 @@ class Simulation(SampledAnswer):
         What was simulated, e.g. "antisymmetric half".
     lower_material : Material or None
         Of the lower block where it is not that of the scene; the theory does not apply then.
+    step_ratio : float
+        Largest time step asked for, over the critical one.
     time_step, critical_step : float
         The step taken and the largest stable one [time].
     steps : int
@@ -144,8 +144,9 @@ class Simulation(SampledAnswer):
     unknowns : int
         Displacement unknowns.
     interface : InterfaceHistory
-        On the contact nodes x >= 0, the edge node included.  All fields belong to the same
-        times: the slip rate is the mean of the rates half a step before and after, the
+        On the contact nodes x > 0, from x = h on.  The edge node is not among them: half of what
+        it moves with is slot, and what it does does not converge.  All fields belong to the
+        same times: the slip rate is the mean of the rates half a step before and after, the
         tractions are those that act between the two.
     state : (m, n) array of int8
         What each node of `interface` does in the step after each time: STICK (0), slip FORWARD
@@ -158,7 +159,10 @@ class Simulation(SampledAnswer):
     final_work_density : (n,) array
         Work per area that friction has taken at each node by the end [stress length], likewise.
     totals : Totals
-        What the contact as a whole has done by each step, stored or not.
+        What the contact as a whole has done by each step, stored or not.  Accumulated slip and
+        frictional work are sums over all nodes with the lengths that belong to them, the edge
+        node's h/2 included, so that the work is that of `energy`; the largest slip is that on
+        the nodes of `interface`.
     opened : Opening or None
         Where and when the contact came apart; None if it never did.
     slot : SlotHistory
@@ -174,6 +178,8 @@ class Simulation(SampledAnswer):
         snapshots carry it too.
     unwritten : str
         What could not be written during the run, as a sentence; empty if nothing.
+    companion : Simulation or None
+        The same run at twice the element size, which carries its own; see `with_companions`.
     """
 
     scene: Scene
@@ -185,6 +191,7 @@ class Simulation(SampledAnswer):
     mesh: str
     model: str
     lower_material: Material | None
+    step_ratio: float
     time_step: float
     critical_step: float
     steps: int
@@ -202,24 +209,13 @@ class Simulation(SampledAnswer):
     peak_memory: int
     run: str
     unwritten: str
+    companion: Simulation | None = None
 
     def __repr__(self) -> str:
         return (
             f"Simulation({self.model}, {self.unknowns:,} unknowns, {self.steps} steps to "
             f"t = {self.end_time:.6g})"
         )
-
-    @cached_property
-    def on_contact(self) -> NDArray[np.bool_]:
-        """Nodes of `interface` beyond the edge node, half of which is slot, (n,)."""
-        return self.interface.x > 0
-
-    @cached_property
-    def contact(self) -> InterfaceHistory:
-        """The history without the edge node."""
-        history, inside = self.interface, self.on_contact
-        parts = (getattr(history, name)[:, inside] for name in FIELDS)
-        return InterfaceHistory(history.x[inside], history.t, *parts)
 
     @property
     def is_open(self) -> NDArray[np.bool_]:
@@ -232,7 +228,9 @@ class Simulation(SampledAnswer):
         return slow_body_caution(self.scene.material, self.lower_material, self.resolution)
 
     def save(self, directory: str | Path) -> None:
-        """Write `simulation.h5` into a folder; it appears under its name only when complete.
+        """Write `simulation.h5` into a folder, companions included.
+
+        It appears under its name only when complete.
 
         Parameters
         ----------
@@ -241,25 +239,53 @@ class Simulation(SampledAnswer):
         """
         directory = Path(directory)
         directory.mkdir(parents=True, exist_ok=True)
-        facts = {
-            field.name: getattr(self, field.name)
-            for field in fields(self)
-            if field.name not in ("scene", *ARRAYS, *HISTORIES)
-        }
-        for name in ("lower_material", "opened"):
-            facts[name] = facts[name] and asdict(facts[name])
         with whole_hdf5(directory / FILE_NAME) as file:
             file.attrs["format"] = FORMAT
-            file.attrs["scene"] = json.dumps(scene_document(self.scene))
-            file.attrs["facts"] = json.dumps(facts)
-            for name in ARRAYS:
-                file.create_dataset(name, data=getattr(self, name), compression=4)
-            for group in HISTORIES:
-                history = getattr(self, group)
-                for field in fields(history):
-                    file.create_dataset(
-                        f"{group}/{field.name}", data=getattr(history, field.name), compression=4
-                    )
+            _write(self, file)
+
+
+def _write(simulation: Simulation, group: Any) -> None:
+    """Put a simulation into a group of an HDF5 file, its companion into a group of that."""
+    facts = {
+        field.name: getattr(simulation, field.name)
+        for field in fields(simulation)
+        if field.name not in ("scene", COMPANION, *ARRAYS, *HISTORIES)
+    }
+    for name in ("lower_material", "opened"):
+        facts[name] = facts[name] and asdict(facts[name])
+    group.attrs["scene"] = json.dumps(scene_document(simulation.scene))
+    group.attrs["facts"] = json.dumps(facts)
+    for name in ARRAYS:
+        group.create_dataset(name, data=getattr(simulation, name), compression=4)
+    for part in HISTORIES:
+        history = getattr(simulation, part)
+        for field in fields(history):
+            values = getattr(history, field.name)
+            group.create_dataset(f"{part}/{field.name}", data=values, compression=4)
+    if simulation.companion is not None:
+        _write(simulation.companion, group.create_group(COMPANION))
+
+
+def _read(group: Any) -> Simulation:
+    """The simulation that `_write` put into a group."""
+    scene, facts = (json.loads(group.attrs[name]) for name in ("scene", "facts"))
+    lower, opened = facts.pop("lower_material"), facts.pop("opened")
+    arrays = {name: group[name][...] for name in ARRAYS}
+    interface, slot, energy, totals = (
+        {name: data[...] for name, data in group[part].items()} for part in HISTORIES
+    )
+    return Simulation(
+        scene=scene_from_document(scene),
+        lower_material=Material(**lower) if lower else None,
+        opened=Opening(**opened) if opened else None,
+        interface=InterfaceHistory(**interface),
+        slot=SlotHistory(**slot),
+        energy=EnergyHistory(**energy),
+        totals=Totals(**totals),
+        companion=_read(group[COMPANION]) if COMPANION in group else None,
+        **arrays,
+        **facts,
+    )
 
 
 def load_simulation(directory: str | Path) -> Simulation:
@@ -288,24 +314,7 @@ def load_simulation(directory: str | Path) -> Simulation:
                     f"{path} is not a slipfront simulation; "
                     "give the folder of a finished simulation."
                 )
-            scene = json.loads(file.attrs["scene"])
-            facts = json.loads(file.attrs["facts"])
-            lower, opened = facts.pop("lower_material"), facts.pop("opened")
-            arrays = {name: file[name][...] for name in ARRAYS}
-            interface, slot, energy, totals = (
-                {name: data[...] for name, data in file[group].items()} for group in HISTORIES
-            )
-        return Simulation(
-            scene=scene_from_document(scene),
-            lower_material=Material(**lower) if lower else None,
-            opened=Opening(**opened) if opened else None,
-            interface=InterfaceHistory(**interface),
-            slot=SlotHistory(**slot),
-            energy=EnergyHistory(**energy),
-            totals=Totals(**totals),
-            **arrays,
-            **facts,
-        )
+            return _read(file)
     except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError) as error:
         raise DataFileError(
             f"{path} cannot be read as a simulation ({error}); simulate again."

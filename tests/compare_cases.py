@@ -20,14 +20,6 @@ class SampledRun(SimpleNamespace):
     opened = None
     caution = ""
 
-    @property
-    def contact(self):
-        return self.interface
-
-    @property
-    def on_contact(self):
-        return self.interface.x > 0
-
 
 def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, gain=1.0):
     """What a simulation without any error would have recorded, or one with a known error.

@@ -113,7 +113,7 @@ def prediction_at_nodes(
     ComputationError
         If a march fails.
     """
-    x, t = simulation.contact.x, simulation.contact.t
+    x, t = simulation.interface.x, simulation.interface.t
     chosen = chosen_method(simulation.scene, method)
     if chosen == "self-similar":
         solution = solve(simulation.scene)

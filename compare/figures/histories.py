@@ -55,7 +55,7 @@ def comparison_figures(report: Report) -> dict[str, Callable[[Report], Figure]]:
 def sense_figure(report: Report) -> Figure:
     """Maps of slip sense over (x, t): predicted, simulated, and where the two differ."""
     predicted, seen, reached = sense_maps(report.prediction, report.simulation)
-    history = report.simulation.contact
+    history = report.simulation.interface
     material, end = report.simulation.scene.material, history.t[-1]
     length = material.shear_speed * end
     slipping = np.flatnonzero((predicted != 0).any(axis=0))
@@ -91,7 +91,7 @@ def sense_figure(report: Report) -> Figure:
 
 def history_figure(report: Report) -> Figure:
     """Slip rate along the interface at four moments, by both methods."""
-    prediction, seen = report.prediction, report.simulation.contact
+    prediction, seen = report.prediction, report.simulation.interface
     scene, end = report.simulation.scene, seen.t[-1]
     length, scale = scene.material.shear_speed * end, slip_rate_scale(scene)
     figure = describe(new_figure(7, 7.7), scene)
@@ -115,8 +115,7 @@ def history_figure(report: Report) -> Figure:
 def wear_figure(report: Report) -> Figure:
     """Accumulated |slip| and frictional work along the interface at the end, by both methods."""
     prediction, simulation = report.prediction, report.simulation
-    scene, inside = simulation.scene, simulation.on_contact
-    x, end = simulation.contact.x, simulation.interface.t[-1]
+    scene, x, end = simulation.scene, simulation.interface.x, simulation.interface.t[-1]
     length = scene.material.shear_speed * end
     slip, stress = slip_rate_scale(scene) * end, stress_scale(scene)
     work = prediction.final_work_density, simulation.final_work_density
@@ -127,7 +126,7 @@ def wear_figure(report: Report) -> Figure:
         (panels[1], WORK_LABEL, work, slip * stress),
     ):
         panel.plot(x / length, predicted / unit, color=PREDICTION)
-        panel.plot(x / length, seen[inside] / unit, ".", color=SIMULATION, markersize=2.5)
+        panel.plot(x / length, seen / unit, ".", color=SIMULATION, markersize=2.5)
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0)
     reach = np.flatnonzero(prediction.final_path > 0)[-1]

@@ -56,7 +56,7 @@ def slip_rate_figure(
     scene, scale, time = solution.scene, slip_rate_scale(solution.scene), history.t[-1]
     upper, lower = axes or _new_pair(scene)
     unit, dense = scene.material.shear_speed, _speeds(scene)
-    shown = (history.x > 0) & (history.x <= _speed_limit(scene) * time)
+    shown = history.x <= _speed_limit(scene) * time
     velocity, seen = history.x[shown] / time / unit, history.slip_rate[-1, shown] / scale
     difference = seen - solution.slip_rate(history.x[shown], time) / scale
 
@@ -83,7 +83,7 @@ def tractions_figure(
     scene, scale, time = solution.scene, stress_scale(solution.scene), history.t[-1]
     panel = axes or _new_axes(scene)
     unit = scene.material.shear_speed
-    shown = (history.x > 0) & (history.x <= _speed_limit(scene) * time)
+    shown = history.x <= _speed_limit(scene) * time
     velocity = history.x[shown] / time / unit
     shear = history.shear_traction[-1, shown] / scale
     bound = scene.friction * history.pressure[-1, shown] / scale

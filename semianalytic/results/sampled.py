@@ -69,7 +69,7 @@ class SampledAnswer:
     ----------
     scene : Scene
     interface : InterfaceHistory
-        From t = 0 on.
+        From t = 0 on, at x > 0.
     totals : Totals
     """
 
@@ -137,9 +137,8 @@ class SampledAnswer:
         if t <= 0:
             return ()
         seen = self.interface
-        inside = seen.x[seen.x > 0]
         least = _NO_SLIP * float(np.abs(seen.slip_rate).max(initial=0.0))
-        return slip_intervals(inside, self.slip_rate(inside, t), least)
+        return slip_intervals(seen.x, self.slip_rate(seen.x, t), least)
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
@@ -251,7 +250,7 @@ def _check_positions(x: Array, nodes: Array) -> None:
     """Raise SceneError for positions that are not finite, off the contact or beyond the nodes."""
     if not np.all(np.isfinite(x)):
         raise SceneError("positions must be finite numbers.")
-    if np.any((x <= 0) & (x < nodes[0])):
+    if np.any(x <= 0):
         raise SceneError("the contact is x > 0; ask for positive positions.")
     reach = nodes[-1] + nodes[0]
     if np.any(x > reach * (1 + _ROUNDING)):

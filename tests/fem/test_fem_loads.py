@@ -157,14 +157,15 @@ def test_half_block_equals_two_blocks_under_any_load():
 
 
 def test_unloading_slips_backwards_from_the_edge():
-    sim = run(sheared(Pulse(0.4, "triangle")), 80)
+    sim = run(sheared(Pulse(0.4, "triangle")), 160)
     seen = sim.interface
     assert not (sim.state[seen.t < 0.2] == -1).any()  # while the load rises
     after = (seen.t > 0.5) & (seen.t < 0.6)
     rate = seen.slip_rate[after].mean(axis=0)  # single steps ring
     behind, ahead = rate[seen.x < 0.12], rate[seen.x > 0.2]
-    # measured: down to -0.053 at the edge, up to 0.038 in the zone that still runs on
-    assert behind.min() < -0.02
+    # measured: down to -0.037 at the first node, up to 0.037 in the zone that still runs on; the
+    # march has -0.052 at its first of 2000 nodes and 0.036
+    assert behind.min() < -0.03
     assert behind.max() < 0.005
     assert ahead.max() > 0.03
     assert ahead.min() > -0.005
@@ -255,7 +256,10 @@ def test_friction_work_adds_up_to_the_energy():
     energy = sim.energy
     # it belongs to the end, the energies to the middle of the last step: extrapolate these
     end = energy.friction[-1] + (energy.friction[-1] - energy.friction[-2]) / 2
-    assert sim.final_work_density @ length == pytest.approx(end, rel=1e-3)
+    assert sim.frictional_work(1.0) == pytest.approx(end, rel=1e-3)
+    # all of it but what rubs over the half element of the edge node
+    beyond = sim.final_work_density @ length[1:]
+    assert 0.9 * end < beyond < 0.99 * end
 
 
 def test_nothing_rubs_where_symmetry_forbids_slip():

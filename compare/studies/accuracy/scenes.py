@@ -191,7 +191,7 @@ def largest_rates(report: Report) -> tuple[float, float]:
 
     At T where x/t is all that counts, over space and time from 0.2 T on otherwise.
     """
-    predicted, seen = report.prediction.interface, report.simulation.contact
+    predicted, seen = report.prediction.interface, report.simulation.interface
     shown = seen.x > (EDGE_CELLS + 0.5) * report.simulation.element_size
     since = 0.2 if report.prediction.solution is None else 1.0
     places = np.ix_(seen.t >= since * seen.t[-1], shown)

@@ -212,7 +212,7 @@ def energy_tables(evidence: SceneEvidence) -> str:
     ]
     parts.append(("largest imbalance over the work", number(f"{energy.residual:.1e}")))
     simulation = evidence.simulation
-    nodes, end = simulation.contact.x, simulation.end_time
+    nodes, end = simulation.interface.x, simulation.end_time
     work = []
     for report in evidence.reports:
         prediction = report.prediction
@@ -224,7 +224,7 @@ def energy_tables(evidence: SceneEvidence) -> str:
             part, whole = float(heat(end, nodes[0], nodes[-1])), float(heat(end))
         shown = number(_work(part / unit)), number(_work(whole / unit))
         work.append((prediction.method, *shown))
-    seen = float(np.trapezoid(simulation.final_work_density[simulation.on_contact], nodes))
+    seen = float(np.trapezoid(simulation.final_work_density, nodes))
     work.append((FEM, number(_work(seen / unit)), parts[3][1]))
     return table(
         ("finite elements at T", "over τ₀ V₀ c_t T²"),

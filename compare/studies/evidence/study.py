@@ -88,7 +88,7 @@ class SceneEvidence:
         """Histories at the contact nodes and times of the simulation, by method."""
         predictions = [report.prediction for report in self.reports]
         predicted = {prediction.method: prediction.interface for prediction in predictions}
-        return {**predicted, FEM: self.simulation.contact}
+        return {**predicted, FEM: self.simulation.interface}
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -120,7 +120,7 @@ class SceneEvidence:
         """
         if self.published is None:
             raise SceneError(f"the published algorithm does not apply to {self.source}.")
-        scene, history = self.scene, self.simulation.contact
+        scene, history = self.scene, self.simulation.interface
         slowness = scene.material.shear_speed * history.t[:, None] / history.x
         return np.asarray(published_unit(scene) * self.published.at(slowness))
 
@@ -267,7 +267,7 @@ def _closed_form(words: str, scene: Scene, resolution: int) -> ClosedForm:
         prediction_at_nodes(simulation, method) for method in ("self-similar", "space-time")
     ]
     histories = {prediction.method: prediction.interface for prediction in predictions}
-    histories[FEM] = simulation.contact
+    histories[FEM] = simulation.interface
     velocity = histories[FEM].x / simulation.end_time
     shown = in_profile(velocity / speed)
     exact = known.slip_rate(velocity[shown])

@@ -83,7 +83,7 @@ class Outcome:
     energy_residual : float
         Largest imbalance over the external work; nan if stopped.
     switches : int
-        Largest number of times a node opened or closed, beyond the edge node.
+        Largest number of times a node opened or closed.
     energy_gained : float
         Largest energy that friction or closing gaps gave back in a step, over the external work.
     message : str
@@ -265,7 +265,7 @@ def _error(simulation: Simulation) -> float:
 
 
 def _switches(simulation: Simulation) -> int:
-    is_open = simulation.is_open[:, simulation.on_contact]
+    is_open = simulation.is_open
     return int((is_open[1:] != is_open[:-1]).sum(axis=0).max(initial=0))
 
 

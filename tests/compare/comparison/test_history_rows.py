@@ -71,7 +71,7 @@ def test_two_predictions_of_one_scene_agree():
     run = SimpleNamespace(
         scene=find_scene("auxetic"),
         element_size=0.025,
-        contact=SimpleNamespace(x=x[1:], t=t),
+        interface=SimpleNamespace(x=x[1:], t=t),
     )
     exact, marched = prediction_at_nodes(run), prediction_at_nodes(run, "space-time")
     assert (exact.method, marched.method) == ("self-similar", "space-time")

@@ -250,13 +250,12 @@ def test_what_is_linear_in_position_and_in_time_is_told_exactly(widths, steps, f
         np.testing.assert_array_equal(getattr(again, name), sampled)
 
 
-def test_an_edge_node_is_part_of_the_record():
-    """The finite elements have a node at x = 0, and nothing beyond their last one."""
-    x, t = np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0])
+def test_the_record_reaches_from_the_edge_to_a_spacing_beyond_the_last_node():
+    x, t = np.array([0.25, 0.5, 0.75, 1.0]), np.array([0.0, 1.0])
     recorded = Recorded(InterfaceHistory(x, t, *[np.outer(t, x)] * 4))
-    assert recorded.slip(0.0, 1.0) == 0.0
-    assert recorded.slip(0.25, 1.0) == 0.25
-    for beyond in (-0.1, 1.01):
+    assert recorded.slip(1e-9, 1.0) == 0.25
+    assert recorded.slip(1.25, 1.0) == 1.0
+    for beyond in (-0.1, 0.0, 1.26):
         with pytest.raises(SceneError):
             recorded.slip(beyond, 1.0)
 

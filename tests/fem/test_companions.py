@@ -1,0 +1,127 @@
+"""The same run on coarser meshes, carried by a simulation and kept in its file."""
+
+from dataclasses import fields, replace
+
+import h5py
+import numpy as np
+import pytest
+
+from fem import companions, load_simulation, simulate, with_companions
+from fem.results import ARRAYS, HISTORIES
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.loads import Harmonic, Pulse
+from semianalytic.scene.named import find_scene
+from semianalytic.scene.scene import Material, Scene, Tractions
+
+UNIT = Material(1.0, 1.0, 1 / 3)
+OWN = ("seconds", "peak_memory", "companion")
+
+
+@pytest.fixture(scope="module")
+def carrying(mesh_cache):
+    return with_companions(simulate(find_scene("remote-shock"), resolution=40))
+
+
+def assert_same_run(one, other):
+    """Equal in everything but the time it took and what it carries."""
+    for field in fields(one):
+        first, second = getattr(one, field.name), getattr(other, field.name)
+        if field.name in HISTORIES:
+            for part in fields(first):
+                np.testing.assert_array_equal(getattr(first, part.name), getattr(second, part.name))
+        elif field.name in ARRAYS:
+            np.testing.assert_array_equal(first, second)
+        elif field.name not in OWN:
+            assert first == second, field.name
+
+
+def test_companions_are_the_runs_at_half_and_a_quarter_of_the_resolution(carrying):
+    scene = find_scene("remote-shock")
+    assert_same_run(carrying, simulate(scene, resolution=40))
+    assert_same_run(carrying.companion, simulate(scene, resolution=20))
+    assert_same_run(carrying.companion.companion, simulate(scene, resolution=10))
+    assert carrying.companion.companion.companion is None
+
+
+def test_companions_come_back_from_the_file(carrying, tmp_path):
+    carrying.save(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["simulation.h5"]
+    one, other = carrying, load_simulation(tmp_path)
+    for _ in range(3):
+        assert_same_run(one, other)
+        assert one.seconds == other.seconds
+        one, other = one.companion, other.companion
+    assert one is other is None
+
+
+def test_damaged_companion_is_an_error(carrying, tmp_path):
+    carrying.save(tmp_path)
+    with h5py.File(tmp_path / "simulation.h5", "a") as file:
+        del file["companion/companion/state"]
+    with pytest.raises(DataFileError, match=r"simulation\.h5"):
+        load_simulation(tmp_path)
+
+
+def test_only_what_is_missing_is_run(carrying, monkeypatch):
+    runs = []
+
+    def counted(*arguments, **options):
+        runs.append(arguments[2].resolution)
+        return simulate(*arguments, **options)
+
+    monkeypatch.setattr(companions, "simulate", counted)
+    again = with_companions(carrying)
+    assert (runs, again.companion.companion) == ([], carrying.companion.companion)
+    with_companions(replace(carrying, companion=replace(carrying.companion, companion=None)))
+    assert runs == [10]
+
+
+def test_companions_have_the_settings_of_the_simulation():
+    scene = find_scene("remote-shock")
+    options = {
+        "damping": 0.05,
+        "step_ratio": 0.7,
+        "element": "P1",
+        "mesh": "graded",
+        "model": "two-blocks",
+    }
+    run = with_companions(simulate(scene, 0.5, resolution=36, every=4, **options))
+    assert_same_run(run.companion, simulate(scene, 0.5, resolution=18, every=2, **options))
+    assert_same_run(run.companion.companion, simulate(scene, 0.5, resolution=9, **options))
+    lower = Material(2.0, 1.0, 0.3)
+    run = with_companions(simulate(scene, resolution=20, lower_material=lower))
+    assert_same_run(run.companion, simulate(scene, resolution=10, lower_material=lower))
+    run = with_companions(simulate(scene, resolution=20, every=10**6))
+    assert len(run.companion.interface.t) <= 3
+
+
+@pytest.mark.parametrize("resolution", [15, 16, 31, 32, 33])
+def test_companions_end_where_meshes_would_be_too_coarse(resolution):
+    run = with_companions(simulate(find_scene("stuck"), resolution=resolution))
+    seen = []
+    while (run := run.companion) is not None:
+        seen.append(run.resolution)
+    expected = [round(resolution / 2), round(resolution / 4)]
+    assert seen == [one for one in expected if one >= 8]
+
+
+@pytest.mark.parametrize(
+    ("history", "resolution", "carried"), [(Harmonic(2.0), 40, 0), (Pulse(0.21), 40, 1)]
+)
+def test_companions_end_where_meshes_cannot_follow_the_load(history, resolution, carried):
+    scene = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0), shear_history=history)
+    run, seen = with_companions(simulate(scene, resolution=resolution)), -1
+    while run is not None:
+        run, seen = run.companion, seen + 1
+    assert seen == carried
+
+
+def test_progress_is_told_and_the_coarse_mesh_is_not_complained_about(recwarn):
+    steps = []
+    slow = Material(0.16, 1.0, 1 / 3)  # 16 elements in the simulation, 8 and 4 in companions
+    run = simulate(find_scene("remote-shock"), resolution=40, lower_material=slow)
+    run = with_companions(run, lambda step, of: steps.append((step, of)))
+    assert not recwarn.list
+    assert run.companion.caution
+    coarse, coarsest = run.companion.steps, run.companion.companion.steps
+    assert steps == [(n, of) for of in (coarse, coarsest) for n in range(1, of + 1)]
