@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,9 +19,11 @@ from compare.comparison.arrivals import (
     roughness,
     smeared,
 )
-from compare.comparison.rows import Row, comparison_row
-from compare.comparison.scales import slip_rate_scale, stress_scale, wave_speeds
-from semianalytic import Solution
+from compare.comparison.bars import error_bar, observed_order
+from compare.comparison.case import Case
+from compare.comparison.rows import Row
+from compare.comparison.scales import wave_speeds
+from semianalytic import Marched, Solution
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -28,112 +31,177 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LEAST_ROUGHNESS = 1e-3
-
-
-def arrival_rows(solution: Solution, simulation: Simulation) -> Iterator[Row]:
-    """Speeds in c_t of the Rayleigh, S and P signals on the interface and on the slot face.
-
-    On each face a signal is followed in the field whose predicted waveform is roughest there,
-    relative to the reference stress or slip rate, at the last time at which the surroundings of
-    the front are still on the recorded part of the face.
-    """
-    fronts = wave_speeds(solution.scene.material)
-    edges = [e for z in solution.zones for e in (z.inner, z.outer) if 0 < e < math.inf]
-    for face, others, fields in (
-        ("interface", edges, _interface_fields(solution, simulation)),
-        ("slot face", [], _slot_fields(solution, simulation)),
-    ):
-        for signal, front in fronts.items():
-            window = front_window(front, {*fronts.values(), *others} - {front})
-            yield _arrival_row(f"{signal} arrival on the {face}", window, fields, simulation)
-
-
-def _arrival_row(
-    quantity: str, window: Window, fields: Sequence[_Field], simulation: Simulation
-) -> Row:
-    shear_speed = simulation.scene.material.shear_speed
-    time = fields[0].last_time(window.upper)
-    cell = simulation.element_size / (shear_speed * time)
-    # Damping C = eta K spreads a front over sqrt(eta t) in time, eta = damping h / c_t.
-    width = window.front * math.sqrt(simulation.damping * cell)
-    waveforms = [smeared(field.predict, window, width) for field in fields]
-    samples = window.samples()
-    strength = [roughness(waveform(samples), samples) for waveform in waveforms]
-    strongest = int(np.argmax(strength))
-    tolerance = (2 * cell, f"arrivals: two elements over c_t t, 2 h / (c_t t), at t = {time:.3g}")
-    if strength[strongest] < LEAST_ROUGHNESS:
-        return comparison_row(quantity, None, None, *tolerance, "c_t")
-    field = fields[strongest]
-    speed = aligned_speed(*field.record(time), waveforms[strongest], window)
-    return comparison_row(
-        f"{quantity} ({field.name})",
-        window.front / shear_speed,
-        None if speed is None else speed / shear_speed,
-        *tolerance,
-        "c_t",
-    )
+ARRIVAL_FLOOR = 0.5
+"""Elements by which nodes alone leave a front open."""
 
 
 @dataclass(frozen=True)
-class _Field:
-    """A field on one face over its reference value: what was recorded and what is expected.
+class Face:
+    """One field on one face: what is expected of it, and what a run recorded.
 
     Attributes
     ----------
     name : str
-    distance : (n,) array
-        From the edge [length], increasing.
-    time : (m,) array
-        [time].
-    values : (m, n) array
+        Of the field.
     predict : callable
-        Expected values at similarity velocities [length / time].
+        Expected values over the reference value at velocities [length / time].
+    record : callable
+        Of a simulation: distances from the edge (n,) [length], increasing, times (m,) [time] and
+        values over the reference value (m, n).
     """
 
     name: str
-    distance: Array
-    time: Array
-    values: Array
     predict: Waveform
-
-    def last_time(self, velocity: float) -> float:
-        """Last recorded time at which what travels at a velocity is still on the record."""
-        there = self.time[velocity * self.time <= self.distance[-1]]
-        return float(there[-1])
-
-    def record(self, time: float) -> tuple[Array, Array]:
-        """Similarity velocities and values at a recorded time."""
-        return self.distance / time, self.values[np.searchsorted(self.time, time)]
+    record: Callable[[Simulation], tuple[Array, Array, Array]]
 
 
-def _interface_fields(solution: Solution, simulation: Simulation) -> tuple[_Field, ...]:
-    contact, scene = simulation.interface, solution.scene
-    stress, rate = stress_scale(scene), slip_rate_scale(scene)
-    return tuple(
-        _Field(name, contact.x, contact.t, values / scale, _over(predict, scale))
-        for name, values, predict, scale in (
-            ("shear traction", contact.shear_traction, solution.shear_traction, stress),
-            ("pressure", contact.pressure, solution.pressure, stress),
-            ("slip rate", contact.slip_rate, solution.slip_rate, rate),
-        )
+def arrival_rows(case: Case) -> Iterator[Row]:
+    """Speeds in c_t of the Rayleigh, S and P signals on the interface and on the slot face.
+
+    On each face a signal is followed in the field whose predicted waveform is roughest there,
+    relative to the reference stress or slip rate, at the last time at which the surroundings of
+    the front are still on the recorded part of the face.  The slot face is looked at where the
+    prediction is a `Solution`, which knows it; a march does not reach beyond all fronts.
+    """
+    if isinstance(case.prediction, Marched):
+        return
+    fronts = wave_speeds(case.prediction.scene.material)
+    edges = [
+        edge / case.end_time
+        for zone in case.prediction.zones_at(case.end_time)
+        for edge in (zone.start, zone.end)
+        if 0 < edge < math.inf
+    ]
+    faces = [("interface", edges, _interface_fields(case))]
+    if isinstance(case.prediction, Solution):
+        faces.append(("slot face", [], _slot_fields(case, case.prediction)))
+    for face, others, fields in faces:
+        for signal, front in fronts.items():
+            window = front_window(front, {*fronts.values(), *others} - {front})
+            row = _arrival_row(case, f"{signal} arrival on the {face}", window, fields)
+            if row is not None:
+                yield row
+
+
+def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> Row | None:
+    """The row of one front; None where no field has a signal there."""
+    samples = window.samples()
+    templates = [_template(case.simulation, field, window) for field in fields]
+    strength = [roughness(template(samples), samples) for template in templates]
+    strongest = int(np.argmax(strength))
+    if strength[strongest] < LEAST_ROUGHNESS:
+        return None
+    field, shear_speed = fields[strongest], case.scene.material.shear_speed
+    velocity, recorded = _recorded(case.simulation, field, window)
+    exact = aligned_speed(velocity, field.predict(velocity), templates[strongest], window)
+    speeds = []
+    for run in (case.simulation, *case.coarser):
+        template = _template(run, field, window)
+        speeds.append(aligned_speed(*_recorded(run, field, window), template, window))
+    changes = []
+    for fine, coarse in pairwise(speeds):
+        if fine is None or coarse is None:
+            break
+        changes.append((fine - coarse) / shear_speed)
+    at_nodes, simulated = (
+        None if speed is None else speed / shear_speed for speed in (exact, speeds[0])
     )
+    both = at_nodes is not None and simulated is not None
+    floor = ARRIVAL_FLOOR * _cell(case.simulation, field, window)
+    row = Row(
+        f"{name} ({field.name})",
+        "arrival",
+        window.front / shear_speed,
+        at_nodes,
+        simulated,
+        simulated - at_nodes if both else None,  # type: ignore[operator]
+        error_bar("arrival", changes) + floor if changes else None,
+        "c_t",
+        order=observed_order(changes),
+    )
+    if simulated is None and at_nodes is not None and case.coarser:
+        # is the front washed out by the mesh, or not the one that is predicted?
+        coarse_velocity, coarse = _recorded(case.coarser[0], field, window)
+        inside = (coarse_velocity > window.lower) & (coarse_velocity < window.upper)
+        fine = np.interp(coarse_velocity[inside], velocity, recorded)
+        change = error_bar("arrival", [float(np.sqrt(np.mean((fine - coarse[inside]) ** 2)))])
+        if not change < strength[strongest] / 2:
+            return replace(row, obstacle="the mesh washes the front out")
+        return replace(row, bar=floor)
+    if at_nodes is None:
+        return replace(row, obstacle="too few nodes about the front, or too smooth a one")
+    return case.judged(row, None)
 
 
-def _slot_fields(solution: Solution, simulation: Simulation) -> tuple[_Field, ...]:
-    slot, rate = simulation.slot, slip_rate_scale(solution.scene)
-    outward = np.argsort(-slot.x)
+def _template(run: Simulation, field: Face, window: Window) -> Waveform:
+    """The predicted waveform as the damping of a run smears it.
 
+    Damping C = eta K spreads a front over sqrt(eta t) in time, eta = damping h / c_t.
+    """
+    width = window.front * math.sqrt(run.damping * _cell(run, field, window))
+    return smeared(field.predict, window, width)
+
+
+def _cell(run: Simulation, field: Face, window: Window) -> float:
+    """Element size over c_t t at the time at which a front is looked at."""
+    distance, time, _ = field.record(run)
+    late = _last_time(distance, time, window.upper)
+    return run.element_size / (run.scene.material.shear_speed * late)
+
+
+def _recorded(run: Simulation, field: Face, window: Window) -> tuple[Array, Array]:
+    """Similarity velocities and values of a field when a front is looked at."""
+    distance, time, values = field.record(run)
+    late = _last_time(distance, time, window.upper)
+    return distance / late, values[np.searchsorted(time, late)]
+
+
+def _last_time(distance: Array, time: Array, velocity: float) -> float:
+    """Last recorded time at which what travels at a velocity is still on the record."""
+    return float(time[velocity * time <= distance[-1]][-1])
+
+
+def _interface_fields(case: Case) -> list[Face]:
+    def record(name: str, scale: float) -> Callable[[Simulation], tuple[Array, Array, Array]]:
+        return lambda run: (
+            run.interface.x,
+            run.interface.t,
+            getattr(run.interface, name) / scale,
+        )
+
+    return [
+        Face(
+            name.replace("_", " "),
+            _over(getattr(case.prediction, name), scale, case.end_time),
+            record(name, scale),
+        )
+        for name, scale in (
+            ("shear_traction", case.stress),
+            ("pressure", case.stress),
+            ("slip_rate", case.rate),
+        )
+    ]
+
+
+def _slot_fields(case: Case, solution: Solution) -> list[Face]:
     def component(index: int) -> Callable[[Array, float], Array]:
         return lambda x, t: solution.slot_velocity(-x, t)[index]
 
-    return tuple(
-        _Field(
-            name, -slot.x[outward], slot.t, values[:, outward] / rate, _over(component(index), rate)
-        )
-        for index, (name, values) in enumerate((("v_x", slot.velocity_x), ("v_y", slot.velocity_y)))
-    )
+    def record(index: int) -> Callable[[Simulation], tuple[Array, Array, Array]]:
+        def of(run: Simulation) -> tuple[Array, Array, Array]:
+            slot = run.slot
+            outward = np.argsort(-slot.x)
+            values = (slot.velocity_x, slot.velocity_y)[index]
+            return -slot.x[outward], slot.t, values[:, outward] / case.rate
+
+        return of
+
+    return [
+        Face(name, _over(component(index), case.rate, case.end_time), record(index))
+        for index, name in enumerate(("v_x", "v_y"))
+    ]
 
 
-def _over(predict: Callable[[Array, float], Array], scale: float) -> Waveform:
+def _over(predict: Callable[[Array, float], Array], scale: float, time: float) -> Waveform:
     """Waveform over similarity velocity, in units of a reference value."""
-    return lambda velocity: predict(velocity, 1.0) / scale
+    return lambda velocity: predict(velocity * time, time) / scale

@@ -1,151 +1,236 @@
-"""Comparison over space and time: sense of slip, reversals, wear; for any load history."""
+"""Comparison over space and time: slip rate, sense of slip, onset, reversal; for any history."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
-from compare.comparison.measures import is_nothing, onset_time
-from compare.comparison.prediction import Prediction
-from compare.comparison.rows import (
-    EDGE_CELLS,
-    NO_SLIP,
-    ZONE_CELLS,
-    Row,
-    comparison_row,
-    element_over_length,
-    error_row,
-    nothing_row,
-)
-from compare.comparison.scales import load_time, slip_rate_scale, stress_scale
+from compare.comparison.bars import error_bar, observed_order
+from compare.comparison.case import EDGE_CELLS, NARROW, Case
+from compare.comparison.measures import NOTHING, norm, onset_time
+from compare.comparison.rows import Row
 from semianalytic import Harmonic, InterfaceHistory
-from semianalytic.scene.scene import Scene
-from semianalytic.scene.units import unit
-
-if TYPE_CHECKING:
-    from fem import Simulation
+from semianalytic.results.sampled import interpolated
 
 Array = NDArray[np.float64]
+Senses = NDArray[np.int8]
 
 SENSE_THRESHOLD = 0.01
 REVERSAL_THRESHOLD = 0.05
+"""Parts of the largest slip rate from which on slip has a sense, and counts as a reversal."""
 PROBES = (0.04, 0.25, 0.5, 0.75)
-NEAR = 1
 EARLY = 0.2
-REACH = 1.9
+"""Part of the end time that is left out, in which little is resolved."""
+ONSET_FLOOR = 0.5
+"""Elements over c_t by which nodes and steps leave a time open."""
 
 
-def slip_sense(slip_rate: Array, largest: float) -> NDArray[np.int8]:
+def slip_sense(slip_rate: Array, largest: float) -> Senses:
     """+1, 0 or -1 where slip is faster than 1 % of the largest slip rate, any shape."""
     fast = np.abs(slip_rate) > SENSE_THRESHOLD * largest
     return np.where(fast, np.sign(slip_rate), 0).astype(np.int8)
 
 
-def slips(prediction: Prediction, simulation: Simulation) -> bool:
-    """Whether any slip is predicted at the nodes of a simulation."""
-    scale = slip_rate_scale(simulation.scene)
-    return not is_nothing(prediction.interface.slip_rate, scale)
-
-
-def sense_maps(
-    prediction: Prediction, simulation: Simulation
-) -> tuple[NDArray[np.int8], NDArray[np.int8], NDArray[np.bool_]]:
+def sense_maps(case: Case) -> tuple[Senses, Senses, NDArray[np.bool_]]:
     """Predicted and simulated sense of slip, and what the waves have reached, (m, n) each."""
-    seen = simulation.interface
-    largest = float(np.abs(prediction.interface.slip_rate).max())
-    speed = simulation.scene.material.longitudinal_speed
-    reached = seen.x <= speed * seen.t[:, None]
-    predicted = slip_sense(prediction.interface.slip_rate, largest)
-    return predicted, slip_sense(seen.slip_rate, largest), reached
+    seen = case.seen
+    reached = seen.x <= case.scene.material.longitudinal_speed * seen.t[:, None]
+    predicted, simulated = (
+        slip_sense(field, case.largest_rate) for field in (case.at_nodes.slip_rate, seen.slip_rate)
+    )
+    return predicted, simulated, reached
 
 
-def beside_edges(sense: NDArray[np.int8]) -> NDArray[np.bool_]:
+def beside_edges(sense: Senses) -> NDArray[np.bool_]:
     """Nodes and times within one of a change of sense, (m, n)."""
     changes = np.zeros(sense.shape, dtype=bool)
     changes[:-1] |= np.diff(sense, axis=0) != 0
     changes[:, :-1] |= np.diff(sense, axis=1) != 0
-    return np.asarray(binary_dilation(changes, iterations=NEAR), dtype=bool)
+    return np.asarray(binary_dilation(changes), dtype=bool)
 
 
-def rate_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
+def rate_row(case: Case) -> Row:
     """Relative L1 error of the slip rate over space and time, the four elements at the edge left
-    out; the two values are means.  The largest value where none is predicted."""
-    predicted, simulated = prediction.interface, simulation.interface
-    x, t = simulated.x, simulated.t
-    shown, later = x > EDGE_CELLS * simulation.element_size, t > EARLY * t[-1]
-    scale, quantity = slip_rate_scale(simulation.scene), "slip rate over space and time"
-    part = np.ix_(later, shown)
-    if not is_nothing(predicted.slip_rate[part], scale):
-        yield error_row(
-            quantity,
-            predicted.slip_rate[part],
-            simulated.slip_rate[part],
-            x[shown],
-            time=t[later],
-            tolerance=_tolerance(quantity, 4, simulation),
-            unit="V₀",
-            scale=scale * float(np.ptp(x[shown]) * np.ptp(t[later])),
-        )
-        return
-    # what slips next to the edge, or before, may be seen wider by what edges may be off
-    slipping = ~np.array([is_nothing(record, scale) for record in predicted.slip_rate.T])
-    part = np.ix_(later, ~binary_dilation(slipping, iterations=ZONE_CELLS) & shown)
-    rates = predicted.slip_rate[part], simulated.slip_rate[part]
-    yield nothing_row(quantity, *rates, scale, NO_SLIP, "V₀")
+    out; the largest value where none is predicted."""
+    start = EDGE_CELLS * case.simulation.element_size
+    unit = case.rate
+
+    def shown(history: InterfaceHistory) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        return history.t > EARLY * case.end_time, history.x > start
+
+    part = np.ix_(*shown(case.seen))
+    predicted, simulated = (
+        history.slip_rate[part] / unit for history in (case.at_nodes, case.seen)
+    )
+    nothing = float(np.abs(predicted).max(initial=0.0)) <= NOTHING
+
+    def size(field: Array, history: InterfaceHistory) -> float:
+        if nothing:
+            return float(np.abs(field).max(initial=0.0))
+        late, far = shown(history)
+        place = history.x[far] / case.length
+        return norm(field, place, 1, history.t[late] / case.end_time)
+
+    runs = [case.seen, *(run.interface for run in case.coarser)]
+    changes = []
+    for fine, coarse in pairwise(runs):
+        late, far = shown(coarse)
+        x, t = np.broadcast_arrays(coarse.x[far], coarse.t[late][:, None])
+        there = interpolated(fine, "slip_rate", x, t) - coarse.slip_rate[np.ix_(late, far)]
+        changes.append(size(there / unit, coarse))
+    whole = size(predicted, case.seen)
+    per = 1.0 if nothing else whole
+    unseen = np.where(_unseen(case, start), case.at_nodes.slip_rate, 0.0)[part] / unit
+    bar = None
+    if changes:
+        bar = (error_bar("slip rate", changes) + size(unseen, case.seen)) / per
+        bar += NOTHING if nothing else case.error_estimate
+        if case.doubted is not None:
+            bar += size(case.doubted.slip_rate[part] / unit - predicted, case.seen) / per
+    name = "slip rate over space and time"
+    row = Row(
+        f"{name}, largest" if nothing else f"{name} in L1",
+        "slip rate",
+        None,
+        whole,
+        size(simulated, case.seen),
+        size(simulated - predicted, case.seen) / per,
+        bar,
+        "V₀" if nothing else "V₀ c_t T²",
+        relative=not nothing,
+        order=observed_order(changes),
+    )
+    return case.judged(row, None if nothing else 1.0)
 
 
-def sense_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
+def _unseen(case: Case, start: float) -> NDArray[np.bool_]:
+    """Nodes and times in zones of a self-similar prediction that are too narrow beyond a position
+    at that time, (m, n)."""
+    x, t = case.seen.x, case.seen.t[:, None] / case.end_time
+    unseen = np.zeros((len(t), len(x)), dtype=bool)
+    if case.scene.is_self_similar:
+        for zone in case.prediction.zones_at(case.end_time):
+            width = zone.end * t - np.maximum(zone.start * t, start)
+            inside = (x > zone.start * t) & (x < zone.end * t)
+            unseen |= (width < NARROW * case.simulation.element_size) & inside
+    return unseen
+
+
+def sense_rows(case: Case) -> Iterator[Row]:
     """Parts of the space-time area behind the first wave that slip, each way, and that differ."""
-    predicted, seen, reached = sense_maps(prediction, simulation)
+    predicted, simulated, reached = sense_maps(case)
     area = float(reached.sum())
-    edges = float((beside_edges(predicted) & reached).sum()) / area
+    floor = float((beside_edges(simulated) & reached).sum()) / area / 2 + 1 / area
     for name, sense in (("forward", 1), ("reverse", -1)):
-        parts = [float((found == sense)[reached].sum()) / area for found in (predicted, seen)]
-        yield comparison_row(
+        row = case.value_row(
             f"{name} slip, part of the map",
-            parts[0],
-            parts[1],
-            max(edges / 2, 1 / area),
-            "sense of slip: half of what lies within one node of an edge of the predicted map",
+            "sense",
+            partial(_part, case, sense),
+            floor=floor,
         )
-    differing = float((predicted != seen)[reached].sum()) / area
-    yield Row(
-        "sense of slip, part of the map that differs",
-        0.0,
-        differing,
-        differing,
-        max(edges, 1 / area),
-        "sense of slip: what lies within one node of an edge of the predicted map",
+        if row is not None:
+            yield row
+    changes = []
+    runs = [case.seen, *(run.interface for run in case.coarser)]
+    for fine, coarse in pairwise(runs):
+        x, t = np.broadcast_arrays(coarse.x, coarse.t[:, None])
+        behind = x <= case.scene.material.longitudinal_speed * t
+        senses = [
+            slip_sense(field, case.largest_rate)
+            for field in (interpolated(fine, "slip_rate", x, t), coarse.slip_rate)
+        ]
+        changes.append(float((senses[0] != senses[1])[behind].sum() / behind.sum()))
+    differing = float((predicted != simulated)[reached].sum()) / area
+    bar = error_bar("sense", changes) + floor if changes else None
+    if bar is not None and case.doubted is not None:
+        doubted = slip_sense(case.doubted.slip_rate, case.largest_rate)
+        bar += float((doubted != predicted)[reached].sum()) / area
+    yield case.judged(
+        Row(
+            "sense of slip, part of the map that differs",
+            "sense",
+            None,
+            0.0,
+            differing,
+            differing,
+            bar,
+            order=observed_order(changes),
+        ),
+        None,
     )
 
 
-def event_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
+def _part(case: Case, sense: int, history: InterfaceHistory) -> float:
+    """Part of the area behind the first wave that slips one way."""
+    reached = history.x <= case.scene.material.longitudinal_speed * history.t[:, None]
+    slips = slip_sense(history.slip_rate, case.largest_rate) == sense
+    return float(slips[reached].sum() / reached.sum())
+
+
+def event_rows(case: Case) -> Iterator[Row]:
     """Times in T at which slip starts and first reverses at probe points."""
-    predicted, simulated = prediction.interface, simulation.interface
-    end = simulated.t[-1]
-    length = simulation.scene.material.shear_speed * end
-    largest = float(np.abs(predicted.slip_rate).max())
-    tolerance = 2 * element_over_length(simulation) + 2 * (simulated.t[1] - simulated.t[0]) / end
-    reason = (
-        "onset and reversal: two elements at c_t and two steps, at 1 and 5 % of the largest rate"
-    )
+    cell = case.simulation.element_size / case.length
+    step = float(case.seen.t[1] - case.seen.t[0]) / case.end_time
     # what is self-similar looks the same everywhere, only coarser near the edge
-    for probe in PROBES[-1:] if simulation.scene.is_self_similar else PROBES:
-        node = int(np.argmin(np.abs(simulated.x - probe * length)))
-        place = f"at x = {simulated.x[node] / length:.2f} c_t T"
-        records = [field.slip_rate[:, node] for field in (predicted, simulated)]
+    for probe in PROBES[-1:] if case.scene.is_self_similar else PROBES:
+        place = float(case.seen.x[np.argmin(np.abs(case.seen.x - probe * case.length))])
         for name, first_time, share in (
             ("slip onset (1 % of peak)", onset_time, SENSE_THRESHOLD),
             ("slip reversal", _reversal, REVERSAL_THRESHOLD),
         ):
-            onsets = [first_time(simulated.t, record, share * largest) for record in records]
-            expected, seen = (None if time is None else time / end for time in onsets)
-            yield comparison_row(f"{name} {place}", expected, seen, tolerance, reason, "T")
+            least = share * case.largest_rate
+
+            row = case.value_row(
+                f"{name} at x = {place / case.length:.2f} c_t T",
+                "onset",
+                partial(_event, first_time, place, least, case.end_time),
+                floor=ONSET_FLOOR * cell + step,
+                unit="T",
+            )
+            if row is None:
+                continue
+            if row.verdict == "differs":
+                row = replace(row, obstacle=_weakness(case, place, least))
+            yield row
+
+
+def _event(
+    first_time: Callable[[Array, Array, float], float | None],
+    place: float,
+    least: float,
+    end_time: float,
+    history: InterfaceHistory,
+) -> float | None:
+    """When something first happens at a place, in T."""
+    when = first_time(history.t, _record(history, place), least)
+    return None if when is None else when / end_time
+
+
+def _weakness(case: Case, place: float, least: float) -> str:
+    """That slip at a place passes a threshold by less than its error bar; "" if by more."""
+    runs = [case.seen, *(run.interface for run in case.coarser)]
+    changes = []
+    for fine, coarse in pairwise(runs):
+        there = np.interp(coarse.t, fine.t, _record(fine, place)) - _record(coarse, place)
+        changes.append(float(np.abs(there).max()))
+    if not changes:
+        return ""
+    bar = error_bar("slip rate", changes)
+    records = [np.abs(_record(history, place)) for history in (case.at_nodes, case.seen)]
+    if all(float(record.max()) > least + bar for record in records):
+        return ""
+    return f"slip there is within its error bar, {bar / case.rate:.2g} V₀, of the threshold"
+
+
+def _record(history: InterfaceHistory, place: float) -> Array:
+    """Slip rate over time at a place."""
+    return interpolated(history, "slip_rate", np.full(history.t.shape, place), history.t)
 
 
 def _reversal(time: Array, slip_rate: Array, threshold: float) -> float | None:
@@ -156,71 +241,28 @@ def _reversal(time: Array, slip_rate: Array, threshold: float) -> float | None:
     return onset_time(time, np.maximum(-np.sign(slip_rate[fast[0]]) * slip_rate, 0.0), threshold)
 
 
-def slip_and_work_rows(prediction: Prediction, simulation: Simulation) -> Iterator[Row]:
-    """Slip and accumulated |slip| at the end, frictional work, and its part in each cycle.
-
-    The two values are integrals over the contact.
-    """
-    predicted, simulated = prediction.interface, simulation.interface
-    scene, tolerance = simulation.scene, _tolerance("wear", 1, simulation)
-    x, end = simulated.x, simulated.t[-1]
-    shown = x < REACH * scene.material.shear_speed * end
-    slip = slip_rate_scale(scene) * end, "V₀ T", unit("length^2", scene.units)
-    work = slip[0] * stress_scale(scene), "τ₀ V₀ T", unit("stress length^2", scene.units)
-    for name, expected, seen, (scale, symbol, summed) in (
-        ("slip at the end", predicted.slip[-1], simulated.slip[-1], slip),
-        ("accumulated |slip|", prediction.final_path, simulation.final_path, slip),
-        ("frictional work", prediction.final_work_density, simulation.final_work_density, work),
-    ):
-        pair = expected[shown], seen[shown]
-        if is_nothing(pair[0], scale):
-            yield nothing_row(name, *pair, scale, _no(name), symbol)
-        else:
-            yield error_row(name, *pair, x[shown], tolerance=tolerance, unit=summed)
-    scale = work[0] * scene.material.shear_speed * end
-    for cycle, (expected, seen) in enumerate(_cycles(scene, predicted, simulated), start=1):
-        name = f"frictional work in cycle {cycle}"
-        if is_nothing(np.array(expected), scale):
-            pair = np.array(expected), np.array(seen)
-            yield nothing_row(name, *pair, scale, _no("frictional work"), "τ₀ V₀ c_t T²")
-        else:
-            error = abs(seen - expected) / expected
-            yield Row(name, expected, seen, error, *tolerance, work[2], relative=True)
-
-
-def _no(name: str) -> str:
-    """Why next to nothing of a quantity passes where none is predicted."""
-    return f"no {name}: what the simulation has of it is rounding, below 1e-6 of its unit"
-
-
-def _tolerance(what: str, elements: int, simulation: Simulation) -> tuple[float, str]:
-    """Elements over c_t times the time of the load, half an order less under a pressure shock."""
-    scene, end = simulation.scene, simulation.end_time
-    cell = element_over_length(simulation) * end / load_time(scene, end)
-    if scene.load.pressure == 0 or scene.pressure_history.pieces.jumps == ():
-        count = "one element" if elements == 1 else f"{elements} elements"
-        return elements * cell, f"{what}: {count} over c_t times the time of the load"
-    return (
-        elements * 0.03 * math.sqrt(100 * cell),
-        f"{what} under a pressure shock: damping smears the friction bound over √h at the fronts, "
-        f"{3 * elements} % at h = 0.01 c_t T",
-    )
-
-
-def _cycles(
-    scene: Scene, predicted: InterfaceHistory, simulated: InterfaceHistory
-) -> Iterator[tuple[float, float]]:
-    """Frictional work per unit thickness in each whole cycle of a harmonic load, by both."""
-    if not isinstance(scene.shear_history, Harmonic):
+def cycle_rows(case: Case) -> Iterator[Row]:
+    """Frictional work per unit thickness in each whole cycle of a harmonic load."""
+    if not isinstance(case.scene.shear_history, Harmonic):
         return
-    period = 1 / scene.shear_history.frequency
-    whole = int(simulated.t[-1] / period * (1 + 1e-9))
-    ends = period * np.arange(whole + 1)
-    done = []
-    for history in (predicted, simulated):
-        power: Array = np.asarray(
-            np.trapezoid(history.slip_rate * history.shear_traction, history.x, axis=1)
+    period = 1 / case.scene.shear_history.frequency
+    unit = case.stress * case.rate * case.length * case.end_time
+    for cycle in range(int(case.end_time / period * (1 + 1e-9))):
+        row = case.value_row(
+            f"frictional work in cycle {cycle + 1}",
+            "work",
+            partial(_work_between, unit, cycle * period, (cycle + 1) * period),
+            floor=NOTHING,
+            unit="τ₀ V₀ c_t T²",
         )
-        steps = np.diff(history.t) * (power[1:] + power[:-1]) / 2
-        done.append(np.interp(ends, history.t, np.concatenate([[0.0], np.cumsum(steps)])))
-    yield from zip(*(np.diff(work).tolist() for work in done), strict=True)
+        if row is not None:
+            yield case.judged(row, row.at_nodes)
+
+
+def _work_between(unit: float, start: float, end: float, history: InterfaceHistory) -> float:
+    """Frictional work per unit thickness between two times, over a unit."""
+    power = np.trapezoid(history.slip_rate * history.shear_traction, history.x, axis=1)
+    steps = np.diff(history.t) * (power[1:] + power[:-1]) / 2
+    work = np.concatenate([[0.0], np.cumsum(steps)])
+    first, last = np.interp([start, end], history.t, work).tolist()
+    return float(last - first) / unit

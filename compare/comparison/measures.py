@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic import SlipZone
+from semianalytic import InterfaceHistory, SlipZone
 from semianalytic.results.sampled import slip_intervals
 
 Array = NDArray[np.float64]
@@ -110,3 +110,15 @@ def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:
         return float(time[0])
     pair = slice(first - 1, first + 1)
     return float(np.interp(threshold, speed[pair], time[pair]))
+
+
+def worn(history: InterfaceHistory) -> tuple[Array, Array]:
+    """|slip| accumulated [length] and frictional work per area [stress length] until the end.
+
+    By the trapezoidal rule over the stored levels, (n,) each.
+    """
+    rate, traction = history.slip_rate, history.shear_traction
+    return (
+        np.asarray(np.trapezoid(np.abs(rate), history.t, axis=0)),
+        np.asarray(np.trapezoid(rate * traction, history.t, axis=0)),
+    )

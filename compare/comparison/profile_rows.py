@@ -1,138 +1,189 @@
-"""Slip rate and tractions along the interface at one time, predicted and simulated."""
+"""Fields along the interface at the end of a run, predicted and simulated."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from compare.comparison.measures import in_profile, is_nothing
-from compare.comparison.rows import (
-    EDGE_CELLS,
-    NO_SLIP,
-    ZONE_CELLS,
-    Row,
-    element_over_length,
-    error_row,
-    nothing_row,
-)
-from compare.comparison.scales import slip_rate_scale, stress_scale
+from compare.comparison.case import EDGE_CELLS, NARROW, Case, worn_by
+from compare.comparison.measures import norm, worn
+from compare.comparison.rows import Row
 from compare.comparison.snapshots import SlipRateProfile
-from semianalytic import Solution
 
 if TYPE_CHECKING:
     from fem import Simulation
 
+Array = NDArray[np.float64]
+Answers = Callable[[ArrayLike, ArrayLike], Array]
 
-def slip_rate_rows(solution: Solution, simulation: Simulation) -> Iterator[Row]:
-    """Relative errors of the slip rate at the final time, or its largest value where none slips.
-
-    None slips either where zones end below 0.02 c_t T.
-
-    Prediction and simulation are the norms of the slip rate over 0.02 < x / (c_t t) < 1.9; the
-    difference is the norm of their difference over that of the prediction.
-    """
-    history = simulation.interface
-    profile = SlipRateProfile(float(history.t[-1]), history.x, history.slip_rate[-1])
-    return _profile_rows("slip rate", profile, (1, 2), solution, simulation)
+NEAREST, FARTHEST = 0.02, 1.9
+"""Positions over c_t T between which slip is compared: not at the edge, nor where P arrives."""
+POINTS = 2000
+"""At which a prediction is integrated apart from the nodes."""
 
 
-def snapshot_rows(
-    solution: Solution, simulation: Simulation, profile: SlipRateProfile
-) -> Iterator[Row]:
-    """The same error in L1 for the slip rate read back from a field snapshot, at its time."""
-    return _profile_rows("slip rate of the last snapshot", profile, (1,), solution, simulation)
+def slip_rate_rows(case: Case) -> Iterator[Row]:
+    """Relative errors of slip rate and slip at the end."""
+    yield _slip_row(case, "slip rate", "slip_rate", case.rate, "V₀")
+    yield _slip_row(case, "slip at the end", "slip", case.rate * case.end_time, "V₀ T")
 
 
-def _profile_rows(
-    quantity: str,
-    profile: SlipRateProfile,
-    orders: Sequence[int],
-    solution: Solution,
-    simulation: Simulation,
-) -> Iterator[Row]:
-    scene = solution.scene
-    scale = slip_rate_scale(scene)
-    velocity = profile.x / profile.time / scene.material.shear_speed
-    shown = in_profile(velocity)
-    predicted = solution.slip_rate(profile.x[shown], profile.time)
-    if is_nothing(predicted, scale):
-        # zones so narrow that none reaches here may be seen wider by what edges may be off
-        reach = max((zone.outer for zone in solution.zones), default=0.0)
-        shown &= profile.x > reach * profile.time + ZONE_CELLS * simulation.element_size
-        predicted = solution.slip_rate(profile.x[shown], profile.time)
-        yield nothing_row(quantity, predicted, profile.slip_rate[shown], scale, NO_SLIP, "V₀")
-        return
-    for order in orders:
-        yield error_row(
-            quantity,
-            predicted,
-            profile.slip_rate[shown],
-            velocity[shown],
-            tolerance=_slip_rate_tolerance(solution, simulation, order),
-            unit="V₀",
-            scale=scale,
-            order=order,
-        )
-
-
-def traction_rows(solution: Solution, simulation: Simulation) -> Iterator[Row]:
-    """Relative L1 errors of shear traction and pressure at the final time.
-
-    Prediction and simulation are the means of |traction| / τ₀ over the disturbed interface,
-    without the four elements next to the edge, where tractions can be singular.  Where there is no
-    traction, as without friction, the largest values are compared.
-    """
-    scene, history = solution.scene, simulation.interface
-    time = history.t[-1]
-    start = (EDGE_CELLS + 0.5) * simulation.element_size
-    end = scene.material.longitudinal_speed * time
-    shown = (history.x > start) & (history.x < end)
-    place = history.x[shown]
-    scale = stress_scale(scene)
-    for quantity, predict, record in (
-        ("shear traction", solution.shear_traction, history.shear_traction),
-        ("pressure", solution.pressure, history.pressure),
-    ):
-        predicted, simulated = predict(place, time), record[-1, shown]
-        if is_nothing(predicted, scale):
-            reason = f"no {quantity}: what the simulation has of it is rounding, below 1e-6 τ₀"
-            yield nothing_row(quantity, predicted, simulated, scale, reason, "τ₀")
-            continue
-        yield error_row(
-            quantity,
-            predicted,
-            simulated,
-            place,
-            tolerance=(
-                element_over_length(simulation),
-                "tractions: error of first order, h / (c_t T), as of an edge half an element off",
+def wear_rows(case: Case) -> Iterator[Row]:
+    """Accumulated |slip| and frictional work per area at the end, from the stored levels."""
+    slip = case.rate * case.end_time
+    unseen = _unseen_wear(case)
+    doubted = None
+    if case.doubted is not None:
+        doubted = worn_by(case.prediction.companion, case.doubted)  # type: ignore[attr-defined]
+    for part, (name, kind, field, scale, symbol, total) in enumerate(
+        (
+            ("accumulated |slip|", "slip", "final_path", slip, "V₀ T", "accumulated_slip"),
+            (
+                "frictional work",
+                "work",
+                "final_work_density",
+                slip * case.stress,
+                "τ₀ V₀ T",
+                "frictional_work",
             ),
-            unit="τ₀",
-            scale=scale * np.ptp(place),
+        )
+    ):
+        if kind == "work" and case.scene.friction == 0 == case.prediction.scene.friction:
+            continue
+        start = NEAREST * case.length
+        if kind == "work" and case.scene.load.pressure:
+            start = max(start, _beside_edge(case))  # where pressure can be singular
+        reach = start, FARTHEST * case.length
+        whole = float(getattr(case.prediction, total)(case.end_time))
+        yield case.profile_row(
+            name,
+            kind,
+            np.array([case.worn_at_nodes[part], *([] if doubted is None else [doubted[part]])]),
+            partial(_own, field),
+            reach,
+            exact=whole / (scale * case.length) if math.isfinite(whole) else None,
+            unseen=case.unseen_norm(unseen[part] / scale, reach),
+            scale=(scale, symbol),
         )
 
 
-def _slip_rate_tolerance(
-    solution: Solution, simulation: Simulation, order: int
-) -> tuple[float, str]:
-    """First order in h, half of it where the friction bound jumps or slip covers c_R."""
-    refinement = 100 * element_over_length(simulation)
-    rayleigh = simulation.scene.material.rayleigh_speed
-    if simulation.scene.load.pressure != 0:
-        return (
-            (0.05 if order == 1 else 0.07) * math.sqrt(refinement),
-            "slip rate under a pressure shock: damping smears the friction bound over √h at the "
-            "fronts, 5 % in L1 and 7 % in L2 at h = 0.01 c_t T",
-        )
-    if any(zone.inner < rayleigh < zone.outer for zone in solution.zones):
-        return (
-            0.05 * math.sqrt(refinement),
-            "slip rate across c_R: its logarithm there is smeared over √h, 5 % at h = 0.01 c_t T",
-        )
-    return (
-        0.01 * refinement,
-        "slip rate: first order in the mesh, 1 % at h = 0.01 c_t T",
+def snapshot_row(case: Case, profile: SlipRateProfile) -> Row:
+    """The slip rate read back from a field snapshot, with the bar of the slip rate at the end."""
+    shown = (profile.x > NEAREST * case.length) & (profile.x < FARTHEST * case.length)
+    x = profile.x[shown]
+    predicted = case.prediction.slip_rate(x, profile.time) / case.rate
+    written = profile.slip_rate[shown] / case.rate
+    likewise = _slip_row(case, "slip rate", "slip_rate", case.rate, "V₀")
+    size = 1.0
+    if likewise.relative:
+        size = norm(predicted, x / case.length, 1)
+        values = size, norm(written, x / case.length, 1)
+        difference = norm(written - predicted, x / case.length, 1) / size
+    else:
+        values = (float(np.abs(predicted).max()), float(np.abs(written).max()))
+        difference = float(np.abs(written - predicted).max())
+    return replace(
+        likewise,
+        name=likewise.name.replace("slip rate", "slip rate of the last snapshot", 1),
+        at_nodes=values[0],
+        simulated=values[1],
+        difference=difference,
     )
+
+
+def traction_rows(case: Case) -> Iterator[Row]:
+    """Relative L1 errors of shear traction and pressure at the end.
+
+    Over the disturbed interface, without the four elements next to the edge, where tractions can
+    be singular.
+    """
+    start = _beside_edge(case)
+    for name in ("shear_traction", "pressure"):
+        words = name.replace("_", " ")
+        reach = start, case.scene.material.longitudinal_speed * case.end_time
+        answer = getattr(case.prediction, name)
+        yield case.profile_row(
+            words,
+            words,
+            at_nodes(case, name),
+            partial(_last, name),
+            reach,
+            exact=_norm(case, answer, reach, case.stress),
+            scale=(case.stress, "τ₀"),
+        )
+
+
+def at_nodes(case: Case, field: str) -> Array:
+    """A field of the prediction at the end (n,), or with that of its companion (2, n)."""
+    histories = [case.at_nodes] if case.doubted is None else [case.at_nodes, case.doubted]
+    return np.array([getattr(history, field)[-1] for history in histories])
+
+
+def _last(field: str, run: Simulation) -> Array:
+    """A field of a run at its end, (n,)."""
+    return np.asarray(getattr(run.interface, field)[-1])
+
+
+def _own(field: str, run: Simulation) -> Array:
+    """What a run has summed over all its steps, (n,)."""
+    return np.asarray(getattr(run, field))
+
+
+def _slip_row(case: Case, name: str, field: str, scale: float, symbol: str) -> Row:
+    """A row of slip or slip rate at the end; what is too narrow for the mesh is in its bar."""
+    reach, answer = _reach(case), getattr(case.prediction, field)
+    return case.profile_row(
+        name,
+        "slip" if field == "slip" else "slip rate",
+        at_nodes(case, field),
+        partial(_last, field),
+        reach,
+        exact=_norm(case, answer, reach, scale),
+        unseen=(
+            case.unseen_norm(_unseen_wear(case)[0] / scale, reach)
+            if field == "slip"
+            else sum(_norm(case, answer, part, scale) for part in unseen_parts(case))
+        ),
+        scale=(scale, symbol),
+    )
+
+
+def unseen_parts(case: Case) -> list[tuple[float, float]]:
+    """Zones of a self-similar prediction at the end that are too narrow for the mesh [length]."""
+    if not case.scene.is_self_similar:
+        return []
+    least = NARROW * case.simulation.element_size
+    zones = case.prediction.zones_at(case.end_time)
+    return [(zone.start, zone.end) for zone in zones if zone.end - zone.start < least]
+
+
+def _unseen_wear(case: Case) -> tuple[Array, Array]:
+    """|slip| and frictional work per area of the prediction in zones too narrow, (n,) each."""
+    x, t = case.seen.x, case.seen.t[:, None] / case.end_time
+    inside = np.zeros(case.at_nodes.slip_rate.shape, dtype=bool)
+    for start, end in unseen_parts(case):
+        inside |= (x > start * t) & (x < end * t)
+    rate = np.where(inside, case.at_nodes.slip_rate, 0.0)
+    return worn(replace(case.at_nodes, slip_rate=rate))
+
+
+def _beside_edge(case: Case) -> float:
+    """Where the elements end that are left out next to the edge [length]."""
+    return (EDGE_CELLS + 0.5) * case.simulation.element_size
+
+
+def _reach(case: Case) -> tuple[float, float]:
+    return NEAREST * case.length, FARTHEST * case.length
+
+
+def _norm(case: Case, answer: Answers, reach: tuple[float, float], scale: float) -> float:
+    """L1 norm of a prediction between two positions at the end, over its scale and c_t T."""
+    end = min(reach[1], float(case.seen.x[-1]))
+    x = np.linspace(max(reach[0], end / POINTS), end, POINTS)
+    return norm(answer(x, case.end_time) / scale, x / case.length, 1)

@@ -1,25 +1,16 @@
-"""A row of a comparison: two values, their unit, a tolerance and where that comes from."""
+"""A row of a judgement: what is compared, its three values, its error bar and its verdict."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+AGREES, DIFFERS, UNRESOLVED = "agrees", "differs", "unresolved"
 
-from compare.comparison.measures import NOTHING, norm, relative_error
-
-if TYPE_CHECKING:
-    from fem import Simulation
-
-Array = NDArray[np.float64]
-
-EDGE_CELLS = 4
-ZONE_CELLS = 2
-"""Elements by which zone edges may be off."""
-
-NO_SLIP = "no slip: the simulation sticks exactly, rounding is below 1e-6 × 2 τ₀ / (ρ c_t)"
+TELLING = 0.5
+"""A bar wider than that part of what is compared tells nothing of it."""
+ALARM = 1.5
+"""Bars beyond which a difference is one: of the many rows of a judgement some lie beyond one bar
+by chance, as one in a hundred may (docs/judge.md)."""
 
 
 def shown_number(value: float | None, digits: int = 4) -> str:
@@ -31,133 +22,59 @@ def shown_number(value: float | None, digits: int = 4) -> str:
 
 @dataclass(frozen=True)
 class Row:
-    """One quantity, predicted and simulated.
+    """One quantity: exact, as the mesh would see the exact answer, and as it was simulated.
 
     Attributes
     ----------
-    quantity : str
+    name : str
         What is compared.
-    prediction, simulation : float or None
-        The two values in `unit`; None where the signal or zone is not there.
+    kind : str
+        Of which there is one factor of safety: "arrival", "zone edge", "slip rate", "slip",
+        "work", "shear traction", "pressure", "onset" or "sense".
+    exact : float or None
+        By the prediction itself; None where it has no value apart from that at the nodes.
+    at_nodes : float or None
+        Read off the prediction at the nodes and times of the simulation.
+    simulated : float or None
+        Read off the simulation in the same way, and nothing else done to it.
     difference : float or None
-        What is held against the tolerance; None if one of the two values is missing.
-    tolerance : float
-        Largest absolute difference that passes.
-    reason : str
-        Where the tolerance comes from.
+        Of the last two: of the values, or for a field the norm of its difference.  None if one of
+        the two is not there.
+    bar : float or None
+        What the difference may be: how far the simulation and the prediction may each be off.
+        None where coarser meshes do not show the quantity.
     unit : str
-        Of the two values: a reference value of `scales.reference_values`, a unit of the scene, or
-        "1" for parts and counts.
+        Of the three values: a reference value of `scales.reference_values`, a unit of the scene,
+        or "1" for parts and counts.
     relative : bool
-        Whether difference and tolerance are relative to the prediction and not in `unit`.
+        Whether difference and bar are over the norm of the prediction and not in `unit`.
+    order : float or None
+        Order of convergence that the simulation shows on its meshes.
+    obstacle : str
+        Why this mesh, or this march, cannot tell; "" if it can.
+    resolution : int or None
+        Node distances per c_t T that would, where that is known.
     """
 
-    quantity: str
-    prediction: float | None
-    simulation: float | None
+    name: str
+    kind: str
+    exact: float | None
+    at_nodes: float | None
+    simulated: float | None
     difference: float | None
-    tolerance: float
-    reason: str
+    bar: float | None
     unit: str = "1"
     relative: bool = False
+    order: float | None = None
+    obstacle: str = ""
+    resolution: int | None = None
 
     @property
-    def present(self) -> bool:
-        """Whether either answer holds the quantity at all."""
-        return self.prediction is not None or self.simulation is not None
-
-    @property
-    def passed(self) -> bool:
-        """Whether the two agree; so they do on something that is in neither."""
-        if self.difference is None:
-            return not self.present
-        return bool(abs(self.difference) <= self.tolerance)
-
-
-def comparison_row(
-    quantity: str,
-    predicted: float | None,
-    simulated: float | None,
-    tolerance: float,
-    reason: str,
-    unit: str = "1",
-) -> Row:
-    """A row whose difference is that of the two values, if both are there."""
-    difference = None if predicted is None or simulated is None else simulated - predicted
-    return Row(quantity, predicted, simulated, difference, tolerance, reason, unit)
-
-
-def error_row(
-    quantity: str,
-    predicted: Array,
-    simulated: Array,
-    position: Array,
-    *,
-    tolerance: tuple[float, str],
-    unit: str,
-    scale: float = 1.0,
-    order: int = 1,
-    time: Array | None = None,
-) -> Row:
-    """A row of two norms and the relative error of what they are of.
-
-    Parameters
-    ----------
-    quantity : str
-        Without the norm, which is named behind it.
-    predicted, simulated, position, order, time
-        As for `measures.norm`.
-    tolerance : float and str
-        Of the relative error, and where it comes from.
-    unit : str
-    scale : float
-        What the norms are divided by to be in that unit.
-    """
-    return Row(
-        f"{quantity} in L{order}",
-        norm(predicted, position, order, time) / scale,
-        norm(simulated, position, order, time) / scale,
-        relative_error(simulated, predicted, position, order, time),
-        *tolerance,
-        unit,
-        relative=True,
-    )
-
-
-def nothing_row(
-    quantity: str, predicted: Array, simulated: Array, scale: float, reason: str, unit: str
-) -> Row:
-    """A row for a field that is predicted to be nothing (`is_nothing`): largest values over a unit.
-
-    An error relative to the prediction would be infinite or noise; the largest difference over the
-    unit is held against 1e-6 instead.
-
-    Parameters
-    ----------
-    quantity : str
-    predicted, simulated : arrays of any one shape
-    scale : float
-        Value of the unit.
-    reason : str
-    unit : str
-        Its name.
-    """
-
-    def largest(values: Array) -> float:
-        return float(np.abs(values).max(initial=0.0)) / scale
-
-    return Row(
-        f"{quantity}, largest",
-        largest(predicted),
-        largest(simulated),
-        largest(simulated - predicted),
-        NOTHING,
-        reason,
-        unit,
-    )
-
-
-def element_over_length(simulation: Simulation) -> float:
-    """Element size over c_t T."""
-    speed = simulation.scene.material.shear_speed
-    return simulation.element_size / (speed * simulation.end_time)
+    def verdict(self) -> str:
+        """ "agrees" within the bar, "differs" beyond one and a half, "unresolved" in between and
+        where the mesh cannot tell."""
+        if self.obstacle or self.bar is None:
+            return UNRESOLVED
+        if self.difference is None or abs(self.difference) > ALARM * self.bar:
+            return DIFFERS
+        return AGREES if abs(self.difference) <= self.bar else UNRESOLVED

@@ -1,0 +1,304 @@
+"""What is laid side by side: a prediction at the nodes of a simulation, and its coarser meshes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.bars import error_bar, observed_order
+from compare.comparison.measures import NOTHING, norm, worn
+from compare.comparison.rows import AGREES, ALARM, TELLING, UNRESOLVED, Row
+from compare.comparison.scales import slip_rate_scale, stress_scale
+from semianalytic import InterfaceHistory, Marched, Scene, Solution
+from semianalytic.results.answer import Answer
+
+if TYPE_CHECKING:
+    from fem import Simulation
+
+Array = NDArray[np.float64]
+
+NARROW = 4
+"""Elements that a zone or a gap between zones takes to be seen for what it is."""
+EDGE_CELLS = 4
+"""Elements next to the edge that are left out where fields can be singular."""
+
+Profile = Callable[["Simulation"], Array]
+"""A field along the contact (n,) at the end of a run."""
+Reading = Callable[[InterfaceHistory], float | None]
+"""A number read off a history, or that it is not there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A prediction and a simulation, ready to be read.
+
+    Attributes
+    ----------
+    prediction : Answer
+    simulation : Simulation
+        With its companions.
+    at_nodes : InterfaceHistory
+        The prediction at the nodes and stored times of the simulation.
+    doubted : InterfaceHistory or None
+        The same of the prediction's own companion, where it was marched.
+    """
+
+    prediction: Answer
+    simulation: Simulation
+    at_nodes: InterfaceHistory
+    doubted: InterfaceHistory | None
+
+    @cached_property
+    def worn_at_nodes(self) -> tuple[Array, Array]:
+        """|slip| accumulated [length] and frictional work per area [stress length] by the
+        prediction until the end, (n,) each; its own where it has it, or summed over the times."""
+        return worn_by(self.prediction, self.at_nodes)
+
+    @property
+    def scene(self) -> Scene:
+        """Of the simulation."""
+        return self.simulation.scene
+
+    @property
+    def seen(self) -> InterfaceHistory:
+        """What was simulated."""
+        return self.simulation.interface
+
+    @cached_property
+    def coarser(self) -> tuple[Simulation, ...]:
+        """The same run at element sizes 2h, 4h, ..."""
+        return tuple(_companions(self.simulation))
+
+    @property
+    def end_time(self) -> float:
+        """T [time]."""
+        return float(self.seen.t[-1])
+
+    @property
+    def length(self) -> float:
+        """c_t T [length]."""
+        return self.scene.material.shear_speed * self.end_time
+
+    @property
+    def rate(self) -> float:
+        """V₀ [length / time]."""
+        return slip_rate_scale(self.scene)
+
+    @property
+    def stress(self) -> float:
+        """τ₀ [stress]."""
+        return stress_scale(self.scene)
+
+    @cached_property
+    def largest_rate(self) -> float:
+        """Largest slip rate of prediction or simulation beyond the elements at the edge."""
+        shown = self.seen.x > EDGE_CELLS * self.simulation.element_size
+        fields = (self.at_nodes.slip_rate, self.seen.slip_rate)
+        return max(float(np.abs(field[:, shown]).max(initial=0.0)) for field in fields)
+
+    @property
+    def error_estimate(self) -> float:
+        """What an exact solution says of itself, relative; 0 of what has a companion instead."""
+        return self.prediction.error_estimate if isinstance(self.prediction, Solution) else 0.0
+
+    @property
+    def caution(self) -> str:
+        """What the simulation or a march is too coarse for, as a sentence; "" if nothing."""
+        marched = self.prediction.caution if isinstance(self.prediction, Marched) else ""
+        return self.simulation.caution or (marched and f"the march: {marched}")
+
+    def resolution_for(self, width: float) -> int:
+        """Node distances per c_t T at which a width [length] is as many elements as it takes."""
+        return math.ceil(NARROW * self.length / width)
+
+    def value_row(
+        self,
+        name: str,
+        kind: str,
+        read: Reading,
+        *,
+        exact: float | None = None,
+        floor: float = 0.0,
+        unit: str = "1",
+        size: float | None = None,
+    ) -> Row | None:
+        """A row of one number; None where neither answer has it.
+
+        Parameters
+        ----------
+        name, kind, unit : str
+        read : callable
+            The number in a history, in `unit`.
+        exact : float, optional
+            What the prediction itself says of it.
+        floor : float
+            What nodes and steps alone leave open at the element size of the simulation.
+        size : float, optional
+            Of what is to be told apart from nothing: a bar wider than half of it is unresolved.
+        """
+        values = [read(history) for history in (self.at_nodes, self.seen)]
+        if values[0] is None and values[1] is None:
+            return None
+        chain = [values[1], *(read(run.interface) for run in self.coarser)]
+        changes = _changes(chain)
+        bar = error_bar(kind, changes) + floor if changes else None
+        if bar is not None and self.doubted is not None and values[0] is not None:
+            doubted = read(self.doubted)
+            bar = None if doubted is None else bar + abs(values[0] - doubted)
+        both = values[0] is not None and values[1] is not None
+        difference = values[1] - values[0] if both else None  # type: ignore[operator]
+        row = Row(
+            name,
+            kind,
+            exact,
+            *values,
+            difference,
+            bar,
+            unit,
+            order=observed_order(changes),
+        )
+        return self.judged(row, size)
+
+    def profile_row(
+        self,
+        name: str,
+        kind: str,
+        predicted: Array,
+        read: Profile,
+        reach: tuple[float, float],
+        *,
+        exact: float | None = None,
+        unseen: float = 0.0,
+        scale: tuple[float, str],
+        order: int = 1,
+    ) -> Row:
+        """A row of the norms of a field along the contact; its relative error and bar.
+
+        Where the prediction is nothing, below 1e-6 of its scale, the largest values stand in for
+        norms, and differences are in the scale.
+
+        Parameters
+        ----------
+        name, kind : str
+            The norm is named behind the name.
+        predicted : (n,) or (2, n) array
+            The prediction at the nodes, and what its own companion says.
+        read : callable
+            The field along the contact in a run.
+        reach : (float, float)
+            Positions between which it is compared [length].
+        exact : float, optional
+            Norm of the prediction itself, in `unit`.
+        unseen : float
+            Norm of what is too narrow for the mesh in the prediction, over the scale.
+        scale : float and str
+            What values are divided by, and its name.
+        order : int
+            Of the norm: 1 or 2.
+        """
+        low, high = reach
+        value, unit = scale
+        runs = [self.simulation, *self.coarser]
+        places = [(run.interface.x >= low) & (run.interface.x <= high) for run in runs]
+        fields = [read(run) / value for run in runs]
+        x, shown = self.seen.x, places[0]
+        expected, *doubted = np.atleast_2d(predicted) / value
+        nothing = float(np.abs(expected[shown]).max(initial=0.0)) <= NOTHING
+
+        def size(field: Array, at: Array) -> float:
+            if nothing:
+                return float(np.abs(field).max(initial=0.0))
+            return norm(field, at / self.length, order)
+
+        changes = []
+        for level, run in enumerate(runs[1:], start=1):
+            at = run.interface.x[places[level]]
+            fine = np.interp(at, runs[level - 1].interface.x, fields[level - 1])
+            changes.append(size(fine - fields[level][places[level]], at))
+        whole = size(expected[shown], x[shown])
+        per = 1.0 if nothing else whole
+        bar = (error_bar(kind, changes) + unseen) / per if changes else None
+        if bar is not None:
+            bar += NOTHING if nothing else self.error_estimate
+            bar += sum(size((other - expected)[shown], x[shown]) / per for other in doubted)
+        row = Row(
+            f"{name}, largest" if nothing else f"{name} in L{order}",
+            kind,
+            exact,
+            whole,
+            size(fields[0][shown], x[shown]),
+            size((fields[0] - expected)[shown], x[shown]) / per,
+            bar,
+            unit if nothing or order != 1 else f"{unit} c_t T",
+            relative=not nothing,
+            order=observed_order(changes),
+        )
+        return self.judged(row, None if nothing else 1.0)
+
+    def unseen_norm(self, field: Array, reach: tuple[float, float]) -> float:
+        """L1 norm of a part of the prediction at the nodes that is too narrow for the mesh."""
+        shown = (self.seen.x >= reach[0]) & (self.seen.x <= reach[1])
+        return norm(field[shown], self.seen.x[shown] / self.length, 1)
+
+    def judged(self, row: Row, size: float | None) -> Row:
+        """The row, unresolved if the mesh cannot tell: no coarser mesh, or a bar too wide."""
+        if self.caution and row.kind not in ("arrival", "pressure"):
+            return replace(row, obstacle=self.caution)
+        if row.bar is None:
+            return replace(
+                row,
+                obstacle="coarser meshes do not show it, so that it has no error bar",
+                resolution=2 * self.simulation.resolution,
+            )
+        if abs(row.difference or 0.0) > row.bar and row.verdict == UNRESOLVED:
+            return replace(
+                row,
+                obstacle=f"it is beyond its error bar, but by less than {ALARM:g} times",
+                resolution=2 * self.simulation.resolution,
+            )
+        if row.verdict == AGREES and size and row.bar > TELLING * size:
+            growth = row.bar / (TELLING * size)
+            return replace(
+                row,
+                obstacle=f"its error bar is more than {TELLING:g} of what is compared",
+                resolution=math.ceil(growth * self.simulation.resolution),
+            )
+        return row
+
+
+def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
+    """|slip| accumulated and frictional work per area by an answer until the end, at nodes."""
+    x, end = at_nodes.x, at_nodes.t[-1]
+    if isinstance(answer, Solution):
+        return answer.path(x, end), answer.work_density(x, end)
+    if isinstance(answer, Marched):
+        own = answer.interface.x
+        fields = answer.final_path, answer.final_work_density
+        path, work = (np.interp(x, own, field) for field in fields)
+        return path, work
+    return worn(at_nodes)
+
+
+def _companions(simulation: Simulation) -> Iterator[Simulation]:
+    """Of a simulation, from fine to coarse."""
+    companion = simulation.companion
+    while companion is not None:
+        yield companion
+        companion = companion.companion
+
+
+def _changes(values: list[float | None]) -> list[float]:
+    """Differences from mesh to mesh, from the finest on, as far as all show the value."""
+    changes = []
+    for fine, coarse in pairwise(values):
+        if fine is None or coarse is None:
+            break
+        changes.append(fine - coarse)
+    return changes

@@ -1,0 +1,115 @@
+"""Whether a prediction and a simulation agree, quantity by quantity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from compare.comparison.arrival_rows import arrival_rows
+from compare.comparison.case import Case
+from compare.comparison.edge_rows import zone_rows
+from compare.comparison.history_rows import cycle_rows, event_rows, rate_row, sense_rows
+from compare.comparison.measures import is_nothing
+from compare.comparison.profile_rows import slip_rate_rows, snapshot_row, traction_rows, wear_rows
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
+from compare.comparison.snapshots import SlipRateProfile
+from semianalytic.results.answer import Answer
+from semianalytic.scene.errors import SceneError
+
+if TYPE_CHECKING:
+    from fem import Simulation
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """All rows of one comparison.
+
+    Attributes
+    ----------
+    case : Case
+        Prediction and simulation, side by side.
+    rows : tuple of Row
+    """
+
+    case: Case
+    rows: tuple[Row, ...]
+
+    @cached_property
+    def verdict(self) -> str:
+        """ "differs" if one row does; else "agrees" if one does; else "unresolved"."""
+        verdicts = {row.verdict for row in self.rows}
+        if DIFFERS in verdicts:
+            return DIFFERS
+        return AGREES if AGREES in verdicts else UNRESOLVED
+
+    def having(self, verdict: str) -> tuple[Row, ...]:
+        """The rows with a verdict."""
+        return tuple(row for row in self.rows if row.verdict == verdict)
+
+
+def judge(
+    prediction: Answer, simulation: Simulation, snapshot: SlipRateProfile | None = None
+) -> Judgement:
+    """Hold a prediction against a simulation.
+
+    The prediction may be of any scene: that is how the judge is tested (docs/judge.md).
+
+    Parameters
+    ----------
+    prediction : Answer
+        A `Solution`, a `Marched`, or whatever answers likewise, on the nodes of the simulation
+        and until its last time.
+    simulation : Simulation
+        Its companions, from which error bars come, are simulated unless it carries them.
+    snapshot : SlipRateProfile, optional
+        What the last field snapshot holds, to be compared as well.
+
+    Returns
+    -------
+    Judgement
+
+    Raises
+    ------
+    SceneError
+        If the simulation has blocks of two materials, or the prediction does not reach as far.
+    """
+    from fem import with_companions
+
+    if simulation.lower_material is not None:
+        raise SceneError(
+            "judge: this simulation has blocks of two materials, to which the theory does not "
+            "apply (docs/limits.md)."
+        )
+    case = side_by_side(prediction, with_companions(simulation))
+    return Judgement(case, tuple(_rows(case, snapshot)))
+
+
+def side_by_side(prediction: Answer, simulation: Simulation) -> Case:
+    """A prediction at the nodes and times of a simulation."""
+    x, t = simulation.interface.x, simulation.interface.t
+    companion = getattr(prediction, "companion", None)
+    return Case(
+        prediction,
+        simulation,
+        prediction.history(x, t),
+        None if companion is None else companion.history(x, t),
+    )
+
+
+def _rows(case: Case, snapshot: SlipRateProfile | None) -> Iterator[Row]:
+    if case.scene.is_self_similar:
+        yield from arrival_rows(case)
+        yield from zone_rows(case)
+    yield from slip_rate_rows(case)
+    yield from traction_rows(case)
+    if snapshot is not None:
+        yield snapshot_row(case, snapshot)
+    yield rate_row(case)
+    if all(is_nothing(history.slip_rate, case.rate) for history in (case.at_nodes, case.seen)):
+        return
+    yield from sense_rows(case)
+    yield from event_rows(case)
+    yield from wear_rows(case)
+    yield from cycle_rows(case)
