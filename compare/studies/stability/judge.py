@@ -17,13 +17,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from compare import judge
+from compare import Judgement, judge
+from compare.comparison.prediction import prediction_at_nodes
+from compare.comparison.rows import DIFFERS
 from compare.output.tables import append_rows, started_rows
 from compare.studies.stability.judge_scenes import HISTORIES, STEPS, draw, power_scenes
 from compare.studies.stability.spoils import SPOILS, Spoil, Window, effect, spoilt
 from compare.studies.workers import Progress, run_tasks
 from compare.studies.workers import Task as WorkerTask
-from semianalytic import Answer, Scene, SceneError, predict
+from semianalytic import Answer, Scene, SceneError
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -34,7 +36,6 @@ QUICK_COUNTS = {STEPS: 8, HISTORIES: 3}
 RESOLUTION, QUICK_RESOLUTION = 100, 40
 SHARES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 """Sizes of a spoil that are tried, over the usual one."""
-DIFFERS = "differs"
 QUICK_POWER = 2
 TRUTH = "none"
 """What the truth is called among the spoils."""
@@ -85,7 +86,7 @@ class SpoiltRow:
     spoil : str, or "none" for the right answer
     share : float, of the usual size of the mistake
     slip_rate, shear_traction : relative L1 effect on either, over x and t
-    exceeds : bool, whether the effect on any row is more than the bar of the row
+    exceeds : bool, whether the effect of a usual mistake is more than the bar of any row
     verdict : str
     by : str, kinds of the rows that differ
     """
@@ -111,7 +112,7 @@ def simulated(scene: Scene, resolution: int) -> Simulation:
 
 def predicted(simulation: Simulation) -> Answer:
     """The right answer, as far as a simulation was recorded."""
-    return predict(simulation.scene, simulation.end_time, length=window_of(simulation).reach)
+    return prediction_at_nodes(simulation).answer
 
 
 def window_of(simulation: Simulation) -> Window:
@@ -167,7 +168,7 @@ def spoilt_rows(scene_name: str, index: int, resolution: int, bisect: bool) -> l
     """
     simulation = simulated(power_scenes()[scene_name], resolution)
     trial = _Trial.of(simulation)
-    tried: list[tuple[str, float, _Outcome]] = [(TRUTH, 0.0, trial.outcome(trial.right))]
+    tried: list[tuple[str, float, _Outcome]] = [(TRUTH, 0.0, trial.outcome(trial.right, False))]
     for spoil in SPOILS:
         outcomes = trial.searched(spoil, SHARES if bisect and spoil.size else (1.0,))
         tried += [(spoil.name, share, outcome) for share, outcome in outcomes.items()]
@@ -209,17 +210,19 @@ class _Trial:
     @classmethod
     def of(cls, simulation: Simulation) -> _Trial:
         right = predicted(simulation)
-        bars = {row.name: row.bar for row in judge(right, simulation).rows}
-        return cls(simulation, right, window_of(simulation), flawless(simulation, right), bars)
+        judgement = judge(right, simulation)
+        bars = {row.name: row.bar for row in judgement.rows}
+        return cls(simulation, right, window_of(simulation), flawless(judgement), bars)
 
-    def outcome(self, answer: Answer) -> _Outcome:
+    def outcome(self, answer: Answer, usual: bool) -> _Outcome:
+        """What becomes of an answer; whether it exceeds the bars is asked of usual mistakes."""
         judgement = judge(answer, self.simulation)
         x, t = self.simulation.interface.x, self.window.end_time * np.linspace(0.2, 1.0, 9)
         kinds = dict.fromkeys(row.kind for row in judgement.rows if row.verdict == DIFFERS)
         return _Outcome(
             slip_rate=effect("slip_rate", answer, self.right, x, t),
             shear_traction=effect("shear_traction", answer, self.right, x, t),
-            exceeds=self.exceeds(answer),
+            exceeds=usual and self.exceeds(answer),
             verdict=judgement.verdict,
             by="; ".join(kinds),
         )
@@ -242,7 +245,8 @@ class _Trial:
             if answer is None:
                 most = middle
             else:
-                outcomes[shares[middle]] = outcome = self.outcome(answer)
+                share = shares[middle]
+                outcomes[share] = outcome = self.outcome(answer, share == 1)
                 if outcome.verdict == DIFFERS:
                     most = middle
                 else:
@@ -251,10 +255,13 @@ class _Trial:
         return outcomes
 
 
-def flawless(simulation: Simulation, right: Answer) -> Simulation:
-    """A simulation that shows the right answer at its nodes and levels, its companions left."""
-    own = simulation.interface
-    return replace(simulation, interface=right.history(own.x, own.t))
+def flawless(judgement: Judgement) -> Simulation:
+    """A simulation that shows the prediction at its nodes and levels, its companions left."""
+    case = judgement.case
+    path, work = case.worn_at_nodes
+    return replace(
+        case.simulation, interface=case.at_nodes, final_path=path, final_work_density=work
+    )
 
 
 def run_judge(

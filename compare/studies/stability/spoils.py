@@ -62,8 +62,8 @@ class Spoil:
     what : str
         The mistake in a line.
     make : callable
-        (true prediction, window of the simulation, size of the mistake) to the wrong prediction of
-        the same scene; None where the mistake is none.
+        (right prediction, window of the simulation, size of the mistake) to the wrong prediction;
+        None where the mistake is none.
     size : float
         What is usual; 0 where a mistake has no size.
     unit : str
@@ -86,7 +86,7 @@ def spoilt(spoil: Spoil, prediction: Answer, window: Window, share: float = 1.0)
 
 
 def _with_other(change: Callable[[Scene, float], Scene]) -> Make:
-    """The right answer to another scene, told of this one."""
+    """The right answer to another scene."""
 
     def make(prediction: Answer, window: Window, size: float) -> Answer | None:
         scene = prediction.scene
@@ -94,10 +94,9 @@ def _with_other(change: Callable[[Scene, float], Scene]) -> Make:
         if other == scene:
             return None
         if not isinstance(prediction, Marched):
-            return Retold(solve(other), scene)
-        grid = prediction.grid
-        length = grid.observed * grid.spacing
-        return Retold(march(other, window.end_time, grid.observed, length=length), scene)
+            return solve(other)
+        nodes = prediction.grid.observed
+        return march(other, window.end_time, nodes, length=nodes * prediction.grid.spacing)
 
     return make
 
@@ -115,11 +114,11 @@ def _without_base_shear(scene: Scene, size: float) -> Scene:
 
 
 def _late(prediction: Answer, window: Window, size: float) -> Answer | None:
-    return Retold(prediction, prediction.scene, lag=size * window.time_step)
+    return Retold(prediction, lag=size * window.time_step)
 
 
 def _backward(prediction: Answer, window: Window, size: float) -> Answer | None:
-    return Retold(prediction, prediction.scene, sense=-1)
+    return Retold(prediction, sense=-1)
 
 
 def _second_zone_times(factor: float) -> Make:

@@ -1,4 +1,4 @@
-"""Answers that are wrong on purpose: another's, told late or backward, or a bent profile."""
+"""Answers that are wrong on purpose: told late or backward, or of a bent profile."""
 
 from __future__ import annotations
 
@@ -24,13 +24,11 @@ _FIRST, _NEAREST, _BESIDE = 1e-6, 1e-7, 0.05
 
 @dataclass(frozen=True, eq=False)
 class Retold:
-    """An answer told of another scene, with a delay, or with slip of the other sign.
+    """An answer told with a delay, or with slip of the other sign.
 
     Attributes
     ----------
     original : Answer
-    scene : Scene
-        What it is told of.
     lag : float
         By which all of it is late [time].
     sense : int
@@ -38,9 +36,19 @@ class Retold:
     """
 
     original: Answer
-    scene: Scene
     lag: float = 0.0
     sense: int = 1
+
+    @property
+    def scene(self) -> Scene:
+        """See `Answer.scene`."""
+        return self.original.scene
+
+    @property
+    def companion(self) -> Retold | None:
+        """The same of what a march judges its own errors by; None if there is nothing like it."""
+        own = getattr(self.original, "companion", None)
+        return None if own is None else Retold(own, self.lag, self.sense)
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """See `Answer.slip_rate`."""
