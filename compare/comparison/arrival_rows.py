@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.arrivals import (
+    LARGEST_MISFIT,
     Waveform,
     Window,
     aligned_speed,
@@ -23,7 +24,7 @@ from compare.comparison.bars import error_bar, observed_order
 from compare.comparison.case import Case
 from compare.comparison.rows import Row
 from compare.comparison.scales import wave_speeds
-from semianalytic import Marched, Solution
+from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -31,6 +32,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LEAST_ROUGHNESS = 1e-3
+FARTHEST = 1.5
+"""Position over c_l T up to which a waveform about the P front is looked at."""
+COARSE_MISFIT = 0.9
+"""Of a coarser mesh, which only has to say how much further off it is."""
 ARRIVAL_FLOOR = 0.5
 """Elements by which nodes alone leave a front open."""
 
@@ -59,11 +64,12 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     """Speeds in c_t of the Rayleigh, S and P signals on the interface and on the slot face.
 
     On each face a signal is followed in the field whose predicted waveform is roughest there,
-    relative to the reference stress or slip rate, at the last time at which the surroundings of
-    the front are still on the recorded part of the face.  The slot face is looked at where the
-    prediction is a `Solution`, which knows it; a march does not reach beyond all fronts.
+    relative to the reference stress or slip rate and smeared as damping does, at the last time at
+    which the surroundings of the front are still on the recorded part of the face.  Nothing is
+    said of predictions that do not reach beyond all fronts, as marches, nor of the slot face where
+    they do not know it.
     """
-    if isinstance(case.prediction, Marched):
+    if not _reaches(case):
         return
     fronts = wave_speeds(case.prediction.scene.material)
     edges = [
@@ -73,14 +79,25 @@ def arrival_rows(case: Case) -> Iterator[Row]:
         if 0 < edge < math.inf
     ]
     faces = [("interface", edges, _interface_fields(case))]
-    if isinstance(case.prediction, Solution):
-        faces.append(("slot face", [], _slot_fields(case, case.prediction)))
+    slot_velocity = getattr(case.prediction, "slot_velocity", None)
+    if slot_velocity is not None:
+        faces.append(("slot face", [], _slot_fields(case, slot_velocity)))
     for face, others, fields in faces:
         for signal, front in fronts.items():
             window = front_window(front, {*fronts.values(), *others} - {front})
             row = _arrival_row(case, f"{signal} arrival on the {face}", window, fields)
             if row is not None:
                 yield row
+
+
+def _reaches(case: Case) -> bool:
+    """Whether a prediction answers beyond all fronts at the end."""
+    speed = case.scene.material.longitudinal_speed
+    try:
+        case.prediction.slip_rate(np.array([FARTHEST * speed * case.end_time]), case.end_time)
+    except SceneError:
+        return False
+    return True
 
 
 def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> Row | None:
@@ -93,11 +110,13 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         return None
     field, shear_speed = fields[strongest], case.scene.material.shear_speed
     velocity, recorded = _recorded(case.simulation, field, window)
-    exact = aligned_speed(velocity, field.predict(velocity), templates[strongest], window)
+    template = templates[strongest]
+    exact = aligned_speed(velocity, template(velocity), template, window)
     speeds = []
     for run in (case.simulation, *case.coarser):
         template = _template(run, field, window)
-        speeds.append(aligned_speed(*_recorded(run, field, window), template, window))
+        misfit = LARGEST_MISFIT if run is case.simulation else COARSE_MISFIT
+        speeds.append(aligned_speed(*_recorded(run, field, window), template, window, misfit))
     changes = []
     for fine, coarse in pairwise(speeds):
         if fine is None or coarse is None:
@@ -183,9 +202,11 @@ def _interface_fields(case: Case) -> list[Face]:
     ]
 
 
-def _slot_fields(case: Case, solution: Solution) -> list[Face]:
+def _slot_fields(
+    case: Case, slot_velocity: Callable[[Array, float], tuple[Array, Array]]
+) -> list[Face]:
     def component(index: int) -> Callable[[Array, float], Array]:
-        return lambda x, t: solution.slot_velocity(-x, t)[index]
+        return lambda x, t: slot_velocity(-x, t)[index]
 
     def record(index: int) -> Callable[[Simulation], tuple[Array, Array, Array]]:
         def of(run: Simulation) -> tuple[Array, Array, Array]:
