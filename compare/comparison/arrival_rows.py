@@ -140,10 +140,10 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
     )
     if simulated is None and at_nodes is not None and case.coarser:
         # is the front washed out by the mesh, or not the one that is predicted?
-        coarse_velocity, coarse = _recorded(case.coarser[0], field, window)
-        inside = (coarse_velocity > window.lower) & (coarse_velocity < window.upper)
-        fine = np.interp(coarse_velocity[inside], velocity, recorded)
-        change = error_bar("arrival", [float(np.sqrt(np.mean((fine - coarse[inside]) ** 2)))])
+        there, coarse_values = _recorded(case.coarser[0], field, window)
+        inside = (there > window.lower) & (there < window.upper)
+        missing = np.interp(there[inside], velocity, recorded) - coarse_values[inside]
+        change = error_bar("arrival", [float(np.sqrt(np.mean(missing**2)))])
         if not change < strength[strongest] / 2:
             return replace(row, obstacle="the mesh washes the front out")
         return replace(row, bar=floor)

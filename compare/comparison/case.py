@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar, observed_order
-from compare.comparison.measures import NOTHING, norm, worn
+from compare.comparison.measures import NOTHING, is_nothing, norm, worn
 from compare.comparison.rows import AGREES, ALARM, TELLING, UNRESOLVED, Row
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import InterfaceHistory, Marched, Scene, Solution
@@ -102,6 +102,11 @@ class Case:
         shown = self.seen.x > EDGE_CELLS * self.simulation.element_size
         fields = (self.at_nodes.slip_rate, self.seen.slip_rate)
         return max(float(np.abs(field[:, shown]).max(initial=0.0)) for field in fields)
+
+    @property
+    def slips(self) -> bool:
+        """Whether any slip is predicted at the nodes."""
+        return not is_nothing(self.at_nodes.slip_rate, self.rate)
 
     @property
     def error_estimate(self) -> float:
