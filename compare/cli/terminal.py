@@ -143,13 +143,14 @@ def simulation_line(simulation: Simulation) -> str:
 def judgement_table(judgement: Judgement, label: str) -> Table:
     """The rows of a judgement with their units; what differs in red, norms' errors in per cent."""
     title = f"Semi-analytic against finite elements: {label}"
-    table = Table("quantity", title=title, box=SIMPLE_HEAD, pad_edge=False)  # for 80 columns
+    table = Table(title=title, box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("quantity", min_width=26)  # for 80 columns
     for heading in ("exact", "at nodes", "FEM", "differ by", "bar ±"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     for row in judgement.rows:
         table.add_row(
-            escape(row.name if row.unit == "1" else f"{row.name} [{row.unit}]"),
+            escape(row.name if row.relative or row.unit == "1" else f"{row.name} [{row.unit}]"),
             *(shown_number(value, DIGITS) for value in (row.exact, row.at_nodes, row.simulated)),
             _difference(row.difference, row),
             _difference(row.bar, row),

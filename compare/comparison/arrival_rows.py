@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,7 +20,7 @@ from compare.comparison.arrivals import (
     smeared,
 )
 from compare.comparison.bars import error_bar, observed_order
-from compare.comparison.case import Case
+from compare.comparison.case import Case, mesh_changes
 from compare.comparison.rows import Row
 from compare.comparison.scales import wave_speeds
 from semianalytic.scene.errors import SceneError
@@ -85,7 +84,7 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     for face, others, fields in faces:
         for signal, front in fronts.items():
             window = front_window(front, {*fronts.values(), *others} - {front})
-            row = _arrival_row(case, f"{signal} arrival on the {face}", window, fields)
+            row = _arrival_row(case, f"{signal} front, {face}", window, fields)
             if row is not None:
                 yield row
 
@@ -117,15 +116,8 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         template = _template(run, field, window)
         misfit = LARGEST_MISFIT if run is case.simulation else COARSE_MISFIT
         speeds.append(aligned_speed(*_recorded(run, field, window), template, window, misfit))
-    changes = []
-    for fine, coarse in pairwise(speeds):
-        if fine is None or coarse is None:
-            break
-        changes.append((fine - coarse) / shear_speed)
-    at_nodes, simulated = (
-        None if speed is None else speed / shear_speed for speed in (exact, speeds[0])
-    )
-    both = at_nodes is not None and simulated is not None
+    values = [None if speed is None else speed / shear_speed for speed in (exact, *speeds)]
+    at_nodes, simulated, changes = values[0], values[1], mesh_changes(values[1:])
     floor = ARRIVAL_FLOOR * _cell(case.simulation, field, window)
     row = Row(
         f"{name} ({field.name})",
@@ -133,7 +125,7 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         window.front / shear_speed,
         at_nodes,
         simulated,
-        simulated - at_nodes if both else None,  # type: ignore[operator]
+        None if at_nodes is None or simulated is None else simulated - at_nodes,
         error_bar("arrival", changes) + floor if changes else None,
         "c_t",
         order=observed_order(changes),

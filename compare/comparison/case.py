@@ -148,23 +148,21 @@ class Case:
         size : float, optional
             Of what is to be told apart from nothing: a bar wider than half of it is unresolved.
         """
-        values = [read(history) for history in (self.at_nodes, self.seen)]
-        if values[0] is None and values[1] is None:
+        at_nodes, simulated = read(self.at_nodes), read(self.seen)
+        if at_nodes is None and simulated is None:
             return None
-        chain = [values[1], *(read(run.interface) for run in self.coarser)]
-        changes = _changes(chain)
+        changes = mesh_changes([simulated, *(read(run.interface) for run in self.coarser)])
         bar = error_bar(kind, changes) + floor if changes else None
-        if bar is not None and self.doubted is not None and values[0] is not None:
+        if bar is not None and self.doubted is not None and at_nodes is not None:
             doubted = read(self.doubted)
-            bar = None if doubted is None else bar + abs(values[0] - doubted)
-        both = values[0] is not None and values[1] is not None
-        difference = values[1] - values[0] if both else None  # type: ignore[operator]
+            bar = None if doubted is None else bar + abs(at_nodes - doubted)
         row = Row(
             name,
             kind,
             exact,
-            *values,
-            difference,
+            at_nodes,
+            simulated,
+            None if at_nodes is None or simulated is None else simulated - at_nodes,
             bar,
             unit,
             order=observed_order(changes),
@@ -234,7 +232,7 @@ class Case:
             bar += NOTHING if nothing else self.error_estimate
             bar += sum(size((other - expected)[shown], x[shown]) / per for other in doubted)
         row = Row(
-            f"{name}, largest" if nothing else f"{name} in L{order}",
+            f"{name}, largest" if nothing else f"{name}, L{order}",
             kind,
             exact,
             whole,
@@ -299,7 +297,7 @@ def _companions(simulation: Simulation) -> Iterator[Simulation]:
         companion = companion.companion
 
 
-def _changes(values: list[float | None]) -> list[float]:
+def mesh_changes(values: list[float | None]) -> list[float]:
     """Differences from mesh to mesh, from the finest on, as far as all show the value."""
     changes = []
     for fine, coarse in pairwise(values):

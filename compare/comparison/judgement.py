@@ -75,18 +75,19 @@ def mesh_sentence(simulation: Simulation, resolution: int) -> str:
     from fem import cost
 
     size = simulation.element_size * simulation.resolution / resolution
-    taken = cost(
-        simulation.scene,
-        simulation.end_time,
-        resolution=resolution,
-        damping=simulation.damping,
-        element=simulation.element,
-        mesh=simulation.mesh,
-    )
-    return (
-        f"resolution {resolution}, h = {size:.2g}: {duration(taken.seconds)} and "
-        f"{taken.memory / 1e9:.2g} GB"
-    )
+    would = f"resolution {resolution}, h = {size:.2g}"
+    try:
+        taken = cost(
+            simulation.scene,
+            simulation.end_time,
+            resolution=resolution,
+            damping=simulation.damping,
+            element=simulation.element,
+            mesh=simulation.mesh,
+        )
+    except SceneError:
+        return f"{would}: more than a mesh may hold"
+    return f"{would}: {duration(taken.seconds)}, {taken.memory / 1e9:.2g} GB"
 
 
 def duration(seconds: float) -> str:
