@@ -95,7 +95,7 @@ def rate_row(case: Case) -> Row:
             bar += size(case.doubted.slip_rate[part] / unit - predicted, case.seen) / per
     name = "slip rate over (x, t)"
     row = Row(
-        f"{name}, largest" if nothing else f"{name} , L1",
+        f"{name}, largest" if nothing else f"{name}, L1",
         "slip rate",
         None,
         whole,
