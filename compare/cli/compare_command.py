@@ -22,12 +22,15 @@ from compare.cli.options import (
 )
 from compare.cli.simulate_command import simulate_into
 from compare.cli.solve_command import check_converged
-from compare.comparison.prediction import check_predictable, prediction_at_nodes
-from compare.comparison.report import Report, build_report, write_report
+from compare.comparison.judgement import Judgement, judge
+from compare.comparison.prediction import check_predictable, predict_like
+from compare.comparison.report import write_report
+from compare.comparison.rows import DIFFERS
 from compare.comparison.snapshots import last_snapshot
 from compare.output.leftovers import REPORT, SNAPSHOTS, forget_figures
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
+from semianalytic import Solution
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.named import (
@@ -65,10 +68,10 @@ def compare_command(
     no_snapshots: NoSnapshots = False,
     quiet: Quiet = False,
 ) -> None:
-    """Solve and simulate a scene; write figures and a report on how well the two agree.
+    """Solve and simulate a scene; write figures and a judgement on whether the two agree.
 
-    The exit code is 0 if every quantity is within its tolerance, 1 if one is not, and 4 if the
-    prediction has not converged.
+    The exit code is 0 if nothing differs by more than the error bars allow, what this mesh cannot
+    resolve being listed; 1 if something does; 4 if the prediction has not converged.
     """
     require("slipfront compare", *FEM, *PLOT)
     earlier = None
@@ -90,32 +93,32 @@ def compare_command(
         written = snapshots.is_dir() and not no_snapshots
         snapshot = last_snapshot(snapshots, simulation.run) if written else None
         with progress_bar(Console(stderr=True), quiet, "marching") as progress:
-            prediction = prediction_at_nodes(simulation, method, progress)
-        report = build_report(label, prediction, simulation, snapshot)
-        write_comparison(report, directory)
-    _show(report, directory)
-    if prediction.solution is not None:
-        check_converged(prediction.solution, label)
-    raise typer.Exit(0 if report.passed else 1)
+            prediction = predict_like(simulation, method, progress)
+        judgement = judge(prediction, simulation, snapshot)
+        write_comparison(judgement, label, directory)
+    _show(judgement, label, directory)
+    if isinstance(prediction, Solution):
+        check_converged(prediction, label)
+    raise typer.Exit(1 if judgement.verdict == DIFFERS else 0)
 
 
-def write_comparison(report: Report, directory: Path) -> None:
-    """Draw the figures of a report into a folder and write it there as JSON."""
+def write_comparison(judgement: Judgement, label: str, directory: Path) -> None:
+    """Draw the figures of a judgement into a folder and write it there as JSON."""
     from compare.figures.histories import comparison_figures
     from compare.figures.saving import save_figure
 
-    drawn = comparison_figures(report)
+    drawn = comparison_figures(judgement.case)
     for name, draw in drawn.items():
-        save_figure(draw(report), directory / name)
+        save_figure(draw(judgement.case), directory / name)
     forget_figures(directory, drawn)
-    write_report(report, directory / REPORT)
+    write_report(judgement, label, directory / REPORT)
 
 
-def _show(report: Report, directory: Path) -> None:
+def _show(judgement: Judgement, label: str, directory: Path) -> None:
     console = Console()
-    console.print(terminal.report_table(report))
-    console.print(terminal.references_line(report), highlight=False)
-    console.print("Tolerances:\n" + terminal.reasons_text(report), highlight=False)
+    console.print(terminal.judgement_table(judgement, label))
+    console.print(terminal.references_line(judgement), highlight=False)
+    console.print(terminal.verdict_text(judgement), highlight=False)
     console.print(f"Written to {directory}/", highlight=False)
 
 

@@ -19,8 +19,8 @@ from compare.comparison.documents import (
     march_document,
     units_document,
 )
-from compare.comparison.report import Report
-from compare.comparison.rows import Row, shown_number
+from compare.comparison.judgement import Judgement
+from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import reference_values, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.scene.named import NAMED_SCENES
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 TOTALS = ("accumulated_slip", "frictional_work")
-DIFFERENCE_DIGITS = 3
+DIGITS, DIFFERENCE_DIGITS = 4, 2
 
 
 def scenes_table() -> Table:
@@ -140,39 +140,44 @@ def simulation_line(simulation: Simulation) -> str:
     )
 
 
-def report_table(report: Report) -> Table:
-    """The rows of a report with their units, failures in red; relative differences in per cent."""
-    title = f"Semi-analytic against finite elements: {report.label}"
-    table = Table("quantity", title=title, box=SIMPLE_HEAD, pad_edge=False)  # for 80 columns
-    for heading in ("prediction", "FEM", "difference", "tolerance"):
+def judgement_table(judgement: Judgement, label: str) -> Table:
+    """The rows of a judgement with their units; what differs in red, norms' errors in per cent."""
+    title = f"Semi-analytic against finite elements: {label}"
+    table = Table(title=title, box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("quantity", min_width=20)  # for 80 columns
+    for heading in ("exact", "at nodes", "FEM", "differ by", "bar ±"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
-    for row in report.rows:
+    for row in judgement.rows:
         table.add_row(
-            escape(row.quantity if row.unit == "1" else f"{row.quantity} [{row.unit}]"),
-            shown_number(row.prediction),
-            shown_number(row.simulation),
+            escape(row.name if row.relative or row.unit == "1" else f"{row.name} [{row.unit}]"),
+            *(shown_number(value, DIGITS) for value in (row.exact, row.at_nodes, row.simulated)),
             _difference(row.difference, row),
-            _difference(row.tolerance, row),
+            _difference(row.bar, row),
             _verdict(row),
         )
     return table
 
 
-def references_line(report: Report) -> str:
-    """What the symbols in the units of a report stand for."""
-    references = reference_values(report.simulation.scene, report.simulation.end_time)
+def references_line(judgement: Judgement) -> str:
+    """What the symbols in the units of a judgement stand for."""
+    simulation = judgement.simulation
+    references = reference_values(simulation.scene, simulation.end_time)
     values = (f"{symbol} = {value:.4g} {unit}" for symbol, (value, unit) in references.items())
     return f"Units: {', '.join(values)}; % of the prediction"
 
 
-def reasons_text(report: Report) -> str:
-    """The distinct reasons behind the tolerances of a report, one a line; what a march misses."""
-    reasons = dict.fromkeys(row.reason for row in report.rows if row.present)
-    lines = [f"  · {reason}" for reason in reasons]
-    if report.prediction.caution:
-        caution = in_options(report.prediction.caution, MESH_OPTIONS)
-        lines.append(f"The march is unresolved: {caution}.")
+def verdict_text(judgement: Judgement) -> str:
+    """The verdict in a sentence; then each row that is unresolved, why, and what would do."""
+    counts = judgement.counts
+    parts = [f"{count} {verdict}" for verdict, count in counts.items() if count]
+    lines = [f"Verdict: {judgement.verdict} ({', '.join(parts)})."]
+    if counts[UNRESOLVED]:
+        lines.append("Unresolved:")
+    for row in judgement.having(UNRESOLVED):
+        remedy = judgement.remedy(row)
+        reason = in_options(row.obstacle, MESH_OPTIONS)
+        lines.append(f"  · {row.name}: {reason}{f' ({remedy})' if remedy else ''}")
     return "\n".join(lines)
 
 
@@ -212,6 +217,4 @@ def _difference(value: float | None, row: Row) -> str:
 
 
 def _verdict(row: Row) -> str:
-    if not row.present:
-        return "not present"
-    return "[green]pass[/green]" if row.passed else "[bold red]FAIL[/bold red]"
+    return f"[bold red]{row.verdict}[/bold red]" if row.verdict == DIFFERS else row.verdict

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.arrivals import (
+    LARGEST_MISFIT,
     Waveform,
     Window,
     aligned_speed,
@@ -20,10 +20,10 @@ from compare.comparison.arrivals import (
     smeared,
 )
 from compare.comparison.bars import error_bar, observed_order
-from compare.comparison.case import Case
+from compare.comparison.case import Case, mesh_changes
 from compare.comparison.rows import Row
 from compare.comparison.scales import wave_speeds
-from semianalytic import Marched, Solution
+from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LEAST_ROUGHNESS = 1e-3
+FARTHEST = 1.5
+"""Position over c_l T up to which a waveform about the P front is looked at."""
+COARSE_MISFIT = 0.9
+"""Of a coarser mesh, which only has to say how much further off it is."""
 ARRIVAL_FLOOR = 0.5
 """Elements by which nodes alone leave a front open."""
 
@@ -59,11 +63,12 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     """Speeds in c_t of the Rayleigh, S and P signals on the interface and on the slot face.
 
     On each face a signal is followed in the field whose predicted waveform is roughest there,
-    relative to the reference stress or slip rate, at the last time at which the surroundings of
-    the front are still on the recorded part of the face.  The slot face is looked at where the
-    prediction is a `Solution`, which knows it; a march does not reach beyond all fronts.
+    relative to the reference stress or slip rate and smeared as damping does, at the last time at
+    which the surroundings of the front are still on the recorded part of the face.  Nothing is
+    said of predictions that do not reach beyond all fronts, as marches, nor of the slot face where
+    they do not know it.
     """
-    if isinstance(case.prediction, Marched):
+    if not _reaches(case):
         return
     fronts = wave_speeds(case.prediction.scene.material)
     edges = [
@@ -73,14 +78,25 @@ def arrival_rows(case: Case) -> Iterator[Row]:
         if 0 < edge < math.inf
     ]
     faces = [("interface", edges, _interface_fields(case))]
-    if isinstance(case.prediction, Solution):
-        faces.append(("slot face", [], _slot_fields(case, case.prediction)))
+    slot_velocity = getattr(case.prediction, "slot_velocity", None)
+    if slot_velocity is not None:
+        faces.append(("slot face", [], _slot_fields(case, slot_velocity)))
     for face, others, fields in faces:
         for signal, front in fronts.items():
             window = front_window(front, {*fronts.values(), *others} - {front})
-            row = _arrival_row(case, f"{signal} arrival on the {face}", window, fields)
+            row = _arrival_row(case, f"{signal} front, {face}", window, fields)
             if row is not None:
                 yield row
+
+
+def _reaches(case: Case) -> bool:
+    """Whether a prediction answers beyond all fronts at the end."""
+    speed = case.scene.material.longitudinal_speed
+    try:
+        case.prediction.slip_rate(np.array([FARTHEST * speed * case.end_time]), case.end_time)
+    except SceneError:
+        return False
+    return True
 
 
 def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> Row | None:
@@ -93,20 +109,15 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         return None
     field, shear_speed = fields[strongest], case.scene.material.shear_speed
     velocity, recorded = _recorded(case.simulation, field, window)
-    exact = aligned_speed(velocity, field.predict(velocity), templates[strongest], window)
+    template = templates[strongest]
+    exact = aligned_speed(velocity, template(velocity), template, window)
     speeds = []
     for run in (case.simulation, *case.coarser):
         template = _template(run, field, window)
-        speeds.append(aligned_speed(*_recorded(run, field, window), template, window))
-    changes = []
-    for fine, coarse in pairwise(speeds):
-        if fine is None or coarse is None:
-            break
-        changes.append((fine - coarse) / shear_speed)
-    at_nodes, simulated = (
-        None if speed is None else speed / shear_speed for speed in (exact, speeds[0])
-    )
-    both = at_nodes is not None and simulated is not None
+        misfit = LARGEST_MISFIT if run is case.simulation else COARSE_MISFIT
+        speeds.append(aligned_speed(*_recorded(run, field, window), template, window, misfit))
+    values = [None if speed is None else speed / shear_speed for speed in (exact, *speeds)]
+    at_nodes, simulated, changes = values[0], values[1], mesh_changes(values[1:])
     floor = ARRIVAL_FLOOR * _cell(case.simulation, field, window)
     row = Row(
         f"{name} ({field.name})",
@@ -114,17 +125,17 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         window.front / shear_speed,
         at_nodes,
         simulated,
-        simulated - at_nodes if both else None,  # type: ignore[operator]
+        None if at_nodes is None or simulated is None else simulated - at_nodes,
         error_bar("arrival", changes) + floor if changes else None,
         "c_t",
         order=observed_order(changes),
     )
     if simulated is None and at_nodes is not None and case.coarser:
         # is the front washed out by the mesh, or not the one that is predicted?
-        coarse_velocity, coarse = _recorded(case.coarser[0], field, window)
-        inside = (coarse_velocity > window.lower) & (coarse_velocity < window.upper)
-        fine = np.interp(coarse_velocity[inside], velocity, recorded)
-        change = error_bar("arrival", [float(np.sqrt(np.mean((fine - coarse[inside]) ** 2)))])
+        there, coarse_values = _recorded(case.coarser[0], field, window)
+        inside = (there > window.lower) & (there < window.upper)
+        missing = np.interp(there[inside], velocity, recorded) - coarse_values[inside]
+        change = error_bar("arrival", [float(np.sqrt(np.mean(missing**2)))])
         if not change < strength[strongest] / 2:
             return replace(row, obstacle="the mesh washes the front out")
         return replace(row, bar=floor)
@@ -183,9 +194,11 @@ def _interface_fields(case: Case) -> list[Face]:
     ]
 
 
-def _slot_fields(case: Case, solution: Solution) -> list[Face]:
+def _slot_fields(
+    case: Case, slot_velocity: Callable[[Array, float], tuple[Array, Array]]
+) -> list[Face]:
     def component(index: int) -> Callable[[Array, float], Array]:
-        return lambda x, t: solution.slot_velocity(-x, t)[index]
+        return lambda x, t: slot_velocity(-x, t)[index]
 
     def record(index: int) -> Callable[[Simulation], tuple[Array, Array, Array]]:
         def of(run: Simulation) -> tuple[Array, Array, Array]:

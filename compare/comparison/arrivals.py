@@ -88,7 +88,11 @@ def roughness(values: Array, velocity: Array) -> float:
 
 
 def aligned_speed(
-    velocity: Array, values: Array, prediction: Waveform, window: Window
+    velocity: Array,
+    values: Array,
+    prediction: Waveform,
+    window: Window,
+    misfit: float = LARGEST_MISFIT,
 ) -> float | None:
     """Speed at which a record shows the front the prediction has in a window.
 
@@ -103,29 +107,32 @@ def aligned_speed(
         The waveform expected at an array of velocities, in the units of `values`.
     window : Window
         Part of the record that is looked at, and the predicted speed.
+    misfit : float
+        Largest part of the record's roughness that may be left unexplained.
 
     Returns
     -------
     float or None
         s times the predicted speed [length / time]; None if fewer samples than can be aligned lie
         in the window, no stretch within it fits better than its neighbours, or the best one
-        leaves more than half of the record's roughness unexplained.
+        leaves too much unexplained.
     """
     inside = (velocity >= window.lower) & (velocity <= window.upper)
     if np.count_nonzero(inside) < LEAST_SAMPLES:
         return None
     seen_at, seen = velocity[inside], values[inside]
 
-    def misfit(stretch: float) -> float:
+    def unexplained(stretch: float) -> float:
         return roughness(seen - prediction(seen_at / stretch), seen_at)
 
     reach = 0.5 * min(window.front - window.lower, window.upper - window.front) / window.front
     trials = np.linspace(1 - reach, 1 + reach, TRIALS)
-    best = int(np.argmin([misfit(s) for s in trials]))
+    best = int(np.argmin([unexplained(s) for s in trials]))
     if best in (0, TRIALS - 1):
         return None
-    found = minimize_scalar(misfit, bounds=(trials[best - 1], trials[best + 1]), method="bounded")
-    if found.fun > LARGEST_MISFIT * roughness(seen, seen_at):
+    bounds = trials[best - 1], trials[best + 1]
+    found = minimize_scalar(unexplained, bounds=bounds, method="bounded")
+    if found.fun > misfit * roughness(seen, seen_at):
         return None
     return float(found.x) * window.front
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar, observed_order
-from compare.comparison.measures import NOTHING, norm, worn
+from compare.comparison.measures import NOTHING, is_nothing, norm, worn
 from compare.comparison.rows import AGREES, ALARM, TELLING, UNRESOLVED, Row
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import InterfaceHistory, Marched, Scene, Solution
@@ -104,6 +104,11 @@ class Case:
         return max(float(np.abs(field[:, shown]).max(initial=0.0)) for field in fields)
 
     @property
+    def slips(self) -> bool:
+        """Whether any slip is predicted at the nodes."""
+        return not is_nothing(self.at_nodes.slip_rate, self.rate)
+
+    @property
     def error_estimate(self) -> float:
         """What an exact solution says of itself, relative; 0 of what has a companion instead."""
         return self.prediction.error_estimate if isinstance(self.prediction, Solution) else 0.0
@@ -143,23 +148,21 @@ class Case:
         size : float, optional
             Of what is to be told apart from nothing: a bar wider than half of it is unresolved.
         """
-        values = [read(history) for history in (self.at_nodes, self.seen)]
-        if values[0] is None and values[1] is None:
+        at_nodes, simulated = read(self.at_nodes), read(self.seen)
+        if at_nodes is None and simulated is None:
             return None
-        chain = [values[1], *(read(run.interface) for run in self.coarser)]
-        changes = _changes(chain)
+        changes = mesh_changes([simulated, *(read(run.interface) for run in self.coarser)])
         bar = error_bar(kind, changes) + floor if changes else None
-        if bar is not None and self.doubted is not None and values[0] is not None:
+        if bar is not None and self.doubted is not None and at_nodes is not None:
             doubted = read(self.doubted)
-            bar = None if doubted is None else bar + abs(values[0] - doubted)
-        both = values[0] is not None and values[1] is not None
-        difference = values[1] - values[0] if both else None  # type: ignore[operator]
+            bar = None if doubted is None else bar + abs(at_nodes - doubted)
         row = Row(
             name,
             kind,
             exact,
-            *values,
-            difference,
+            at_nodes,
+            simulated,
+            None if at_nodes is None or simulated is None else simulated - at_nodes,
             bar,
             unit,
             order=observed_order(changes),
@@ -229,7 +232,7 @@ class Case:
             bar += NOTHING if nothing else self.error_estimate
             bar += sum(size((other - expected)[shown], x[shown]) / per for other in doubted)
         row = Row(
-            f"{name}, largest" if nothing else f"{name} in L{order}",
+            f"{name}, largest" if nothing else f"{name}, L{order}",
             kind,
             exact,
             whole,
@@ -294,7 +297,7 @@ def _companions(simulation: Simulation) -> Iterator[Simulation]:
         companion = companion.companion
 
 
-def _changes(values: list[float | None]) -> list[float]:
+def mesh_changes(values: list[float | None]) -> list[float]:
     """Differences from mesh to mesh, from the finest on, as far as all show the value."""
     changes = []
     for fine, coarse in pairwise(values):

@@ -151,7 +151,7 @@ def _unpredicted_rows(case: Case, zones: tuple[SlipInterval, ...]) -> Iterator[R
         ):
             continue
         row = Row(
-            f"slip that is not predicted, from {start / case.length:.3f} c_t T",
+            f"unpredicted slip at {start / case.length:.3f} c_t",
             "zone edge",
             None,
             None,

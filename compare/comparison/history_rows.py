@@ -93,9 +93,9 @@ def rate_row(case: Case) -> Row:
         bar += NOTHING if nothing else case.error_estimate
         if case.doubted is not None:
             bar += size(case.doubted.slip_rate[part] / unit - predicted, case.seen) / per
-    name = "slip rate over space and time"
+    name = "slip rate over (x, t)"
     row = Row(
-        f"{name}, largest" if nothing else f"{name} in L1",
+        f"{name}, largest" if nothing else f"{name}, L1",
         "slip rate",
         None,
         whole,
@@ -129,7 +129,7 @@ def sense_rows(case: Case) -> Iterator[Row]:
     floor = float((beside_edges(simulated) & reached).sum()) / area / 2 + 1 / area
     for name, sense in (("forward", 1), ("reverse", -1)):
         row = case.value_row(
-            f"{name} slip, part of the map",
+            f"{name} slip, part of map",
             "sense",
             partial(_part, case, sense),
             floor=floor,
@@ -153,7 +153,7 @@ def sense_rows(case: Case) -> Iterator[Row]:
         bar += float((doubted != predicted)[reached].sum()) / area
     yield case.judged(
         Row(
-            "sense of slip, part of the map that differs",
+            "other sense, part of map",
             "sense",
             None,
             0.0,
@@ -181,13 +181,13 @@ def event_rows(case: Case) -> Iterator[Row]:
     for probe in PROBES[-1:] if case.scene.is_self_similar else PROBES:
         place = float(case.seen.x[np.argmin(np.abs(case.seen.x - probe * case.length))])
         for name, first_time, share in (
-            ("slip onset (1 % of peak)", onset_time, SENSE_THRESHOLD),
-            ("slip reversal", _reversal, REVERSAL_THRESHOLD),
+            ("onset", onset_time, SENSE_THRESHOLD),
+            ("reversal", _reversal, REVERSAL_THRESHOLD),
         ):
             least = share * case.largest_rate
 
             row = case.value_row(
-                f"{name} at x = {place / case.length:.2f} c_t T",
+                f"{name} at {place / case.length:.2f} c_t T",
                 "onset",
                 partial(_event, first_time, place, least, case.end_time),
                 floor=ONSET_FLOOR * cell + step,
@@ -249,7 +249,7 @@ def cycle_rows(case: Case) -> Iterator[Row]:
     unit = case.stress * case.rate * case.length * case.end_time
     for cycle in range(int(case.end_time / period * (1 + 1e-9))):
         row = case.value_row(
-            f"frictional work in cycle {cycle + 1}",
+            f"work in cycle {cycle + 1}",
             "work",
             partial(_work_between, unit, cycle * period, (cycle + 1) * period),
             floor=NOTHING,
@@ -261,8 +261,8 @@ def cycle_rows(case: Case) -> Iterator[Row]:
 
 def _work_between(unit: float, start: float, end: float, history: InterfaceHistory) -> float:
     """Frictional work per unit thickness between two times, over a unit."""
-    power = np.trapezoid(history.slip_rate * history.shear_traction, history.x, axis=1)
+    power = np.asarray(np.trapezoid(history.slip_rate * history.shear_traction, history.x, axis=1))
     steps = np.diff(history.t) * (power[1:] + power[:-1]) / 2
-    work = np.concatenate([[0.0], np.cumsum(steps)])
+    work = np.concatenate([np.zeros(1), np.cumsum(steps)])
     first, last = np.interp([start, end], history.t, work).tolist()
     return float(last - first) / unit

@@ -36,6 +36,16 @@ class Judgement:
     case: Case
     rows: tuple[Row, ...]
 
+    @property
+    def prediction(self) -> Answer:
+        """What was predicted."""
+        return self.case.prediction
+
+    @property
+    def simulation(self) -> Simulation:
+        """What was simulated, with its companions."""
+        return self.case.simulation
+
     @cached_property
     def verdict(self) -> str:
         """ "differs" if one row does; else "agrees" if one does; else "unresolved"."""
@@ -47,6 +57,45 @@ class Judgement:
     def having(self, verdict: str) -> tuple[Row, ...]:
         """The rows with a verdict."""
         return tuple(row for row in self.rows if row.verdict == verdict)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many rows have each verdict."""
+        return {verdict: len(self.having(verdict)) for verdict in (AGREES, DIFFERS, UNRESOLVED)}
+
+    def remedy(self, row: Row) -> str:
+        """What would resolve a row: which mesh, and what that costs; "" where nothing is known."""
+        if row.verdict != UNRESOLVED or row.resolution is None:
+            return ""
+        return mesh_sentence(self.simulation, row.resolution)
+
+
+def mesh_sentence(simulation: Simulation, resolution: int) -> str:
+    """Element size of a resolution, and what a simulation like this one would take with it."""
+    from fem import cost
+
+    size = simulation.element_size * simulation.resolution / resolution
+    would = f"resolution {resolution}, h = {size:.2g}"
+    try:
+        taken = cost(
+            simulation.scene,
+            simulation.end_time,
+            resolution=resolution,
+            damping=simulation.damping,
+            element=simulation.element,
+            mesh=simulation.mesh,
+        )
+    except SceneError:
+        return f"{would}: more than a mesh may hold"
+    return f"{would}: {duration(taken.seconds)}, {taken.memory / 1e9:.2g} GB"
+
+
+def duration(seconds: float) -> str:
+    """Seconds as people say them, up to hours."""
+    for unit, length in (("hours", 3600.0), ("minutes", 60.0)):
+        if seconds >= 1.5 * length:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds:.2g} s"
 
 
 def judge(
@@ -107,7 +156,7 @@ def _rows(case: Case, snapshot: SlipRateProfile | None) -> Iterator[Row]:
     if snapshot is not None:
         yield snapshot_row(case, snapshot)
     yield rate_row(case)
-    if all(is_nothing(history.slip_rate, case.rate) for history in (case.at_nodes, case.seen)):
+    if not case.slips and is_nothing(case.seen.slip_rate, case.rate):
         return
     yield from sense_rows(case)
     yield from event_rows(case)

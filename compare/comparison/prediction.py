@@ -1,17 +1,16 @@
-"""A prediction sampled where a simulation was recorded, by the solver its scene calls for."""
+"""The prediction that belongs to a simulation, by the solver its scene calls for."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from semianalytic import InterfaceHistory, Marched, Scene, Solution, march, solve
+from semianalytic import Marched, Scene, Solution, march, solve
 from semianalytic.prediction import chosen_method
+from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.load import check_pressure
 from semianalytic.spacetime.resolution import nodes_for_loads
@@ -20,62 +19,12 @@ from semianalytic.spacetime.tuning import MOST_NODES
 if TYPE_CHECKING:
     from fem import Simulation
 
-Array = NDArray[np.float64]
-
 FINER = 4
 """Nodes of a march per element of the simulation."""
 
-CURVE_POINTS = 1500
-"""Places at which a self-similar slip rate is drawn."""
-
-
-@dataclass(frozen=True, eq=False)
-class Prediction:
-    """What a semi-analytic solver says of the contact nodes of a simulation, x > 0.
-
-    Attributes
-    ----------
-    method : str
-        "self-similar" or "space-time".
-    answer : Solution or Marched
-        What was computed.
-    interface : InterfaceHistory
-        At the nodes x > 0 and the times of the simulation.
-    final_path : (n,) array
-        Accumulated |slip| at the end [length].
-    final_work_density : (n,) array
-        Work per area taken by friction until the end [stress length].
-    seconds : float
-        What it took to compute.
-    caution : str
-        What a march was too coarse for; "" if nothing is known.
-    """
-
-    method: str
-    answer: Solution | Marched
-    interface: InterfaceHistory
-    final_path: Array
-    final_work_density: Array
-    seconds: float
-    caution: str = ""
-
-    @property
-    def solution(self) -> Solution | None:
-        """The self-similar solution, where that is the method."""
-        return self.answer if isinstance(self.answer, Solution) else None
-
-    def curve(self, time: float) -> tuple[Array, Array]:
-        """Positions and slip rates there (n,), as fine as the answer itself is known."""
-        if isinstance(self.answer, Solution):
-            end = self.interface.x[-1]
-            x = np.linspace(end / CURVE_POINTS, end, CURVE_POINTS)
-            return x, self.answer.slip_rate(x, time)
-        x = self.answer.interface.x
-        return x, self.answer.slip_rate(x, time)
-
 
 def check_predictable(scene: Scene, method: str = "auto") -> None:
-    """Raise what `prediction_at_nodes` would, as far as that is known without solving a scene.
+    """Raise what `predict_like` would, as far as that is known without solving a scene.
 
     Raises
     ------
@@ -88,12 +37,12 @@ def check_predictable(scene: Scene, method: str = "auto") -> None:
         check_pressure(scene)
 
 
-def prediction_at_nodes(
+def predict_like(
     simulation: Simulation,
     method: str = "auto",
     progress: Callable[[int, int], None] | None = None,
-) -> Prediction:
-    """Predict what a simulation recorded.
+) -> Solution | Marched:
+    """Predict what a simulation is of: on its contact and until its end.
 
     Parameters
     ----------
@@ -113,25 +62,23 @@ def prediction_at_nodes(
     ComputationError
         If a march fails.
     """
+    if chosen_method(simulation.scene, method) == "self-similar":
+        return solve(simulation.scene)
     x, t = simulation.interface.x, simulation.interface.t
-    chosen = chosen_method(simulation.scene, method)
-    if chosen == "self-similar":
-        solution = solve(simulation.scene)
-        whole = solution.history(x, t)
-        seconds = sum(solution.statistics.seconds.values())
-        worn = solution.path(x, t[-1]), solution.work_density(x, t[-1])
-        return Prediction(chosen, solution, whole, *worn, seconds)
-    marched = _marched(simulation, float(x[-1]), float(t[-1]), progress)
-    own, missed = marched.interface, marched.missed_zone
-    return Prediction(
-        chosen,
-        marched,
-        marched.history(x, t),
-        np.interp(x, own.x, marched.final_path),
-        np.interp(x, own.x, marched.final_work_density),
-        sum(marched.statistics.seconds.values()),
-        "" if missed is None else f"{missed}; raise `resolution` {missed.refinement} times",
-    )
+    return _marched(simulation, float(x[-1]), float(t[-1]), progress)
+
+
+def method_of(prediction: Answer) -> str:
+    """Name of the method behind a prediction: "self-similar", "space-time" or that of its class."""
+    if isinstance(prediction, Solution):
+        return "self-similar"
+    return "space-time" if isinstance(prediction, Marched) else type(prediction).__name__
+
+
+def seconds_of(prediction: Answer) -> float:
+    """What a prediction took to compute [s]; NaN if it does not say."""
+    statistics = getattr(prediction, "statistics", None)
+    return math.nan if statistics is None else sum(statistics.seconds.values())
 
 
 def _marched(

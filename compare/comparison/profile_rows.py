@@ -31,7 +31,7 @@ POINTS = 2000
 def slip_rate_rows(case: Case) -> Iterator[Row]:
     """Relative errors of slip rate and slip at the end."""
     yield _slip_row(case, "slip rate", "slip_rate", case.rate, "V₀")
-    yield _slip_row(case, "slip at the end", "slip", case.rate * case.end_time, "V₀ T")
+    yield _slip_row(case, "slip", "slip", case.rate * case.end_time, "V₀ T")
 
 
 def wear_rows(case: Case) -> Iterator[Row]:
@@ -90,7 +90,7 @@ def snapshot_row(case: Case, profile: SlipRateProfile) -> Row:
         difference = float(np.abs(written - predicted).max())
     return replace(
         likewise,
-        name=likewise.name.replace("slip rate", "slip rate of the last snapshot", 1),
+        name=likewise.name.replace("slip rate", "slip rate of snapshot", 1),
         at_nodes=values[0],
         simulated=values[1],
         difference=difference,

@@ -1,12 +1,11 @@
-"""All rows of a comparison with what they came from, as an object and as JSON."""
+"""A judgement with what it came from, as JSON."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from compare.comparison.arrival_rows import arrival_rows
 from compare.comparison.documents import (
     SCENE_DIMENSIONS,
     Dimensions,
@@ -14,25 +13,12 @@ from compare.comparison.documents import (
     solution_document,
     units_document,
 )
-from compare.comparison.edge_rows import onset_rows, zone_rows
-from compare.comparison.history_rows import (
-    event_rows,
-    rate_rows,
-    sense_rows,
-    slip_and_work_rows,
-    slips,
-)
-from compare.comparison.prediction import Prediction
-from compare.comparison.profile_rows import slip_rate_rows, snapshot_rows, traction_rows
-from compare.comparison.rows import Row
+from compare.comparison.judgement import Judgement
+from compare.comparison.prediction import method_of
 from compare.comparison.scales import reference_values
-from compare.comparison.snapshots import SlipRateProfile
 from compare.output.files import write_text
+from semianalytic import Solution
 from semianalytic.scene.scene import scene_document
-
-if TYPE_CHECKING:
-    from fem import Simulation
-
 
 REPORT_DIMENSIONS: Dimensions = {
     "parameters": SCENE_DIMENSIONS,
@@ -48,82 +34,28 @@ REPORT_DIMENSIONS: Dimensions = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Report:
-    """All rows of one comparison."""
+def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
+    """A judgement as plain dictionaries, lists, strings and finite numbers, for JSON.
 
-    label: str
-    prediction: Prediction
-    simulation: Simulation
-    rows: tuple[Row, ...]
-
-    @property
-    def passed(self) -> bool:
-        """Whether every row is within its tolerance."""
-        return all(row.passed for row in self.rows)
-
-
-def build_report(
-    label: str,
-    prediction: Prediction,
-    simulation: Simulation,
-    snapshot: SlipRateProfile | None = None,
-) -> Report:
-    """Compare a prediction and a simulation of the same scene, quantity by quantity.
-
-    Fronts, zones and tractions at the end are compared where the prediction is self-similar; the
-    slip rate over space and time always is, and what slip does where any is predicted.
-
-    Parameters
-    ----------
-    label : str
-        Name of the scene, for titles.
-    prediction : Prediction
-        At the nodes and times of the simulation.
-    simulation : Simulation
-        The finite-element answer; its last recorded time is the final time.
-    snapshot : SlipRateProfile, optional
-        What the last field snapshot holds, to be compared as well.
+    `label` names the scene.  "units" mirrors it; what rows call their unit is in units/rows, or a
+    unit by itself.
     """
-    rows: list[Row] = []
-    solution = prediction.solution
-    if solution is not None:
-        rows += [
-            *arrival_rows(solution, simulation),
-            *zone_rows(solution, simulation),
-            *slip_rate_rows(solution, simulation),
-            *onset_rows(solution, simulation),
-            *traction_rows(solution, simulation),
-        ]
-        if snapshot is not None:
-            rows += snapshot_rows(solution, simulation, snapshot)
-    rows += rate_rows(prediction, simulation)
-    if slips(prediction, simulation):
-        rows += [
-            *sense_rows(prediction, simulation),
-            *event_rows(prediction, simulation),
-            *slip_and_work_rows(prediction, simulation),
-        ]
-    return Report(label, prediction, simulation, tuple(rows))
-
-
-def report_document(report: Report) -> dict[str, Any]:
-    """The report as plain dictionaries, lists, strings and finite numbers, for JSON.
-
-    "units" mirrors it; what rows call their unit is in units/rows, or a unit by itself.
-    """
-    simulation, solution = report.simulation, report.prediction.solution
+    simulation, prediction = judgement.simulation, judgement.prediction
     document: dict[str, Any] = {
-        "scene": report.label,
-        "passed": report.passed,
+        "scene": label,
+        "verdict": judgement.verdict,
+        "counts": judgement.counts,
         "parameters": scene_document(simulation.scene),
-        "method": report.prediction.method,
-        "caution": report.prediction.caution,
-        "semianalytic": None if solution is None else solution_document(solution),
+        "method": method_of(prediction),
+        "caution": judgement.case.caution,
+        "semianalytic": (
+            solution_document(prediction) if isinstance(prediction, Solution) else None
+        ),
         "finite_elements": {
             "run": simulation.run,
             "end_time": simulation.end_time,
             "resolution": simulation.resolution,
+            "companions": [run.resolution for run in judgement.case.coarser],
             "element_size": simulation.element_size,
             "model": simulation.model,
             "damping": simulation.damping,
@@ -136,7 +68,8 @@ def report_document(report: Report) -> dict[str, Any]:
             "seconds": dict(simulation.seconds),
         },
         "rows": [
-            {**asdict(row), "present": row.present, "passed": row.passed} for row in report.rows
+            {**asdict(row), "verdict": row.verdict, "remedy": judgement.remedy(row)}
+            for row in judgement.rows
         ],
     }
     references = reference_values(simulation.scene, simulation.end_time)
@@ -147,12 +80,12 @@ def report_document(report: Report) -> dict[str, Any]:
     return document
 
 
-def write_report(report: Report, path: Path) -> None:
-    """Write the report as JSON, whole or not at all.
+def write_report(judgement: Judgement, label: str, path: Path) -> None:
+    """Write a judgement as JSON, whole or not at all.
 
     Raises
     ------
     DataFileError
         If the file cannot be written.
     """
-    write_text(path, json_text(report_document(report)))
+    write_text(path, json_text(report_document(judgement, label)))

@@ -9,10 +9,17 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from compare.comparison.history_rows import sense_maps, slips
-from compare.comparison.report import Report
-from compare.comparison.scales import slip_rate_scale, stress_scale
-from compare.figures.interface import fronts_figure, slip_rate_figure, tractions_figure
+from compare.comparison.case import Case
+from compare.comparison.history_rows import sense_maps
+from compare.comparison.prediction import method_of
+from compare.comparison.scales import slip_rate_scale
+from compare.figures.interface import (
+    POINTS,
+    Array,
+    fronts_figure,
+    slip_rate_figure,
+    tractions_figure,
+)
 from compare.figures.style import (
     PATH_LABEL,
     PLACE_LABEL,
@@ -29,44 +36,44 @@ from compare.figures.style import (
     new_figure,
     waves_handle,
 )
-from semianalytic import Marched
+from semianalytic import Marched, Solution
+from semianalytic.results.answer import Answer
 
 MOMENTS = (0.25, 0.5, 0.75, 1.0)
 LEVELS = 400
 """Most points of a march that are drawn along each axis, nearly."""
 
 
-def comparison_figures(report: Report) -> dict[str, Callable[[Report], Figure]]:
+def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
     """The figures that a comparison has, by file name."""
-    figures: dict[str, Callable[[Report], Figure]] = {}
-    solution = report.prediction.solution
-    if solution is not None:
+    figures: dict[str, Callable[[Case], Figure]] = {}
+    solution = case.prediction
+    if isinstance(solution, Solution):
         figures = {
-            "slip_rate.png": lambda r: slip_rate_figure(solution, r.simulation.interface),
-            "tractions.png": lambda r: tractions_figure(solution, r.simulation.interface),
-            "fronts.png": lambda r: fronts_figure(solution, r.simulation.interface),
+            "slip_rate.png": lambda one: slip_rate_figure(solution, one.seen),
+            "tractions.png": lambda one: tractions_figure(solution, one.seen),
+            "fronts.png": lambda one: fronts_figure(solution, one.seen),
         }
-    if slips(report.prediction, report.simulation):
+    if case.slips:
         figures |= {"sense.png": sense_figure, "history.png": history_figure}
         figures |= {"wear.png": wear_figure}
     return figures
 
 
-def sense_figure(report: Report) -> Figure:
+def sense_figure(case: Case) -> Figure:
     """Maps of slip sense over (x, t): predicted, simulated, and where the two differ."""
-    predicted, seen, reached = sense_maps(report.prediction, report.simulation)
-    history = report.simulation.interface
-    material, end = report.simulation.scene.material, history.t[-1]
+    predicted, seen, reached = sense_maps(case)
+    history, material, end = case.seen, case.scene.material, case.end_time
     length = material.shear_speed * end
     slipping = np.flatnonzero((predicted != 0).any(axis=0))
     right = min(1.15 * history.x[slipping[-1]] / length + 0.05, history.x[-1] / length)
     differs = np.where((predicted != seen) & reached, 1, 0)
     share = differs.sum() / reached.sum()
     kinds = ListedColormap(list(SENSE_COLOURS.values()))
-    figure = describe(new_figure(10.5, 4.6), report.simulation.scene)
+    figure = describe(new_figure(10.5, 4.6), case.scene)
     panels = figure.subplots(1, 3, sharex=True, sharey=True)
     for panel, title, values, colours, low in (
-        (panels[0], f"semi-analytic ({report.prediction.method})", predicted, kinds, -1),
+        (panels[0], f"semi-analytic ({method_of(case.prediction)})", predicted, kinds, -1),
         (panels[1], "finite elements", seen, kinds, -1),
         (panels[2], f"differ in {100 * share:.2g} % of the reached area", differs, "Greys", 0),
     ):
@@ -89,17 +96,16 @@ def sense_figure(report: Report) -> Figure:
     return figure
 
 
-def history_figure(report: Report) -> Figure:
+def history_figure(case: Case) -> Figure:
     """Slip rate along the interface at four moments, by both methods."""
-    prediction, seen = report.prediction, report.simulation.interface
-    scene, end = report.simulation.scene, seen.t[-1]
-    length, scale = scene.material.shear_speed * end, slip_rate_scale(scene)
+    seen, scene, end = case.seen, case.scene, case.end_time
+    length, scale = case.length, case.rate
     figure = describe(new_figure(7, 7.7), scene)
     panels = figure.subplots(len(MOMENTS), 1, sharex=True)
-    reach = np.flatnonzero(np.abs(prediction.interface.slip_rate).max(axis=0) > 0)[-1]
+    reach = np.flatnonzero(np.abs(case.at_nodes.slip_rate).max(axis=0) > 0)[-1]
     for panel, moment in zip(panels, MOMENTS, strict=True):
         level = int(np.argmin(np.abs(seen.t - moment * end)))
-        x, slip_rate = prediction.curve(seen.t[level])
+        x, slip_rate = curve(case.prediction, float(seen.x[-1]), float(seen.t[level]))
         panel.axhline(0, color="0.6", linewidth=0.6)
         panel.plot(
             seen.x / length, seen.slip_rate[level] / scale, ".", color=SIMULATION, markersize=2.5
@@ -112,27 +118,33 @@ def history_figure(report: Report) -> Figure:
     return figure
 
 
-def wear_figure(report: Report) -> Figure:
+def wear_figure(case: Case) -> Figure:
     """Accumulated |slip| and frictional work along the interface at the end, by both methods."""
-    prediction, simulation = report.prediction, report.simulation
-    scene, x, end = simulation.scene, simulation.interface.x, simulation.interface.t[-1]
-    length = scene.material.shear_speed * end
-    slip, stress = slip_rate_scale(scene) * end, stress_scale(scene)
-    work = prediction.final_work_density, simulation.final_work_density
-    figure = describe(new_figure(7, 5.7), scene)
+    simulation, x, length = case.simulation, case.seen.x, case.length
+    path, work = case.worn_at_nodes
+    slip, stress = case.rate * case.end_time, case.stress
+    figure = describe(new_figure(7, 5.7), case.scene)
     panels = figure.subplots(2, 1, sharex=True)
     for panel, label, (predicted, seen), unit in (
-        (panels[0], PATH_LABEL, (prediction.final_path, simulation.final_path), slip),
-        (panels[1], WORK_LABEL, work, slip * stress),
+        (panels[0], PATH_LABEL, (path, simulation.final_path), slip),
+        (panels[1], WORK_LABEL, (work, simulation.final_work_density), slip * stress),
     ):
         panel.plot(x / length, predicted / unit, color=PREDICTION)
         panel.plot(x / length, seen / unit, ".", color=SIMULATION, markersize=2.5)
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0)
-    reach = np.flatnonzero(prediction.final_path > 0)[-1]
+    reach = np.flatnonzero(path > 0)[-1]
     panels[0].legend(handles=method_handles(), loc="upper right", fontsize=SMALL)
     panels[1].set(xlabel=PLACE_LABEL, xlim=(0, 1.05 * x[reach] / length))
     return figure
+
+
+def curve(prediction: Answer, reach: float, time: float) -> tuple[Array, Array]:
+    """Positions up to a reach and slip rates there (n,), as fine as the answer itself is known."""
+    x = np.linspace(reach / POINTS, reach, POINTS)
+    if isinstance(prediction, Marched):
+        x = prediction.interface.x
+    return x, prediction.slip_rate(x, time)
 
 
 def march_figure(marched: Marched) -> Figure:
