@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from compare import Judgement, judge
-from compare.comparison.prediction import prediction_at_nodes
+from compare.comparison.prediction import predict_like
 from compare.comparison.rows import DIFFERS
 from compare.output.tables import append_rows, started_rows
 from compare.studies.stability.judge_scenes import HISTORIES, STEPS, draw, power_scenes
@@ -110,11 +110,6 @@ def simulated(scene: Scene, resolution: int) -> Simulation:
     return with_companions(simulate(scene, _END_TIME, resolution=resolution))
 
 
-def predicted(simulation: Simulation) -> Answer:
-    """The right answer, as far as a simulation was recorded."""
-    return prediction_at_nodes(simulation).answer
-
-
 def window_of(simulation: Simulation) -> Window:
     """What of a prediction a simulation is held against."""
     reach = float(simulation.interface.x[-1]) + simulation.element_size
@@ -130,7 +125,7 @@ def judged_rows(group: str, seed: int, index: int) -> list[JudgedRow]:
         refusals += drawn.refusals
         try:
             simulation = simulated(drawn.scene, drawn.resolution)
-            right = predicted(simulation)
+            right = predict_like(simulation)
             break
         except SceneError:
             refusals += 1
@@ -209,7 +204,7 @@ class _Trial:
 
     @classmethod
     def of(cls, simulation: Simulation) -> _Trial:
-        right = predicted(simulation)
+        right = predict_like(simulation)
         judgement = judge(right, simulation)
         bars = {row.name: row.bar for row in judgement.rows}
         return cls(simulation, right, window_of(simulation), flawless(judgement), bars)
