@@ -13,8 +13,8 @@ from compare.figures.style import BLUE, CYCLE, SMALL, VERMILLION, marker_handle,
 from compare.studies.stability.judge_trials import STEPS, JudgedRow, SpoiltRow
 from compare.studies.stability.spoils import SPOILS
 
-_NEAREST, _FARTHEST = 1e-3, 3.0
-"""Limits of the axis of differences over bars."""
+_FARTHEST = 3.0
+"""End of the axis of differences over bars; what is further is drawn there."""
 _LEAST_ROWS = 10
 """Of a kind that has a curve."""
 _LEAST_EFFECT, _LARGEST_EFFECT = 5e-4, 2.0
@@ -31,7 +31,7 @@ def judge_figure(judged: Sequence[JudgedRow], spoilt: Sequence[SpoiltRow]) -> Fi
 
 def _draw_bars(panel: Axes, judged: Sequence[JudgedRow]) -> None:
     """Part of the rows of a kind whose difference is at most a part of the bar."""
-    barred = [row for row in judged if row.group == STEPS and row.has_bar]
+    barred = [row for row in judged if row.group == STEPS and row.tells]
     kinds = dict.fromkeys(row.kind for row in barred)
     styles = [(colour, style) for style in ("-", "--") for colour in CYCLE]
     for kind, (colour, style) in zip(kinds, styles, strict=False):
@@ -40,7 +40,7 @@ def _draw_bars(panel: Axes, judged: Sequence[JudgedRow]) -> None:
             continue
         share = np.arange(1, len(ratios) + 1) / len(ratios)
         panel.step(
-            np.clip(ratios, _NEAREST, _FARTHEST),
+            np.minimum(ratios, _FARTHEST),
             100 * share,
             style,
             color=colour,
@@ -52,13 +52,12 @@ def _draw_bars(panel: Axes, judged: Sequence[JudgedRow]) -> None:
     panel.set(
         xlabel="|difference| / error bar",
         ylabel="rows of right answers [%]",
-        xscale="log",
-        xlim=(0.01, _FARTHEST),
+        xlim=(0, _FARTHEST),
         ylim=(0, 100.5),
         title="right answers: alarm beyond the dashed line",
     )
     panel.title.set_fontsize(9)
-    panel.legend(fontsize=SMALL, loc="upper left")
+    panel.legend(fontsize=SMALL, loc="lower right")
 
 
 def _draw_mistakes(panel: Axes, spoilt: Sequence[SpoiltRow]) -> None:

@@ -44,7 +44,7 @@ class BarRow:
     Attributes
     ----------
     group, kind : str
-    rows : int, that have a bar
+    rows : int, that are held against a bar
     without : int, that have none, or an obstacle
     covered : part of the rows that lie within their bar
     within_half : part that lies within half of it
@@ -116,7 +116,7 @@ def bar_rows(rows: Sequence[JudgedRow]) -> list[BarRow]:
 
 
 def _bars(group: str, kind: str, rows: Sequence[JudgedRow]) -> BarRow:
-    barred = [row for row in rows if row.has_bar]
+    barred = [row for row in rows if row.tells]
     ratios = np.array([row.over_bar for row in barred])
     size = [row.bar / abs(row.exact) for row in barred if row.exact and math.isfinite(row.exact)]
     return BarRow(

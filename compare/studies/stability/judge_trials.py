@@ -14,7 +14,7 @@ import numpy as np
 
 from compare import Judgement, judge
 from compare.comparison.prediction import predict_like
-from compare.comparison.rows import DIFFERS
+from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
 from compare.output.tables import append_rows, started_rows
 from compare.studies.stability.judge_scenes import HISTORIES, STEPS, draw, power_scenes
 from compare.studies.stability.spoils import SPOILS, Spoil, Window, effect, spoilt
@@ -69,9 +69,10 @@ class JudgedRow:
     verdict: str
 
     @property
-    def has_bar(self) -> bool:
-        """Whether there is a difference and what it may be."""
-        return math.isfinite(self.difference) and math.isfinite(self.bar)
+    def tells(self) -> bool:
+        """Whether the row is held against its bar: it has one, and no obstacle."""
+        barred = math.isfinite(self.difference) and math.isfinite(self.bar)
+        return barred and (self.verdict != UNRESOLVED or 1 < self.over_bar <= ALARM)
 
     @property
     def over_bar(self) -> float:
