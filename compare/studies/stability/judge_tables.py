@@ -142,6 +142,7 @@ def power_rows(rows: Sequence[SpoiltRow]) -> list[PowerRow]:
 
 
 def _power(spoil: Spoil, rows: Sequence[SpoiltRow]) -> PowerRow:
+    size = abs(spoil.size) * (100 if spoil.unit == "%" else 1)
     usual = [row for row in rows if row.share == 1]
     caught = [row.verdict == DIFFERS for row in usual]
     beyond = [row.verdict == DIFFERS for row in usual if row.exceeds]
@@ -152,7 +153,7 @@ def _power(spoil: Spoil, rows: Sequence[SpoiltRow]) -> PowerRow:
         exceeds=len(beyond),
         caught_of_these=float(np.mean(beyond)) if beyond else math.nan,
         caught=float(np.mean(caught)),
-        least=abs(spoil.size) * float(np.median(least_shares(rows))) if spoil.size else math.nan,
+        least=float(np.median(least_shares(rows))) * size if size else math.nan,
         unit=spoil.unit,
     )
 

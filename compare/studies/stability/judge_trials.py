@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from compare import Judgement, judge
+from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import predict_like
 from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
 from compare.output.tables import append_rows, started_rows

@@ -67,7 +67,7 @@ class Spoil:
     size : float
         What is usual; 0 where a mistake has no size.
     unit : str
-        Of the size.
+        Of the size; "%" if it is a part.
     """
 
     name: str
@@ -232,14 +232,18 @@ def effect(field: str, wrong: Answer, right: Answer, x: Array, t: Array) -> floa
 
 
 SPOILS = (
-    Spoil("friction +3 %", "friction too high", _with_other(_other_friction), 0.03),
-    Spoil("friction -3 %", "friction too low", _with_other(_other_friction), -0.03),
-    Spoil("c_R +0.5 %", "fields bent so that the Rayleigh front is early", _bent_rayleigh, 0.005),
-    Spoil("c_R -0.5 %", "fields bent so that the Rayleigh front is late", _bent_rayleigh, -0.005),
+    Spoil("friction +3 %", "friction too high", _with_other(_other_friction), 0.03, "%"),
+    Spoil("friction -3 %", "friction too low", _with_other(_other_friction), -0.03, "%"),
+    Spoil(
+        "c_R +0.5 %", "fields bent so that the Rayleigh front is early", _bent_rayleigh, 0.005, "%"
+    ),
+    Spoil(
+        "c_R -0.5 %", "fields bent so that the Rayleigh front is late", _bent_rayleigh, -0.005, "%"
+    ),
     Spoil("ν +0.01", "Poisson ratio too high", _with_other(_other_ratio), 0.01),
     Spoil("ν -0.01", "Poisson ratio too low", _with_other(_other_ratio), -0.01),
-    Spoil("edge +2 %", "fields bent so that the first zone reaches too far", _bent_edge, 0.02),
-    Spoil("edge -2 %", "fields bent so that the first zone ends too early", _bent_edge, -0.02),
+    Spoil("edge +2 %", "fields bent so that the first zone reaches too far", _bent_edge, 0.02, "%"),
+    Spoil("edge -2 %", "fields bent so that the first zone ends too early", _bent_edge, -0.02, "%"),
     Spoil("no second zone", "slip of the second zone left out", _second_zone_times(0.0)),
     Spoil(
         "second zone reversed",

@@ -249,7 +249,7 @@ def test_power_is_that_of_scenes_without_a_false_alarm():
     friction, reversed_ = power_rows(rows)
     assert (friction.scenes, friction.exceeds, friction.caught_of_these) == (3, 2, 0.5)
     assert friction.caught == pytest.approx(1 / 3)
-    assert friction.least == pytest.approx(4 * 0.03)  # 0.5, 4 and more than 8 times
+    assert friction.least == pytest.approx(4 * 3)  # [%]; 0.5, 4 and more than 8 times
     assert reversed_.spoil == "all slip reversed"
     assert math.isnan(reversed_.least)
 
