@@ -190,8 +190,10 @@ def _interface_fields(case: Case) -> list[Face]:
 def _slot_fields(
     case: Case, slot_velocity: Callable[[Array, float], tuple[Array, Array]]
 ) -> list[Face]:
-    def component(index: int) -> Callable[[Array, float], Array]:
-        return lambda x, t: slot_velocity(-x, t)[index]
+    both = _kept(lambda v: np.stack(slot_velocity(-v * case.end_time, case.end_time)) / case.rate)
+
+    def component(index: int) -> Waveform:
+        return lambda velocity: both(velocity)[index]
 
     def record(index: int) -> Callable[[Simulation], tuple[Array, Array, Array]]:
         def of(run: Simulation) -> tuple[Array, Array, Array]:
@@ -203,11 +205,23 @@ def _slot_fields(
         return of
 
     return [
-        Face(name, _over(component(index), case.rate, case.end_time), record(index))
-        for index, name in enumerate(("v_x", "v_y"))
+        Face(name, component(index), record(index)) for index, name in enumerate(("v_x", "v_y"))
     ]
 
 
 def _over(predict: Callable[[Array, float], Array], scale: float, time: float) -> Waveform:
     """Waveform over similarity velocity, in units of a reference value."""
-    return lambda velocity: predict(velocity * time, time) / scale
+    return _kept(lambda velocity: predict(velocity * time, time) / scale)
+
+
+def _kept(predict: Waveform) -> Waveform:
+    """A waveform that keeps what it was asked for; each mesh asks for the same."""
+    known: dict[bytes, Array] = {}
+
+    def remembered(velocity: Array) -> Array:
+        key = velocity.tobytes()
+        if key not in known:
+            known[key] = predict(velocity)
+        return known[key]
+
+    return remembered

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.studies.stability.held_slot import held_slot
-from compare.studies.stability.spoilt_answers import Profiled, Retold, profiled
+from compare.studies.stability.spoilt_answers import Profiled, Retold, profiled, tabulated
 from semianalytic import (
     Answer,
     Marched,
@@ -94,7 +94,7 @@ def _with_other(change: Callable[[Scene, float], Scene]) -> Make:
         if other == scene:
             return None
         if not isinstance(prediction, Marched):
-            return solve(other)
+            return tabulated(solve(other))
         nodes = prediction.grid.observed
         return march(other, window.end_time, nodes, length=nodes * prediction.grid.spacing)
 
@@ -114,11 +114,16 @@ def _without_base_shear(scene: Scene, size: float) -> Scene:
 
 
 def _late(prediction: Answer, window: Window, size: float) -> Answer | None:
-    return Retold(prediction, lag=size * window.time_step)
+    return Retold(_quick(prediction), lag=size * window.time_step)
 
 
 def _backward(prediction: Answer, window: Window, size: float) -> Answer | None:
-    return Retold(prediction, sense=-1)
+    return Retold(_quick(prediction), sense=-1)
+
+
+def _quick(prediction: Answer) -> Answer:
+    """A solution as a table, and anything else as it is."""
+    return profiled(prediction) if isinstance(prediction, Solution) else prediction
 
 
 def _second_zone_times(factor: float) -> Make:
