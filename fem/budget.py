@@ -30,16 +30,16 @@ STEPPING = {"P1": 660, "Q1": 560, "Q2": 760}
 BODY = 56
 """Memory per unknown of each body [bytes]."""
 
-STEP_TIME = {"P1": 15e-9, "Q1": 18e-9, "Q2": 29e-9}
+STEP_TIME = {"P1": 9e-9, "Q1": 11e-9, "Q2": 18e-9}
 """Time per unknown and step, of all unknowns, though not all of them move from the start [s]."""
 
 STEP_OVERHEAD = 0.3e-3
 """Time per step whatever the mesh [s]."""
 
-SETUP_TIME = {"P1": 2.2e-6, "Q1": 2e-6, "Q2": 2.6e-6}
+SETUP_TIME = {"P1": 1.4e-6, "Q1": 1.3e-6, "Q2": 1.7e-6}
 """Time to mesh and to assemble, per unknown of a mesh of quadrilaterals [s]."""
 
-TRIANGLE_SETUP_TIME = 30e-6
+TRIANGLE_SETUP_TIME = 20e-6
 """The same for unstructured triangles, most of it the mesh [s]."""
 
 FRAME_TIME = 6e-6

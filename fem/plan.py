@@ -12,7 +12,7 @@ import numpy as np
 from skfem import MeshQuad
 
 from fem.assembly import Family, find_family, lumped_mass, make_space, stiffness
-from fem.resolution import check_resolved, slow_body_caution
+from fem.resolution import check_resolved, mesh_caution
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
@@ -277,10 +277,9 @@ class Plan:
 
     @property
     def caution(self) -> str:
-        """What the mesh is too coarse for, as a sentence; "" if nothing is known."""
-        return slow_body_caution(
-            self.scene.material, self.settings.lower_material, self.settings.resolution
-        )
+        """What the mesh is too coarse for, as sentences; "" if nothing is known."""
+        settings = self.settings
+        return mesh_caution(self.scene, settings.lower_material, self.end_time, settings.resolution)
 
     @cached_property
     def critical_step(self) -> float:

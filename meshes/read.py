@@ -81,6 +81,8 @@ def side_nodes(
 ) -> NDArray[np.int64]:
     """Nodes of a named side of a block, in order of increasing x and then |y|.
 
+    Slot and contact meet at the node of the interface that is nearest to x = 0.
+
     Parameters
     ----------
     points : (2, n) array
@@ -92,9 +94,11 @@ def side_nodes(
         As "upper_slot" or "lower_bottom"; see `Blocks.sides`.
     """
     x, y = points[:, nodes]
+    on_face = y == 0
+    edge = min(x[on_face], key=abs)
     on_side = {
-        "slot": (y == 0) & (x <= 0),
-        "contact": (y == 0) & (x >= 0),
+        "slot": on_face & (x <= edge),
+        "contact": on_face & (x >= edge),
         "left": x == x.min(),
         "right": x == x.max(),
         "top": y == y.max(),
