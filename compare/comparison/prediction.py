@@ -14,7 +14,7 @@ from semianalytic import InterfaceHistory, Marched, Scene, Solution, march, solv
 from semianalytic.prediction import chosen_method
 from semianalytic.scene.errors import SceneError
 from semianalytic.selfsimilar.load import check_pressure
-from semianalytic.spacetime.resolution import nodes_for_loads
+from semianalytic.spacetime.resolution import advice, nodes_for_loads
 from semianalytic.spacetime.tuning import MOST_NODES
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def prediction_at_nodes(
         worn = solution.path(x, t[-1]), solution.work_density(x, t[-1])
         return Prediction(chosen, solution, whole, *worn, seconds)
     marched = _marched(simulation, float(x[-1]), float(t[-1]), progress)
-    own, missed = marched.interface, marched.missed_zone
+    own = marched.interface
     return Prediction(
         chosen,
         marched,
@@ -130,7 +130,7 @@ def prediction_at_nodes(
         np.interp(x, own.x, marched.final_path),
         np.interp(x, own.x, marched.final_work_density),
         sum(marched.statistics.seconds.values()),
-        "" if missed is None else f"{missed}; raise `resolution` {missed.refinement} times",
+        advice(marched.shortfalls, "resolution"),
     )
 
 
