@@ -25,7 +25,12 @@ from semianalytic.spacetime.resolution import (
     coarse_weakening,
     missed_zone,
 )
-from semianalytic.spacetime.tuning import ERROR_SAFETY, MEMORY_SAFETY, ONSET_SHARE
+from semianalytic.spacetime.tuning import (
+    ERROR_SAFETY,
+    MEMORY_SAFETY,
+    ONSET_SHARE,
+    READING_SAFETY,
+)
 
 Array = NDArray[np.float64]
 
@@ -281,7 +286,7 @@ class Marched(SampledAnswer):
         """
         if self.companion is None:
             return np.full(np.shape(reading(self)), np.nan)
-        return ERROR_SAFETY * np.abs(np.subtract(reading(self), reading(self.companion)))
+        return READING_SAFETY * np.abs(np.subtract(reading(self), reading(self.companion)))
 
     @cached_property
     def _missed_zone(self) -> Shortfall | None:
