@@ -259,6 +259,7 @@ class Marched(SampledAnswer):
 
         The integral of the error's size over the observed contact and all time until the end, over
         that of |slip rate|.  nan without a companion; inf where nothing slips though the edge must.
+        No bound under rate weakening, where no grid is fine enough (docs/spacetime.md).
         """
         if self.companion is None:
             return math.nan
