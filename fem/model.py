@@ -90,7 +90,7 @@ class Model:
     root : (2 n,) array
         Square roots of the masses of the unknowns.
     contact_x, slot_x : arrays
-        Positions of the nodes [length]; the edge node belongs to the contact.
+        Positions of the nodes [length]; the edge node, at `Plan.edge`, belongs to the contact.
     slot : (2, k) array
         Unknowns of the upper slot face, x and y.
     critical_step, time_step : float
@@ -160,7 +160,8 @@ def build(plan: Plan) -> Model:
     """Mesh and model of a plan."""
     seconds: dict[str, float] = {}
     with timed(seconds, "mesh"):
-        space = make_space(cached_mesh(plan.blocks), plan.family)
+        mesh = cached_mesh(plan.blocks).translated((plan.edge, 0.0))
+        space = make_space(mesh, plan.family)
     with timed(seconds, "assembly"):
         model = build_model(plan, space)
     model.seconds.update(seconds)
@@ -186,10 +187,12 @@ def build_model(plan: Plan, space: Space) -> Model:
     """
     numbering = number_by_arrival(space, plan.scene, plan.size)
     in_mesh = {block: plan.materials[block] for block in space.mesh.subdomains}
-    mass = lumped_mass(space, in_mesh)
-    matrix, root = normalised(stiffness(space, in_mesh), mass, numbering.order)
-    critical = critical_step(highest_frequency(matrix), plan.damping_time)
-    steps = int(np.ceil(plan.end_time / (plan.settings.step_ratio * critical)))
+    mass = lumped_mass(space, in_mesh)[numbering.order]
+    matrix, root = normalised(stiffness(space, in_mesh, numbering.place), mass)
+    critical = plan.critical_step
+    if plan.blocks.pattern == "triangles":  # no patch has their fastest mode
+        critical = critical_step(highest_frequency(matrix), plan.damping_time)
+    steps = plan.steps(critical)
     step = plan.end_time / steps
     matrix.data *= step**2
 
