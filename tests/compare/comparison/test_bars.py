@@ -1,12 +1,13 @@
 """Error bars from mesh differences whose size and order are known."""
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compare.comparison.bars import SAFETY, error_bar, observed_order
+from compare.comparison.bars import ONE_CHANGE, SAFETY, error_bar, observed_order
 
 KINDS = sorted(SAFETY)
 sizes = st.floats(1e-9, 1e9)
@@ -18,7 +19,7 @@ def readings(truth, error, order, ratio=2.0, meshes=3):
 
 
 def changes(values):
-    return [fine - coarse for fine, coarse in zip(values, values[1:], strict=False)]
+    return [fine - coarse for fine, coarse in pairwise(values)]
 
 
 @given(st.floats(-5, 5), st.floats(0.001, 1), st.floats(0.3, 3), st.sampled_from([1.5, 2.0, 3.0]))
@@ -43,9 +44,15 @@ def test_the_bar_of_an_error_of_first_order_is_the_error_times_its_safety(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_difference_that_is_small_by_chance_is_not_believed(kind):
-    """0 from 2h to h and 0.4 from 4h to 2h: half of the latter is left at 2h, a quarter at h..."""
+    """0 from 2h to h and 0.4 from 4h to 2h: what changed before, halved, stands in."""
     assert error_bar(kind, [0.0, 0.4]) == pytest.approx(SAFETY[kind] * 0.2)
-    assert error_bar(kind, [0.0]) == 0.0
+    assert error_bar(kind, [0.3, 0.4]) == pytest.approx(SAFETY[kind] * 0.3)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_bar_of_two_meshes_alone_is_wider(kind):
+    assert error_bar(kind, [0.2]) == pytest.approx(ONE_CHANGE * SAFETY[kind] * 0.2)
+    assert error_bar(kind, [0.2]) > error_bar(kind, [0.2, 0.4])
 
 
 @given(st.sampled_from(KINDS), st.lists(sizes, min_size=1, max_size=3), sizes)
@@ -55,9 +62,9 @@ def test_bars_scale_with_the_differences_and_do_not_know_their_sign(kind, differ
     assert scaled == pytest.approx(unit * bar)
 
 
-@given(st.sampled_from(KINDS), sizes, sizes)
-def test_a_further_mesh_never_narrows_a_bar(kind, first, second):
-    assert error_bar(kind, [first, second]) >= error_bar(kind, [first])
+@given(st.sampled_from(KINDS), sizes, sizes, sizes)
+def test_a_fourth_mesh_never_narrows_a_bar(kind, first, second, third):
+    assert error_bar(kind, [first, second, third]) >= error_bar(kind, [first, second])
 
 
 @pytest.mark.parametrize("differences", [[], [0.1], [0.0, 0.1], [0.1, 0.0]])
