@@ -291,7 +291,11 @@ class Case:
 
 def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
     """|slip| accumulated and frictional work per area by an answer until the end, at nodes."""
-    x, end = at_nodes.x, at_nodes.t[-1]
+    return own_wear(answer, at_nodes.x, float(at_nodes.t[-1])) or worn(at_nodes)
+
+
+def own_wear(answer: Answer, x: Array, end: float) -> tuple[Array, Array] | None:
+    """The same at positions until a time, (n,) each, by an answer that has summed it itself."""
     if isinstance(answer, Solution):
         return answer.path(x, end), answer.work_density(x, end)
     if isinstance(answer, Marched):
@@ -299,7 +303,7 @@ def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
         fields = answer.final_path, answer.final_work_density
         path, work = (np.interp(x, own, field) for field in fields)
         return path, work
-    return worn(at_nodes)
+    return None
 
 
 def _companions(simulation: Simulation) -> Iterator[Simulation]:

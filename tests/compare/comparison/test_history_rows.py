@@ -15,7 +15,6 @@ from compare.cli.commands import main
 from compare.comparison.case import worn_by
 from compare.comparison.history_rows import beside_edges, slip_sense
 from compare.comparison.prediction import method_of, predict_like
-from compare.comparison.scales import load_time
 from fem import simulate
 from semianalytic import Harmonic, Marched, Ramp, RateWeakening, SceneError, SlipWeakening, march
 from semianalytic.scene.named import NAMED_SCENES, find_scene
@@ -90,12 +89,6 @@ def test_sense_and_what_lies_beside_its_edges():
     np.testing.assert_array_equal(slip_sense(rate, 1.0), [[0, 0, 1, -1, 1, 1]])
     beside = beside_edges(np.array([[0, 0, 0, 0, 1, 1, 1, 1]], dtype=np.int8))
     np.testing.assert_array_equal(beside, [[0, 0, 1, 1, 1, 0, 0, 0]])
-
-
-def test_time_of_the_load():
-    assert load_time(find_scene("preloaded"), 1.0) == 1.0
-    assert load_time(find_scene("ramp"), 1.0) == 0.5
-    assert load_time(find_scene("harmonic"), 1.0) == pytest.approx(1 / 6)
 
 
 # --- scenes in files ------------------------------------------------------------------------
