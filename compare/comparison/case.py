@@ -27,6 +27,10 @@ Array = NDArray[np.float64]
 
 NARROW = 4
 """Elements that a zone or a gap between zones takes to be seen for what it is."""
+LEAST_PEAK = 1e-4
+"""Part of V₀ that is a peak at least, of which thresholds are parts."""
+FIELD_FLOOR = 0.05
+"""Elements by which nodes alone leave the jumps of a field open, whatever mesh differences say."""
 EDGE_CELLS = 4
 """Elements next to the edge that are left out where fields can be singular."""
 
@@ -99,10 +103,12 @@ class Case:
 
     @cached_property
     def largest_rate(self) -> float:
-        """Largest slip rate of prediction or simulation beyond the elements at the edge."""
+        """Largest slip rate of prediction or simulation beyond the elements at the edge, that
+        thresholds are parts of; never as small as rounding."""
         shown = self.seen.x > EDGE_CELLS * self.simulation.element_size
         fields = (self.at_nodes.slip_rate, self.seen.slip_rate)
-        return max(float(np.abs(field[:, shown]).max(initial=0.0)) for field in fields)
+        seen = [float(np.abs(field[:, shown]).max(initial=0.0)) for field in fields]
+        return max(*seen, LEAST_PEAK * self.rate)
 
     @property
     def slips(self) -> bool:
@@ -166,6 +172,8 @@ class Case:
             return None
         changes = mesh_changes([simulated, *(read(run.interface) for run in self.coarser)])
         bar = error_bar(kind, changes) + floor if changes else None
+        if simulated is None and self.coarser and read(self.coarser[0].interface) is None:
+            bar = floor  # it is on none of the meshes
         if bar is not None and self.doubted is not None and at_nodes is not None:
             doubted = read(self.doubted)
             bar = None if doubted is None else bar + abs(at_nodes - doubted)
@@ -234,15 +242,18 @@ class Case:
             return norm(field, at / self.length, order)
 
         changes = []
-        for level, run in enumerate(runs[1:], start=1):
-            at = run.interface.x[places[level]]
-            fine = np.interp(at, runs[level - 1].interface.x, fields[level - 1])
-            changes.append(size(fine - fields[level][places[level]], at))
+        for level, run in enumerate(runs[1:]):
+            at = runs[level].interface.x[places[level]]
+            coarse = np.interp(at, run.interface.x, fields[level + 1])
+            changes.append(size(fields[level][places[level]] - coarse, at))
         whole = size(expected[shown], x[shown])
         per = 1.0 if nothing else whole
         bar = (error_bar(kind, changes) + unseen) / per if changes else None
         if bar is not None:
             bar += NOTHING if nothing else self.error_estimate
+            if not nothing:
+                cell = self.simulation.element_size / self.length
+                bar += FIELD_FLOOR * cell * float(np.ptp(expected[shown])) / per
             bar += sum(size((other - expected)[shown], x[shown]) / per for other in doubted)
         row = Row(
             f"{name}, largest" if nothing else f"{name}, L{order}",

@@ -80,10 +80,10 @@ def rate_row(case: Case) -> Row:
     runs = [case.seen, *(run.interface for run in case.coarser)]
     changes = []
     for fine, coarse in pairwise(runs):
-        late, far = shown(coarse)
-        x, t = np.broadcast_arrays(coarse.x[far], coarse.t[late][:, None])
-        there = interpolated(fine, "slip_rate", x, t) - coarse.slip_rate[np.ix_(late, far)]
-        changes.append(size(there / unit, coarse))
+        late, far = shown(fine)
+        x, t = np.broadcast_arrays(fine.x[far], fine.t[late][:, None])
+        there = fine.slip_rate[np.ix_(late, far)] - interpolated(coarse, "slip_rate", x, t)
+        changes.append(size(there / unit, fine))
     whole = size(predicted, case.seen)
     per = 1.0 if nothing else whole
     unseen = np.where(case.narrow(start), case.at_nodes.slip_rate, 0.0)[part] / unit
