@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from compare import judge
+from compare.comparison.bars import SAFETY
 from compare.comparison.judgement import duration, mesh_sentence
 from compare.comparison.prediction import method_of, predict_like, seconds_of
 from compare.comparison.rows import ALARM, Row
@@ -190,7 +191,7 @@ def test_friction_of_a_third_is_told_from_that_of_three_tenths():
     [
         ("stuck", "slip rate, largest"),
         ("remote-shock", "shear traction, L1"),
-        ("auxetic", "zone 2, inner edge"),
+        ("auxetic", "zone 1, outer edge"),
     ],
 )
 def test_predictions_of_another_scene_differ(coarse, other, row):
@@ -256,17 +257,20 @@ def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, 
         "slip rate over (x, t), L1",
         "accumulated |slip|, L1",
     ]
+    error = abs(gain - 1)
     hidden, shown = (
         named(judge(solution, sampled_run(solution, gain=gain, growth=growth)))
         for growth in (1.0, 2.0)
     )
     for name in fields:
-        assert hidden[name].difference == pytest.approx(abs(gain - 1), rel=1e-3)
+        assert hidden[name].difference == pytest.approx(error, rel=1e-3)
+        assert hidden[name].bar < error / 2
         assert hidden[name].verdict == "differs", name
         assert shown[name].verdict == "agrees", name
-        assert shown[name].order == pytest.approx(1.0, abs=0.01)
-        # Of first order: the bar is the error times its factor of safety.
-        assert abs(gain - 1) * 0.99 < shown[name].bar < 1.3 * abs(gain - 1)
+        assert shown[name].order == pytest.approx(1.0, abs=0.1)
+        # Of first order: the bar is the error times its factor of safety; what nodes alone leave
+        # open is less than half a per cent of these fields.
+        assert shown[name].bar == pytest.approx(SAFETY[shown[name].kind] * error, abs=5e-3)
 
 
 def test_slip_where_none_is_predicted_differs():
@@ -421,9 +425,7 @@ def in_units_of_one():
     stress=st.floats(1e-3, 1e9),
     time=st.floats(1e-6, 1e6),
 )
-@settings(
-    max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=5, deadline=None, suppress_health_check=list(HealthCheck))
 def test_units_do_not_matter(in_units_of_one, friction, modulus, density, stress, time):
     """The same run in other units is judged alike, to the digits that rounding leaves."""
     run = in_units_of_one[friction]
