@@ -136,10 +136,12 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         "c_t",
         order=observed_order(changes),
     )
+    finer = 2 * case.simulation.resolution
     if at_nodes is None:
-        return replace(row, obstacle="too few nodes lie about the front")
+        return replace(row, obstacle="too few nodes lie about the front", resolution=finer)
     if simulated is None:
-        return replace(row, obstacle="the front is not sharp enough to be read")
+        reason = "the front is not sharp enough to be read"
+        return replace(row, obstacle=reason, resolution=finer)
     return case.judged(row, None)
 
 

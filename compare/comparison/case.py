@@ -19,6 +19,7 @@ from compare.comparison.rows import AGREES, ALARM, TELLING, UNRESOLVED, Row
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import InterfaceHistory, Marched, Scene, Solution
 from semianalytic.results.answer import Answer
+from semianalytic.results.sampled import interpolated
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -27,6 +28,8 @@ Array = NDArray[np.float64]
 
 NARROW = 4
 """Elements that a zone or a gap between zones takes to be seen for what it is."""
+USUAL = 0.9
+"""Part of the nodes and times that slip whose mesh differences are no larger than the usual one."""
 LEAST_PEAK = 1e-4
 """Part of V₀ that is a peak at least, of which thresholds are parts."""
 FIELD_FLOOR = 0.05
@@ -103,12 +106,11 @@ class Case:
 
     @cached_property
     def largest_rate(self) -> float:
-        """Largest slip rate of prediction or simulation beyond the elements at the edge, that
-        thresholds are parts of; never as small as rounding."""
+        """Largest slip rate of the simulation beyond the elements at the edge, that thresholds are
+        parts of; never as small as rounding."""
         shown = self.seen.x > EDGE_CELLS * self.simulation.element_size
-        fields = (self.at_nodes.slip_rate, self.seen.slip_rate)
-        seen = [float(np.abs(field[:, shown]).max(initial=0.0)) for field in fields]
-        return max(*seen, LEAST_PEAK * self.rate)
+        seen = float(np.abs(self.seen.slip_rate[:, shown]).max(initial=0.0))
+        return max(seen, LEAST_PEAK * self.rate)
 
     @property
     def slips(self) -> bool:
@@ -137,6 +139,22 @@ class Case:
         """What the simulation or a march is too coarse for, as a sentence; "" if nothing."""
         marched = self.prediction.caution if isinstance(self.prediction, Marched) else ""
         return self.simulation.caution or (marched and f"the march: {marched}")
+
+    def rate_bar(self, start: float, end: float) -> float:
+        """Error bar of slip rate between two positions [length / time], over all times.
+
+        At least that of most of what slips: where all meshes stick, they may all be wrong.
+        """
+        runs = [self.seen, *(run.interface for run in self.coarser)]
+        changes = []
+        for fine, coarse in pairwise(runs):
+            x, t = np.broadcast_arrays(fine.x, fine.t[:, None])
+            change = np.abs(fine.slip_rate - interpolated(coarse, "slip_rate", x, t))
+            slips = np.abs(fine.slip_rate) > NOTHING * self.rate
+            usual = float(np.quantile(change[slips], USUAL)) if slips.any() else 0.0
+            inside = (fine.x > start) & (fine.x < end)
+            changes.append(max(usual, float(change[:, inside].max(initial=0.0))))
+        return error_bar("slip rate", changes)
 
     def resolution_for(self, width: float) -> int:
         """Node distances per c_t T at which a width [length] is as many elements as it takes."""
@@ -253,7 +271,7 @@ class Case:
             bar += NOTHING if nothing else self.error_estimate
             if not nothing:
                 cell = self.simulation.element_size / self.length
-                bar += FIELD_FLOOR * cell * float(np.ptp(expected[shown])) / per
+                bar += FIELD_FLOOR * cell * float(np.ptp(fields[0][shown])) / per
             bar += sum(size((other - expected)[shown], x[shown]) / per for other in doubted)
         row = Row(
             f"{name}, largest" if nothing else f"{name}, L{order}",

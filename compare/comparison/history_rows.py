@@ -27,6 +27,8 @@ REVERSAL_THRESHOLD = 0.05
 PROBES = (0.04, 0.25, 0.5, 0.75)
 EARLY = 0.2
 """Part of the end time that is left out, in which little is resolved."""
+NEIGHBOURS = 2
+"""Elements on either side of a probe from which the error bar of slip rate is taken."""
 ONSET_FLOOR = 0.25
 """Elements over c_t by which nodes and steps leave a time open."""
 
@@ -201,14 +203,10 @@ def _event(
 
 def _weakness(case: Case, row: Row, place: float, least: float) -> str:
     """That slip passes a threshold by less than its error bar where only one answer has it."""
-    runs = [case.seen, *(run.interface for run in case.coarser)]
-    changes = []
-    for fine, coarse in pairwise(runs):
-        there = np.interp(coarse.t, fine.t, _record(fine, place)) - _record(coarse, place)
-        changes.append(float(np.abs(there).max()))
-    if not changes:
+    if not case.coarser:
         return ""
-    bar = error_bar("slip rate", changes)
+    near = NEIGHBOURS * case.simulation.element_size
+    bar = case.rate_bar(place - near, place + near)
     events = [
         case.end_time if at is None else at * case.end_time for at in (row.at_nodes, row.simulated)
     ]
