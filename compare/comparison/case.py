@@ -20,6 +20,7 @@ from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import InterfaceHistory, Marched, Scene, Solution
 from semianalytic.results.answer import Answer
 from semianalytic.results.sampled import interpolated
+from semianalytic.spacetime.resolution import Shortfall
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -137,8 +138,13 @@ class Case:
     @property
     def caution(self) -> str:
         """What the simulation or a march is too coarse for, as a sentence; "" if nothing."""
-        marched = self.prediction.caution if isinstance(self.prediction, Marched) else ""
-        return self.simulation.caution or (marched and f"the march: {marched}")
+        reasons = [shortfall.reason for shortfall in self.shortfalls]
+        return self.simulation.caution or "; ".join(f"the march: {reason}" for reason in reasons)
+
+    @property
+    def shortfalls(self) -> tuple[Shortfall, ...]:
+        """What a march is too coarse for."""
+        return self.prediction.shortfalls if isinstance(self.prediction, Marched) else ()
 
     def rate_bar(self, start: float, end: float) -> float:
         """Error bar of slip rate between two positions [length / time], over all times.
@@ -295,7 +301,9 @@ class Case:
     def judged(self, row: Row, size: float | None) -> Row:
         """The row, unresolved if the mesh cannot tell: no coarser mesh, or a bar too wide."""
         if self.caution and row.kind not in ("arrival", "pressure"):
-            return replace(row, obstacle=self.caution)
+            times = max((shortfall.times for shortfall in self.shortfalls), default=0.0)
+            finer = math.ceil(times * self.simulation.resolution) or None
+            return replace(row, obstacle=self.caution, resolution=finer)
         if row.bar is None:
             return replace(
                 row,
