@@ -274,8 +274,9 @@ class Case:
         per = 1.0 if nothing else whole
         bar = (error_bar(kind, changes) + unseen) / per if changes else None
         if bar is not None:
-            bar += NOTHING if nothing else self.error_estimate
+            bar += NOTHING
             if not nothing:
+                bar += self.error_estimate
                 cell = self.simulation.element_size / self.length
                 bar += FIELD_FLOOR * cell * float(np.ptp(fields[0][shown])) / per
             bar += sum(size((other - expected)[shown], x[shown]) / per for other in doubted)
@@ -305,9 +306,10 @@ class Case:
             finer = math.ceil(times * self.simulation.resolution) or None
             return replace(row, obstacle=self.caution, resolution=finer)
         if row.bar is None:
+            reason = "coarser meshes do not show it" if self.coarser else "no coarser mesh was run"
             return replace(
                 row,
-                obstacle="coarser meshes do not show it, so that it has no error bar",
+                obstacle=f"{reason}, so that it has no error bar",
                 resolution=2 * self.simulation.resolution,
             )
         if abs(row.difference or 0.0) > row.bar and row.verdict == UNRESOLVED:

@@ -1,5 +1,7 @@
 """What a case reads off meshes: differences from one to the next, and what it can judge."""
 
+from dataclasses import replace
+
 import pytest
 from compare_cases import sampled_run, simulated
 from hypothesis import given
@@ -51,6 +53,31 @@ def test_bars_shrink_with_the_mesh():
     for name in both:
         # Pressure is that of the base to rounding throughout: its bar is none at all.
         assert fine[name] < coarse[name] or name == "pressure, L1", name
+
+
+def test_rounding_is_no_difference():
+    """Pressure that is that of the base throughout, to twelve digits on each mesh."""
+    solution = solve(PRELOADED)
+    rows = {row.name: row for row in judge(solution, rounded(sampled_run(solution, 40))).rows}
+    pressure = rows["pressure, L1"]
+    assert 0 < pressure.difference < 1e-11
+    assert (pressure.verdict, pressure.obstacle) == ("agrees", "")
+
+
+def rounded(run):
+    seen = run.interface
+    return replace(
+        run,
+        interface=replace(seen, pressure=seen.pressure * (1 + 1e-12)),
+        companion=run.companion and rounded(run.companion),
+    )
+
+
+def test_without_a_coarser_mesh_a_row_says_so():
+    solution = solve(PRELOADED)
+    rows = judge(solution, sampled_run(solution, resolution=12, companions=0)).rows
+    reasons = [row.obstacle for row in rows if row.kind == "slip"]
+    assert set(reasons) == {"no coarser mesh was run, so that it has no error bar"}
 
 
 def test_wear_is_the_answers_own_where_it_has_any_and_else_summed_over_the_times():
