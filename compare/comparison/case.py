@@ -274,8 +274,9 @@ class Case:
         per = 1.0 if nothing else whole
         bar = (error_bar(kind, changes) + unseen) / per if changes else None
         if bar is not None:
-            bar += NOTHING if nothing else self.error_estimate
+            bar += NOTHING
             if not nothing:
+                bar += self.error_estimate
                 cell = self.simulation.element_size / self.length
                 bar += FIELD_FLOOR * cell * float(np.ptp(fields[0][shown])) / per
             bar += sum(size((other - expected)[shown], x[shown]) / per for other in doubted)
@@ -305,9 +306,10 @@ class Case:
             finer = math.ceil(times * self.simulation.resolution) or None
             return replace(row, obstacle=self.caution, resolution=finer)
         if row.bar is None:
+            reason = "coarser meshes do not show it" if self.coarser else "no coarser mesh was run"
             return replace(
                 row,
-                obstacle="coarser meshes do not show it, so that it has no error bar",
+                obstacle=f"{reason}, so that it has no error bar",
                 resolution=2 * self.simulation.resolution,
             )
         if abs(row.difference or 0.0) > row.bar and row.verdict == UNRESOLVED:
@@ -328,7 +330,11 @@ class Case:
 
 def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
     """|slip| accumulated and frictional work per area by an answer until the end, at nodes."""
-    x, end = at_nodes.x, at_nodes.t[-1]
+    return own_wear(answer, at_nodes.x, float(at_nodes.t[-1])) or worn(at_nodes)
+
+
+def own_wear(answer: Answer, x: Array, end: float) -> tuple[Array, Array] | None:
+    """The same at positions until a time, (n,) each, by an answer that has summed it itself."""
     if isinstance(answer, Solution):
         return answer.path(x, end), answer.work_density(x, end)
     if isinstance(answer, Marched):
@@ -336,7 +342,7 @@ def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
         fields = answer.final_path, answer.final_work_density
         path, work = (np.interp(x, own, field) for field in fields)
         return path, work
-    return worn(at_nodes)
+    return None
 
 
 def _companions(simulation: Simulation) -> Iterator[Simulation]:

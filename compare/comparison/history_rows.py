@@ -92,7 +92,7 @@ def rate_row(case: Case) -> Row:
     bar = None
     if changes:
         bar = (error_bar("slip rate", changes) + size(unseen, case.seen)) / per
-        bar += NOTHING if nothing else case.error_estimate
+        bar += NOTHING + (0.0 if nothing else case.error_estimate)
         if case.doubted is not None:
             bar += size(case.doubted.slip_rate[part] / unit - predicted, case.seen) / per
     name = "slip rate over (x, t)"
