@@ -215,7 +215,7 @@ def figure_2(cases: Cases) -> Figure:
             time = history.t[row]
             value = predict(Step(), amplitude, material, x, time).value
             panel.plot(x, value, color=colour, label=f"t = {time:.4f}")
-            panel.plot(history.x[1:], seen[row, 1:], ".", color=colour, markersize=2.5)
+            panel.plot(history.x, seen[row], ".", color=colour, markersize=2.5)
         panel.set(xlabel="x", ylabel=label, ylim=(-0.12, 0.6), xlim=(0, 0.11))
         panel.legend(fontsize=SMALL, title="lines exact, dots FEM", title_fontsize=SMALL)
     return figure
