@@ -238,7 +238,7 @@ def _slip_curves(case: Case, method: str) -> tuple[Array, Array]:
         return _VELOCITY, total / (case.scale * END_TIME)
     if method == "finite elements":
         velocity, _ = case.simulated()
-        return velocity, case.history.slip[-1, 1:] / (case.scale * case.history.t[-1])
+        return velocity, case.history.slip[-1] / (case.scale * case.history.t[-1])
     slip = published_slip(case.chi)
     steps = np.diff(slip.u, prepend=1.0)
     total = np.cumsum(slip.slip_rate * steps) / slip.u
