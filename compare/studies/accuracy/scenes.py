@@ -1,7 +1,8 @@
 """The named scenes by both methods: the numbers and figures of docs/scenes.md.
 
-``python -m compare.studies.accuracy.scenes summary quantities --csv docs/data`` writes the numbers,
-``python -m compare.studies.accuracy.scenes figures`` draws docs/figures/scene_NAME.png.
+``python -m compare.studies.accuracy.scenes summary quantities unresolved --csv docs/data``
+writes the numbers, ``python -m compare.studies.accuracy.scenes figures`` draws
+docs/figures/scene_NAME.png.
 """
 
 from __future__ import annotations
@@ -143,6 +144,19 @@ class QuantityRow:
     verdict: str
 
 
+@dataclass(frozen=True)
+class UnresolvedRow:
+    """What the mesh cannot tell of a scene, why, and the node distances per c_t T that would.
+
+    `resolution` is nan where it is not known.
+    """
+
+    scene: str
+    quantity: str
+    obstacle: str
+    resolution: float
+
+
 @cache
 def _judgement(scene: str, resolution: int) -> Judgement:
     from fem import simulate
@@ -212,6 +226,15 @@ def _quantities(scene: str, resolution: int) -> Iterator[QuantityRow]:
         yield QuantityRow(scene, name, exact, at_nodes, simulated, bar, row.verdict)
 
 
+def unresolved(resolution: int = RESOLUTION) -> list[UnresolvedRow]:
+    """All rows of all scenes that are unresolved."""
+    return [
+        UnresolvedRow(scene, row.name, row.obstacle, _number(row.resolution))
+        for scene in COMPARED
+        for row in _judgement(scene, resolution).having(UNRESOLVED)
+    ]
+
+
 def _number(value: float | None) -> float:
     """A value, nan where there is none."""
     return math.nan if value is None else value
@@ -237,7 +260,11 @@ def write_figures(folder: Path) -> None:
         write_bytes(folder / f"scene_{scene}.png", picture)
 
 
-STUDIES: dict[str, Study] = {"summary": summary, "quantities": quantities}
+STUDIES: dict[str, Study] = {
+    "summary": summary,
+    "quantities": quantities,
+    "unresolved": unresolved,
+}
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -198,10 +198,12 @@ class Evidence:
 
 def excess(row: Row) -> float:
     """Difference of a row over its error bar; infinite where one of the two answers is missing,
-    0 of what is unresolved."""
-    if row.verdict == UNRESOLVED or row.bar is None:
+    0 of what is unresolved or the same."""
+    if row.verdict == UNRESOLVED or row.bar is None or row.difference == 0:
         return 0.0
-    return math.inf if row.difference is None else abs(row.difference) / row.bar
+    if row.difference is None or row.bar == 0:
+        return math.inf
+    return abs(row.difference) / row.bar
 
 
 def worst_row(evidence: SceneEvidence) -> tuple[str, Row] | None:
