@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_opening
 
 from compare.comparison.bars import error_bar, observed_order
 from compare.comparison.measures import NOTHING, is_nothing, norm, worn
@@ -107,6 +108,18 @@ class Case:
     def slips(self) -> bool:
         """Whether any slip is predicted at the nodes."""
         return not is_nothing(self.at_nodes.slip_rate, self.rate)
+
+    def narrow(self, start: float = 0.0) -> NDArray[np.bool_]:
+        """Nodes and times at which slip is predicted beyond a position, in too few nodes, (m, n).
+
+        That is less than `NARROW` in a row that slip one way at that time.
+        """
+        beyond = np.where(self.seen.x > start, self.at_nodes.slip_rate, 0.0)
+        narrow = np.zeros(beyond.shape, dtype=bool)
+        for sense in (1, -1):
+            slips = sense * beyond > NOTHING * self.rate
+            narrow |= slips & ~binary_opening(slips, np.ones((1, NARROW), dtype=bool))
+        return narrow
 
     @property
     def error_estimate(self) -> float:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
 from compare.comparison.bars import error_bar, observed_order
-from compare.comparison.case import EDGE_CELLS, NARROW, Case
+from compare.comparison.case import EDGE_CELLS, Case
 from compare.comparison.measures import NOTHING, norm, onset_time
 from compare.comparison.rows import Row
 from semianalytic import Harmonic, InterfaceHistory
@@ -27,7 +27,7 @@ REVERSAL_THRESHOLD = 0.05
 PROBES = (0.04, 0.25, 0.5, 0.75)
 EARLY = 0.2
 """Part of the end time that is left out, in which little is resolved."""
-ONSET_FLOOR = 0.5
+ONSET_FLOOR = 0.25
 """Elements over c_t by which nodes and steps leave a time open."""
 
 
@@ -86,7 +86,7 @@ def rate_row(case: Case) -> Row:
         changes.append(size(there / unit, coarse))
     whole = size(predicted, case.seen)
     per = 1.0 if nothing else whole
-    unseen = np.where(_unseen(case, start), case.at_nodes.slip_rate, 0.0)[part] / unit
+    unseen = np.where(case.narrow(start), case.at_nodes.slip_rate, 0.0)[part] / unit
     bar = None
     if changes:
         bar = (error_bar("slip rate", changes) + size(unseen, case.seen)) / per
@@ -107,19 +107,6 @@ def rate_row(case: Case) -> Row:
         order=observed_order(changes),
     )
     return case.judged(row, None if nothing else 1.0)
-
-
-def _unseen(case: Case, start: float) -> NDArray[np.bool_]:
-    """Nodes and times in zones of a self-similar prediction that are too narrow beyond a position
-    at that time, (m, n)."""
-    x, t = case.seen.x, case.seen.t[:, None] / case.end_time
-    unseen = np.zeros((len(t), len(x)), dtype=bool)
-    if case.scene.is_self_similar:
-        for zone in case.prediction.zones_at(case.end_time):
-            width = zone.end * t - np.maximum(zone.start * t, start)
-            inside = (x > zone.start * t) & (x < zone.end * t)
-            unseen |= (width < NARROW * case.simulation.element_size) & inside
-    return unseen
 
 
 def sense_rows(case: Case) -> Iterator[Row]:
@@ -196,7 +183,7 @@ def event_rows(case: Case) -> Iterator[Row]:
             if row is None:
                 continue
             if row.verdict == "differs":
-                row = replace(row, obstacle=_weakness(case, place, least))
+                row = replace(row, obstacle=_weakness(case, row, place, least))
             yield row
 
 
@@ -212,8 +199,8 @@ def _event(
     return None if when is None else when / end_time
 
 
-def _weakness(case: Case, place: float, least: float) -> str:
-    """That slip at a place passes a threshold by less than its error bar; "" if by more."""
+def _weakness(case: Case, row: Row, place: float, least: float) -> str:
+    """That slip passes a threshold by less than its error bar where only one answer has it."""
     runs = [case.seen, *(run.interface for run in case.coarser)]
     changes = []
     for fine, coarse in pairwise(runs):
@@ -222,8 +209,13 @@ def _weakness(case: Case, place: float, least: float) -> str:
     if not changes:
         return ""
     bar = error_bar("slip rate", changes)
-    records = [np.abs(_record(history, place)) for history in (case.at_nodes, case.seen)]
-    if all(float(record.max()) > least + bar for record in records):
+    events = [
+        case.end_time if at is None else at * case.end_time for at in (row.at_nodes, row.simulated)
+    ]
+    early = case.at_nodes if events[0] < events[1] else case.seen
+    between = (early.t >= min(events)) & (early.t < max(events))
+    passed = float(np.abs(_record(early, place)[between]).max(initial=0.0)) - least
+    if passed > bar:
         return ""
     return f"slip there is within its error bar, {bar / case.rate:.2g} V₀, of the threshold"
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compare.comparison.case import EDGE_CELLS, NARROW, Case, worn_by
-from compare.comparison.measures import norm, worn
+from compare.comparison.case import EDGE_CELLS, Case, worn_by
+from compare.comparison.measures import NOTHING, norm
 from compare.comparison.rows import Row
 from compare.comparison.snapshots import SlipRateProfile
 
@@ -138,6 +138,10 @@ def _own(field: str, run: Simulation) -> Array:
 def _slip_row(case: Case, name: str, field: str, scale: float, symbol: str) -> Row:
     """A row of slip or slip rate at the end; what is too narrow for the mesh is in its bar."""
     reach, answer = _reach(case), getattr(case.prediction, field)
+    if field == "slip":
+        unseen = _unseen_wear(case)[0]
+    else:
+        unseen = np.where(case.narrow()[-1], case.at_nodes.slip_rate[-1], 0.0)
     return case.profile_row(
         name,
         "slip" if field == "slip" else "slip rate",
@@ -145,32 +149,19 @@ def _slip_row(case: Case, name: str, field: str, scale: float, symbol: str) -> R
         partial(_last, field),
         reach,
         exact=_norm(case, answer, reach, scale),
-        unseen=(
-            case.unseen_norm(_unseen_wear(case)[0] / scale, reach)
-            if field == "slip"
-            else sum(_norm(case, answer, part, scale) for part in unseen_parts(case))
-        ),
+        unseen=case.unseen_norm(unseen / scale, reach),
         scale=(scale, symbol),
     )
 
 
-def unseen_parts(case: Case) -> list[tuple[float, float]]:
-    """Zones of a self-similar prediction at the end that are too narrow for the mesh [length]."""
-    if not case.scene.is_self_similar:
-        return []
-    least = NARROW * case.simulation.element_size
-    zones = case.prediction.zones_at(case.end_time)
-    return [(zone.start, zone.end) for zone in zones if zone.end - zone.start < least]
-
-
 def _unseen_wear(case: Case) -> tuple[Array, Array]:
-    """|slip| and frictional work per area of the prediction in zones too narrow, (n,) each."""
-    x, t = case.seen.x, case.seen.t[:, None] / case.end_time
-    inside = np.zeros(case.at_nodes.slip_rate.shape, dtype=bool)
-    for start, end in unseen_parts(case):
-        inside |= (x > start * t) & (x < end * t)
-    rate = np.where(inside, case.at_nodes.slip_rate, 0.0)
-    return worn(replace(case.at_nodes, slip_rate=rate))
+    """|slip| and frictional work per area of the prediction at nodes that only ever slip in zones
+    too narrow for the mesh, (n,) each."""
+    narrow = case.narrow()
+    ever = np.abs(case.at_nodes.slip_rate) > NOTHING * case.rate
+    unseen = (narrow == ever).all(axis=0)
+    path, work = case.worn_at_nodes
+    return np.where(unseen, path, 0.0), np.where(unseen, work, 0.0)
 
 
 def _beside_edge(case: Case) -> float:
