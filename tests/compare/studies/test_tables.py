@@ -53,7 +53,7 @@ def test_scenes_have_a_summary_and_every_quantity(monkeypatch):
     monkeypatch.setattr(scenes, "COMPARED", few)
     chosen = {name: scenes.QUANTITIES[name] for name in few if name != "stuck"}
     monkeypatch.setattr(scenes, "QUANTITIES", chosen)
-    rows = {row.scene: row for row in scenes.summary(24)}
+    rows = {row.scene: row for row in scenes.summary(32)}
     assert tuple(rows) == few
     assert rows["unload"].profile == rows["unload"].slip_rate > 0
     assert rows["preloaded"].profile != rows["preloaded"].slip_rate
@@ -63,14 +63,14 @@ def test_scenes_have_a_summary_and_every_quantity(monkeypatch):
     for row in (rows["preloaded"], rows["unload"]):
         assert 0 <= row.sense <= row.sense_bar
         assert 0 < row.profile <= row.profile_bar
-    found = scenes.quantities(24)
+    found = scenes.quantities(32)
     assert len(found) == sum(len(named) + 1 for named in chosen.values())
     assert found[0].at_nodes == pytest.approx(found[0].simulated, rel=0.1)
     assert np.isnan(found[0].bar)
     work = next(row for row in found if row.quantity == "frictional work, integral")
     assert abs(work.simulated - work.at_nodes) < work.bar < 0.1 * work.at_nodes
     assert work.verdict == "agrees"
-    missed = scenes.unresolved(24)
+    missed = scenes.unresolved(32)
     counts = Counter({row.scene: row.unresolved for row in rows.values()})
     assert Counter(row.scene for row in missed) == counts
     assert all(row.obstacle for row in missed)
