@@ -55,14 +55,23 @@ def stability(
     space_time: Annotated[
         bool, typer.Option("--space-time", help="Study the space-time solver.")
     ] = False,
+    judge: Annotated[
+        bool,
+        typer.Option(
+            "--judge", help="Study the judge of `compare`: false alarms, and mistakes it catches."
+        ),
+    ] = False,
     output: Output = None,
     quick: Quick = False,
     quiet: Quiet = False,
 ) -> None:
-    """Study where the methods fail, how, and what the program does about it."""
-    if not (solver or fem or space_time):
-        raise SceneError("say what to study: --solver, --fem, --space-time or several.")
-    require("slipfront stability", *PLOT, *(FEM if fem else ()))
+    """Study where the methods fail, how, and what the program does about it.
+
+    An interrupted --judge goes on when started again.
+    """
+    if not (solver or fem or space_time or judge):
+        raise SceneError("say what to study: --solver, --fem, --space-time, --judge or several.")
+    require("slipfront stability", *PLOT, *(FEM if fem or judge else ()))
     directory = output or Path("results", "stability")
     chosen: list[Callable[..., object]] = []
     if solver:
@@ -77,6 +86,10 @@ def stability(
         from compare.studies.stability.spacetime import write_stability
 
         chosen.append(write_stability)
+    if judge:
+        from compare.studies.stability.judge import write_judge
+
+        chosen.append(write_judge)
     with working_folder(directory):
         for study in chosen:
             with _progress(quiet, "studying") as progress:

@@ -144,11 +144,11 @@ class Profiled:
 
     def accumulated_slip(self, t: ArrayLike) -> Array:
         """See `Answer.accumulated_slip`."""
-        return np.maximum(t, 0.0) ** 2 / 2 * self._integral(np.abs(self.rate))
+        return self._growing(np.abs(self.rate), t)
 
     def frictional_work(self, t: ArrayLike) -> Array:
         """See `Answer.frictional_work`."""
-        return np.maximum(t, 0.0) ** 2 / 2 * self._integral(np.abs(self.shear * self.rate))
+        return self._growing(np.abs(self.shear * self.rate), t)
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
         """See `Answer.zones_at`."""
@@ -179,11 +179,13 @@ class Profiled:
         past = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
         return self.velocity * (past + self.rate[-1] * slowness[-1])
 
-    def _integral(self, values: Array) -> float:
-        """Over all velocities; inf where it slips ahead of all waves."""
-        if values[-1]:
-            return math.inf
-        return float(np.trapezoid(values, self.velocity) + values[0] * self.velocity[0])
+    def _growing(self, values: Array, t: ArrayLike) -> Array:
+        """Integral over all positions and times up to t; inf where it slips ahead of all waves."""
+        over_time = math.inf
+        if not values[-1]:
+            over_time = np.trapezoid(values, self.velocity) + values[0] * self.velocity[0]
+        time = np.maximum(t, 0.0)
+        return np.multiply(over_time / 2, time**2, out=np.zeros(time.shape), where=time > 0)
 
 
 def profiled(solution: Solution) -> Profiled:
