@@ -55,8 +55,8 @@ def verdict_cell(verdict: str) -> Cell:
 def counts_text(counts: Mapping[str, int]) -> str:
     """How many rows have each verdict, in words."""
     return (
-        f"{counts[AGREES]} of {sum(counts.values())} rows agree, {counts[UNRESOLVED]} are "
-        f"unresolved, {counts[DIFFERS]} differ"
+        f"{counts[AGREES]} of {sum(counts.values())} rows agree, {counts[UNRESOLVED]} unresolved, "
+        f"{counts[DIFFERS]} differ"
     )
 
 
@@ -256,12 +256,8 @@ def _rows(judgement: Judgement) -> str:
     cells = [
         (
             words(row.label),
-            *(
-                number(DASH if value is None else shown_number(value))
-                for value in (row.exact, row.at_nodes, row.simulated)
-            ),
-            number(row.shown_share(row.difference)),
-            number(row.shown_share(row.bar)),
+            *(number(shown_number(value)) for value in (row.exact, row.at_nodes, row.simulated)),
+            *(number(row.shown_share(value)) for value in (row.difference, row.bar)),
             verdict_cell(row.verdict),
             words("; ".join(filter(None, (row.obstacle, judgement.remedy(row))))),
         )
@@ -269,10 +265,21 @@ def _rows(judgement: Judgement) -> str:
     ]
     counts = judgement.counts
     title = f"{method_of(judgement.prediction)} against {FEM}: {counts_text(counts)}"
-    head = ("quantity", "exact", "at nodes", FEM, "difference", "bar ±", "verdict", "unresolved as")
+    head = (
+        "quantity",
+        "exact",
+        "at nodes",
+        FEM,
+        "difference",
+        "bar ±",
+        "verdict",
+        "why unresolved",
+    )
     return (
         f"<details{' open' if counts[DIFFERS] else ''}><summary>{escape(title)}</summary>"
-        + table(head, cells, "Difference of the two values before it; of fields, the norm of it")
+        + table(
+            head, cells, "Differences are between the last two values; of fields, their norm in %"
+        )
         + "</details>"
     )
 

@@ -22,7 +22,7 @@ from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_numb
 from compare.studies.evidence import page as evidence_page
 from compare.studies.evidence import study as evidence_study
 from compare.studies.evidence.figures import FRAMES, LARGEST, energy_unit, profiles
-from compare.studies.evidence.scene import DASH, counts_text, energy_tables, scene_section
+from compare.studies.evidence.scene import counts_text, energy_tables, scene_section
 from compare.studies.evidence.study import (
     FEM,
     PUBLISHED,
@@ -206,8 +206,7 @@ def test_a_row_shows_its_three_values_its_bar_and_what_would_resolve_it(found, t
     judgement = found.scenes[0].judgements[0]
     row = next(row for row in judgement.rows if row.verdict == UNRESOLVED and row.resolution)
     cells = [
-        *(DASH if value is None else shown_number(value) for value in (row.exact, row.at_nodes)),
-        DASH if row.simulated is None else shown_number(row.simulated),
+        *map(shown_number, (row.exact, row.at_nodes, row.simulated)),
         *(row.shown_share(row.difference), row.shown_share(row.bar), UNRESOLVED),
         f"{row.obstacle}; {judgement.remedy(row)}",
     ]
