@@ -117,6 +117,8 @@ def march_table(marched: Marched, title: str) -> Table:
     for name, value in document.items():
         if isinstance(value, str) and value:
             table.add_row(name.replace("_", " "), in_options(value, MARCH_OPTIONS))
+        elif name == "error_estimate":
+            table.add_row(_label(name), f"{value:.1e}", "relative")
         elif isinstance(value, (float, int)):
             table.add_row(_label(name), f"{value:.6g}", units.get(name, ""))
     seconds = sum(statistics["seconds"].values())

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from compare.comparison.arrivals import (
     LARGEST_MISFIT,
+    Table,
     Waveform,
     Window,
     aligned_speed,
     front_window,
     roughness,
     smeared,
+    tabulated,
 )
 from compare.comparison.bars import error_bar, observed_order
 from compare.comparison.case import Case, mesh_changes
@@ -102,7 +104,11 @@ def _reaches(case: Case) -> bool:
 def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> Row | None:
     """The row of one front; None where no field has a signal there."""
     samples = window.samples()
-    templates = [_template(case.simulation, field, window) for field in fields]
+    sharp = [tabulated(field.predict, window) for field in fields]
+    templates = [
+        _template(case.simulation, field, waveform, window)
+        for field, waveform in zip(fields, sharp, strict=True)
+    ]
     strength = [roughness(template(samples), samples) for template in templates]
     strongest = int(np.argmax(strength))
     if strength[strongest] < LEAST_ROUGHNESS:
@@ -113,7 +119,7 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
     exact = aligned_speed(velocity, template(velocity), template, window)
     speeds = []
     for run in (case.simulation, *case.coarser):
-        template = _template(run, field, window)
+        template = _template(run, field, sharp[strongest], window)
         misfit = LARGEST_MISFIT if run is case.simulation else COARSE_MISFIT
         speeds.append(aligned_speed(*_recorded(run, field, window), template, window, misfit))
     values = [None if speed is None else speed / shear_speed for speed in (exact, *speeds)]
@@ -130,20 +136,22 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         "c_t",
         order=observed_order(changes),
     )
+    finer = 2 * case.simulation.resolution
     if at_nodes is None:
-        return replace(row, obstacle="too few nodes lie about the front")
+        return replace(row, obstacle="too few nodes lie about the front", resolution=finer)
     if simulated is None:
-        return replace(row, obstacle="the front is not sharp enough to be read")
+        reason = "the front is not sharp enough to be read"
+        return replace(row, obstacle=reason, resolution=finer)
     return case.judged(row, None)
 
 
-def _template(run: Simulation, field: Face, window: Window) -> Waveform:
+def _template(run: Simulation, field: Face, sharp: Table, window: Window) -> Waveform:
     """The predicted waveform as the damping of a run smears it.
 
     Damping C = eta K spreads a front over sqrt(eta t) in time, eta = damping h / c_t.
     """
     width = window.front * math.sqrt(run.damping * _cell(run, field, window))
-    return smeared(field.predict, window, width)
+    return smeared(sharp, width)
 
 
 def _cell(run: Simulation, field: Face, window: Window) -> float:

@@ -14,11 +14,11 @@ from collections.abc import Mapping, Sequence
 SAFETY: Mapping[str, float] = {
     "arrival": 1.0,
     "zone edge": 1.0,
-    "slip rate": 1.25,
-    "slip": 1.5,
-    "work": 1.5,
-    "shear traction": 1.4,
-    "pressure": 1.4,
+    "slip rate": 1.0,
+    "slip": 1.2,
+    "work": 1.2,
+    "shear traction": 1.1,
+    "pressure": 1.2,
     "onset": 1.0,
     "sense": 1.0,
 }

@@ -27,6 +27,8 @@ REVERSAL_THRESHOLD = 0.05
 PROBES = (0.04, 0.25, 0.5, 0.75)
 EARLY = 0.2
 """Part of the end time that is left out, in which little is resolved."""
+NEIGHBOURS = 2
+"""Elements on either side of a probe from which the error bar of slip rate is taken."""
 ONSET_FLOOR = 0.25
 """Elements over c_t by which nodes and steps leave a time open."""
 
@@ -80,10 +82,10 @@ def rate_row(case: Case) -> Row:
     runs = [case.seen, *(run.interface for run in case.coarser)]
     changes = []
     for fine, coarse in pairwise(runs):
-        late, far = shown(coarse)
-        x, t = np.broadcast_arrays(coarse.x[far], coarse.t[late][:, None])
-        there = interpolated(fine, "slip_rate", x, t) - coarse.slip_rate[np.ix_(late, far)]
-        changes.append(size(there / unit, coarse))
+        late, far = shown(fine)
+        x, t = np.broadcast_arrays(fine.x[far], fine.t[late][:, None])
+        there = fine.slip_rate[np.ix_(late, far)] - interpolated(coarse, "slip_rate", x, t)
+        changes.append(size(there / unit, fine))
     whole = size(predicted, case.seen)
     per = 1.0 if nothing else whole
     unseen = np.where(case.narrow(start), case.at_nodes.slip_rate, 0.0)[part] / unit
@@ -201,14 +203,10 @@ def _event(
 
 def _weakness(case: Case, row: Row, place: float, least: float) -> str:
     """That slip passes a threshold by less than its error bar where only one answer has it."""
-    runs = [case.seen, *(run.interface for run in case.coarser)]
-    changes = []
-    for fine, coarse in pairwise(runs):
-        there = np.interp(coarse.t, fine.t, _record(fine, place)) - _record(coarse, place)
-        changes.append(float(np.abs(there).max()))
-    if not changes:
+    if not case.coarser:
         return ""
-    bar = error_bar("slip rate", changes)
+    near = NEIGHBOURS * case.simulation.element_size
+    bar = case.rate_bar(place - near, place + near)
     events = [
         case.end_time if at is None else at * case.end_time for at in (row.at_nodes, row.simulated)
     ]

@@ -202,9 +202,9 @@ def marched_row(seed: int, index: int) -> MarchedRow:
     row = partial(MarchedRow, index, loads, type(scene.friction_law).__name__)
     try:
         began = process_time()
-        coarse = march(scene, 1.0, NODES)
+        coarse = march(scene, 1.0, NODES, companion=False)
         seconds = process_time() - began
-        fine = march(scene, 1.0, 2 * NODES)
+        fine = march(scene, 1.0, 2 * NODES, companion=False)
     except SlipfrontError:
         return row("refused")
     slip = np.abs(fine.interface.slip[-1])
@@ -256,7 +256,7 @@ def run_campaign(
         If a table cannot be written.
     """
     directory.mkdir(parents=True, exist_ok=True)
-    plan: tuple[tuple[type, Callable[[int, int], Any], int], ...] = (
+    plan: tuple[tuple[type[Any], Callable[[int, int], Any], int], ...] = (
         (SolvedRow, solved_row, scenes),
         (MarchedRow, marched_row, histories),
     )

@@ -38,7 +38,8 @@ from compare.studies.evidence.html import (
     words,
 )
 from compare.studies.evidence.study import FEM, PUBLISHED, SceneEvidence, differences
-from semianalytic import Solution
+from semianalytic import Marched, Solution
+from semianalytic.results.answer import Answer
 from semianalytic.scene.scene import scene_document
 
 LOOKS = {AGREES: "good", DIFFERS: "bad", UNRESOLVED: "open"}
@@ -117,11 +118,7 @@ def _methods(evidence: SceneEvidence) -> str:
     for judgement in evidence.judgements:
         prediction = judgement.prediction
         seconds[method_of(prediction)] = seconds_of(prediction)
-        settings[method_of(prediction)] = (
-            f"{prediction.status}, error estimate {prediction.error_estimate:.0e}"
-            if isinstance(prediction, Solution)
-            else f"{FINER} nodes per element of the mesh"
-        )
+        settings[method_of(prediction)] = _settings(prediction)
     for method in evidence.methods:
         took = f"{seconds[method]:.2g}" if method in seconds else DASH
         gap = [f"{value:.2e}" for value in gaps[method]] if method in gaps else [DASH, DASH]
@@ -133,6 +130,13 @@ def _methods(evidence: SceneEvidence) -> str:
         if gaps
         else "The one method that applies",
     )
+
+
+def _settings(prediction: Answer) -> str:
+    """How a prediction was made, and how far off it says to be."""
+    assert isinstance(prediction, Solution | Marched)  # as `predict_like` makes them
+    nodes = f"{FINER} nodes per element of the mesh, " if isinstance(prediction, Marched) else ""
+    return f"{nodes}{prediction.status}, error estimate {prediction.error_estimate:.0e}"
 
 
 def _mesh_words(evidence: SceneEvidence) -> str:
