@@ -12,6 +12,7 @@ import typer
 from rich.console import Console
 
 from compare.cli.options import Quiet
+from compare.comparison.rows import DIFFERS
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic.scene.errors import SceneError
@@ -179,7 +180,7 @@ def evidence(
 ) -> None:
     """Write one self-contained HTML page that sets all methods side by side, scene by scene.
 
-    The exit code is 0 if every quantity is within its tolerance, 1 if one is not.
+    The exit code is 0 if nothing differs by more than the error bars allow, 1 if something does.
     """
     require("slipfront evidence", *FEM, *PLOT)
     from compare.studies.evidence.page import write_evidence
@@ -188,7 +189,7 @@ def evidence(
     with _progress(quiet, "collecting") as progress:
         found = write_evidence(path, scenes or (), quick=quick, progress=progress)
     _written(path)
-    raise typer.Exit(0 if found.passed else 1)
+    raise typer.Exit(1 if found.verdict == DIFFERS else 0)
 
 
 def _progress(quiet: bool, doing: str) -> AbstractContextManager[Callable[[int, int], None]]:

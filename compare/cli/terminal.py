@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 TOTALS = ("accumulated_slip", "frictional_work")
-DIGITS, DIFFERENCE_DIGITS = 4, 2
+DIGITS = 4
 
 
 def scenes_table() -> Table:
@@ -152,10 +152,10 @@ def judgement_table(judgement: Judgement, label: str) -> Table:
     table.add_column("verdict", no_wrap=True)
     for row in judgement.rows:
         table.add_row(
-            escape(row.name if row.relative or row.unit == "1" else f"{row.name} [{row.unit}]"),
+            escape(row.label),
             *(shown_number(value, DIGITS) for value in (row.exact, row.at_nodes, row.simulated)),
-            _difference(row.difference, row),
-            _difference(row.bar, row),
+            row.shown_share(row.difference),
+            row.shown_share(row.bar),
             _verdict(row),
         )
     return table
@@ -210,12 +210,6 @@ def _plain(value: object) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{key} {_plain(item)}" for key, item in value.items())
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _difference(value: float | None, row: Row) -> str:
-    if value is None or not row.relative:
-        return shown_number(value, DIFFERENCE_DIGITS)
-    return f"{shown_number(100 * value, DIFFERENCE_DIGITS)} %"
 
 
 def _verdict(row: Row) -> str:

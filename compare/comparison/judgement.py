@@ -13,7 +13,7 @@ from compare.comparison.edge_rows import zone_rows
 from compare.comparison.history_rows import cycle_rows, event_rows, rate_row, sense_rows
 from compare.comparison.measures import is_nothing
 from compare.comparison.profile_rows import slip_rate_rows, snapshot_row, traction_rows, wear_rows
-from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall
 from compare.comparison.snapshots import SlipRateProfile
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
@@ -49,10 +49,7 @@ class Judgement:
     @cached_property
     def verdict(self) -> str:
         """ "differs" if one row does; else "agrees" if one does; else "unresolved"."""
-        verdicts = {row.verdict for row in self.rows}
-        if DIFFERS in verdicts:
-            return DIFFERS
-        return AGREES if AGREES in verdicts else UNRESOLVED
+        return overall(row.verdict for row in self.rows)
 
     def having(self, verdict: str) -> tuple[Row, ...]:
         """The rows with a verdict."""

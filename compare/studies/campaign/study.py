@@ -256,7 +256,7 @@ def run_campaign(
         If a table cannot be written.
     """
     directory.mkdir(parents=True, exist_ok=True)
-    plan: tuple[tuple[type, Callable[[int, int], Any], int], ...] = (
+    plan: tuple[tuple[type[Any], Callable[[int, int], Any], int], ...] = (
         (SolvedRow, solved_row, scenes),
         (MarchedRow, marched_row, histories),
     )
