@@ -156,7 +156,7 @@ def _slip_row(case: Case, name: str, field: str, scale: float, symbol: str) -> R
 
 def unseen_parts(case: Case) -> list[tuple[float, float]]:
     """Zones of a self-similar prediction at the end that are too narrow for the mesh [length]."""
-    if not case.scene.is_self_similar:
+    if not case.scene.is_self_similar or case.prediction is case.simulation:
         return []
     least = NARROW * case.simulation.element_size
     zones = case.prediction.zones_at(case.end_time)
