@@ -177,7 +177,7 @@ def choose_mesh(
         As in `fem.simulate`.
     budget : float, optional
         Time that the simulation and its companions may take on this machine [s].  Unless given,
-        30 s as `fem.Cost` counts them, and a resolution of 100 in any case.
+        30 s as `fem.Cost` counts them, or what a resolution of 100 takes if that is more.
     resolution : int, optional
         Take this one, whatever the budget.
     snapshots : bool
@@ -199,6 +199,7 @@ def choose_mesh(
     """
     prices = Prices(scene, end_time, snapshots, options)
     end_time = 1 / scene.material.shear_speed if end_time is None else end_time
+    end_time = checked_size("simulate: end_time", end_time)
     loads = _loads(scene, end_time)
     features = [*_narrow(prediction, end_time), *_weakening(scene, end_time)]
     features += [Feature(BARS.format(name), COARSER[0] * size) for name, size in loads.items()]
@@ -206,7 +207,7 @@ def choose_mesh(
     reason = "as given"
     if resolution is None:
         affordable = _limits(prices, budget, memory)
-        least = _whole(max(LEAST, *loads.values()))
+        least = _whole(max([LEAST, *loads.values()]))
         if not affordable(least):
             raise _refusal(prices, least, memory)
         wishes = [Feature(BARS.format(name), COARSER[1] * size) for name, size in loads.items()]
@@ -280,7 +281,8 @@ def _limits(prices: Prices, budget: float | None, memory: float | None) -> Calla
     """Whether a resolution is within budget and memory."""
     room = memory_limit(memory) * (SPARE if memory is None else 1)
     if budget is None:
-        time = max(DEFAULT_BUDGET, prices.at(USUAL)[0])
+        known = (DEFAULT_BUDGET, prices.at(USUAL)[0], prices.at(LEAST)[0])
+        time = max(seconds for seconds in known if math.isfinite(seconds))
     else:
         time = checked_size("compare: budget", budget) / prices.pace
 
