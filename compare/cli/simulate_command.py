@@ -168,8 +168,11 @@ def with_error_bars(
 
 
 def _expected(predicted: Cost, directory: Path, foretold: Collection[str]) -> Iterator[str]:
-    """What is worth knowing before a run starts."""
-    yield from foretold or ([str(predicted)] if predicted.seconds > WORTH_SAYING else [])
+    """What is worth knowing before a run starts, times being those of this machine."""
+    from fem.budget import machine_pace
+
+    here = replace(predicted, seconds=machine_pace() * predicted.seconds)
+    yield from foretold or ([str(here)] if here.seconds > WORTH_SAYING else [])
     if predicted.frames > WORTH_KEEPING:
         yield (
             f"field snapshots will take about {predicted.frames / 1e6:,.0f} MB in "
