@@ -21,8 +21,6 @@ DEFAULT_BUDGET = 30.0
 """Time that is spent unasked [s], as `fem.Cost` counts it: the same mesh on every machine."""
 USUAL = 100
 """Resolution that a scene gets without asking for a finer one."""
-WEAKENING_CELLS = 10
-"""Elements that the length of a weakening front takes to be seen."""
 COARSER = (2, 4)
 """Element sizes of the companions, over that of the simulation."""
 LEAST = 32
@@ -261,10 +259,12 @@ def _narrow(prediction: Answer | None, end_time: float) -> Iterator[Feature]:
 
 def _weakening(scene: Scene, end_time: float) -> Iterator[Feature]:
     """The front that slip weakening makes, where it does."""
+    from fem.resolution import WEAKENING_ELEMENTS
+
     width = process_zone(scene) / (scene.material.shear_speed * end_time)
     if width < math.inf:
         name = f"the weakening front, {width:.2g} c_t T long"
-        yield Feature(name, math.ceil(WEAKENING_CELLS / width))
+        yield Feature(name, math.ceil(WEAKENING_ELEMENTS / width))
 
 
 def _loads(scene: Scene, end_time: float) -> dict[str, int]:

@@ -15,13 +15,13 @@ from compare.comparison.mesh_choice import (
     SPARE,
     STRIDE,
     USUAL,
-    WEAKENING_CELLS,
     choose_mesh,
     duration,
     toll,
 )
 from fem import cost, simulate
 from fem.budget import machine_pace as measured_pace
+from fem.resolution import WEAKENING_ELEMENTS, weakening_caution
 from semianalytic import (
     Harmonic,
     Material,
@@ -182,8 +182,10 @@ def test_a_weakening_front_takes_some_elements():
     width = process_zone(WEAKENING)
     for end_time in (1.0, 2.0, 20.0):
         choice = choose_mesh(None, WEAKENING, end_time)
-        needed = math.ceil(WEAKENING_CELLS * end_time / width)
+        needed = math.ceil(WEAKENING_ELEMENTS * end_time / width)
         assert (needed <= choice.resolution) == (end_time <= 2.0)
+        seen = not weakening_caution(WEAKENING, None, end_time, choice.resolution)
+        assert seen == (end_time <= 2.0)
         assert [one.resolution for one in choice.unresolved] == [needed] * (end_time > 2.0)
     assert choice.unresolved[0].name.startswith("the weakening front, 0.0")
 
