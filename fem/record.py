@@ -27,8 +27,8 @@ class Record:
     """Histories of the interface, the slot and the energies, filled level by level.
 
     Every n-th time level of interface and slot is stored, and the last one; energies and totals of
-    the contact are those of every step.  The edge node x = 0 is left out of the interface and of
-    the largest slip: half of what it moves with is slot, and what it does does not converge.
+    the contact are those of every step.  The edge node is left out of the interface and of the
+    largest slip: part of what it moves with is slot, and what it does does not converge.
 
     Parameters
     ----------
