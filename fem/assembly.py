@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,15 +15,14 @@ from skfem import (
     ElementQuad1,
     ElementQuad2,
     ElementTriP1,
-    FacetBasis,
     LinearForm,
     MeshQuad,
     MeshTri,
-    asm,
 )
 from skfem.element import Element
 from skfem.mesh import Mesh
 
+from meshes import side_nodes
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
@@ -44,6 +42,8 @@ class Family:
         Degree that the quadrature of the stiffness integrates exactly.
     spacing : int
         Node distances per element side.
+    side : (spacing + 1,) array
+        Part of an element side that belongs to each of its nodes.
     triangular : bool
     centre : (2, 1) array
         Middle of the reference element.
@@ -54,6 +54,7 @@ class Family:
     nodal: tuple[NDArray[np.float64], NDArray[np.float64]]
     order: int
     spacing: int
+    side: NDArray[np.float64]
     triangular: bool
     centre: NDArray[np.float64]
 
@@ -66,7 +67,7 @@ def _tensor(
     return np.array([x.ravel(), y.ravel()]), np.outer(weights, weights).ravel()
 
 
-_TRIANGLE = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+_CORNERS = (np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), np.full(3, 1 / 6))
 _ENDS = (np.array([0.0, 1.0]), np.array([0.5, 0.5]))
 _SIMPSON = (np.array([0.0, 0.5, 1.0]), np.array([1.0, 4.0, 1.0]) / 6)
 _MIDDLE = np.full((2, 1), 0.5)
@@ -74,12 +75,52 @@ _MIDDLE = np.full((2, 1), 0.5)
 FAMILIES: Mapping[str, Family] = {
     family.name: family
     for family in (
-        Family("P1", ElementTriP1(), (_TRIANGLE, np.full(3, 1 / 6)), 0, 1, True, _MIDDLE * 2 / 3),
-        Family("Q1", ElementQuad1(), _tensor(*_ENDS), 2, 1, False, _MIDDLE),
-        Family("Q2", ElementQuad2(), _tensor(*_SIMPSON), 4, 2, False, _MIDDLE),
+        Family("P1", ElementTriP1(), _CORNERS, 0, 1, _ENDS[1], True, _MIDDLE * 2 / 3),
+        Family("Q1", ElementQuad1(), _tensor(*_ENDS), 2, 1, _ENDS[1], False, _MIDDLE),
+        Family("Q2", ElementQuad2(), _tensor(*_SIMPSON), 4, 2, _SIMPSON[1], False, _MIDDLE),
     )
 }
 """Linear triangles, bilinear and biquadratic quadrilaterals, the last with Gauss-Lobatto mass."""
+
+
+SAME_SHAPE = 1e-12
+"""By which corners of elements of one shape may differ, over the largest element."""
+
+
+@dataclass(frozen=True)
+class Shapes:
+    """Elements by their shape: what is integrated on one holds for all of its shape.
+
+    Attributes
+    ----------
+    kind : (elements,) array
+        Number of the shape of each element.
+    samples : Mesh
+        One element of each shape, in the order of the numbers; they share no node.
+    """
+
+    kind: NDArray[np.int64]
+    samples: Mesh
+
+
+def element_shapes(mesh: Mesh) -> Shapes:
+    """Elements that a shift takes into one another have one shape.
+
+    Squares have a few, as their corners are numbered, a graded mesh as many times the rows.  Where
+    most have a shape of their own, as unstructured triangles, each has.
+    """
+    corners = mesh.p[:, mesh.t]
+    offsets = corners[:, 1:] - corners[:, :1]
+    steps = np.rint(offsets / (SAME_SHAPE * np.abs(offsets).max())).astype(np.int64)
+    steps = steps.reshape(-1, mesh.nelements)
+    # one number instead of all steps, which are compared once elements are sorted by it
+    weights = np.random.default_rng(0).integers(1, 2**20, len(steps))
+    _, first, kind = np.unique(weights @ steps, return_index=True, return_inverse=True)
+    if 2 * len(first) > mesh.nelements or not np.array_equal(steps, steps[:, first[kind]]):
+        first = kind = np.arange(mesh.nelements)
+    samples = np.ascontiguousarray(corners[:, :, first].transpose(0, 2, 1)).reshape(2, -1)
+    numbers = np.arange(samples.shape[1]).reshape(len(first), -1)
+    return Shapes(kind, type(mesh)(samples, np.ascontiguousarray(numbers.T)))
 
 
 @dataclass(frozen=True)
@@ -105,13 +146,23 @@ class Space:
     @cached_property
     def points(self) -> NDArray[np.float64]:
         """Places of the nodes [length], (2, n)."""
-        return self.basis.doflocs
+        return self.mesh.p if self.family.spacing == 1 else self.basis.doflocs
+
+    @cached_property
+    def element_nodes(self) -> NDArray[np.int64]:
+        """Nodes of each element, (k, elements)."""
+        return self.mesh.t if self.family.spacing == 1 else self.basis.element_dofs
+
+    @cached_property
+    def shapes(self) -> Shapes:
+        """Which elements differ in their place alone."""
+        return element_shapes(self.mesh)
 
     def side_nodes(self, side: str) -> NDArray[np.int64]:
         """Nodes of a named side, in order of increasing x and then |y|."""
-        nodes = self.basis.get_dofs(self.mesh.boundaries[side]).all()
-        x, y = self.points[:, nodes]
-        return nodes[np.lexsort((np.abs(y), x))]
+        own = np.zeros(self.points.shape[1], dtype=bool)
+        own[self.element_nodes[:, self.mesh.subdomains[side.split("_")[0]]]] = True
+        return side_nodes(self.points, np.flatnonzero(own), side)
 
 
 def find_family(element: str, pattern: str) -> Family:
@@ -158,21 +209,20 @@ def _one(v, _):  # type: ignore[no-untyped-def]
     return v
 
 
-def stiffness(space: Space, materials: Mapping[str, Material]) -> sparse.csr_array:
+def stiffness(
+    space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None = None
+) -> sparse.csr_array:
     """Stiffness K in plane strain, the blocks with the same or different materials.
 
-    With D_ij = int d_i phi_a d_j phi_b, the block of two nodes a, b is
-
-        [ (lambda + 2 mu) D_xx + mu D_yy      lambda D_xy + mu D_yx            ]
-        [ lambda D_yx + mu D_xy               (lambda + 2 mu) D_yy + mu D_xx   ]
-
-    so three scalar matrices are all that has to be integrated.
+    Integrated by scikit-fem on one element of each shape, and put together by the nodes of all.
 
     Parameters
     ----------
     space : Space
         n nodes.
     materials : mapping from the name of a block to its Material
+    place : (n,) array, optional
+        New number of each node; that of the mesh unless given.
 
     Returns
     -------
@@ -180,36 +230,37 @@ def stiffness(space: Space, materials: Mapping[str, Material]) -> sparse.csr_arr
         Force per unit thickness per displacement [stress]; unknown 2 a + i is component i of
         node a.  Entries that cancel between neighbouring elements are left out.
     """
-    nodes = space.points.shape[1]
-    total = sparse.csr_array((2 * nodes, 2 * nodes))
-    for name, basis in _block_bases(space, materials):
-        mu, bulk = _moduli(materials[name])
-        dxx, dyy, dxy = (asm(form, basis) for form in (_xx, _yy, _xy))
-        across = (bulk - 2 * mu) * dxy + mu * dxy.T
-        blocks = {
-            (0, 0): bulk * dxx + mu * dyy,
-            (0, 1): across,
-            (1, 0): across.T,
-            (1, 1): bulk * dyy + mu * dxx,
-        }
-        for place, block in blocks.items():
-            unit = sparse.coo_array(([1.0], ([place[0]], [place[1]])), shape=(2, 2))
-            total = total + sparse.kron(block, unit, format="csr")
+    local = np.concatenate([_element_stiffness(space, one) for one in materials.values()])
+    kind, nodes = _kinds(space, materials), space.element_nodes.T
+    nodes = nodes if place is None else place[nodes]
+    count, corners = space.points.shape[1], nodes.shape[1]
+    rows = np.repeat(nodes, corners, axis=1).astype(np.int32).ravel()
+    columns = np.tile(nodes, corners).astype(np.int32).ravel()
+
+    def assembled(one: NDArray[np.float64], other: NDArray[np.float64]) -> sparse.csr_array:
+        """Scalar matrices of two local ones, as real and imaginary part: one pass for both."""
+        values = (one + 1j * other)[kind].ravel()
+        return sparse.coo_array((values, (rows, columns)), shape=(count, count)).tocsr()
+
+    along = assembled(local[..., 0, 0], local[..., 1, 1])
+    across = assembled(local[..., 0, 1], local[..., 1, 0])
+    entries = np.array([[along.data.real, across.data.real], [across.data.imag, along.data.imag]])
     least = 1e-13 * min(_moduli(material)[1] for material in materials.values())
-    total.data[np.abs(total.data) < least] = 0.0
+    entries[np.abs(entries) < least] = 0.0
+    blocks = (np.ascontiguousarray(entries.transpose(2, 0, 1)), along.indices, along.indptr)
+    total = sparse.bsr_array(blocks, shape=(2 * count, 2 * count)).tocsr()
     total.eliminate_zeros()
-    return sparse.csr_array(
-        (total.data, total.indices.astype(np.int32), total.indptr.astype(np.int32)),
-        shape=total.shape,
-    )
+    return total
 
 
 def lumped_mass(space: Space, materials: Mapping[str, Material]) -> NDArray[np.float64]:
     """Mass of each node per unit thickness, (n,) [mass / length], by quadrature at the nodes."""
-    mass = np.zeros(space.points.shape[1])
-    for name, basis in _block_bases(space, materials, quadrature=space.family.nodal):
-        mass += materials[name].density * asm(_one, basis)
-    return mass
+    sample = Basis(space.shapes.samples, space.family.kind, quadrature=space.family.nodal)
+    area = _one.elemental(sample).tolocal()
+    local = np.concatenate([material.density * area for material in materials.values()])
+    mass = local[_kinds(space, materials)].T
+    total = np.bincount(space.element_nodes.ravel(), mass.ravel(), space.points.shape[1])
+    return np.asarray(total, dtype=np.float64)
 
 
 def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -232,9 +283,11 @@ def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArra
     lengths : (m,) array
         int phi ds over the side [length].
     """
-    nodes = space.side_nodes(side)
-    facets = FacetBasis(space.mesh, space.family.kind, facets=space.mesh.boundaries[side])
-    lengths = asm(_one, facets)[nodes]
+    nodes, spacing = space.side_nodes(side), space.family.spacing
+    sides = np.diff(space.points[0, nodes[::spacing]])
+    lengths = np.zeros(len(nodes))
+    for first, part in enumerate(space.family.side):
+        lengths[first : first + spacing * len(sides) : spacing] += part * sides
     if side.endswith("_contact"):
         lengths[0] += space.points[0, nodes[0]]
     elif side.endswith("_slot"):
@@ -242,17 +295,32 @@ def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArra
     return nodes, lengths
 
 
-def _block_bases(
-    space: Space, materials: Mapping[str, Material], **options: Any
-) -> Iterator[tuple[str, Basis]]:
-    """Shape functions on each block, all at once where the materials are the same."""
-    options = options or {"intorder": space.family.order}
-    if len(set(materials.values())) == 1:
-        yield next(iter(materials)), Basis(space.mesh, space.family.kind, **options)
-        return
-    for name in materials:
-        elements = space.mesh.subdomains[name]
-        yield name, Basis(space.mesh, space.family.kind, elements=elements, **options)
+def _element_stiffness(space: Space, material: Material) -> NDArray[np.float64]:
+    """Stiffness of an element of each shape, (shapes, k, k, 2, 2) [stress].
+
+    With D_ij = int d_i phi_a d_j phi_b, the block of two nodes a, b is
+
+        [ (lambda + 2 mu) D_xx + mu D_yy      lambda D_xy + mu D_yx            ]
+        [ lambda D_yx + mu D_xy               (lambda + 2 mu) D_yy + mu D_xx   ]
+
+    so three scalar matrices are all that has to be integrated.
+    """
+    mu, bulk = _moduli(material)
+    sample = Basis(space.shapes.samples, space.family.kind, intorder=space.family.order)
+    dxx, dyy, dxy = (form.elemental(sample).tolocal().swapaxes(1, 2) for form in (_xx, _yy, _xy))
+    dyx, lame = dxy.swapaxes(1, 2), bulk - 2 * mu
+    rows = [[bulk * dxx + mu * dyy, lame * dxy + mu * dyx]]
+    rows += [[lame * dyx + mu * dxy, bulk * dyy + mu * dxx]]
+    return np.array(rows).transpose(2, 3, 4, 0, 1)
+
+
+def _kinds(space: Space, materials: Mapping[str, Material]) -> NDArray[np.int64]:
+    """Number of the local matrix of each element, those of all shapes for each material in turn."""
+    kind, shapes = space.shapes.kind.copy(), space.shapes.kind.max() + 1
+    for number, block in enumerate(materials):
+        if number:
+            kind[space.mesh.subdomains[block]] += number * shapes
+    return kind
 
 
 def _moduli(material: Material) -> tuple[float, float]:

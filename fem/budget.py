@@ -18,10 +18,13 @@ from semianalytic.scene.scene import Scene
 LIBRARIES = 30_000_000
 """Memory that gmsh and small things take, whatever the mesh [bytes]."""
 
-ASSEMBLY = {"P1": 1200, "Q1": 1720, "Q2": 2500}
+ASSEMBLY = {"P1": 740, "Q1": 1000, "Q2": 1480}
 """Memory per displacement unknown of the mesh while its matrix is put together [bytes]."""
 
-STEPPING = {"P1": 560, "Q1": 560, "Q2": 760}
+TRIANGLE_ASSEMBLY = 1500
+"""The same for unstructured triangles, each of which is integrated."""
+
+STEPPING = {"P1": 660, "Q1": 560, "Q2": 760}
 """The same while the bodies march, without histories [bytes]."""
 
 BODY = 56
@@ -33,8 +36,11 @@ STEP_TIME = {"P1": 9e-9, "Q1": 11e-9, "Q2": 18e-9}
 STEP_OVERHEAD = 0.3e-3
 """Time per step whatever the mesh [s]."""
 
-SETUP_TIME = {"P1": 12e-6, "Q1": 14e-6, "Q2": 14e-6}
-"""Time to mesh and to assemble, per unknown of the mesh [s]."""
+SETUP_TIME = {"P1": 1.4e-6, "Q1": 1.3e-6, "Q2": 1.7e-6}
+"""Time to mesh and to assemble, per unknown of a mesh of quadrilaterals [s]."""
+
+TRIANGLE_SETUP_TIME = 20e-6
+"""The same for unstructured triangles, most of it the mesh [s]."""
 
 FRAME_TIME = 6e-6
 """Time per node of both blocks to write a frame [s]."""
@@ -150,14 +156,17 @@ def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
     least, growing = FRAME_SIZE[element]
     grown = (frames + 1) * (2 * frames + 1) / (6 * frames) if frames else 0.0
     written = max(HISTORY_SIZE * record, checkpoint if checkpoints else 0)
+    assembly, setup = ASSEMBLY[element], SETUP_TIME[element]
+    if plan.blocks.pattern == "triangles":
+        assembly, setup = TRIANGLE_ASSEMBLY, TRIANGLE_SETUP_TIME
     stepping = STEPPING[element] * mesh + BODY * unknowns + record + written
     return Cost(
         nodes=plan.nodes,
         unknowns=unknowns,
         steps=steps,
-        memory=int(LIBRARIES + max(ASSEMBLY[element] * mesh, stepping)),
+        memory=int(LIBRARIES + max(assembly * mesh, stepping)),
         seconds=(STEP_TIME[element] * unknowns + STEP_OVERHEAD) * steps
-        + SETUP_TIME[element] * mesh
+        + setup * mesh
         + FRAME_TIME * shown * frames,
         history=int(HISTORY_SIZE * record),
         frames=int(shown * (least * frames + growing * grown)),

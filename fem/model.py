@@ -187,10 +187,12 @@ def build_model(plan: Plan, space: Space) -> Model:
     """
     numbering = number_by_arrival(space, plan.scene, plan.size)
     in_mesh = {block: plan.materials[block] for block in space.mesh.subdomains}
-    mass = lumped_mass(space, in_mesh)
-    matrix, root = normalised(stiffness(space, in_mesh), mass, numbering.order)
-    critical = critical_step(highest_frequency(matrix), plan.damping_time)
-    steps = int(np.ceil(plan.end_time / (plan.settings.step_ratio * critical)))
+    mass = lumped_mass(space, in_mesh)[numbering.order]
+    matrix, root = normalised(stiffness(space, in_mesh, numbering.place), mass)
+    critical = plan.critical_step
+    if plan.blocks.pattern == "triangles":  # no patch has their fastest mode
+        critical = critical_step(highest_frequency(matrix), plan.damping_time)
+    steps = plan.steps(critical)
     step = plan.end_time / steps
     matrix.data *= step**2
 

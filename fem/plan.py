@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from skfem import MeshQuad
 
 from fem.assembly import Family, find_family, lumped_mass, make_space, stiffness
 from fem.edge import edge_offset
-from fem.resolution import check_resolved, slow_body_caution
+from fem.resolution import check_resolved, mesh_caution
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
@@ -27,7 +28,7 @@ LARGEST_DAMPING = 100.0
 DEFAULT_PACE = 100
 """Steps between checkpoints."""
 
-PATCH = 8
+PATCH = 24
 """Elements along a side of the patch on which the fastest mode is looked for."""
 
 TRIANGLES = 1.156
@@ -289,13 +290,13 @@ class Plan:
 
     @property
     def caution(self) -> str:
-        """What the mesh is too coarse for, as a sentence; "" if nothing is known."""
-        return slow_body_caution(
-            self.scene.material, self.settings.lower_material, self.settings.resolution
-        )
+        """What the mesh is too coarse for, as sentences; "" if nothing is known."""
+        settings = self.settings
+        return mesh_caution(self.scene, settings.lower_material, self.end_time, settings.resolution)
 
-    def steps(self) -> int:
-        """Number of steps to the end time.
+    @cached_property
+    def critical_step(self) -> float:
+        """Largest stable step [time]; an estimate for unstructured triangles.
 
         The fastest mode sits in the corners of the blocks: a patch of a few elements has it too.
         """
@@ -305,11 +306,15 @@ class Plan:
         space = make_space(MeshQuad.init_tensor(x, rows), family)
         step = math.inf
         for material in dict.fromkeys(self.materials.values()):
-            mass = lumped_mass(space, {"upper": material})
-            order = np.arange(len(mass))
-            matrix, _ = normalised(stiffness(space, {"upper": material}), mass, order)
-            step = min(step, critical_step(highest_frequency(matrix), self.damping_time))
-        return math.ceil(self.end_time / (self.settings.step_ratio * step))
+            one = {"upper": material}
+            matrix, _ = normalised(stiffness(space, one), lumped_mass(space, one))
+            step = min(step, critical_step(highest_frequency(matrix, tol=1e-7), self.damping_time))
+        return step
+
+    def steps(self, critical: float | None = None) -> int:
+        """Number of steps to the end time, from another critical step if one is given [time]."""
+        step = self.settings.step_ratio * (critical or self.critical_step)
+        return math.ceil(self.end_time / step)
 
 
 def make_plan(

@@ -9,9 +9,11 @@ spreads it and lowers its peak, and it is the peak that friction answers to.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import LoadHistory
+from semianalytic.scene.process_zone import process_zone
 from semianalytic.scene.scene import Material, Scene
 
 LARGEST_TURN = {1.5: 0.2, 4.0: 0.5}
@@ -22,6 +24,10 @@ rectangle, with friction work within 6 % (docs/fem.md); the shorter time is for 
 LEAST_CROSSED = 16
 """Elements that the shear wave of the slower block should cross until the end: slip at the end is
 within 0.5 % then, and 2 % and 6 % with 8 and 4, whatever the ratio of speeds (docs/fem.md)."""
+
+WEAKENING_ELEMENTS = 13
+"""In the process zone of slip weakening, from which on slip is right to 1 %; slip rate, all of
+which is at the front, takes some 40 (docs/fem.md)."""
 
 MOST = 2**60
 ROUNDING = 1e-9
@@ -124,3 +130,43 @@ def slow_body_caution(material: Material, lower_material: Material | None, resol
         f"the end, {1 / ratio:.3g} times fewer than that of the upper one; a resolution of "
         f"{needed} would make that {LEAST_CROSSED}."
     )
+
+
+def weakening_caution(
+    scene: Scene, lower_material: Material | None, end_time: float, resolution: int
+) -> str:
+    """That a mesh is too coarse for slip weakening, as a sentence; "" if it is not.
+
+    Parameters
+    ----------
+    scene, lower_material, end_time, resolution
+        As in `check_resolved`.
+    """
+    materials = (scene.material, lower_material or scene.material)
+    zone = min(process_zone(replace(scene, material=material)) for material in materials)
+    elements = zone * resolution / (scene.material.shear_speed * end_time)
+    if elements >= WEAKENING_ELEMENTS:
+        return ""
+    needed = math.ceil(resolution * WEAKENING_ELEMENTS / elements)
+    return (
+        f"slip weakening is under-resolved: friction weakens within about {zone:.3g} of length, "
+        f"which is {elements:.2g} elements; a resolution of {needed} would make that "
+        f"{WEAKENING_ELEMENTS}."
+    )
+
+
+def mesh_caution(
+    scene: Scene, lower_material: Material | None, end_time: float, resolution: int
+) -> str:
+    """All that a mesh is known to be too coarse for, as sentences; "" if nothing.
+
+    Parameters
+    ----------
+    scene, lower_material, end_time, resolution
+        As in `check_resolved`.
+    """
+    cautions = (
+        slow_body_caution(scene.material, lower_material, resolution),
+        weakening_caution(scene, lower_material, end_time, resolution),
+    )
+    return " ".join(filter(None, cautions))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.interface import OPEN
-from fem.resolution import slow_body_caution
+from fem.resolution import mesh_caution
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import SampledAnswer, Totals
@@ -225,8 +225,13 @@ class Simulation(SampledAnswer):
 
     @property
     def caution(self) -> str:
-        """What the mesh is too coarse for, as a sentence; "" if nothing is known."""
-        return slow_body_caution(self.scene.material, self.lower_material, self.resolution)
+        """What the mesh is too coarse for, as sentences; "" if nothing is known."""
+        return mesh_caution(self.scene, self.lower_material, self.end_time, self.resolution)
+
+    @property
+    def status(self) -> str:
+        """Whether the mesh is "resolved" or "unresolved", known to be too coarse: see `caution`."""
+        return "unresolved" if self.caution else "resolved"
 
     def save(self, directory: str | Path) -> None:
         """Write `simulation.h5` into a folder, companions included.

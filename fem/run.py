@@ -69,8 +69,9 @@ def simulate(
     memory : float, optional
         Most that the run may take [bytes], 70 % of what is available if not given; see `fem.cost`.
     tell : callable, optional
-        Called with a sentence when the mesh is too coarse for one of two materials, or a snapshot
-        or checkpoint cannot be written, while the run goes on; unless given, that is a warning.
+        Called with a sentence when the mesh is too coarse for one of two materials or for slip
+        weakening, or a snapshot or checkpoint cannot be written, while the run goes on; unless
+        given, that is a warning.
     **options
         Fields of `Settings`, in place of those of `settings`: resolution, damping, step_ratio,
         model, element, mesh, lower_material, every, frames.

@@ -249,7 +249,7 @@ def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
     A half gets its mirror image, whose nodes and elements come after its own.
     """
-    points, cells = model.space.points, model.space.basis.element_dofs
+    points, cells = model.space.points, model.space.element_nodes
     if not model.plan.halves:
         return points, cells
     mirrored = cells[MIRRORED[model.space.family.name]] + points.shape[1]

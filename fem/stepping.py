@@ -29,40 +29,40 @@ from scipy.sparse.linalg import eigsh
 
 
 def normalised(
-    stiffness: sparse.csr_array, mass: NDArray[np.float64], order: NDArray[np.int64]
+    stiffness: sparse.csr_array, mass: NDArray[np.float64]
 ) -> tuple[sparse.csr_array, NDArray[np.float64]]:
-    """Stiffness in mass-normalised unknowns, with the nodes in a new order.
+    """Stiffness in mass-normalised unknowns.
 
     Parameters
     ----------
     stiffness : (2 n, 2 n) CSR array
     mass : (n,) array
         Lumped masses.
-    order : (n,) array
-        order[k] is the old number of the node that becomes number k.
 
     Returns
     -------
     matrix : (2 n, 2 n) CSR array
         K_ij / sqrt(m_i m_j) [1 / time^2].
     root : (2 n,) array
-        sqrt(m) of every unknown in the new order.
+        sqrt(m) of every unknown.
     """
-    unknowns = (2 * order[:, None] + np.arange(2)).ravel()
-    root = np.sqrt(np.repeat(mass[order], 2))
-    matrix = stiffness[unknowns][:, unknowns]
-    matrix.sort_indices()
-    matrix.data /= root[matrix.indices]
-    matrix.data /= np.repeat(root, np.diff(matrix.indptr))
-    return matrix, root
+    root, indices, indptr = np.sqrt(np.repeat(mass, 2)), stiffness.indices, stiffness.indptr
+    data = stiffness.data / root[indices]
+    data /= np.repeat(root, np.diff(indptr))
+    return sparse.csr_array((data, indices, indptr), shape=stiffness.shape), root
 
 
-def highest_frequency(matrix: sparse.csr_array) -> float:
+def highest_frequency(matrix: sparse.csr_array, tol: float = 1e-4) -> float:
     """Largest eigenfrequency omega [1 / time] of the mass-normalised stiffness, by Lanczos.
 
     Lanczos comes from below; the tolerance is added, so that omega is not underestimated.
+
+    Parameters
+    ----------
+    matrix : (n, n) CSR array
+    tol : float
+        Relative tolerance; clusters of high frequencies need a small one.
     """
-    tol = 1e-4
     start = np.random.default_rng(0).standard_normal(matrix.shape[0])
     largest = eigsh(matrix, k=1, which="LA", v0=start, ncv=20, tol=tol, return_eigenvectors=False)
     return float(np.sqrt(largest[0] * (1 + tol)))

@@ -6,7 +6,7 @@ with needing("the mesh of a finite-element model"):
     from meshes.blocks import Blocks, causal_blocks
     from meshes.build import build_mesh
     from meshes.cache import cache_directory, cached_mesh
-    from meshes.read import read_mesh
+    from meshes.read import read_mesh, side_nodes
 
 __all__ = [
     "Blocks",
@@ -15,4 +15,5 @@ __all__ = [
     "cached_mesh",
     "causal_blocks",
     "read_mesh",
+    "side_nodes",
 ]

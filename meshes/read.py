@@ -2,20 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import meshio
 import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad, MeshTri
-from skfem.io.meshio import from_meshio
 
 from meshes.blocks import Blocks
 from semianalytic.scene.errors import DataFileError
 
 POSITION_TOLERANCE = 1e-6
 """Largest distance of a node from its place, in elements."""
+
+
+@dataclass(frozen=True)
+class _Raw:
+    """What a mesh file holds.
+
+    Attributes
+    ----------
+    points : (2, n) array
+        Places of the nodes [length].
+    elements : (k, m) array
+        Nodes of each element.
+    named : mapping from the name of a block to its elements
+    sides : mapping from the name of a side to the nodes (2, j) of its element sides
+    """
+
+    points: NDArray[np.float64]
+    elements: NDArray[np.int64]
+    named: dict[str, NDArray[np.int64]]
+    sides: dict[str, NDArray[np.int64]]
 
 
 def read_mesh(path: str | Path, blocks: Blocks) -> MeshQuad | MeshTri:
@@ -31,51 +50,95 @@ def read_mesh(path: str | Path, blocks: Blocks) -> MeshQuad | MeshTri:
     Returns
     -------
     MeshQuad, or MeshTri for the pattern "triangles"
-        One mesh of one or two parts that share no node, with subdomains "upper" ("lower") and
-        boundaries "upper_slot", "upper_contact", "upper_right", "upper_top", "upper_left" (and
-        the same for the lower block, with "lower_bottom").  Its nodes, of triangles those on
-        the boundaries, are put exactly on the grid; gmsh's own places are off by up to 1e-9
-        elements.
+        One mesh of one or two parts that share no node, with subdomains "upper" ("lower").  Its
+        nodes, of triangles those on the boundaries, are put exactly on the grid; gmsh's own places
+        are off by up to 1e-9 elements.  `side_nodes` finds those of a side.
 
     Raises
     ------
     DataFileError
-        If the file is missing, damaged, or holds anything but these blocks.
+        If the file is missing, damaged, or holds anything but these blocks, with each of their
+        sides named.
     """
-    mesh = _parse(Path(path), "triangle" if blocks.pattern == "triangles" else "quad")
-    places = _in_elements(mesh.p, blocks)
-    complaint = _block_complaint(mesh, places, blocks) or _side_complaint(mesh, places, blocks)
+    raw = _parse(Path(path), "triangle" if blocks.pattern == "triangles" else "quad")
+    places = _in_elements(raw.points, blocks)
+    complaint = _block_complaint(raw, places, blocks) or _side_complaint(raw, places, blocks)
     if complaint:
         raise DataFileError(f"{path} is not the mesh asked for: {complaint}; delete it.")
     column, row = np.rint(places).astype(int)
     on_grid = np.array([blocks.size * column, np.sign(row) * blocks.rows[np.abs(row)]])
-    named = {name: mesh.boundaries[name] for block in blocks.names for name in blocks.sides(block)}
-    parts = {block: mesh.subdomains[block] for block in blocks.names}
-    if blocks.pattern == "triangles":
-        outer = np.unique(np.concatenate([mesh.facets[:, side].ravel() for side in named.values()]))
-        inside = np.setdiff1d(np.arange(mesh.nvertices), outer)
-        on_grid[:, inside] = mesh.p[:, inside]
-    return replace(mesh, doflocs=on_grid, _boundaries=named, _subdomains=parts)
+    parts = {block: raw.named[block] for block in blocks.names}
+    if blocks.pattern != "triangles":
+        return MeshQuad(on_grid, raw.elements, _subdomains=parts)
+    inside = np.ones(len(column), dtype=bool)
+    inside[np.concatenate([side.ravel() for side in raw.sides.values()])] = False
+    on_grid[:, inside] = raw.points[:, inside]
+    return MeshTri(on_grid, raw.elements, _subdomains=parts)
 
 
-def _parse(path: Path, kind: str) -> MeshQuad | MeshTri:
-    """Mesh of one kind of element, "quad" or "triangle", with named sides."""
+def side_nodes(
+    points: NDArray[np.float64], nodes: NDArray[np.int64], side: str
+) -> NDArray[np.int64]:
+    """Nodes of a named side of a block, in order of increasing x and then |y|.
+
+    Slot and contact meet at the node of the interface that is nearest to x = 0.
+
+    Parameters
+    ----------
+    points : (2, n) array
+        Places of all nodes [length], those of the sides exactly on the grid, as `read_mesh` has
+        them.
+    nodes : (m,) array
+        Which of them belong to the block.
+    side : str
+        As "upper_slot" or "lower_bottom"; see `Blocks.sides`.
+    """
+    x, y = points[:, nodes]
+    on_face = y == 0
+    edge = min(x[on_face], key=abs)
+    on_side = {
+        "slot": on_face & (x <= edge),
+        "contact": on_face & (x >= edge),
+        "left": x == x.min(),
+        "right": x == x.max(),
+        "top": y == y.max(),
+        "bottom": y == y.min(),
+    }[side.split("_")[1]]
+    order = np.lexsort((np.abs(y[on_side]), x[on_side]))
+    return nodes[on_side][order]
+
+
+def _parse(path: Path, kind: str) -> _Raw:
+    """Elements of one kind, "quad" or "triangle", and named sides."""
     if not path.is_file():
         raise DataFileError(f"{path} does not exist; give the path of a mesh file.")
     try:
-        raw = meshio.gmsh.read(path)
-        kinds = {cells.type for cells in raw.cells}
+        file = meshio.gmsh.read(path)
+        kinds = {cells.type for cells in file.cells}
         if kinds == {"line", kind}:
-            mesh = from_meshio(raw)
+            return _raw(file, kind)
     # a damaged binary file can make the parser fail in any way at all
     except Exception as error:
         raise DataFileError(f"{path} cannot be read as a mesh ({error}); delete it.") from error
-    if kinds != {"line", kind}:
-        raise DataFileError(
-            f"{path} holds elements of type {', '.join(sorted(kinds)) or 'none'}, "
-            f"not of type {kind} with named sides; delete it."
-        )
-    return mesh
+    raise DataFileError(
+        f"{path} holds elements of type {', '.join(sorted(kinds)) or 'none'}, "
+        f"not of type {kind} with named sides; delete it."
+    )
+
+
+def _raw(file: meshio.Mesh, kind: str) -> _Raw:
+    elements, lines = (file.cells_dict[one].T for one in (kind, "line"))
+    named: dict[str, NDArray[np.int64]] = {}
+    sides: dict[str, NDArray[np.int64]] = {}
+    for name, members in file.cell_sets_dict.items():
+        if name.startswith("gmsh:"):
+            continue
+        if kind in members:
+            named[name] = members[kind].astype(np.int32)
+        if "line" in members:
+            sides[name] = lines[:, members["line"]]
+    points = np.ascontiguousarray(file.points[:, :2].T)
+    return _Raw(points, np.ascontiguousarray(elements), named, sides)
 
 
 def _in_elements(points: NDArray[np.float64], blocks: Blocks) -> NDArray[np.float64]:
@@ -89,49 +152,69 @@ def _in_elements(points: NDArray[np.float64], blocks: Blocks) -> NDArray[np.floa
     return np.array([x / blocks.size, np.sign(y) * row])
 
 
-def _block_complaint(mesh: MeshQuad | MeshTri, places: NDArray[np.float64], blocks: Blocks) -> str:
+def _block_complaint(raw: _Raw, places: NDArray[np.float64], blocks: Blocks) -> str:
     """What is wrong with the elements of a mesh, or an empty string."""
-    subdomains = mesh.subdomains or {}
-    regular = blocks.pattern != "triangles"
-    if regular and (mesh.nelements != blocks.elements or mesh.nvertices != blocks.nodes):
+    regular, nodes, count = blocks.pattern != "triangles", places.shape[1], raw.elements.shape[1]
+    if regular and (count != blocks.elements or nodes != blocks.nodes):
         return (
-            f"it has {mesh.nelements} quadrilaterals and {mesh.nvertices} nodes "
+            f"it has {count} quadrilaterals and {nodes} nodes "
             f"instead of {blocks.elements} and {blocks.nodes}"
         )
-    if len(np.unique(mesh.t)) != mesh.nvertices:
+    if not _are_named(raw.elements, nodes).all():
         return "some of its nodes belong to no element"
     for block in blocks.names:
-        if block not in subdomains:
+        if block not in raw.named:
             return f"the block '{block}' is not named in it"
         sign = 1 if block == "upper" else -1
-        elements = mesh.t[:, subdomains[block]]
+        elements = raw.elements[:, raw.named[block]]
         if regular:
-            if not _is_grid(places[:, np.unique(elements)] * [[1], [sign]], blocks):
+            own = places[:, _are_named(elements, nodes)] * [[1], [sign]]
+            if not _is_grid(own, blocks):
                 return f"the nodes of the {block} block are not on its grid"
-            extents = np.ptp(places[:, elements], axis=1)
-            if np.abs(extents - 1).max() > POSITION_TOLERANCE:
+            if not _fill_cells(places[:, elements] * [[[1]], [[sign]]], blocks):
                 return f"the elements of the {block} block do not fill one cell each"
         elif not _is_covered(places[:, elements] * [[[1]], [[sign]]], blocks):
             return f"the triangles of the {block} block do not cover it once"
     return ""
 
 
-def _side_complaint(mesh: MeshQuad | MeshTri, places: NDArray[np.float64], blocks: Blocks) -> str:
+def _side_complaint(raw: _Raw, places: NDArray[np.float64], blocks: Blocks) -> str:
     """What is wrong with the sides of a mesh, or an empty string."""
-    boundaries = mesh.boundaries or {}
     for block in blocks.names:
+        own = _are_named(raw.elements[:, raw.named[block]], places.shape[1])
         for name, count in blocks.sides(block).items():
-            if name not in boundaries or len(boundaries[name]) != count:
+            side = raw.sides.get(name, np.empty((2, 0), dtype=int))
+            ends = places[:, side]
+            if side.shape[1] != count or len(_middles(ends)) != count:
                 return f"the side '{name}' does not consist of {count} element sides"
-            ends = places[:, mesh.facets[:, boundaries[name]]]
-            off_grid = np.abs(ends - np.rint(ends)).max() > POSITION_TOLERANCE
-            if off_grid or not _on_side(ends, name, blocks):
+            if not (own[side].all() and _on_side(ends, name, blocks)):
                 return f"the side '{name}' is not where it should be"
+    if blocks.pattern != "triangles":  # whose cells are filled once each
+        return ""
+    mesh = MeshTri(raw.points, raw.elements)
     if len(mesh.boundary_facets()) != sum(
         count for block in blocks.names for count in blocks.sides(block).values()
     ):
         return "it has a boundary besides its named sides"
     return ""
+
+
+def _are_named(elements: NDArray[np.int64], nodes: int) -> NDArray[np.bool_]:
+    """Which of so many nodes belong to one of the elements (k, m)."""
+    named = np.zeros(nodes, dtype=bool)
+    named[elements] = True
+    return named
+
+
+def _fill_cells(corners: NDArray[np.float64], blocks: Blocks) -> bool:
+    """Whether elements (2, 4, n), their corners on the grid, fill one cell each of the block."""
+    x, y = corners = np.rint(corners)
+    column, row = corners.min(axis=1)
+    number = (column + blocks.left) * blocks.height + row
+    filled = np.zeros((blocks.left + blocks.right) * blocks.height, dtype=bool)
+    filled[number.astype(int)] = True
+    area = (np.roll(y, -1, axis=0) * x - np.roll(x, -1, axis=0) * y).sum(axis=0) / 2
+    return bool(filled.all() and (np.ptp(corners, axis=1) == 1).all() and (np.abs(area) == 1).all())
 
 
 def _is_covered(corners: NDArray[np.float64], blocks: Blocks) -> bool:
@@ -161,9 +244,16 @@ def _is_grid(places: NDArray[np.float64], blocks: Blocks) -> bool:
     return bool(inside.all() and near.all() and each_once)
 
 
+def _middles(ends: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Different middles of element sides with ends (2, 2, n), in elements, as they should be."""
+    return np.unique(np.rint(ends).sum(axis=1), axis=1).T
+
+
 def _on_side(ends: NDArray[np.float64], name: str, blocks: Blocks) -> bool:
-    """Whether element sides with ends (2, 2, n), in elements, lie on the named side."""
+    """Whether lines with ends (2, 2, n), in elements, are element sides on the named side."""
     x, y = ends
+    on_grid = np.abs(ends - np.rint(ends)) <= POSITION_TOLERANCE
+    one_long = np.ptp(np.rint(ends), axis=1).sum(axis=0) == 1
     sign = 1 if name.startswith("upper") else -1
     distances = {
         "slot": np.abs(y) + np.maximum(x, 0),
@@ -174,4 +264,5 @@ def _on_side(ends: NDArray[np.float64], name: str, blocks: Blocks) -> bool:
         "bottom": np.abs(y + blocks.height),
     }
     outside = np.maximum(-sign * y, 0)
-    return bool((distances[name.split("_")[1]] + outside).max() <= POSITION_TOLERANCE)
+    near = distances[name.split("_")[1]] + outside <= POSITION_TOLERANCE
+    return bool(near.all() and on_grid.all() and one_long.all())

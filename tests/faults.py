@@ -89,7 +89,7 @@ def columns():
 def read_mesh_again(path):
     with os_environment(SLIPFRONT_CACHE=str(path.parent)):
         mesh = cached_mesh(BLOCKS)
-    return (mesh.p, mesh.t, dict(mesh.boundaries), dict(mesh.subdomains))
+    return (mesh.p, mesh.t, dict(mesh.subdomains))
 
 
 def all_kinds():

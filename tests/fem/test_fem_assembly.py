@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from skfem import Basis
+from skfem import Basis, ElementVector, FacetBasis, LinearForm, asm
+from skfem.models.elasticity import linear_elasticity
 
 from fem.assembly import FAMILIES, lumped_mass, make_space, stiffness, tributary_length
 from fem.stepping import critical_step, highest_frequency, normalised
@@ -86,6 +87,79 @@ def test_edge_node_owns_half_an_element_of_slot_and_of_contact():
     np.testing.assert_allclose(length, 0.5 * np.array([1, 4, 2, 4, 1]) / 6)
 
 
+@every_element
+@pytest.mark.parametrize("lower", [False, True])
+def test_assembly_by_shapes_is_that_of_every_element(element, pattern, lower):
+    """As scikit-fem does it, with vector-valued shape functions on one block after the other."""
+    space = block(element, pattern, lower=lower)
+    materials = {"upper": Material(1.0, 2.0, 0.2), "lower": Material(4.0, 3.0, -0.3)}
+    materials = {name: materials[name] for name in space.mesh.subdomains}
+    nodes = space.points.shape[1]
+    whole, mass = np.zeros((2 * nodes, 2 * nodes)), np.zeros(nodes)
+    for name, material in materials.items():
+        mu, poisson = material.shear_modulus, material.poisson_ratio
+        elements = space.mesh.subdomains[name]
+        kind, family = ElementVector(space.family.kind), space.family
+        basis = Basis(space.mesh, kind, intorder=family.order, elements=elements)
+        whole += asm(linear_elasticity(2 * mu * poisson / (1 - 2 * poisson), mu), basis).toarray()
+        scalar = Basis(space.mesh, family.kind, quadrature=family.nodal, elements=elements)
+        mass += material.density * asm(unit_load, scalar)
+    unknowns = vector_unknowns(space)
+    place = np.random.default_rng(1).permutation(nodes)
+    order = np.argsort(place)
+    seen = stiffness(space, materials)
+    np.testing.assert_allclose(
+        seen.toarray(), whole[np.ix_(unknowns, unknowns)], atol=1e-13 * np.abs(whole).max()
+    )
+    moved = stiffness(space, materials, place).toarray().reshape(nodes, 2, nodes, 2)
+    again = seen.toarray().reshape(nodes, 2, nodes, 2)[order][:, :, order]
+    np.testing.assert_allclose(moved, again, atol=1e-15 * np.abs(whole).max())
+    np.testing.assert_allclose(lumped_mass(space, materials), mass, rtol=1e-13)
+
+
+@LinearForm
+def unit_load(v, _):
+    return v
+
+
+def vector_unknowns(space):
+    """Unknowns of scikit-fem's vector-valued element in the order of ours."""
+    basis = Basis(space.mesh, ElementVector(space.family.kind), intorder=1)
+    component = np.arange(basis.N)
+    ours = np.empty(basis.N, dtype=int)
+    for row, dofs in enumerate(basis.element_dofs):
+        ours[2 * space.element_nodes[row // 2] + row % 2] = component[dofs]
+    return ours
+
+
+@pytest.mark.parametrize(("pattern", "most"), [("squares", 4), ("graded", 12)])
+def test_equal_elements_are_integrated_once(pattern, most):
+    shapes = block(pattern=pattern).shapes
+    assert shapes.samples.nelements == shapes.kind.max() + 1 <= most
+    assert len(shapes.kind) == 6 * 3
+    triangles = block("P1", "triangles").shapes
+    assert triangles.samples.nelements > len(triangles.kind) / 2
+
+
+@pytest.mark.parametrize("element", ["Q1", "Q2"])
+def test_tributary_lengths_are_integrals_of_the_shape_functions(element):
+    space = block(element, lower=True)
+    for side in ("upper_slot", "lower_slot", "upper_contact", "lower_bottom"):
+        nodes, lengths = tributary_length(space, side)
+        facets = space.mesh.facets_satisfying(
+            lambda x, ends=space.points[:, nodes]: (
+                np.isclose(x[1], ends[1, 0]) & (ends[0, 0] < x[0]) & (x[0] < ends[0, -1])
+            ),
+            boundaries_only=True,
+        )
+        per_node = asm(unit_load, FacetBasis(space.mesh, space.family.kind, facets=facets))
+        if side.endswith(("slot", "contact")):  # the faces of both blocks are at y = 0
+            np.testing.assert_allclose(per_node[nodes], lengths, atol=1e-15)
+            assert per_node.sum() == pytest.approx(2 * lengths.sum())
+        else:
+            np.testing.assert_allclose(per_node[nodes], lengths, atol=1e-15)
+
+
 def test_each_block_has_its_own_material():
     upper, lower = Material(1.0, 2.0, 0.2), Material(4.0, 3.0, 0.3)
     space = block(lower=True)
@@ -104,13 +178,12 @@ def test_each_block_has_its_own_material():
 @every_element
 def test_highest_frequency_is_the_largest_eigenvalue(element, pattern):
     space = block(element, pattern)
-    order = np.random.default_rng(1).permutation(space.points.shape[1])
     mass = lumped_mass(space, only(UNIT))
-    matrix, root = normalised(stiffness(space, only(UNIT)), mass, order)
+    matrix, root = normalised(stiffness(space, only(UNIT)), mass)
     exact = np.sqrt(np.linalg.eigvalsh(matrix.toarray())[-1])
     # never below, or the step could be unstable; above by its tolerance at most
     assert exact <= highest_frequency(matrix) < exact * 1.0002
-    np.testing.assert_allclose(root**2, np.repeat(mass[order], 2))
+    np.testing.assert_allclose(root**2, np.repeat(mass, 2))
 
 
 @pytest.mark.parametrize("damping_time", [0.0, 0.01, 0.3, 4.0])
@@ -135,7 +208,7 @@ def test_fastest_mode_sits_in_the_outer_corners(element, lower_by):
     family, h = FAMILIES[element], 1 / 20
     space = make_space(cached_mesh(causal_blocks(UNIT, 1.0, h * family.spacing)), family)
     mass = lumped_mass(space, only(UNIT))
-    matrix, _ = normalised(stiffness(space, only(UNIT)), mass, np.arange(len(mass)))
+    matrix, _ = normalised(stiffness(space, only(UNIT)), mass)
     (x, y), margin = space.points, 4 * h
     inside = (x > x.min() + margin) & (x < x.max() - margin) & (y < y.max() - margin)
     kept = np.repeat(inside, 2)

@@ -7,8 +7,9 @@ import sys
 
 import pytest
 
-from fem import cost, simulate
+from fem import cost, prepare, simulate
 from fem.budget import Cost
+from fem.stepping import critical_step, highest_frequency
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material, Scene, Tractions
 
@@ -59,8 +60,20 @@ print(json.dumps({
 def test_unknowns_and_steps_are_those_of_the_run(scene, options):
     options = {"resolution": 20, **options}
     predicted, run = cost(scene, **options), simulate(scene, **options)
-    assert predicted.unknowns == run.unknowns
-    assert predicted.steps == pytest.approx(run.steps, abs=1)
+    assert (predicted.unknowns, predicted.steps) == (run.unknowns, run.steps)
+
+
+@pytest.mark.parametrize("nu", [-0.5, 1 / 3, 0.49])
+@pytest.mark.parametrize(
+    "options", [{}, {"element": "P1"}, {"element": "Q2"}, {"mesh": "graded"}, {"damping": 0.2}]
+)
+def test_critical_step_of_a_patch_is_that_of_the_blocks(nu, options):
+    model = prepare(
+        dataclasses.replace(MIXED, material=Material(2.0, 0.5, nu)), resolution=24, **options
+    )
+    matrix = model.bodies[0].matrix / model.time_step**2
+    exact = critical_step(highest_frequency(matrix), model.plan.damping_time)
+    assert model.critical_step == pytest.approx(exact, rel=5e-4)
 
 
 def test_unknowns_of_unstructured_triangles_are_nearly_those_of_the_run():

@@ -6,9 +6,18 @@ import numpy as np
 import pytest
 
 from fem import simulate
-from fem.resolution import needed_resolution, resolves
+from fem.resolution import (
+    WEAKENING_ELEMENTS,
+    mesh_caution,
+    needed_resolution,
+    resolves,
+    weakening_caution,
+)
+from semianalytic import march
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import SlipWeakening
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.process_zone import process_zone
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 UNIT = Material(1.0, 1.0, 1 / 3)
@@ -141,3 +150,65 @@ def test_ramp_faster_than_a_step_is_a_step():
     np.testing.assert_allclose(
         sudden.final_path, step.final_path, atol=1e-4 * step.final_path.max()
     )
+
+
+# --- slip weakening ---------------------------------------------------------------------------
+
+
+def weakening(friction=0.6, residual=0.2, distance=0.05, shear=(0.4, 0.4), nu=0.25, pressure=0.0):
+    return Scene(
+        Material(1.0, 1.0, nu),
+        friction,
+        Tractions(1.0, shear[0]),
+        Tractions(pressure, shear[1]),
+        friction_law=SlipWeakening(1 - residual / friction, distance),
+    )
+
+
+@pytest.mark.parametrize(
+    ("scene", "end_time"),
+    [
+        (weakening(), 2.0),
+        (weakening(0.4, 0.1, 0.08, (0.1, 0.5), nu=0.4), 1.0),
+        (weakening(0.5, 0.2, 0.05, (0.2, 0.5), pressure=0.3), 1.0),
+    ],
+)
+def test_resolution_that_weakening_asks_for_gives_slip_to_one_percent(scene, end_time):
+    """Measured: 0.6, 0.8 and 0.3 %; with half of it 2.0, 2.8 and 0.8 %."""
+    with pytest.warns(UserWarning, match="slip weakening is under-resolved"):
+        coarse = simulate(scene, end_time, resolution=8)
+    assert coarse.status == "unresolved"
+    needed = int(coarse.caution.split("a resolution of ")[1].split()[0])
+    fine = simulate(scene, end_time, resolution=needed)
+    assert (fine.status, fine.caution) == ("resolved", "")
+    reach = 0.98 * scene.material.longitudinal_speed * end_time
+    x, t = fine.interface.x[fine.interface.x < reach], np.linspace(0.3, 1, 15)[:, None] * end_time
+    exact = march(scene, end_time, 600).slip(x, t)
+    assert np.abs(fine.slip(x, t) - exact).sum() < 0.01 * np.abs(exact).sum()
+
+
+def test_too_short_a_process_zone_is_told_with_elements_and_resolution():
+    sentence = told_of(weakening(distance=0.001), 0.02)
+    zone = process_zone(weakening(distance=0.001))
+    assert f"within about {zone:.3g} of length, which is {zone / 0.02:.2g} elements" in sentence
+    assert f"a resolution of {math.ceil(WEAKENING_ELEMENTS / zone)} would" in sentence
+    assert told_of(weakening(distance=0.001), zone / WEAKENING_ELEMENTS / 1.01) == ""
+    assert told_of(Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0)), 0.1) == ""
+
+
+def told_of(scene, size, lower_material=None):
+    """What is told of a mesh of elements of a size, until T = 1."""
+    return weakening_caution(scene, lower_material, 1.0, round(1 / size))
+
+
+def test_softer_block_shortens_the_process_zone():
+    soft = Material(0.25, 1.0, 0.25)
+    assert told_of(weakening(), 0.012) == ""
+    assert f"within about {process_zone(weakening()) / 4:.3g}" in told_of(weakening(), 0.012, soft)
+    assert told_of(weakening(), 0.003, soft) == ""
+
+
+def test_every_caution_is_told():
+    told = mesh_caution(weakening(), SLOWER, 1.0, 10)
+    assert "the lower block is under-resolved" in told
+    assert "slip weakening is under-resolved" in told

@@ -9,7 +9,7 @@ import meshio
 import numpy as np
 import pytest
 
-from meshes import Blocks, build_mesh, cached_mesh, causal_blocks, read_mesh
+from meshes import Blocks, build_mesh, cached_mesh, causal_blocks, read_mesh, side_nodes
 from meshes.cache import cache_path
 from semianalytic.scene.errors import DataFileError, MissingLibraryError, SceneError
 from semianalytic.scene.scene import Material
@@ -23,9 +23,13 @@ def cache(tmp_path, monkeypatch):
     return tmp_path / "cache"
 
 
-def side_nodes(mesh, side):
-    nodes = np.unique(mesh.facets[:, mesh.boundaries[side]])
-    return nodes[np.argsort(mesh.p[0, nodes])]
+def nodes_of(mesh, side):
+    """Nodes of a side, which are the ends of so many element sides on the boundary."""
+    block = side.split("_")[0]
+    nodes = side_nodes(mesh.p, np.unique(mesh.t[:, mesh.subdomains[block]]), side)
+    outer = np.isin(mesh.facets[:, mesh.boundary_facets()], nodes).all(axis=0)
+    assert outer.sum() >= len(nodes) - 1
+    return nodes
 
 
 @pytest.mark.parametrize("lower", [False, True])
@@ -38,7 +42,8 @@ def test_elements_are_squares_on_the_grid(lower):
     assert mesh.nelements == (2 if lower else 1) * 10 * 3
     assert set(mesh.subdomains) == set(blocks.names)
     for block in blocks.names:
-        assert set(blocks.sides(block)) <= set(mesh.boundaries)
+        for side, count in blocks.sides(block).items():
+            assert len(nodes_of(mesh, side)) == count + 1
 
 
 def test_rows_of_a_graded_mesh_grow_away_from_the_interface():
@@ -61,7 +66,7 @@ def test_triangles_cover_the_blocks(lower):
     area = ((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])) / 2
     assert np.abs(area).sum() == pytest.approx((2 if lower else 1) * 1.0 * 0.3, rel=1e-9)
     assert np.abs(area).min() > 0.1 * 0.1**2  # no slivers
-    on_side = side_nodes(mesh, "upper_contact")
+    on_side = nodes_of(mesh, "upper_contact")
     np.testing.assert_allclose(mesh.p[0, on_side], 0.1 * np.arange(7), atol=1e-15)
 
 
@@ -86,6 +91,66 @@ def drop_a_triangle(raw):
 
 def move_an_inner_node(raw):
     raw.points[np.argmin(np.abs(raw.points - [0.0, 0.15, 0.0]).sum(axis=1))] += [0.0, 9.0, 0.0]
+
+
+def name_another_side(raw):
+    """Call the element sides of the slot what those of the contact are called, and vice versa."""
+    raw.cell_sets["upper_slot"], raw.cell_sets["upper_contact"] = (
+        raw.cell_sets["upper_contact"],
+        raw.cell_sets["upper_slot"],
+    )
+
+
+def name_the_other_face(raw):
+    for one in ("slot", "contact"):
+        names = [f"{block}_{one}" for block in BLOCKS.names]
+        raw.cell_sets.update(zip(names, [raw.cell_sets[n] for n in names[::-1]], strict=True))
+
+
+def name_a_side_twice(raw):
+    number = next(n for n, block in enumerate(raw.cells) if block.type == "line")
+    raw.cells[number].data[1] = raw.cells[number].data[0]
+
+
+def leave_a_side_without_name(raw):
+    del raw.cell_sets["lower_bottom"]
+
+
+def fill_a_cell_twice(raw):
+    for block in raw.cells:
+        if block.type == "quad":
+            block.data[0] = block.data[1]
+
+
+def fold_a_cell(raw):
+    for block in raw.cells:
+        if block.type == "quad":
+            block.data[0] = block.data[0][[0, 2, 1, 3]]
+
+
+@pytest.mark.parametrize(
+    ("damage", "complaint"),
+    [
+        (name_another_side, "upper_slot"),
+        (name_the_other_face, "upper_slot"),
+        (name_a_side_twice, "does not consist of"),
+        (leave_a_side_without_name, "lower_bottom"),
+        (fill_a_cell_twice, "do not fill one cell each|belong to no element|not on its grid"),
+        (fold_a_cell, "do not fill one cell each"),
+    ],
+)
+def test_sides_and_cells_are_those_of_the_blocks(damage, complaint, tmp_path, monkeypatch):
+    build_mesh(BLOCKS, tmp_path / "blocks.msh")
+    read = meshio.gmsh.read
+
+    def damaged(path):
+        raw = read(path)
+        damage(raw)
+        return raw
+
+    monkeypatch.setattr(meshio.gmsh, "read", damaged)
+    with pytest.raises(DataFileError, match=complaint):
+        read_mesh(tmp_path / "blocks.msh", BLOCKS)
 
 
 @pytest.mark.parametrize("damage", [drop_a_triangle, move_an_inner_node])
@@ -124,7 +189,7 @@ def test_free_walls_are_farther_away():
 def test_faces_match_but_share_no_node():
     mesh = cached_mesh(BLOCKS)
     for face in ("slot", "contact"):
-        upper, lower = (side_nodes(mesh, f"{block}_{face}") for block in BLOCKS.names)
+        upper, lower = (nodes_of(mesh, f"{block}_{face}") for block in BLOCKS.names)
         assert not set(upper) & set(lower)
         np.testing.assert_array_equal(mesh.p[:, upper], mesh.p[:, lower])
     parts = [set(mesh.t[:, mesh.subdomains[block]].ravel()) for block in BLOCKS.names]
@@ -135,7 +200,7 @@ def test_faces_match_but_share_no_node():
 @pytest.mark.parametrize("block", ["upper", "lower"])
 def test_slot_and_contact_meet_at_the_edge_node(block):
     mesh = cached_mesh(BLOCKS)
-    slot, contact = (side_nodes(mesh, f"{block}_{face}") for face in ("slot", "contact"))
+    slot, contact = (nodes_of(mesh, f"{block}_{face}") for face in ("slot", "contact"))
     assert slot[-1] == contact[0]
     np.testing.assert_array_equal(mesh.p[:, contact[0]], [0, 0])
 
