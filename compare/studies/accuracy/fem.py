@@ -323,6 +323,7 @@ def _smoothing_row(name: str, scene: Scene, trial: Smoothing) -> SmoothingRow:
         solution.slip_rate(place, 1.0),
         solution.slip(place, 1.0),
     )
+    slip = np.interp(place, run.interface.x, run.interface.slip[-1])
     errors = profile_errors(solution, last, averaged_profile(run))
     second = solution.zones[1]
     inside = (place > second.inner) & (place < second.outer)
@@ -338,7 +339,7 @@ def _smoothing_row(name: str, scene: Scene, trial: Smoothing) -> SmoothingRow:
         averaged=errors.averaged,
         second_peak=errors.second_peak,
         second_zone=_relative((last - exact) * inside, exact * inside),
-        slip=_relative(run.slip(place, 1.0) - exact_slip, exact_slip),
+        slip=_relative(slip - exact_slip, exact_slip),
     )
 
 
