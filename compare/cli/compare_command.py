@@ -13,24 +13,28 @@ from compare.cli import terminal
 from compare.cli.options import (
     MESH_OPTIONS,
     SCENE_OPTIONS,
+    Budget,
     Method,
     NoSnapshots,
     Output,
     Quiet,
+    in_bytes,
+    in_seconds,
     option_name,
     with_options,
 )
-from compare.cli.simulate_command import simulate_into
+from compare.cli.simulate_command import simulate_into, with_error_bars
 from compare.cli.solve_command import check_converged
 from compare.comparison.judgement import Judgement, judge
-from compare.comparison.prediction import check_predictable, predict_like
+from compare.comparison.mesh_choice import MeshChoice, choose_mesh
+from compare.comparison.prediction import check_predictable, predict_before, predict_like
 from compare.comparison.report import write_report
 from compare.comparison.rows import DIFFERS
 from compare.comparison.snapshots import last_snapshot
 from compare.output.leftovers import REPORT, SNAPSHOTS, forget_figures
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
-from semianalytic import Solution
+from semianalytic import Marched, Scene, Solution
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.named import (
@@ -64,6 +68,7 @@ def compare_command(
         ),
     ] = None,
     method: Method = "auto",
+    budget: Budget = None,
     output: Output = None,
     no_snapshots: NoSnapshots = False,
     quiet: Quiet = False,
@@ -74,32 +79,61 @@ def compare_command(
     resolve being listed; 1 if something does; 4 if the prediction has not converged.
     """
     require("slipfront compare", *FEM, *PLOT)
-    earlier = None
+    prediction: Solution | Marched | None = None
+    seconds, snapshots = in_seconds(budget), not no_snapshots
     if from_ is not None:
-        earlier = _earlier_simulation(from_, scene_name, overrides, settings)
+        given = settings if budget is None else {"budget": budget}
+        simulation = _earlier_simulation(from_, scene_name, overrides, given)
         label = scene_label(scene_name) if scene_name else from_.resolve().name
         directory = output or from_
     else:
+        if budget is not None and "resolution" in settings:
+            raise _without_effect("budget", "resolution")
         scene_name = scene_name or DEFAULT_SCENE
         label = scene_label(scene_name)
         directory = output or scene_folder(scene_name, overrides)
         scene = override_scene(find_scene(scene_name), **overrides)
         check_predictable(scene, method)
     with working_folder(directory):
-        simulation = earlier or simulate_into(
-            directory, scene, label, settings, snapshots=not no_snapshots, quiet=quiet
-        )
-        snapshots = (from_ or directory) / SNAPSHOTS
-        written = snapshots.is_dir() and not no_snapshots
-        snapshot = last_snapshot(snapshots, simulation.run) if written else None
-        with progress_bar(Console(stderr=True), quiet, "marching") as progress:
-            prediction = predict_like(simulation, method, progress)
+        if from_ is None:
+            prediction = predict_before(scene, method)
+            choice = _mesh(prediction, scene, seconds, settings, snapshots=snapshots)
+            simulation = simulate_into(
+                directory,
+                scene,
+                label,
+                {**settings, "resolution": choice.resolution},
+                snapshots=snapshots,
+                foretold=tuple(terminal.mesh_lines(choice, snapshots=snapshots)),
+                quiet=quiet,
+            )
+        elif simulation.companion is None:
+            simulation = with_error_bars(simulation, from_, label, keep=output is None, quiet=quiet)
+        frames = (from_ or directory) / SNAPSHOTS
+        written = snapshots and frames.is_dir()
+        snapshot = last_snapshot(frames, simulation.run) if written else None
+        if prediction is None:
+            with progress_bar(Console(stderr=True), quiet, "marching") as progress:
+                prediction = predict_like(simulation, method, progress)
         judgement = judge(prediction, simulation, snapshot)
         write_comparison(judgement, label, directory)
     _show(judgement, label, directory)
     if isinstance(prediction, Solution):
         check_converged(prediction, label)
     raise typer.Exit(1 if judgement.verdict == DIFFERS else 0)
+
+
+def _mesh(
+    prediction: Solution | None,
+    scene: Scene,
+    budget: float | None,
+    settings: Mapping[str, Any],
+    *,
+    snapshots: bool,
+) -> MeshChoice:
+    """The mesh that settings of the command line and a budget make of a scene."""
+    options = {**settings, "memory": in_bytes(settings.get("memory"))}
+    return choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **options)
 
 
 def write_comparison(judgement: Judgement, label: str, directory: Path) -> None:
@@ -132,10 +166,7 @@ def _earlier_simulation(
     from fem import load_simulation
 
     if settings:
-        raise SceneError(
-            f"{option_name(next(iter(settings)))} has no effect with --from; leave one of the two "
-            "out."
-        )
+        raise _without_effect(next(iter(settings)), "from")
     simulation = load_simulation(directory)
     if simulation.lower_material is not None:
         raise SceneError(
@@ -149,3 +180,10 @@ def _earlier_simulation(
             f"({scene_document(simulation.scene)}); leave the scene out or simulate again."
         )
     return simulation
+
+
+def _without_effect(option: str, other: str) -> SceneError:
+    """Refusal of two options that exclude one another."""
+    return SceneError(
+        f"{option_name(option)} has no effect with {option_name(other)}; leave one of the two out."
+    )

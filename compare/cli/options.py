@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
+import re
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
@@ -13,13 +14,29 @@ import typer
 from rich.markup import escape
 
 from semianalytic.results.memory import GIGABYTE
+from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+
+SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
+"""Units of time as they are typed."""
 
 SceneArgument = Annotated[
     str, typer.Argument(metavar="SCENE", help="Name of a scene, or a TOML file.")
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results only, no progress.")]
 NoSnapshots = Annotated[bool, typer.Option("--no-snapshots", help="Write no field snapshots.")]
+Budget = Annotated[
+    str | None,
+    typer.Option(
+        metavar="TIME",
+        help="Time for the simulation, as 60s, 5min or 1h, from which the mesh follows; about that "
+        "of a resolution of 100 unless given.",
+        rich_help_panel="Finite elements",
+    ),
+]
+NoCompanions = Annotated[
+    bool, typer.Option("--no-companions", help="Run no coarser meshes, which give error bars.")
+]
 Output = Annotated[
     Path | None,
     typer.Option(
@@ -65,7 +82,7 @@ MESH_OPTIONS: Mapping[str, Any] = {
     name: _option(type_, "Finite elements", text)
     for name, (type_, text) in {
         "end_time": (float, "Time T at which the simulation ends [time]; 1 / c_t unless given."),
-        "resolution": (int, "Elements per c_t T, 100 unless given."),
+        "resolution": (int, "Elements per c_t T, 100 unless given; compare can choose it."),
         "damping": (float, "Kelvin–Voigt time over h / c_t, 0.02 unless given."),
         "step_ratio": (float, "Time step over the critical one, 0.95 unless given."),
         "model": (str, "Blocks to mesh, auto unless given."),
@@ -148,6 +165,23 @@ def with_options(**groups: Mapping[str, Any]) -> Callable[[Callable[..., Any]], 
 def option_name(argument: str) -> str:
     """An option as it is typed."""
     return "--" + argument.replace("_", "-")
+
+
+def in_seconds(time: str | None) -> float | None:
+    """A time as it is typed, such as 90, 60s, 1.5min or 2h, in seconds.
+
+    Raises
+    ------
+    SceneError
+        If it is nothing of that kind, or not positive.
+    """
+    if time is None:
+        return None
+    match = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*([a-z]*)", time.strip().lower())
+    seconds = float(match[1]) * SECONDS.get(match[2], math.nan) if match else math.nan
+    if not 0 < seconds < math.inf:
+        raise SceneError(f"--budget must be a time such as 60s, 5min or 1h, got {shown(time)}.")
+    return seconds
 
 
 def in_bytes(gigabytes: float | None) -> float | None:

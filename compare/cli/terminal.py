@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE_HEAD
@@ -19,7 +20,8 @@ from compare.comparison.documents import (
     march_document,
     units_document,
 )
-from compare.comparison.judgement import Judgement
+from compare.comparison.judgement import Judgement, own_bars
+from compare.comparison.mesh_choice import MeshChoice, toll
 from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import reference_values, speed_regime
 from semianalytic import Marched, Scene, Solution
@@ -140,6 +142,27 @@ def simulation_line(simulation: Simulation) -> str:
         f"{simulation.steps} steps in {simulation.seconds['steps']:.2g} s, end time "
         f"{simulation.end_time:g}, peak memory {simulation.peak_memory / 1e6:,.0f} MB"
     )
+
+
+def mesh_lines(choice: MeshChoice, *, snapshots: bool) -> Iterator[str]:
+    """Which mesh was chosen, why and what it takes; then each thing it is too coarse for."""
+    taken = toll(choice.seconds, choice.memory)
+    yield f"resolution {choice.resolution} ({choice.reason}): about {taken}"
+    bare = " without snapshots" if snapshots else ""
+    for unseen in choice.unresolved:
+        taken = toll(unseen.seconds, unseen.memory) + bare
+        yield f"stays unresolved: {unseen.name} (resolution {unseen.resolution}: {taken})"
+
+
+def error_line(simulation: Simulation) -> str:
+    """How far slip rate and slip at the end of a simulation may be off, by its companions."""
+    if simulation.companion is None:
+        return "no error bars, for no coarser mesh follows this scene"
+    rate, slip = (
+        f"{row.shown_share(row.bar)}{'' if row.relative else f' {row.unit}'}"
+        for row in own_bars(simulation)
+    )
+    return f"slip rate at the end within {rate}, slip within {slip}, by coarser meshes"
 
 
 def judgement_table(judgement: Judgement, label: str) -> Table:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
 from compare.comparison.bars import error_bar, observed_order
-from compare.comparison.case import EDGE_CELLS, Case
+from compare.comparison.case import EDGE_CELLS, NARROW, Case
 from compare.comparison.measures import NOTHING, norm, onset_time
 from compare.comparison.rows import Row
 from semianalytic import Harmonic, InterfaceHistory
@@ -202,7 +202,7 @@ def _event(
 
 
 def _weakness(case: Case, row: Row, place: float, least: float) -> str:
-    """That slip passes a threshold by less than its error bar where only one answer has it."""
+    """Why what only one answer has may escape the mesh: it is over too soon, or too slow; or ""."""
     if not case.coarser:
         return ""
     near = NEIGHBOURS * case.simulation.element_size
@@ -212,10 +212,25 @@ def _weakness(case: Case, row: Row, place: float, least: float) -> str:
     ]
     early = case.at_nodes if events[0] < events[1] else case.seen
     between = (early.t >= min(events)) & (early.t < max(events))
+    elements = _lasts(early, place, min(events), least) / case.simulation.element_size
+    elements *= case.scene.material.shear_speed
+    if elements < NARROW:
+        return f"it is over while a shear wave crosses {elements:.2g} elements"
     passed = float(np.abs(_record(early, place)[between]).max(initial=0.0)) - least
     if passed > bar:
         return ""
     return f"slip there is within its error bar, {bar / case.rate:.2g} V₀, of the threshold"
+
+
+def _lasts(history: InterfaceHistory, place: float, start: float, least: float) -> float:
+    """How long slip of one sense goes on at a place that passes a threshold at a time [time]."""
+    later = history.t >= start
+    record, time = _record(history, place)[later], history.t[later]
+    if not len(record):
+        return 0.0
+    over = np.flatnonzero(record * np.sign(record[0]) <= least)
+    end = time[over[0]] if len(over) else time[-1]
+    return float(end - start)
 
 
 def _record(history: InterfaceHistory, place: float) -> Array:

@@ -12,6 +12,7 @@ from compare.comparison.case import Case
 from compare.comparison.edge_rows import zone_rows
 from compare.comparison.history_rows import cycle_rows, event_rows, rate_row, sense_rows
 from compare.comparison.measures import is_nothing
+from compare.comparison.mesh_choice import Prices, toll
 from compare.comparison.profile_rows import slip_rate_rows, snapshot_row, traction_rows, wear_rows
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall
 from compare.comparison.snapshots import SlipRateProfile
@@ -69,30 +70,10 @@ class Judgement:
 
 def mesh_sentence(simulation: Simulation, resolution: int) -> str:
     """Element size of a resolution, and what a simulation like this one would take with it."""
-    from fem import cost
-
     size = simulation.element_size * simulation.resolution / resolution
-    would = f"resolution {resolution}, h = {size:.2g}"
-    try:
-        taken = cost(
-            simulation.scene,
-            simulation.end_time,
-            resolution=resolution,
-            damping=simulation.damping,
-            element=simulation.element,
-            mesh=simulation.mesh,
-        )
-    except SceneError:
-        return f"{would}: more than a mesh may hold"
-    return f"{would}: {duration(taken.seconds)}, {taken.memory / 1e9:.2g} GB"
-
-
-def duration(seconds: float) -> str:
-    """Seconds as people say them, up to hours."""
-    for unit, length in (("hours", 3600.0), ("minutes", 60.0)):
-        if seconds >= 1.5 * length:
-            return f"{seconds / length:.2g} {unit}"
-    return f"{seconds:.2g} s"
+    options = {name: getattr(simulation, name) for name in ("damping", "element", "mesh")}
+    prices = Prices(simulation.scene, simulation.end_time, options=options)
+    return f"resolution {resolution}, h = {size:.2g}: {toll(*prices.here(resolution))}"
 
 
 def judge(
@@ -130,6 +111,11 @@ def judge(
         )
     case = side_by_side(prediction, with_companions(simulation))
     return Judgement(case, tuple(_rows(case, snapshot)))
+
+
+def own_bars(simulation: Simulation) -> tuple[Row, ...]:
+    """Slip rate and slip of a simulation with their error bars, from its companions alone."""
+    return tuple(slip_rate_rows(side_by_side(simulation, simulation)))
 
 
 def side_by_side(prediction: Answer, simulation: Simulation) -> Case:

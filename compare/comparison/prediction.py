@@ -37,6 +37,14 @@ def check_predictable(scene: Scene, method: str = "auto") -> None:
         check_pressure(scene)
 
 
+def predict_before(scene: Scene, method: str = "auto") -> Solution | None:
+    """The prediction that needs no simulation to follow, of a self-similar scene; else None.
+
+    Raises as `predict_like`.
+    """
+    return solve(scene) if chosen_method(scene, method) == "self-similar" else None
+
+
 def predict_like(
     simulation: Simulation,
     method: str = "auto",
@@ -62,8 +70,9 @@ def predict_like(
     ComputationError
         If a march fails.
     """
-    if chosen_method(simulation.scene, method) == "self-similar":
-        return solve(simulation.scene)
+    solution = predict_before(simulation.scene, method)
+    if solution is not None:
+        return solution
     x, t = simulation.interface.x, simulation.interface.t
     return _marched(simulation, float(x[-1]), float(t[-1]), progress)
 

@@ -1,0 +1,337 @@
+"""How fine a mesh a comparison gets: the scene says what it takes, the budget what there is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from compare.comparison.case import NARROW
+from semianalytic import Scene
+from semianalytic.results.answer import Answer
+from semianalytic.results.memory import GIGABYTE, memory_limit
+from semianalytic.scene.checks import checked_size
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.process_zone import process_zone
+
+DEFAULT_BUDGET = 20.0
+"""Time that is spent unasked [s], as `fem.Cost` counts it: the same mesh on every machine."""
+USUAL = 100
+"""Resolution that a scene gets without asking for a finer one."""
+COARSER = (2, 4)
+"""Element sizes of the companions, over that of the simulation."""
+LEAST = 32
+"""Coarsest mesh that is chosen: its coarsest companion is the coarsest there can be."""
+STRIDE, ROUND_STRIDE = 4, 20
+"""What resolutions are multiples of: companions have whole ones; round ones where only the budget
+sets them, so that it takes a real difference to change them."""
+SPARE = 0.9
+"""Part of the memory there is that a choice may count on: a little later there may be less."""
+
+BARS = "error bars under the {} history"
+"""What there is if coarser meshes follow a load too."""
+WITHIN = "the finest within budget and memory"
+
+YEAR = 365.25 * 86400
+LONGEST = 1000 * YEAR
+"""Beyond which times are not told apart [s]."""
+
+
+class Feature(NamedTuple):
+    """Something a mesh can be too coarse for: what it is, and the resolution that it takes."""
+
+    name: str
+    resolution: int
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """Something a mesh is too coarse for, and what would do.
+
+    Attributes
+    ----------
+    name : str
+        What it is.
+    resolution : int
+        Node distances per c_t T that it takes.
+    seconds : float
+        What a simulation with its companions and without snapshots would take on this machine
+        [s], though no mesh may be so large.
+    memory : float
+        Likewise [bytes].
+    """
+
+    name: str
+    resolution: int
+    seconds: float
+    memory: float
+
+
+@dataclass(frozen=True)
+class MeshChoice:
+    """A mesh for the comparison of a scene.
+
+    Attributes
+    ----------
+    resolution : int
+        Node distances per c_t T.
+    reason : str
+        Why this one: what it is just fine enough for, or what set it otherwise.
+    needed : int
+        Resolution at which nothing that is known beforehand stays unresolved.
+    seconds : float
+        What a simulation with its companions takes on this machine [s].
+    memory : float
+        Likewise [bytes].
+    unresolved : tuple of Unseen
+        What this mesh is too coarse for, the widest first.
+    """
+
+    resolution: int
+    reason: str
+    needed: int
+    seconds: float
+    memory: float
+    unresolved: tuple[Unseen, ...]
+
+
+@dataclass(frozen=True)
+class Prices:
+    """What simulations of a scene take at any resolution, their companions included.
+
+    Parameters
+    ----------
+    scene, end_time
+        As in `fem.simulate`.
+    snapshots : bool
+        Whether they are written.
+    options : dict
+        Fields of `fem.Settings` apart from the resolution.
+    """
+
+    scene: Scene
+    end_time: float | None
+    snapshots: bool = False
+    options: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def pace(self) -> float:
+        """How much longer this machine takes than `fem.Cost` says."""
+        from fem.budget import machine_pace
+
+        return machine_pace()
+
+    def at(self, resolution: int) -> tuple[float, float]:
+        """Time as `fem.Cost` counts it [s] and memory [bytes]; inf if no mesh may be so large."""
+        try:
+            return self.checked(resolution)
+        except SceneError:
+            return math.inf, math.inf
+
+    def checked(self, resolution: int, memory: float | None = math.inf) -> tuple[float, float]:
+        """The same, of what `fem.simulate` would take; SceneError if it would not."""
+        from fem import cost
+
+        options = {**self.options, "resolution": resolution}
+        run = cost(self.scene, self.end_time, snapshots=self.snapshots, memory=memory, **options)
+        bare = cost(self.scene, self.end_time, **options) if self.snapshots else run
+        return run.seconds + sum(size**-3 for size in COARSER) * bare.seconds, run.memory
+
+    def here(self, resolution: int) -> tuple[float, float]:
+        """Time on this machine [s] and memory [bytes]; of a mesh that may not be so large, what
+        they would grow to from one that may."""
+        seconds, memory = self.at(resolution)
+        if math.isfinite(seconds) or resolution <= LEAST:
+            return self.pace * seconds, memory
+        seconds, memory = self.here(resolution // 2)
+        return 2**3 * seconds, 2**2 * memory
+
+
+def choose_mesh(
+    prediction: Answer | None,
+    scene: Scene,
+    end_time: float | None = None,
+    budget: float | None = None,
+    *,
+    resolution: int | None = None,
+    snapshots: bool = False,
+    memory: float | None = None,
+    **options: Any,
+) -> MeshChoice:
+    """The mesh to compare a prediction on, before anything is simulated.
+
+    It is as fine as the narrowest slip zone, gap or weakening front that the budget reaches, and
+    no finer; if it reaches none of them, as fine as a budget that was given allows; and not
+    coarser than a resolution of 100 if it can be.
+
+    Parameters
+    ----------
+    prediction : Answer or None
+        Of a self-similar scene, whose zones and gaps are read off it; None if there is none yet.
+    scene, end_time
+        As in `fem.simulate`.
+    budget : float, optional
+        Time that the simulation and its companions may take on this machine [s].  Unless given,
+        20 s as `fem.Cost` counts them, or what a resolution of 100 takes if that is more.
+    resolution : int, optional
+        Take this one, whatever the budget.
+    snapshots : bool
+        Whether field snapshots are written.
+    memory : float, optional
+        Most that the simulation may take [bytes], 70 % of what is available if not given.
+    **options
+        Other fields of `fem.Settings`.
+
+    Returns
+    -------
+    MeshChoice
+
+    Raises
+    ------
+    SceneError
+        If an option is out of range, or budget or memory do not reach the coarsest mesh that
+        follows the loads.
+    """
+    prices = Prices(scene, end_time, snapshots, options)
+    end_time = 1 / scene.material.shear_speed if end_time is None else end_time
+    end_time = checked_size("simulate: end_time", end_time)
+    loads = _loads(scene, end_time)
+    features = [*_narrow(prediction, end_time), *_weakening(scene, end_time)]
+    features += [Feature(BARS.format(name), COARSER[0] * size) for name, size in loads.items()]
+    features.sort(key=lambda feature: feature.resolution)
+    reason = "as given"
+    if resolution is None:
+        affordable = _limits(prices, budget, memory)
+        least = _whole(max([LEAST, *loads.values()]))
+        if not affordable(least):
+            raise _refusal(prices, least, memory)
+        wishes = [Feature(BARS.format(name), COARSER[1] * size) for name, size in loads.items()]
+        resolution, reason = _chosen(features + wishes, least, affordable, spend=budget is not None)
+    prices.checked(resolution)  # one that was given need not do
+    bare = replace(prices, snapshots=False)
+    unresolved = tuple(
+        Unseen(*one, *bare.here(one.resolution)) for one in features if one.resolution > resolution
+    )
+    needed = unresolved[-1].resolution if unresolved else resolution
+    return MeshChoice(resolution, reason, needed, *prices.here(resolution), unresolved)
+
+
+def toll(seconds: float, memory: float) -> str:
+    """Time and memory in words."""
+    return f"{duration(seconds)}, {_two_digits(memory / GIGABYTE)} GB"
+
+
+def duration(seconds: float) -> str:
+    """Seconds as people say them."""
+    if seconds > LONGEST:
+        return f"more than {_two_digits(LONGEST / YEAR)} years"
+    for unit, length, least in (("years", YEAR, 2), ("days", 86400.0, 4), ("hours", 3600.0, 1.5)):
+        if seconds >= least * length:
+            return f"{_two_digits(seconds / length)} {unit}"
+    return f"{_two_digits(seconds / 60)} minutes" if seconds >= 90 else f"{_two_digits(seconds)} s"
+
+
+def _narrow(prediction: Answer | None, end_time: float) -> Iterator[Feature]:
+    """Slip zones of a self-similar prediction, and gaps between two of one sense.
+
+    Where the sense changes, that is seen without a gap.
+    """
+    if prediction is None or not prediction.scene.is_self_similar:
+        return
+    length = prediction.scene.material.shear_speed * end_time
+    zones = prediction.zones_at(end_time)
+    parts = [("zone", zone.start, zone.end) for zone in zones]
+    parts += [
+        ("gap", zone.end, other.start)
+        for zone, other in pairwise(zones)
+        if zone.sense == other.sense
+    ]
+    for kind, start, end in parts:
+        width = (end - start) / length
+        if 0 < width < math.inf:
+            digits = max(4, math.ceil(-math.log10(width)))
+            name = f"{start / length:.{digits}f} and {end / length:.{digits}f} c_t"
+            yield Feature(f"the {kind} between {name}", math.ceil(NARROW / width))
+
+
+def _weakening(scene: Scene, end_time: float) -> Iterator[Feature]:
+    """The front that slip weakening makes, where it does."""
+    from fem.resolution import WEAKENING_ELEMENTS
+
+    width = process_zone(scene) / (scene.material.shear_speed * end_time)
+    if width < math.inf:
+        name = f"the weakening front, {width:.2g} c_t T long"
+        yield Feature(name, math.ceil(WEAKENING_ELEMENTS / width))
+
+
+def _loads(scene: Scene, end_time: float) -> dict[str, int]:
+    """Least resolution that follows each load; those that no mesh follows `fem` refuses."""
+    from fem.resolution import needed_resolution
+
+    return {
+        name: needed_resolution(history, end_time, end_time) or 1
+        for name, history in scene.acting_histories.items()
+    }
+
+
+def _limits(prices: Prices, budget: float | None, memory: float | None) -> Callable[[int], bool]:
+    """Whether a resolution is within budget and memory."""
+    room = memory_limit(memory) * (SPARE if memory is None else 1)
+    if budget is None:
+        known = (DEFAULT_BUDGET, prices.at(USUAL)[0], prices.at(LEAST)[0])
+        time = max(seconds for seconds in known if math.isfinite(seconds))
+    else:
+        time = checked_size("compare: budget", budget) / prices.pace
+
+    def affordable(resolution: int) -> bool:
+        seconds, taken = prices.at(resolution)
+        return seconds <= time and taken <= room
+
+    return affordable
+
+
+def _refusal(prices: Prices, least: int, memory: float | None) -> SceneError:
+    """Why not even the coarsest mesh can be afforded; raised already if `fem` knows why."""
+    seconds, _ = prices.checked(min(least, USUAL), memory)
+    return SceneError(
+        f"compare: the coarsest mesh there is to choose, resolution {least}, takes "
+        f"{duration(prices.pace * seconds)}; raise `budget`, or give a `resolution`."
+    )
+
+
+def _chosen(
+    wishes: list[Feature], least: int, affordable: Callable[[int], bool], *, spend: bool
+) -> tuple[int, str]:
+    """The finest resolution that is asked for and affordable, and why; see `choose_mesh`."""
+    base = max(USUAL, least)
+    if not affordable(base):
+        return _finest(affordable, least, base, STRIDE), WITHIN
+    beyond = sorted((_whole(size), name) for name, size in wishes if size > base)
+    reached = [(size, f"for {name}") for size, name in beyond if affordable(size)]
+    if reached:
+        return reached[-1]
+    if beyond and spend:
+        return _finest(affordable, base, beyond[0][0], ROUND_STRIDE), WITHIN
+    return base, "the usual one" if beyond else "nothing asks for a finer one"
+
+
+def _finest(affordable: Callable[[int], bool], low: int, high: int, stride: int) -> int:
+    """Largest of low, low + stride, ... below high that is affordable; the first if none is."""
+    steps, beyond = 0, math.ceil((high - low) / stride)
+    while beyond - steps > 1:
+        middle = (steps + beyond) // 2
+        steps, beyond = (middle, beyond) if affordable(low + middle * stride) else (steps, middle)
+    return low + steps * stride
+
+
+def _whole(resolution: int) -> int:
+    """The next one that can be halved for each companion."""
+    return STRIDE * math.ceil(resolution / STRIDE)
+
+
+def _two_digits(value: float) -> str:
+    """A positive number to two significant digits, in full."""
+    return f"{float(f'{value:.2g}'):,g}"

@@ -1,0 +1,302 @@
+"""Which mesh a scene gets within a budget, and what that mesh leaves unresolved."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+
+import compare
+import fem.budget
+from compare.comparison.case import NARROW
+from compare.comparison.judgement import mesh_sentence
+from compare.comparison.mesh_choice import (
+    DEFAULT_BUDGET,
+    SPARE,
+    STRIDE,
+    USUAL,
+    choose_mesh,
+    duration,
+    toll,
+)
+from fem import cost, simulate
+from fem.budget import machine_pace as measured_pace
+from fem.resolution import WEAKENING_ELEMENTS, weakening_caution
+from semianalytic import (
+    Harmonic,
+    Material,
+    Pulse,
+    Scene,
+    SceneError,
+    SlipWeakening,
+    Tractions,
+    solve,
+)
+from semianalytic.scene.named import find_scene, override_scene
+from semianalytic.scene.process_zone import process_zone
+from tests.catalogue import over
+from tests.compare_cases import SELF_SIMILAR
+
+WEAKENING = Scene(
+    Material(1.0, 1.0, 0.25),
+    0.6,
+    Tractions(1.0, 0.4),
+    Tractions(0.0, 0.4),
+    friction_law=SlipWeakening(2 / 3, 0.05),
+)
+
+
+@pytest.fixture(autouse=True)
+def pace(monkeypatch):
+    """A machine as fast as `fem.Cost` has it; called with another pace, one of that."""
+
+    def set_pace(value):
+        monkeypatch.setattr(fem.budget, "machine_pace", lambda: value)
+
+    set_pace(1.0)
+    return set_pace
+
+
+def gap_scene(friction):
+    """A scene with a gap between two zones of one sense, wider the more friction there is."""
+    scene = override_scene(find_scene("preloaded"), friction=friction)
+    return solve(scene), scene
+
+
+def gap_width(solution):
+    """Over c_t T."""
+    first, second = solution.zones
+    return (second.inner - first.outer) / solution.scene.material.shear_speed
+
+
+@pytest.mark.parametrize("name", SELF_SIMILAR)
+def test_named_scenes_get_the_usual_mesh_and_leave_nothing_unresolved(name):
+    scene = find_scene(name)
+    choice = choose_mesh(solve(scene), scene, snapshots=True)
+    assert (choice.resolution, choice.needed, choice.unresolved) == (USUAL, USUAL, ())
+    assert choice.reason == "nothing asks for a finer one"
+
+
+def test_a_gap_within_reach_sets_the_mesh():
+    solution, scene = gap_scene(0.26)
+    choice = choose_mesh(solution, scene)
+    assert USUAL < choice.resolution == choice.needed
+    assert choice.resolution % STRIDE == 0
+    assert NARROW <= choice.resolution * gap_width(solution) < NARROW * 1.05
+    assert choice.reason == "for the gap between 0.9162 and 0.9487 c_t"
+    assert choice.unresolved == ()
+
+
+def test_a_gap_out_of_reach_is_said_with_what_it_would_take():
+    solution, scene = gap_scene(0.24)
+    assert choose_mesh(solution, scene).resolution > USUAL
+    half = choose_mesh(solution, scene, resolution=234).seconds / 2
+    for options in ({"budget": half}, {"memory": 200e6}, {"resolution": 200}):
+        choice = choose_mesh(solution, scene, **options)
+        (gap,) = choice.unresolved
+        assert gap.name == "the gap between 0.9239 and 0.9411 c_t"
+        assert choice.resolution < gap.resolution == choice.needed
+        assert NARROW <= gap.resolution * gap_width(solution) < NARROW * 1.01
+        assert (gap.seconds, gap.memory) > (choice.seconds, choice.memory)
+        just = choose_mesh(solution, scene, resolution=gap.resolution)
+        assert (just.seconds, just.memory) == (gap.seconds, gap.memory)
+        assert just.unresolved == ()
+
+
+def test_a_gap_that_no_mesh_reaches_does_not_set_it_unasked():
+    solution, scene = gap_scene(0.15)
+    choice = choose_mesh(solution, scene)
+    assert (choice.resolution, choice.reason) == (USUAL, "the usual one")
+    (gap,) = choice.unresolved
+    assert gap.resolution == choice.needed == math.ceil(NARROW / gap_width(solution))
+    with pytest.raises(SceneError, match="elements are more than"):
+        cost(scene, resolution=gap.resolution)
+    coarser = choose_mesh(solution, scene, resolution=gap.resolution // 8)
+    assert gap.seconds == pytest.approx(8**3 * coarser.seconds, rel=0.05)
+    assert gap.memory == pytest.approx(8**2 * coarser.memory, rel=0.05)
+
+
+@pytest.mark.parametrize("friction", [0.15, 0.24, 0.3])
+def test_a_budget_is_kept_and_used(friction):
+    solution, scene = gap_scene(friction)
+    needed = NARROW / gap_width(solution)
+    usual = choose_mesh(solution, scene, resolution=USUAL).seconds
+    budgets = [part * usual for part in (0.4, 0.9, 1.1, 5.0, 20.0)]
+    choices = [choose_mesh(solution, scene, budget=budget) for budget in budgets]
+    for choice, budget in zip(choices, budgets, strict=True):
+        assert choice.seconds <= budget
+        assert choice.resolution % STRIDE == 0
+        assert choice.resolution < max(USUAL, needed) + STRIDE
+        assert bool(choice.unresolved) == (choice.resolution < needed)
+        if choice.unresolved or choice.resolution < USUAL:
+            finer = choose_mesh(solution, scene, resolution=round(1.2 * choice.resolution))
+            assert finer.seconds > budget
+            assert choice.reason == "the finest within budget and memory"
+    assert all(one.resolution <= other.resolution for one, other in pairwise(choices))
+    assert choices[0].resolution < choices[-1].resolution
+
+
+def test_a_slow_machine_gets_a_coarser_mesh_for_its_budget_and_the_same_without(pace):
+    solution, scene = gap_scene(0.15)
+    quick = [choose_mesh(solution, scene, budget=budget) for budget in (10.0, None)]
+    pace(2.0)
+    slow = [choose_mesh(solution, scene, budget=budget) for budget in (10.0, None)]
+    assert slow[0].resolution < quick[0].resolution
+    assert slow[0].seconds <= 10.0
+    assert slow[1].resolution == quick[1].resolution
+    assert slow[1].seconds == pytest.approx(2 * quick[1].seconds)
+
+
+def test_snapshots_and_companions_are_paid_for():
+    solution, scene = gap_scene(0.3)
+    bare = choose_mesh(solution, scene)
+    assert bare.seconds == pytest.approx((1 + 1 / 8 + 1 / 64) * cost(scene).seconds)
+    pictured = choose_mesh(solution, scene, snapshots=True)
+    run = cost(scene, snapshots=True)
+    assert pictured.seconds == pytest.approx(run.seconds + bare.seconds - cost(scene).seconds)
+    assert pictured.memory == run.memory
+
+
+@pytest.mark.parametrize("memory", [70e6, 150e6, 400e6])
+def test_what_is_chosen_fits_into_the_memory(memory):
+    solution, scene = gap_scene(0.15)
+    choice = choose_mesh(solution, scene, budget=60.0, memory=memory)
+    assert choice.memory <= memory
+    assert cost(scene, resolution=choice.resolution, memory=memory).memory == choice.memory
+    with pytest.raises(SceneError, match="of memory"):
+        cost(scene, resolution=choice.resolution + 20, memory=memory)
+
+
+def test_some_of_the_memory_that_is_free_now_is_left_alone(monkeypatch):
+    solution, scene = gap_scene(0.15)
+    usual = cost(scene).memory
+    for free, finest in ((1.05, False), (1.2, True)):
+        monkeypatch.setattr(
+            "semianalytic.results.memory.available_memory", lambda free=free: free * usual / 0.7
+        )
+        assert (choose_mesh(solution, scene).resolution == USUAL) == finest
+    assert SPARE < 1
+
+
+def test_a_weakening_front_takes_some_elements():
+    width = process_zone(WEAKENING)
+    for end_time in (1.0, 2.0, 20.0):
+        choice = choose_mesh(None, WEAKENING, end_time)
+        needed = math.ceil(WEAKENING_ELEMENTS * end_time / width)
+        assert (needed <= choice.resolution) == (end_time <= 2.0)
+        seen = not weakening_caution(WEAKENING, None, end_time, choice.resolution)
+        assert seen == (end_time <= 2.0)
+        assert [one.resolution for one in choice.unresolved] == [needed] * (end_time > 2.0)
+    assert choice.unresolved[0].name.startswith("the weakening front, 0.0")
+
+
+def test_coarser_meshes_follow_the_loads_too_if_they_can():
+    scene = find_scene("harmonic")
+    finest = choose_mesh(None, scene)
+    assert finest.reason == "for error bars under the shear history"
+    for resolution in (finest.resolution, finest.resolution // 2, finest.resolution // 4):
+        cost(scene, resolution=resolution)
+    usual = choose_mesh(None, scene, resolution=USUAL).seconds
+    middle = choose_mesh(None, scene, budget=1.1 * usual)
+    assert USUAL <= middle.resolution < finest.resolution
+    assert middle.unresolved == ()
+    coarse = choose_mesh(None, scene, resolution=50)
+    (bars,) = coarse.unresolved
+    assert bars.name == "error bars under the shear history"
+    cost(scene, resolution=bars.resolution // 2)
+
+
+def test_loads_set_the_coarsest_mesh():
+    scene = replace(WEAKENING, friction_law=find_scene("ramp").friction_law)
+    fast = replace(scene, shear_history=Harmonic(4.0))
+    choice = choose_mesh(None, fast)
+    assert choice.resolution > USUAL
+    cost(fast, resolution=choice.resolution)
+    with pytest.raises(SceneError, match=r"compare: the coarsest mesh .* raise `budget`"):
+        choose_mesh(None, find_scene("harmonic"), budget=0.01)
+    hopeless = replace(scene, shear_history=Pulse(1e-6))
+    with pytest.raises(SceneError, match=r"turns back faster .* raise `resolution` from 100 to"):
+        choose_mesh(None, hopeless)
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"budget": -1.0}, "compare: budget must be positive and finite, got -1"),
+        ({"budget": math.nan}, "compare: budget must be"),
+        ({"budget": "60s"}, "compare: budget must be"),
+        ({"budget": 1e-9}, "the coarsest mesh there is to choose, resolution 32, takes"),
+        ({"memory": 1e6}, "of memory, and 0.001 GB are allowed"),
+        ({"resolution": 4}, "simulate: resolution must be an integer of at least 8"),
+        ({"damping": -1.0}, "simulate: damping must lie"),
+        ({"mesh": "hexagons"}, "mesh"),
+        ({"end_time": 1e300}, "simulate: end_time must lie"),
+    ],
+)
+def test_what_cannot_be_is_refused(options, sentence):
+    scene = find_scene("stuck")
+    with pytest.raises(SceneError) as caught:
+        choose_mesh(None, scene, **options)
+    assert sentence in str(caught.value)
+
+
+@over("exact")
+def test_every_exact_scene_gets_a_mesh(problem):
+    choice = choose_mesh(solve(problem.scene), problem.scene)
+    assert cost(problem.scene, resolution=choice.resolution).memory == choice.memory
+    assert choice.seconds <= DEFAULT_BUDGET or choice.resolution <= USUAL
+    for unseen in choice.unresolved:
+        assert choice.resolution < unseen.resolution <= choice.needed
+        assert choice.seconds < unseen.seconds < math.inf
+
+
+def test_units_of_a_scene_do_not_matter():
+    solution, scene = gap_scene(0.24)
+    steel = replace(scene, material=Material(80e9, 7800.0, scene.material.poisson_ratio))
+    end_time = 1 / steel.material.shear_speed
+    budget = choose_mesh(solution, scene, resolution=140).seconds
+    chosen = choose_mesh(solve(steel), steel, end_time, budget=budget)
+    expected = choose_mesh(solution, scene, budget=budget)
+    assert (chosen.resolution, chosen.needed) == (expected.resolution, expected.needed)
+    assert chosen.unresolved[0].name == expected.unresolved[0].name
+
+
+def test_the_remedy_of_a_row_costs_what_the_choice_says(pace):
+    pace(3.0)
+    solution, scene = gap_scene(0.15)
+    run = simulate(scene, resolution=8)
+    *_, gap = choose_mesh(solution, scene, resolution=8).unresolved
+    sentence = mesh_sentence(run, gap.resolution)
+    assert sentence.startswith(f"resolution {gap.resolution}, h = 0.00013: ")
+    assert sentence.endswith(toll(gap.seconds, gap.memory))
+
+
+def test_times_and_sizes_in_words():
+    assert duration(0.123) == "0.12 s"
+    assert duration(89) == "89 s"
+    assert duration(120) == "2 minutes"
+    assert duration(5400) == "1.5 hours"
+    assert duration(3e5) == "83 hours"
+    assert duration(1e6) == "12 days"
+    assert duration(1e9) == "32 years"
+    assert duration(1e12) == "more than 1,000 years"
+    assert toll(216000, 5e11) == "60 hours, 500 GB"
+    assert toll(5, 1.234e12) == "5 s, 1,200 GB"
+
+
+def test_the_pace_of_a_machine_is_that_of_its_fastest_product(monkeypatch):
+    times = [time for start in range(12) for time in (10.0 * start, 10.0 * start + 5 - start % 4)]
+    clock = iter(fem.budget.PACE_TIME * time for time in times)
+    with monkeypatch.context() as patch:
+        patch.setattr(fem.budget.time, "perf_counter", lambda: next(clock))
+        assert measured_pace.__wrapped__() == pytest.approx(2.0)
+    assert measured_pace() == measured_pace() > 0
+
+
+def test_the_choice_is_a_public_name():
+    assert compare.choose_mesh is choose_mesh
+
+
+def test_a_scene_without_a_load_gets_the_usual_mesh():
+    still = replace(find_scene("stuck"), load=Tractions(0.0, 0.0))
+    assert choose_mesh(solve(still), still).resolution == USUAL
