@@ -534,7 +534,7 @@ def test_remedies_say_mesh_time_and_memory(coarse, fair):
     sentence = mesh_sentence(coarse, 240)
     assert sentence.startswith("resolution 240, h = 0.0042: ")
     assert sentence.endswith(" GB")
-    assert mesh_sentence(coarse, 10**6).endswith("more than a mesh may hold")
+    assert "years" in mesh_sentence(coarse, 10**6)
     agreeing = fair.having("agrees")[0]
     assert fair.remedy(replace(agreeing, resolution=240)) == ""
 
