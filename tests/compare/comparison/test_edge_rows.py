@@ -122,7 +122,7 @@ def test_a_narrow_zone_says_how_narrow_and_which_mesh_would_do(resolution):
         assert row.obstacle == f"the zone is 0.014 c_t T wide, {elements:.2g} elements"
         assert row.resolution == math.ceil(4 / (outer - inner)) == 278
     enough = edge_rows(exact, sampled_run(exact, 278))
-    assert [enough[name].verdict for name in EDGES] == 3 * ["agrees"]
+    assert not any("wide" in enough[name].obstacle for name in EDGES)
 
 
 ZONE, NEXT, BACK = (
