@@ -34,11 +34,15 @@ ANGLES = np.pi * (np.arange(32) + 0.5) / 32
 DOUBLINGS = 14
 """How many times the meshed half-plane is made twice as deep."""
 
+FARTHEST = 0.49
+"""Of an edge from its node, over h: beyond h/2 another node would be nearer to x = 0."""
+
 
 def edge_offset(materials: Iterable[Material], family: Family, held: int = 1) -> float:
     """Place of the first node of a closed contact on squares, over h; 0.24 for Q1 at nu = 1/3.
 
-    Rounded to millionths, so that a run is the same to the last bit whatever the linear algebra.
+    Rounded to millionths, so that a run is the same to the last bit whatever the linear algebra;
+    at most `FARTHEST`, which counts near nu = 1/2 (Q1, from 0.483 on) and for P1 below -0.14.
 
     Parameters
     ----------
@@ -53,7 +57,7 @@ def edge_offset(materials: Iterable[Material], family: Family, held: int = 1) ->
     bodies = list(materials)
     compliance = [(1 - body.poisson_ratio) / body.shear_modulus for body in bodies]
     offsets = [_offset(body, family, held) for body in bodies]
-    return round(float(np.average(offsets, weights=compliance)), 6)
+    return min(round(float(np.average(offsets, weights=compliance)), 6), FARTHEST)
 
 
 def _offset(material: Material, family: Family, held: int) -> float:

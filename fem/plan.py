@@ -176,6 +176,8 @@ class Plan:
     settings : Settings
     full : bool
         Whether whole fields are observed, not only the interface.
+    follows : bool
+        Whether the mesh has to follow the loads; that of a companion need not.
 
     Raises
     ------
@@ -189,10 +191,12 @@ class Plan:
     end_time: float
     settings: Settings
     full: bool = False
+    follows: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "end_time", checked_size("simulate: end_time", self.end_time))
-        check_resolved(self.scene, self.lower_material, self.end_time, self.settings.resolution)
+        if self.follows:
+            check_resolved(self.scene, self.lower_material, self.end_time, self.settings.resolution)
         if self.name == TWO_MATERIALS and self.scene.far_slip_rate:
             raise SceneError(
                 "simulate: blocks of different materials cannot slide ahead of all waves; "

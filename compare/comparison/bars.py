@@ -13,14 +13,14 @@ from collections.abc import Mapping, Sequence
 
 SAFETY: Mapping[str, float] = {
     "arrival": 1.0,
-    "zone edge": 1.0,
+    "zone edge": 0.8,
     "slip rate": 1.0,
-    "slip": 1.2,
-    "work": 1.2,
-    "shear traction": 1.1,
-    "pressure": 1.2,
-    "onset": 1.0,
-    "sense": 1.0,
+    "slip": 0.7,
+    "work": 0.8,
+    "shear traction": 0.9,
+    "pressure": 0.6,
+    "onset": 0.8,
+    "sense": 0.8,
 }
 """Factors of safety by kind of row, set on random scenes and tested on others (docs/judge.md)."""
 

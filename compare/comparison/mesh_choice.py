@@ -17,7 +17,7 @@ from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.process_zone import process_zone
 
-DEFAULT_BUDGET = 30.0
+DEFAULT_BUDGET = 20.0
 """Time that is spent unasked [s], as `fem.Cost` counts it: the same mesh on every machine."""
 USUAL = 100
 """Resolution that a scene gets without asking for a finer one."""
@@ -175,7 +175,7 @@ def choose_mesh(
         As in `fem.simulate`.
     budget : float, optional
         Time that the simulation and its companions may take on this machine [s].  Unless given,
-        30 s as `fem.Cost` counts them, or what a resolution of 100 takes if that is more.
+        20 s as `fem.Cost` counts them, or what a resolution of 100 takes if that is more.
     resolution : int, optional
         Take this one, whatever the budget.
     snapshots : bool

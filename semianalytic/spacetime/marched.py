@@ -27,6 +27,7 @@ from semianalytic.spacetime.resolution import (
 )
 from semianalytic.spacetime.tuning import (
     ERROR_SAFETY,
+    LARGEST_ERROR,
     MEMORY_SAFETY,
     ONSET_SHARE,
     READING_SAFETY,
@@ -300,16 +301,25 @@ class Marched(SampledAnswer):
         """What the grid is too coarse for, as far as is known.
 
         Slip at the edge over less than four nodes, told in place of an answer of "no slip"; slip
-        weakening on too few nodes; an error estimate above `rtol`.
+        weakening on too few nodes; an error estimate above `rtol`, or above a half.
         """
-        estimate, above = self.error_estimate, None
-        if self.rtol is not None and estimate > self.rtol:
-            above = Shortfall(
-                f"the error is estimated as {estimate:.1e}, above the `rtol` of {self.rtol:.1e}",
-                estimate / self.rtol,
-            )
-        every = (self._missed_zone, coarse_weakening(self.scene, self.grid.spacing), above)
+        every = (
+            self._missed_zone,
+            coarse_weakening(self.scene, self.grid.spacing),
+            self._inaccurate,
+        )
         return tuple(one for one in every if one is not None)
+
+    @property
+    def _inaccurate(self) -> Shortfall | None:
+        estimate = self.error_estimate
+        largest = LARGEST_ERROR if self.rtol is None else self.rtol
+        if not largest < estimate < math.inf:
+            return None
+        limit = "" if self.rtol is None else f", above the `rtol` of {self.rtol:.1e}"
+        return Shortfall(
+            f"the error of the slip rate is estimated as {estimate:.1e}{limit}", estimate / largest
+        )
 
     @property
     def caution(self) -> str:

@@ -41,6 +41,9 @@ ONSET_SHARE = 0.01
 ERROR_SAFETY = 1.25
 """Of the slip rate in L1, times the difference from the companion at half the nodes: the true error
 is 0.35 to 1.05 of that difference in 100 scenes (`march-error`), whatever the loads."""
+LARGEST_ERROR = 0.5
+"""Estimate above which a march is called unresolved unless an `rtol` is given: strips of slip that
+are narrower than the grid away from the edge, which nothing else tells."""
 READING_SAFETY = 1.6
 """Of anything else that is read off: the largest slip, which is at the edge, converges more slowly,
 and single numbers less evenly; their true errors are 0.1 to 1.7 of the difference."""

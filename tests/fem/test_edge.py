@@ -7,7 +7,7 @@ import pytest
 
 from fem import Settings, prepare, simulate
 from fem.assembly import FAMILIES, make_space, tributary_length
-from fem.edge import edge_offset, surface_stiffness
+from fem.edge import FARTHEST, edge_offset, surface_stiffness
 from fem.plan import Plan
 from meshes import Blocks, cached_mesh
 from semianalytic import solve
@@ -55,7 +55,7 @@ def test_softer_block_counts_more():
 
 
 @pytest.mark.parametrize(
-    ("element", "nu"), [("Q1", -0.5), ("Q1", 1 / 3), ("Q1", 0.45), ("P1", 1 / 3), ("P1", -0.5)]
+    ("element", "nu"), [("Q1", -0.5), ("Q1", 1 / 3), ("Q1", 0.45), ("P1", 1 / 3), ("P1", 0.0)]
 )
 def test_pressure_converges_to_that_of_an_edge_at_zero(element, nu, monkeypatch):
     """Nodes that are laid at 0, h, 2 h are first order; the fraction of h takes most of it away."""
@@ -84,6 +84,15 @@ def test_slot_and_contact_meet_at_zero_wherever_the_node_is(model):
         assert length.sum() == pytest.approx(np.abs(places).max(), rel=1e-12)
     np.testing.assert_allclose(model.contact_x[:2], [edge, edge + model.plan.size])
     assert model.slot_x[-1] == pytest.approx(edge - model.plan.size)
+
+
+def test_node_is_nearer_to_the_edge_than_any_other():
+    """Slot and contact meet at the node nearest to x = 0, so its place has to stop before h/2."""
+    for nu in (-0.9, 0.49):
+        assert edge_offset([Material(1.0, 1.0, nu)], FAMILIES["P1"]) == FARTHEST
+    model = prepare(pressed(0.49), resolution=8)
+    assert model.contact_x[0] == pytest.approx(FARTHEST * model.plan.size)
+    assert model.interface.length[0] == pytest.approx((0.5 + FARTHEST) * model.plan.size)
 
 
 def test_edge_node_stays_at_zero_under_shear_alone_and_where_its_place_is_not_known():

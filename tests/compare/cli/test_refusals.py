@@ -46,7 +46,7 @@ def test_nodes_follow_from_the_resolution():
         ("simulate ramp --resolution -3", "--resolution must be an integer of at least 8"),
         ("simulate harmonic --resolution 20", "raise --resolution from 20 to at least 36"),
         ("simulate ramp --step-ratio 9", "--step-ratio must be above 0"),
-        ("compare ramp --memory 0.1", "lower --resolution to"),
+        ("compare ramp --memory 0.1 --resolution 100", "lower --resolution to"),
     ],
 )
 def test_refusals_name_options(command, sentence, tmp_path, monkeypatch, capsys):

@@ -254,8 +254,9 @@ def test_units_of_a_scene_do_not_matter():
     solution, scene = gap_scene(0.24)
     steel = replace(scene, material=Material(80e9, 7800.0, scene.material.poisson_ratio))
     end_time = 1 / steel.material.shear_speed
-    chosen = choose_mesh(solve(steel), steel, end_time, budget=5.0)
-    expected = choose_mesh(solution, scene, budget=5.0)
+    budget = choose_mesh(solution, scene, resolution=140).seconds
+    chosen = choose_mesh(solve(steel), steel, end_time, budget=budget)
+    expected = choose_mesh(solution, scene, budget=budget)
     assert (chosen.resolution, chosen.needed) == (expected.resolution, expected.needed)
     assert chosen.unresolved[0].name == expected.unresolved[0].name
 

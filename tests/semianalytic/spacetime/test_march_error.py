@@ -145,6 +145,18 @@ def test_nothing_slips_and_something_must():
     assert json.loads(json.dumps(march_document(unseen)["caution"]))
 
 
+def test_a_strip_narrower_than_the_grid_is_told_wherever_it_is():
+    """Two strips of 1e-3 c_t T, one of them far from the edge: 256 nodes slip a thousand times as
+    much."""
+    scene = unit_scene(0.67, (1.0, -0.67), (0.096, 0.094), nu=0.03)
+    zones = solve(scene).zones
+    assert len(zones) == 2
+    assert max(zone.outer - zone.inner for zone in zones) < 2e-3
+    marched = march(scene, 1.0, 256)
+    assert marched.status == "unresolved"
+    assert "the error of the slip rate is estimated as" in marched.caution
+
+
 # --- the companion --------------------------------------------------------------------------
 
 
