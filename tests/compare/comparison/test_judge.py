@@ -247,9 +247,9 @@ def test_what_is_spoilt_on_purpose_differs(spoil, solution):
     assert any(name.startswith(expected) for name in differing(judgement)), differing(judgement)
 
 
-@pytest.mark.parametrize("gain", [0.9, 0.97, 1.03, 1.1])
+@pytest.mark.parametrize("gain", [0.97, 1.03])
 def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, gain):
-    """Slip rates and tractions off by some per cent: on all meshes, or by twice as much at 2h."""
+    """Slip rates and tractions off by 3 %: on all meshes, or by four times as much at 2h."""
     fields = [
         "slip rate, L1",
         "shear traction, L1",
@@ -260,17 +260,16 @@ def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, 
     error = abs(gain - 1)
     hidden, shown = (
         named(judge(solution, sampled_run(solution, gain=gain, growth=growth)))
-        for growth in (1.0, 2.0)
+        for growth in (1.0, 4.0)
     )
     for name in fields:
         assert hidden[name].difference == pytest.approx(error, rel=1e-3)
         assert hidden[name].bar < error / 2
         assert hidden[name].verdict == "differs", name
         assert shown[name].verdict == "agrees", name
-        assert shown[name].order == pytest.approx(1.0, abs=0.1)
-        # Of first order: the bar is the error times its factor of safety; what nodes alone leave
-        # open is less than half a per cent of these fields.
-        assert shown[name].bar == pytest.approx(SAFETY[shown[name].kind] * error, abs=5e-3)
+        assert shown[name].order == pytest.approx(2.0, abs=0.1)
+        # It changes by 12 errors from 4h to 2h; what nodes alone leave open is little.
+        assert shown[name].bar == pytest.approx(6 * SAFETY[shown[name].kind] * error, abs=8e-3)
 
 
 def test_slip_where_none_is_predicted_differs():
