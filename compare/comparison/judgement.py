@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -149,5 +149,9 @@ def _rows(case: Case, snapshot: SlipRateProfile | None) -> Iterator[Row]:
         return
     yield from sense_rows(case)
     yield from event_rows(case)
-    yield from wear_rows(case)
-    yield from cycle_rows(case)
+    worn = tuple(wear_rows(case))
+    yield from worn
+    for row in cycle_rows(case):  # parts are not better known than the whole
+        whole = worn[-1]
+        unknown = whole.verdict == UNRESOLVED and row.verdict == DIFFERS
+        yield replace(row, obstacle=whole.obstacle) if unknown else row
