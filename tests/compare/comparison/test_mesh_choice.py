@@ -77,13 +77,16 @@ def test_named_scenes_get_the_usual_mesh_and_leave_nothing_unresolved(name):
     assert choice.reason == "nothing asks for a finer one"
 
 
-def test_a_gap_within_reach_sets_the_mesh():
-    solution, scene = gap_scene(0.26)
+@pytest.mark.parametrize(
+    ("friction", "gap"), [(0.26, "0.9162 and 0.9487"), (0.24, "0.9239 and 0.9411")]
+)
+def test_a_gap_within_reach_sets_the_mesh(friction, gap):
+    solution, scene = gap_scene(friction)
     choice = choose_mesh(solution, scene)
     assert USUAL < choice.resolution == choice.needed
     assert choice.resolution % STRIDE == 0
     assert NARROW <= choice.resolution * gap_width(solution) < NARROW * 1.05
-    assert choice.reason == "for the gap between 0.9162 and 0.9487 c_t"
+    assert choice.reason == f"for the gap between {gap} c_t"
     assert choice.unresolved == ()
 
 
