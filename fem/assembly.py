@@ -266,9 +266,9 @@ def lumped_mass(space: Space, materials: Mapping[str, Material]) -> NDArray[np.f
 def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Nodes of a horizontal side and the length of the side that belongs to each.
 
-    Inner nodes of linear elements own h, the two end nodes h/2: so the edge node x = 0 owns h/2
-    of the slot face and h/2 of the contact face.  With Q2, nodes own 2/3 h and 4/3 h in turn,
-    the ends 1/3 h.
+    Inner nodes of linear elements own h, the two end nodes h/2: so an edge node at x = 0 owns h/2
+    of the slot face and h/2 of the contact face, and one at x > 0 (`fem.edge`) as much less of
+    the slot and more of the contact.  With Q2, nodes own 2/3 h and 4/3 h in turn, the ends 1/3 h.
 
     Parameters
     ----------
@@ -288,6 +288,10 @@ def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArra
     lengths = np.zeros(len(nodes))
     for first, part in enumerate(space.family.side):
         lengths[first : first + spacing * len(sides) : spacing] += part * sides
+    if side.endswith("_contact"):
+        lengths[0] += space.points[0, nodes[0]]
+    elif side.endswith("_slot"):
+        lengths[-1] -= space.points[0, nodes[-1]]
     return nodes, lengths
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from fem.plan import LEAST_RESOLUTION, TWO_BLOCKS, Settings
-from fem.resolution import check_resolved
+from fem.budget import predict_cost
+from fem.plan import LEAST_RESOLUTION, TWO_BLOCKS, Pace, Plan, Settings
 from fem.results import Simulation
-from fem.run import simulate
+from fem.run import Complaints, run_plan
 from semianalytic.scene.errors import SceneError
 
 COMPANIONS = 2
@@ -21,8 +21,8 @@ def with_companions(
     """The simulation, carrying the same run at twice and at four times its element size.
 
     Only what is missing is run, without snapshots, in about an eighth and a sixty-fourth of the
-    time.  A companion is left out where its resolution would be below 8, or too coarse for the
-    loads; so are those that would follow it.
+    time.  A companion is left out where its resolution would be below 8, or friction falls too fast
+    with slip rate for it; so are those that would follow it.  It need not follow the loads.
 
     Parameters
     ----------
@@ -59,13 +59,11 @@ def _carrying(
 def _coarser(
     simulation: Simulation, resolution: int, progress: Callable[[int, int], None] | None
 ) -> Simulation | None:
-    """The same run at another resolution; None if a mesh so coarse cannot follow it."""
-    scene, end_time, lower = simulation.scene, simulation.end_time, simulation.lower_material
+    """The same run at another resolution; None where there is none so coarse.
+
+    It need not follow the loads: what it misses of them makes error bars wide.
+    """
     if resolution < LEAST_RESOLUTION:
-        return None
-    try:
-        check_resolved(scene, lower, end_time, resolution)
-    except SceneError:
         return None
     settings = Settings(
         resolution=resolution,
@@ -74,17 +72,18 @@ def _coarser(
         model="two-blocks" if simulation.model == TWO_BLOCKS else "auto",
         element=simulation.element,
         mesh=simulation.mesh,
-        lower_material=lower,
+        lower_material=simulation.lower_material,
         every=_levels_kept(simulation, resolution),
     )
-    return simulate(scene, end_time, settings, progress=progress, tell=_keep_silent)
+    plan = Plan(simulation.scene, simulation.end_time, settings, follows=False)
+    silent = Complaints(lambda _: None)  # the simulation has said what its mesh is too coarse for
+    try:
+        return run_plan(plan, Pace(), None, None, predict_cost(plan), silent, progress=progress)
+    except SceneError:
+        return None
 
 
 def _levels_kept(simulation: Simulation, resolution: int) -> int:
     """`every` that keeps levels about as far apart as the simulation does."""
     kept = round(simulation.interface.t[1] / simulation.time_step)
     return max(1, kept * resolution // simulation.resolution)
-
-
-def _keep_silent(_: str) -> None:
-    """The simulation itself has said what its mesh is too coarse for."""

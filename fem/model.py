@@ -90,7 +90,7 @@ class Model:
     root : (2 n,) array
         Square roots of the masses of the unknowns.
     contact_x, slot_x : arrays
-        Positions of the nodes [length]; the edge node belongs to the contact.
+        Positions of the nodes [length]; the edge node, at `Plan.edge`, belongs to the contact.
     slot : (2, k) array
         Unknowns of the upper slot face, x and y.
     critical_step, time_step : float
@@ -160,7 +160,8 @@ def build(plan: Plan) -> Model:
     """Mesh and model of a plan."""
     seconds: dict[str, float] = {}
     with timed(seconds, "mesh"):
-        space = make_space(cached_mesh(plan.blocks), plan.family)
+        mesh = cached_mesh(plan.blocks).translated((plan.edge, 0.0))
+        space = make_space(mesh, plan.family)
     with timed(seconds, "assembly"):
         model = build_model(plan, space)
     model.seconds.update(seconds)

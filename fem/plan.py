@@ -12,6 +12,7 @@ import numpy as np
 from skfem import MeshQuad
 
 from fem.assembly import Family, find_family, lumped_mass, make_space, stiffness
+from fem.edge import edge_offset
 from fem.resolution import check_resolved, mesh_caution
 from fem.stepping import critical_step, highest_frequency, normalised
 from meshes import Blocks, causal_blocks
@@ -175,6 +176,8 @@ class Plan:
     settings : Settings
     full : bool
         Whether whole fields are observed, not only the interface.
+    follows : bool
+        Whether the mesh has to follow the loads; that of a companion need not.
 
     Raises
     ------
@@ -188,10 +191,12 @@ class Plan:
     end_time: float
     settings: Settings
     full: bool = False
+    follows: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "end_time", checked_size("simulate: end_time", self.end_time))
-        check_resolved(self.scene, self.lower_material, self.end_time, self.settings.resolution)
+        if self.follows:
+            check_resolved(self.scene, self.lower_material, self.end_time, self.settings.resolution)
         if self.name == TWO_MATERIALS and self.scene.far_slip_rate:
             raise SceneError(
                 "simulate: blocks of different materials cannot slide ahead of all waves; "
@@ -232,6 +237,18 @@ class Plan:
     def size(self) -> float:
         """Distance h of the nodes on the interface [length]."""
         return self.scene.material.shear_speed * self.end_time / self.settings.resolution
+
+    @property
+    def edge(self) -> float:
+        """Where the edge node is [length]: beside x = 0 where the slot is pressed (`fem.edge`).
+
+        It is at x = 0 under shear alone, where the edge slips, and on meshes on which the place
+        is not known: of Q2, and unstructured ones.
+        """
+        family, pattern = self.family, self.settings.mesh
+        if not self.scene.load.pressure or family.spacing > 1 or pattern == "triangles":
+            return 0.0
+        return self.size * edge_offset(self.materials.values(), family)
 
     @property
     def damping_time(self) -> float:

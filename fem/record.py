@@ -27,8 +27,8 @@ class Record:
     """Histories of the interface, the slot and the energies, filled level by level.
 
     Every n-th time level of interface and slot is stored, and the last one; energies and totals of
-    the contact are those of every step.  The edge node x = 0 is left out of the interface and of
-    the largest slip: half of what it moves with is slot, and what it does does not converge.
+    the contact are those of every step.  The edge node is left out of the interface and of the
+    largest slip: part of what it moves with is slot, and what it does does not converge.
 
     Parameters
     ----------
@@ -107,13 +107,15 @@ class Record:
 
     def _note_opening(self, step: int, gap: NDArray[np.float64]) -> None:
         """Take in a gap, (n,), that is open somewhere."""
-        x, lengths = self.model.contact_x[SEEN], self.model.interface.length[SEEN]
+        x, length = self.model.contact_x[SEEN], self.model.interface.length
+        lengths = length[SEEN].copy()
+        lengths[0] += length[0]  # the edge node counts as its neighbour does
         widest = int(np.argmax(gap))
-        first, place, largest, length = self._opened
+        first, place, largest, longest = self._opened
         if math.isinf(first):
             first, place = step * self.model.time_step, x[widest]
         open_now = float(lengths @ (gap > 0))
-        self._opened[:] = first, place, max(largest, gap[widest]), max(length, open_now)
+        self._opened[:] = first, place, max(largest, gap[widest]), max(longest, open_now)
 
     def stored(self) -> dict[str, NDArray[Any]]:
         """What was taken in so far, for a checkpoint."""

@@ -144,8 +144,9 @@ class Simulation(SampledAnswer):
     unknowns : int
         Displacement unknowns.
     interface : InterfaceHistory
-        On the contact nodes x > 0, from x = h on.  The edge node is not among them: half of what
-        it moves with is slot, and what it does does not converge.  All fields belong to the
+        On the contact nodes x > 0, from h beyond the edge node on.  That node, at x = 0 or, where
+        the slot is pressed, a fraction of h beside it, is not among them: part of what it moves
+        with is slot, and what it does does not converge.  All fields belong to the
         same times: the slip rate is the mean of the rates half a step before and after, the
         tractions are those that act between the two.
     state : (m, n) array of int8
@@ -161,7 +162,7 @@ class Simulation(SampledAnswer):
     totals : Totals
         What the contact as a whole has done by each step, stored or not.  Accumulated slip and
         frictional work are sums over all nodes with the lengths that belong to them, the edge
-        node's h/2 included, so that the work is that of `energy`; the largest slip is that on
+        node's included, so that the work is that of `energy`; the largest slip is that on
         the nodes of `interface`.
     opened : Opening or None
         Where and when the contact came apart; None if it never did.

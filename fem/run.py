@@ -14,7 +14,7 @@ import numpy as np
 from fem.budget import Cost, check_fits, check_room, predict_cost
 from fem.checkpoint import Keeper, run_identity, run_name
 from fem.model import Model, build, timed
-from fem.plan import Pace, Settings, make_plan
+from fem.plan import Pace, Plan, Settings, make_plan
 from fem.record import Record
 from fem.results import Simulation
 from fem.snapshots import Snapshots
@@ -106,9 +106,45 @@ def simulate(
     kept = None if checkpoint is None else Path(checkpoint)
     folder = None if snapshots is None else Path(snapshots)
     _check_places(kept, folder, cost)
-    complaints = _Complaints(tell)
+    complaints = Complaints(tell)
     complaints.hear(plan.caution)
+    return run_plan(plan, pace, kept, folder, cost, complaints, resume=resume, progress=progress)
 
+
+def run_plan(
+    plan: Plan,
+    pace: Pace,
+    kept: Path | None,
+    folder: Path | None,
+    cost: Cost,
+    complaints: Complaints,
+    *,
+    resume: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Simulation:
+    """Build the model of a plan and march it to its end.
+
+    Parameters
+    ----------
+    plan : Plan
+    pace : Pace
+        Of checkpoints.
+    kept : Path or None
+        File of checkpoints.
+    folder : Path or None
+        Of snapshots.
+    cost : Cost
+        Of the plan.
+    complaints : Complaints
+        Hears of what cannot be written.
+    resume, progress
+        As in `simulate`.
+
+    Raises
+    ------
+    SceneError, MissingLibraryError, DataFileError, ComputationError, KeyboardInterrupt
+        As `simulate`.
+    """
     model = build(plan)
     seconds = dict(model.seconds)
     with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
@@ -172,7 +208,7 @@ def _check_places(checkpoint: Path | None, snapshots: Path | None, cost: Cost) -
         check_room(checkpoint, 2 * cost.checkpoint, "simulate: checkpoints", there)
 
 
-class _Complaints:
+class Complaints:
     """Passes on each sentence about what could not be written, once."""
 
     def __init__(self, tell: Callable[[str], None] | None) -> None:

@@ -38,7 +38,7 @@ def predict(
     *,
     nodes: int | None = None,
     length: float | None = None,
-    rtol: float = 1e-8,
+    rtol: float | None = None,
     method: str = "auto",
     progress: Callable[[int, int], object] | None = None,
 ) -> Solution | Marched:
@@ -53,11 +53,13 @@ def predict(
     end_time : float, optional
         Until when to march [time]; the time a shear wave takes over a length of 1 unless given.
     nodes : int, optional
-        Of a march; 1000 unless given, or as many as follow the loads and resolve slip at the edge.
+        Of a march; 1000 unless given, or as many as follow the loads and resolve slip at the edge
+        and slip weakening.
     length : float, optional
         Of the contact that a march observes [length]; c_l end_time unless given.
-    rtol : float
-        Wanted accuracy of a solution, as in `solve`.
+    rtol : float, optional
+        Wanted accuracy: of a solution as in `solve`, 1e-8 unless given; of a march as in `march`,
+        where it stands in place of `nodes`.
     method : str
         "self-similar", "space-time", or "auto", which takes the first wherever it applies.
     progress : callable, optional
@@ -70,7 +72,8 @@ def predict(
     Raises
     ------
     SceneError
-        If the method does not apply, or an option is out of range, whichever method takes it.
+        If the method does not apply, or an option is out of range, whichever method takes it, or
+        both nodes and an rtol are given for a march.
     TensionError
         If the pressure turns tensile.
     ComputationError
@@ -83,5 +86,5 @@ def predict(
     if nodes is not None:
         nodes = checked_count("predict: nodes", nodes, 1, "a whole number from")
     if chosen_method(scene, method) == "self-similar":
-        return solve(scene, rtol=rtol)
-    return march(scene, end_time, nodes, length=length, progress=progress)
+        return solve(scene) if rtol is None else solve(scene, rtol=rtol)
+    return march(scene, end_time, nodes, rtol=rtol, length=length, progress=progress)

@@ -31,6 +31,7 @@ __all__ = [
     "opening_sentence",
     "prepare",
     "simulate",
+    "with_companions",
 ]
 __all__ += semianalytic.__all__
 
@@ -53,6 +54,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
         opening_sentence,
         prepare,
         simulate,
+        with_companions,
     )
 else:
 

@@ -1,10 +1,12 @@
-"""Stand-ins for finite-element runs whose answer is known: the prediction itself, sampled."""
+"""Stand-ins for finite-element runs whose answer is known: the exact answer itself, sampled."""
 
-from types import SimpleNamespace
+import functools
+from dataclasses import replace
 
 import numpy as np
 
-from semianalytic.results.interface_history import InterfaceHistory
+from fem import EnergyHistory, Simulation, SlotHistory, simulate, with_companions
+from semianalytic.results.sampled import Totals
 from semianalytic.scene.named import NAMED_SCENES
 
 SELF_SIMILAR = [
@@ -14,48 +16,84 @@ SELF_SIMILAR = [
 ]
 
 
-class SampledRun(SimpleNamespace):
-    """What compare asks of a simulation; all its nodes lie beyond the edge."""
-
-    opened = None
-    caution = ""
-
-
-def sampled_run(solution, resolution=100, times=40, end_time=1.0, stretch=1.0, gain=1.0):
+def sampled_run(
+    solution,
+    resolution=100,
+    times=40,
+    end_time=1.0,
+    stretch=1.0,
+    gain=1.0,
+    growth=1.0,
+    companions=2,
+):
     """What a simulation without any error would have recorded, or one with a known error.
 
-    `stretch` multiplies all speeds, `gain` all slip rates and tractions.
+    `stretch` multiplies all speeds, `gain` all slip rates and tractions.  What they are off 1 by
+    grows by the factor `growth` from each mesh to its companion of twice the element size: 2 is
+    an error of first order, which the error bars show; 1 is one that no mesh shows.
     """
     scene = solution.scene
     cell = scene.material.shear_speed * end_time / resolution
     reach = 1.06 * scene.material.longitudinal_speed * end_time
-    x = cell * (0.01 + np.arange(int(reach / cell) + 1))
-    t = end_time * np.arange(1, times + 1) / times
-    seen_at = x / stretch, t[:, None]
+    x = cell * np.arange(1, int(reach / cell) + 1)
+    t = end_time * np.arange(times + 1) / times
+    seen = solution.history(x / stretch, t)
     velocity_x, velocity_y = solution.slot_velocity(-x / stretch, t[:, None])
-    history = InterfaceHistory(
-        x=x,
-        t=t,
-        slip=solution.slip(*seen_at),
-        slip_rate=gain * solution.slip_rate(*seen_at),
-        shear_traction=gain * solution.shear_traction(*seen_at),
-        pressure=gain * solution.pressure(*seen_at),
-    )
-    return SampledRun(
+    path = gain * solution.path(x / stretch, end_time)
+    work = gain**2 * solution.work_density(x / stretch, end_time)
+    coarser = None
+    if companions:
+        coarser = sampled_run(
+            solution,
+            resolution // 2,
+            times,
+            end_time,
+            1 + growth * (stretch - 1),
+            1 + growth * (gain - 1),
+            growth,
+            companions - 1,
+        )
+    return Simulation(
         scene=scene,
         end_time=end_time,
         resolution=resolution,
         element_size=cell,
         damping=0.0,
+        element="Q1",
+        mesh="squares",
         model="sampled",
-        run="sampled",
-        time_step=t[0],
-        critical_step=t[0],
-        steps=len(t),
+        lower_material=None,
+        step_ratio=1.0,
+        time_step=float(t[1]),
+        critical_step=float(t[1]),
+        steps=times,
         unknowns=0,
-        seconds={},
-        interface=history,
-        final_path=gain * solution.path(x / stretch, end_time),
-        final_work_density=gain**2 * solution.work_density(x / stretch, end_time),
-        slot=SimpleNamespace(x=-x, t=t, velocity_x=velocity_x, velocity_y=velocity_y),
+        interface=replace(
+            seen,
+            x=x,
+            slip_rate=gain * seen.slip_rate,
+            shear_traction=gain * seen.shear_traction,
+            pressure=gain * seen.pressure,
+        ),
+        state=np.zeros(seen.slip.shape, dtype=np.int8),
+        gap=np.zeros(seen.slip.shape),
+        final_path=path,
+        final_work_density=work,
+        totals=Totals(
+            t, *(getattr(solution, name)(t) for name in Totals.__dataclass_fields__ if name != "t")
+        ),
+        opened=None,
+        slot=SlotHistory(-x[::-1], t, velocity_x[:, ::-1], velocity_y[:, ::-1]),
+        energy=EnergyHistory(t, *np.zeros((6, times + 1))),
+        seconds={"steps": 0.0},
+        peak_memory=0,
+        run="sampled",
+        unwritten="",
+        companion=coarser,
     )
+
+
+@functools.cache
+def simulated(scene, resolution, end_time=1.0):
+    """A finite-element run with its companions; each is run once for all tests."""
+    return with_companions(simulate(scene, end_time, resolution=resolution))

@@ -18,7 +18,7 @@ from compare.output.places import check_file, save_somewhere
 from compare.output.progress import progress_bar
 from semianalytic import Marched, Scene, march, march_on
 from semianalytic.results.interruption import deferred_interrupt
-from semianalytic.scene.errors import SceneError
+from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import HDF5, require
 
 
@@ -32,7 +32,13 @@ def march_command(
     plot: Path | None,
     quiet: bool,
 ) -> None:
-    """March a scene, or go on with a saved march, and say what happened."""
+    """March a scene, or go on with a saved march, and say what happened.
+
+    Raises
+    ------
+    ComputationError
+        When all is shown, if the error estimate is above the --rtol.
+    """
     options = dict(options)
     save, earlier = options.pop("save", None), options.pop("go_on", None)
     if save is not None or earlier is not None:
@@ -69,6 +75,8 @@ def march_command(
             highlight=False,
         )
     _show(marched, label, as_json=as_json, save=save, plot=plot)
+    if marched.rtol is not None and not marched.error_estimate <= marched.rtol:
+        raise ComputationError(f"{label} is not within --rtol: {marched.caution}.")
 
 
 def _gone_on(

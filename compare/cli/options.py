@@ -98,6 +98,7 @@ MARCH_OPTIONS: Mapping[str, Any] = {
     name: _option(type_, "Space-time solver", text)
     for name, (type_, text) in {
         "nodes": (int, "Contact nodes; 1000, or what the loads need, unless given."),
+        "rtol": (float, "Largest error estimate, in place of nodes."),
         "length": (float, "Part of the contact that is observed [length], c_l T unless given."),
         "step_ratio": (float, "c_t times the step over the node distance, 0.5 unless given."),
         "every": (int, "Store every n-th step."),

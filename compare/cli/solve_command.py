@@ -52,7 +52,8 @@ def solve_command(
     """Solve a scene: zones and edge velocities, and what happens until an end time.
 
     Step loads are self-similar and solved exactly; other load histories are marched in time.  The
-    exit code is 4 if the solution has not converged; the best answer is printed all the same.
+    exit code is 4 if the solution has not converged, or a march is not within --rtol; the best
+    answer is printed all the same.
     """
     scene, label = override_scene(find_scene(scene_name), **overrides), scene_label(scene_name)
     if plot is not None:

@@ -12,6 +12,7 @@ import typer
 from rich.console import Console
 
 from compare.cli.options import Quiet
+from compare.comparison.rows import DIFFERS
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic.scene.errors import SceneError
@@ -54,14 +55,23 @@ def stability(
     space_time: Annotated[
         bool, typer.Option("--space-time", help="Study the space-time solver.")
     ] = False,
+    judge: Annotated[
+        bool,
+        typer.Option(
+            "--judge", help="Study the judge of `compare`: false alarms, and mistakes it catches."
+        ),
+    ] = False,
     output: Output = None,
     quick: Quick = False,
     quiet: Quiet = False,
 ) -> None:
-    """Study where the methods fail, how, and what the program does about it."""
-    if not (solver or fem or space_time):
-        raise SceneError("say what to study: --solver, --fem, --space-time or several.")
-    require("slipfront stability", *PLOT, *(FEM if fem else ()))
+    """Study where the methods fail, how, and what the program does about it.
+
+    An interrupted --judge goes on when started again.
+    """
+    if not (solver or fem or space_time or judge):
+        raise SceneError("say what to study: --solver, --fem, --space-time, --judge or several.")
+    require("slipfront stability", *PLOT, *(FEM if fem or judge else ()))
     directory = output or Path("results", "stability")
     chosen: list[Callable[..., object]] = []
     if solver:
@@ -76,6 +86,10 @@ def stability(
         from compare.studies.stability.spacetime import write_stability
 
         chosen.append(write_stability)
+    if judge:
+        from compare.studies.stability.judge import write_judge
+
+        chosen.append(write_judge)
     with working_folder(directory):
         for study in chosen:
             with _progress(quiet, "studying") as progress:
@@ -166,7 +180,7 @@ def evidence(
 ) -> None:
     """Write one self-contained HTML page that sets all methods side by side, scene by scene.
 
-    The exit code is 0 if every quantity is within its tolerance, 1 if one is not.
+    The exit code is 0 if nothing differs by more than the error bars allow, 1 if something does.
     """
     require("slipfront evidence", *FEM, *PLOT)
     from compare.studies.evidence.page import write_evidence
@@ -175,7 +189,7 @@ def evidence(
     with _progress(quiet, "collecting") as progress:
         found = write_evidence(path, scenes or (), quick=quick, progress=progress)
     _written(path)
-    raise typer.Exit(0 if found.passed else 1)
+    raise typer.Exit(1 if found.verdict == DIFFERS else 0)
 
 
 def _progress(quiet: bool, doing: str) -> AbstractContextManager[Callable[[int, int], None]]:

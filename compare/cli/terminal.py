@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 TOTALS = ("accumulated_slip", "frictional_work")
-DIGITS, DIFFERENCE_DIGITS = 4, 2
+DIGITS = 4
 
 
 def scenes_table() -> Table:
@@ -119,6 +119,8 @@ def march_table(marched: Marched, title: str) -> Table:
     for name, value in document.items():
         if isinstance(value, str) and value:
             table.add_row(name.replace("_", " "), in_options(value, MARCH_OPTIONS))
+        elif name == "error_estimate":
+            table.add_row(_label(name), f"{value:.1e}", "relative")
         elif isinstance(value, (float, int)):
             table.add_row(_label(name), f"{value:.6g}", units.get(name, ""))
     seconds = sum(statistics["seconds"].values())
@@ -157,7 +159,7 @@ def error_line(simulation: Simulation) -> str:
     if simulation.companion is None:
         return "no error bars, for no coarser mesh follows this scene"
     rate, slip = (
-        f"{_difference(row.bar, row)}{'' if row.relative else f' {row.unit}'}"
+        f"{row.shown_share(row.bar)}{'' if row.relative else f' {row.unit}'}"
         for row in own_bars(simulation)
     )
     return f"slip rate at the end within {rate}, slip within {slip}, by coarser meshes"
@@ -173,10 +175,10 @@ def judgement_table(judgement: Judgement, label: str) -> Table:
     table.add_column("verdict", no_wrap=True)
     for row in judgement.rows:
         table.add_row(
-            escape(row.name if row.relative or row.unit == "1" else f"{row.name} [{row.unit}]"),
+            escape(row.label),
             *(shown_number(value, DIGITS) for value in (row.exact, row.at_nodes, row.simulated)),
-            _difference(row.difference, row),
-            _difference(row.bar, row),
+            row.shown_share(row.difference),
+            row.shown_share(row.bar),
             _verdict(row),
         )
     return table
@@ -231,12 +233,6 @@ def _plain(value: object) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{key} {_plain(item)}" for key, item in value.items())
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _difference(value: float | None, row: Row) -> str:
-    if value is None or not row.relative:
-        return shown_number(value, DIFFERENCE_DIGITS)
-    return f"{shown_number(100 * value, DIFFERENCE_DIGITS)} %"
 
 
 def _verdict(row: Row) -> str:

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from compare.comparison.arrivals import (
     LARGEST_MISFIT,
+    Table,
     Waveform,
     Window,
     aligned_speed,
     front_window,
     roughness,
     smeared,
+    tabulated,
 )
 from compare.comparison.bars import error_bar, observed_order
 from compare.comparison.case import Case, mesh_changes
@@ -35,7 +37,7 @@ FARTHEST = 1.5
 """Position over c_l T up to which a waveform about the P front is looked at."""
 COARSE_MISFIT = 0.9
 """Of a coarser mesh, which only has to say how much further off it is."""
-ARRIVAL_FLOOR = 0.5
+ARRIVAL_FLOOR = 0.6
 """Elements by which nodes alone leave a front open."""
 
 
@@ -102,18 +104,22 @@ def _reaches(case: Case) -> bool:
 def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> Row | None:
     """The row of one front; None where no field has a signal there."""
     samples = window.samples()
-    templates = [_template(case.simulation, field, window) for field in fields]
+    sharp = [tabulated(field.predict, window) for field in fields]
+    templates = [
+        _template(case.simulation, field, waveform, window)
+        for field, waveform in zip(fields, sharp, strict=True)
+    ]
     strength = [roughness(template(samples), samples) for template in templates]
     strongest = int(np.argmax(strength))
     if strength[strongest] < LEAST_ROUGHNESS:
         return None
     field, shear_speed = fields[strongest], case.scene.material.shear_speed
-    velocity, recorded = _recorded(case.simulation, field, window)
+    velocity, _ = _recorded(case.simulation, field, window)
     template = templates[strongest]
     exact = aligned_speed(velocity, template(velocity), template, window)
     speeds = []
     for run in (case.simulation, *case.coarser):
-        template = _template(run, field, window)
+        template = _template(run, field, sharp[strongest], window)
         misfit = LARGEST_MISFIT if run is case.simulation else COARSE_MISFIT
         speeds.append(aligned_speed(*_recorded(run, field, window), template, window, misfit))
     values = [None if speed is None else speed / shear_speed for speed in (exact, *speeds)]
@@ -130,27 +136,22 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
         "c_t",
         order=observed_order(changes),
     )
-    if simulated is None and at_nodes is not None and case.coarser:
-        # is the front washed out by the mesh, or not the one that is predicted?
-        there, coarse_values = _recorded(case.coarser[0], field, window)
-        inside = (there > window.lower) & (there < window.upper)
-        missing = np.interp(there[inside], velocity, recorded) - coarse_values[inside]
-        change = error_bar("arrival", [float(np.sqrt(np.mean(missing**2)))])
-        if not change < strength[strongest] / 2:
-            return replace(row, obstacle="the mesh washes the front out")
-        return replace(row, bar=floor)
+    finer = 2 * case.simulation.resolution
     if at_nodes is None:
-        return replace(row, obstacle="too few nodes about the front, or too smooth a one")
+        return replace(row, obstacle="too few nodes lie about the front", resolution=finer)
+    if simulated is None:
+        reason = "the front is not sharp enough to be read"
+        return replace(row, obstacle=reason, resolution=finer)
     return case.judged(row, None)
 
 
-def _template(run: Simulation, field: Face, window: Window) -> Waveform:
+def _template(run: Simulation, field: Face, sharp: Table, window: Window) -> Waveform:
     """The predicted waveform as the damping of a run smears it.
 
     Damping C = eta K spreads a front over sqrt(eta t) in time, eta = damping h / c_t.
     """
     width = window.front * math.sqrt(run.damping * _cell(run, field, window))
-    return smeared(field.predict, window, width)
+    return smeared(sharp, width)
 
 
 def _cell(run: Simulation, field: Face, window: Window) -> float:
@@ -197,8 +198,10 @@ def _interface_fields(case: Case) -> list[Face]:
 def _slot_fields(
     case: Case, slot_velocity: Callable[[Array, float], tuple[Array, Array]]
 ) -> list[Face]:
-    def component(index: int) -> Callable[[Array, float], Array]:
-        return lambda x, t: slot_velocity(-x, t)[index]
+    both = _kept(lambda v: np.stack(slot_velocity(-v * case.end_time, case.end_time)) / case.rate)
+
+    def component(index: int) -> Waveform:
+        return lambda velocity: both(velocity)[index]
 
     def record(index: int) -> Callable[[Simulation], tuple[Array, Array, Array]]:
         def of(run: Simulation) -> tuple[Array, Array, Array]:
@@ -210,11 +213,23 @@ def _slot_fields(
         return of
 
     return [
-        Face(name, _over(component(index), case.rate, case.end_time), record(index))
-        for index, name in enumerate(("v_x", "v_y"))
+        Face(name, component(index), record(index)) for index, name in enumerate(("v_x", "v_y"))
     ]
 
 
 def _over(predict: Callable[[Array, float], Array], scale: float, time: float) -> Waveform:
     """Waveform over similarity velocity, in units of a reference value."""
-    return lambda velocity: predict(velocity * time, time) / scale
+    return _kept(lambda velocity: predict(velocity * time, time) / scale)
+
+
+def _kept(predict: Waveform) -> Waveform:
+    """A waveform that keeps what it was asked for; each mesh asks for the same."""
+    known: dict[bytes, Array] = {}
+
+    def remembered(velocity: Array) -> Array:
+        key = velocity.tobytes()
+        if key not in known:
+            known[key] = predict(velocity)
+        return known[key]
+
+    return remembered

@@ -12,6 +12,7 @@ from scipy.optimize import minimize_scalar
 
 Array = NDArray[np.float64]
 Waveform = Callable[[Array], Array]
+Table = tuple[Array, Array]
 
 TREND_DEGREE = 2
 TRIALS = 61
@@ -51,29 +52,28 @@ def front_window(front: float, others: Iterable[float], reach: float = 0.2) -> W
     return Window(lower, front, upper)
 
 
-def smeared(prediction: Waveform, window: Window, width: float) -> Waveform:
-    """Waveform in and around a window after smearing by a Gaussian, as damping does to a front.
+def tabulated(prediction: Waveform, window: Window) -> Table:
+    """Velocities from 0.8 times the lower to 1.25 times the upper end of a window, and the sharp
+    waveform expected there, (801,) each."""
+    velocity = np.linspace(0.8 * window.lower, 1.25 * window.upper, TABLE)
+    return velocity, prediction(velocity)
+
+
+def smeared(table: Table, width: float) -> Waveform:
+    """Tabulated waveform after smearing by a Gaussian, as damping does to a front.
 
     Parameters
     ----------
-    prediction : callable
-        The sharp waveform expected at an array of velocities.
-    window : Window
-        Where it is wanted.
+    table : two (n,) arrays
+        Evenly spaced velocities [length / time] and the waveform there.
     width : float
         Standard deviation of the Gaussian [length / time], 0 for none.
-
-    Returns
-    -------
-    callable
-        The smeared waveform, from 0.8 times the lower to 1.25 times the upper end of the window.
     """
-    table = np.linspace(0.8 * window.lower, 1.25 * window.upper, TABLE)
-    spacing = table[1] - table[0]
-    expected = prediction(table)
+    velocity, expected = table
     if width > 0:
+        spacing = velocity[1] - velocity[0]
         expected = gaussian_filter1d(expected, width / spacing, mode="nearest")
-    return lambda velocity: np.interp(velocity, table, expected)
+    return lambda at: np.interp(at, velocity, expected)
 
 
 def roughness(values: Array, velocity: Array) -> float:

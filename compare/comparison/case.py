@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_opening
 
 from compare.comparison.bars import error_bar, observed_order
 from compare.comparison.measures import NOTHING, is_nothing, norm, worn
@@ -18,6 +19,8 @@ from compare.comparison.rows import AGREES, ALARM, TELLING, UNRESOLVED, Row
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import InterfaceHistory, Marched, Scene, Solution
 from semianalytic.results.answer import Answer
+from semianalytic.results.sampled import interpolated
+from semianalytic.spacetime.resolution import Shortfall
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -26,6 +29,12 @@ Array = NDArray[np.float64]
 
 NARROW = 4
 """Elements that a zone or a gap between zones takes to be seen for what it is."""
+USUAL = 0.9
+"""Part of the nodes and times that slip whose mesh differences are no larger than the usual one."""
+LEAST_PEAK = 1e-4
+"""Part of V₀ that is a peak at least, of which thresholds are parts."""
+FIELD_FLOOR = 0.05
+"""Elements by which nodes alone leave the jumps of a field open, whatever mesh differences say."""
 EDGE_CELLS = 4
 """Elements next to the edge that are left out where fields can be singular."""
 
@@ -98,15 +107,28 @@ class Case:
 
     @cached_property
     def largest_rate(self) -> float:
-        """Largest slip rate of prediction or simulation beyond the elements at the edge."""
+        """Largest slip rate of the simulation beyond the elements at the edge, that thresholds are
+        parts of; never as small as rounding."""
         shown = self.seen.x > EDGE_CELLS * self.simulation.element_size
-        fields = (self.at_nodes.slip_rate, self.seen.slip_rate)
-        return max(float(np.abs(field[:, shown]).max(initial=0.0)) for field in fields)
+        seen = float(np.abs(self.seen.slip_rate[:, shown]).max(initial=0.0))
+        return max(seen, LEAST_PEAK * self.rate)
 
     @property
     def slips(self) -> bool:
         """Whether any slip is predicted at the nodes."""
         return not is_nothing(self.at_nodes.slip_rate, self.rate)
+
+    def narrow(self, start: float = 0.0) -> NDArray[np.bool_]:
+        """Nodes and times at which slip is predicted beyond a position, in too few nodes, (m, n).
+
+        That is less than `NARROW` in a row that slip one way at that time.
+        """
+        beyond = np.where(self.seen.x > start, self.at_nodes.slip_rate, 0.0)
+        narrow = np.zeros(beyond.shape, dtype=bool)
+        for sense in (1, -1):
+            slips = sense * beyond > NOTHING * self.rate
+            narrow |= slips & ~binary_opening(slips, np.ones((1, NARROW), dtype=bool))
+        return narrow
 
     @property
     def error_estimate(self) -> float:
@@ -116,8 +138,29 @@ class Case:
     @property
     def caution(self) -> str:
         """What the simulation or a march is too coarse for, as a sentence; "" if nothing."""
-        marched = self.prediction.caution if isinstance(self.prediction, Marched) else ""
-        return self.simulation.caution or (marched and f"the march: {marched}")
+        reasons = [shortfall.reason for shortfall in self.shortfalls]
+        return self.simulation.caution or "; ".join(f"the march: {reason}" for reason in reasons)
+
+    @property
+    def shortfalls(self) -> tuple[Shortfall, ...]:
+        """What a march is too coarse for."""
+        return self.prediction.shortfalls if isinstance(self.prediction, Marched) else ()
+
+    def rate_bar(self, start: float, end: float) -> float:
+        """Error bar of slip rate between two positions [length / time], over all times.
+
+        At least that of most of what slips: where all meshes stick, they may all be wrong.
+        """
+        runs = [self.seen, *(run.interface for run in self.coarser)]
+        changes = []
+        for fine, coarse in pairwise(runs):
+            x, t = np.broadcast_arrays(fine.x, fine.t[:, None])
+            change = np.abs(fine.slip_rate - interpolated(coarse, "slip_rate", x, t))
+            slips = np.abs(fine.slip_rate) > NOTHING * self.rate
+            usual = float(np.quantile(change[slips], USUAL)) if slips.any() else 0.0
+            inside = (fine.x > start) & (fine.x < end)
+            changes.append(max(usual, float(change[:, inside].max(initial=0.0))))
+        return error_bar("slip rate", changes)
 
     def resolution_for(self, width: float) -> int:
         """Node distances per c_t T at which a width [length] is as many elements as it takes."""
@@ -153,6 +196,8 @@ class Case:
             return None
         changes = mesh_changes([simulated, *(read(run.interface) for run in self.coarser)])
         bar = error_bar(kind, changes) + floor if changes else None
+        if simulated is None and self.coarser and read(self.coarser[0].interface) is None:
+            bar = floor  # it is on none of the meshes
         if bar is not None and self.doubted is not None and at_nodes is not None:
             doubted = read(self.doubted)
             bar = None if doubted is None else bar + abs(at_nodes - doubted)
@@ -180,9 +225,8 @@ class Case:
         exact: float | None = None,
         unseen: float = 0.0,
         scale: tuple[float, str],
-        order: int = 1,
     ) -> Row:
-        """A row of the norms of a field along the contact; its relative error and bar.
+        """A row of the L1 norms of a field along the contact; its relative error and bar.
 
         Where the prediction is nothing, below 1e-6 of its scale, the largest values stand in for
         norms, and differences are in the scale.
@@ -190,7 +234,6 @@ class Case:
         Parameters
         ----------
         name, kind : str
-            The norm is named behind the name.
         predicted : (n,) or (2, n) array
             The prediction at the nodes, and what its own companion says.
         read : callable
@@ -203,8 +246,6 @@ class Case:
             Norm of what is too narrow for the mesh in the prediction, over the scale.
         scale : float and str
             What values are divided by, and its name.
-        order : int
-            Of the norm: 1 or 2.
         """
         low, high = reach
         value, unit = scale
@@ -218,28 +259,32 @@ class Case:
         def size(field: Array, at: Array) -> float:
             if nothing:
                 return float(np.abs(field).max(initial=0.0))
-            return norm(field, at / self.length, order)
+            return norm(field, at / self.length, 1)
 
         changes = []
-        for level, run in enumerate(runs[1:], start=1):
-            at = run.interface.x[places[level]]
-            fine = np.interp(at, runs[level - 1].interface.x, fields[level - 1])
-            changes.append(size(fine - fields[level][places[level]], at))
+        for level, run in enumerate(runs[1:]):
+            at = runs[level].interface.x[places[level]]
+            coarse = np.interp(at, run.interface.x, fields[level + 1])
+            changes.append(size(fields[level][places[level]] - coarse, at))
         whole = size(expected[shown], x[shown])
         per = 1.0 if nothing else whole
         bar = (error_bar(kind, changes) + unseen) / per if changes else None
         if bar is not None:
-            bar += NOTHING if nothing else self.error_estimate
+            bar += NOTHING
+            if not nothing:
+                bar += self.error_estimate
+                cell = self.simulation.element_size / self.length
+                bar += FIELD_FLOOR * cell * float(np.ptp(fields[0][shown])) / per
             bar += sum(size((other - expected)[shown], x[shown]) / per for other in doubted)
         row = Row(
-            f"{name}, largest" if nothing else f"{name}, L{order}",
+            f"{name}, largest" if nothing else f"{name}, L1",
             kind,
             exact,
             whole,
             size(fields[0][shown], x[shown]),
             size((fields[0] - expected)[shown], x[shown]) / per,
             bar,
-            unit if nothing or order != 1 else f"{unit} c_t T",
+            unit if nothing else f"{unit} c_t T",
             relative=not nothing,
             order=observed_order(changes),
         )
@@ -253,11 +298,14 @@ class Case:
     def judged(self, row: Row, size: float | None) -> Row:
         """The row, unresolved if the mesh cannot tell: no coarser mesh, or a bar too wide."""
         if self.caution and row.kind not in ("arrival", "pressure"):
-            return replace(row, obstacle=self.caution)
+            times = max((shortfall.times for shortfall in self.shortfalls), default=0.0)
+            finer = math.ceil(times * self.simulation.resolution) or None
+            return replace(row, obstacle=self.caution, resolution=finer)
         if row.bar is None:
+            reason = "coarser meshes do not show it" if self.coarser else "no coarser mesh was run"
             return replace(
                 row,
-                obstacle="coarser meshes do not show it, so that it has no error bar",
+                obstacle=f"{reason}, so that it has no error bar",
                 resolution=2 * self.simulation.resolution,
             )
         if abs(row.difference or 0.0) > row.bar and row.verdict == UNRESOLVED:
@@ -278,7 +326,11 @@ class Case:
 
 def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
     """|slip| accumulated and frictional work per area by an answer until the end, at nodes."""
-    x, end = at_nodes.x, at_nodes.t[-1]
+    return own_wear(answer, at_nodes.x, float(at_nodes.t[-1])) or worn(at_nodes)
+
+
+def own_wear(answer: Answer, x: Array, end: float) -> tuple[Array, Array] | None:
+    """The same at positions until a time, (n,) each, by an answer that has summed it itself."""
     if isinstance(answer, Solution):
         return answer.path(x, end), answer.work_density(x, end)
     if isinstance(answer, Marched):
@@ -286,7 +338,7 @@ def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
         fields = answer.final_path, answer.final_work_density
         path, work = (np.interp(x, own, field) for field in fields)
         return path, work
-    return worn(at_nodes)
+    return None
 
 
 def _companions(simulation: Simulation) -> Iterator[Simulation]:

@@ -61,6 +61,7 @@ SOLUTION_DIMENSIONS: Dimensions = {
 }
 MARCH_DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
+    "error_estimate": "1",
     "end_time": "time",
     "largest_slip_rate": "length / time",
     "largest_slip": "length",
@@ -169,6 +170,7 @@ def march_document(marched: Marched) -> dict[str, Any]:
         "method": "space-time",
         "status": marched.status,
         "caution": marched.caution,
+        "error_estimate": marched.error_estimate,
         "end_time": marched.end_time,
         "largest_slip_rate": largest,
         "largest_slip": float(seen.slip.max()),

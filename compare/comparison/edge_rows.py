@@ -6,12 +6,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.bars import error_bar
 from compare.comparison.case import NARROW, Case
 from compare.comparison.measures import NOTHING
 from compare.comparison.rows import Row
@@ -115,7 +113,7 @@ def _weakness(case: Case, zone: SlipInterval) -> str:
     rate = case.at_nodes.slip_rate[-1, inside]
     if not len(rate) or not case.coarser:
         return ""
-    bar = local_bar(case, zone.start, zone.end)
+    bar = case.rate_bar(zone.start, zone.end)
     peak = float(np.abs(rate).max())
     if peak >= bar:
         return ""
@@ -123,19 +121,6 @@ def _weakness(case: Case, zone: SlipInterval) -> str:
         f"slip in the zone, {peak / case.rate:.2g} V₀ at most, is slower than the error bar there, "
         f"{bar / case.rate:.2g} V₀"
     )
-
-
-def local_bar(case: Case, start: float, end: float) -> float:
-    """Largest error bar of slip rate at the end of the run between two positions."""
-    runs = [case.simulation, *case.coarser]
-    changes = []
-    for fine, coarse in pairwise(runs):
-        x = coarse.interface.x
-        inside = (x > start - coarse.element_size) & (x < end + coarse.element_size)
-        there = np.interp(x[inside], fine.interface.x, fine.interface.slip_rate[-1])
-        change = np.abs(there - coarse.interface.slip_rate[-1, inside])
-        changes.append(float(change.max(initial=0.0)))
-    return error_bar("slip rate", changes)
 
 
 def _unpredicted_rows(case: Case, zones: tuple[SlipInterval, ...]) -> Iterator[Row]:

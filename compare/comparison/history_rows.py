@@ -27,7 +27,9 @@ REVERSAL_THRESHOLD = 0.05
 PROBES = (0.04, 0.25, 0.5, 0.75)
 EARLY = 0.2
 """Part of the end time that is left out, in which little is resolved."""
-ONSET_FLOOR = 0.5
+NEIGHBOURS = 2
+"""Elements on either side of a probe from which the error bar of slip rate is taken."""
+ONSET_FLOOR = 0.25
 """Elements over c_t by which nodes and steps leave a time open."""
 
 
@@ -80,17 +82,17 @@ def rate_row(case: Case) -> Row:
     runs = [case.seen, *(run.interface for run in case.coarser)]
     changes = []
     for fine, coarse in pairwise(runs):
-        late, far = shown(coarse)
-        x, t = np.broadcast_arrays(coarse.x[far], coarse.t[late][:, None])
-        there = interpolated(fine, "slip_rate", x, t) - coarse.slip_rate[np.ix_(late, far)]
-        changes.append(size(there / unit, coarse))
+        late, far = shown(fine)
+        x, t = np.broadcast_arrays(fine.x[far], fine.t[late][:, None])
+        there = fine.slip_rate[np.ix_(late, far)] - interpolated(coarse, "slip_rate", x, t)
+        changes.append(size(there / unit, fine))
     whole = size(predicted, case.seen)
     per = 1.0 if nothing else whole
-    unseen = np.where(_unseen(case, start), case.at_nodes.slip_rate, 0.0)[part] / unit
+    unseen = np.where(case.narrow(start), case.at_nodes.slip_rate, 0.0)[part] / unit
     bar = None
     if changes:
         bar = (error_bar("slip rate", changes) + size(unseen, case.seen)) / per
-        bar += NOTHING if nothing else case.error_estimate
+        bar += NOTHING + (0.0 if nothing else case.error_estimate)
         if case.doubted is not None:
             bar += size(case.doubted.slip_rate[part] / unit - predicted, case.seen) / per
     name = "slip rate over (x, t)"
@@ -107,19 +109,6 @@ def rate_row(case: Case) -> Row:
         order=observed_order(changes),
     )
     return case.judged(row, None if nothing else 1.0)
-
-
-def _unseen(case: Case, start: float) -> NDArray[np.bool_]:
-    """Nodes and times in zones of a self-similar prediction that are too narrow beyond a position
-    at that time, (m, n)."""
-    x, t = case.seen.x, case.seen.t[:, None] / case.end_time
-    unseen = np.zeros((len(t), len(x)), dtype=bool)
-    if case.scene.is_self_similar:
-        for zone in case.prediction.zones_at(case.end_time):
-            width = zone.end * t - np.maximum(zone.start * t, start)
-            inside = (x > zone.start * t) & (x < zone.end * t)
-            unseen |= (width < NARROW * case.simulation.element_size) & inside
-    return unseen
 
 
 def sense_rows(case: Case) -> Iterator[Row]:
@@ -196,7 +185,7 @@ def event_rows(case: Case) -> Iterator[Row]:
             if row is None:
                 continue
             if row.verdict == "differs":
-                row = replace(row, obstacle=_weakness(case, place, least))
+                row = replace(row, obstacle=_weakness(case, row, place, least))
             yield row
 
 
@@ -212,20 +201,36 @@ def _event(
     return None if when is None else when / end_time
 
 
-def _weakness(case: Case, place: float, least: float) -> str:
-    """That slip at a place passes a threshold by less than its error bar; "" if by more."""
-    runs = [case.seen, *(run.interface for run in case.coarser)]
-    changes = []
-    for fine, coarse in pairwise(runs):
-        there = np.interp(coarse.t, fine.t, _record(fine, place)) - _record(coarse, place)
-        changes.append(float(np.abs(there).max()))
-    if not changes:
+def _weakness(case: Case, row: Row, place: float, least: float) -> str:
+    """Why what only one answer has may escape the mesh: it is over too soon, or too slow; or ""."""
+    if not case.coarser:
         return ""
-    bar = error_bar("slip rate", changes)
-    records = [np.abs(_record(history, place)) for history in (case.at_nodes, case.seen)]
-    if all(float(record.max()) > least + bar for record in records):
+    near = NEIGHBOURS * case.simulation.element_size
+    bar = case.rate_bar(place - near, place + near)
+    events = [
+        case.end_time if at is None else at * case.end_time for at in (row.at_nodes, row.simulated)
+    ]
+    early = case.at_nodes if events[0] < events[1] else case.seen
+    between = (early.t >= min(events)) & (early.t < max(events))
+    elements = _lasts(early, place, min(events), least) / case.simulation.element_size
+    elements *= case.scene.material.shear_speed
+    if elements < NARROW:
+        return f"it is over while a shear wave crosses {elements:.2g} elements"
+    passed = float(np.abs(_record(early, place)[between]).max(initial=0.0)) - least
+    if passed > bar:
         return ""
     return f"slip there is within its error bar, {bar / case.rate:.2g} V₀, of the threshold"
+
+
+def _lasts(history: InterfaceHistory, place: float, start: float, least: float) -> float:
+    """How long slip of one sense goes on at a place that passes a threshold at a time [time]."""
+    later = history.t >= start
+    record, time = _record(history, place)[later], history.t[later]
+    if not len(record):
+        return 0.0
+    over = np.flatnonzero(record * np.sign(record[0]) <= least)
+    end = time[over[0]] if len(over) else time[-1]
+    return float(end - start)
 
 
 def _record(history: InterfaceHistory, place: float) -> Array:

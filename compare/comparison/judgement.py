@@ -14,13 +14,17 @@ from compare.comparison.history_rows import cycle_rows, event_rows, rate_row, se
 from compare.comparison.measures import is_nothing
 from compare.comparison.mesh_choice import Prices, toll
 from compare.comparison.profile_rows import slip_rate_rows, snapshot_row, traction_rows, wear_rows
-from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall
 from compare.comparison.snapshots import SlipRateProfile
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
     from fem import Simulation
+
+
+SLIP = ("slip rate", "slip")
+"""Kinds of rows without which nothing is said of a scene."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +53,10 @@ class Judgement:
 
     @cached_property
     def verdict(self) -> str:
-        """ "differs" if one row does; else "agrees" if one does; else "unresolved"."""
-        verdicts = {row.verdict for row in self.rows}
-        if DIFFERS in verdicts:
-            return DIFFERS
-        return AGREES if AGREES in verdicts else UNRESOLVED
+        """ "differs" if one row does; else "agrees" if one does of slip or slip rate, stuck or not;
+        else "unresolved", whatever fronts and pressure do."""
+        telling = (row for row in self.rows if row.kind in SLIP or row.verdict == DIFFERS)
+        return overall(row.verdict for row in telling)
 
     def having(self, verdict: str) -> tuple[Row, ...]:
         """The rows with a verdict."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -11,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compare.comparison.case import EDGE_CELLS, NARROW, Case, worn_by
-from compare.comparison.measures import norm, worn
+from compare.comparison.case import EDGE_CELLS, Case, own_wear, worn_by
+from compare.comparison.measures import NOTHING, norm
 from compare.comparison.rows import Row
 from compare.comparison.snapshots import SlipRateProfile
 
@@ -41,17 +40,10 @@ def wear_rows(case: Case) -> Iterator[Row]:
     doubted = None
     if case.doubted is not None:
         doubted = worn_by(case.prediction.companion, case.doubted)  # type: ignore[attr-defined]
-    for part, (name, kind, field, scale, symbol, total) in enumerate(
+    for part, (name, kind, field, scale, symbol) in enumerate(
         (
-            ("accumulated |slip|", "slip", "final_path", slip, "V₀ T", "accumulated_slip"),
-            (
-                "frictional work",
-                "work",
-                "final_work_density",
-                slip * case.stress,
-                "τ₀ V₀ T",
-                "frictional_work",
-            ),
+            ("accumulated |slip|", "slip", "final_path", slip, "V₀ T"),
+            ("frictional work", "work", "final_work_density", slip * case.stress, "τ₀ V₀ T"),
         )
     ):
         if kind == "work" and case.scene.friction == 0 == case.prediction.scene.friction:
@@ -60,14 +52,13 @@ def wear_rows(case: Case) -> Iterator[Row]:
         if kind == "work" and case.scene.load.pressure:
             start = max(start, _beside_edge(case))  # where pressure can be singular
         reach = start, FARTHEST * case.length
-        whole = float(getattr(case.prediction, total)(case.end_time))
         yield case.profile_row(
             name,
             kind,
             np.array([case.worn_at_nodes[part], *([] if doubted is None else [doubted[part]])]),
             partial(_own, field),
             reach,
-            exact=whole / (scale * case.length) if math.isfinite(whole) else None,
+            exact=_worn_norm(case, part, reach, scale),
             unseen=case.unseen_norm(unseen[part] / scale, reach),
             scale=(scale, symbol),
         )
@@ -88,13 +79,16 @@ def snapshot_row(case: Case, profile: SlipRateProfile) -> Row:
     else:
         values = (float(np.abs(predicted).max()), float(np.abs(written).max()))
         difference = float(np.abs(written - predicted).max())
-    return replace(
+    row = replace(
         likewise,
         name=likewise.name.replace("slip rate", "slip rate of snapshot", 1),
         at_nodes=values[0],
         simulated=values[1],
         difference=difference,
+        obstacle="",
+        resolution=None,
     )
+    return case.judged(row, 1.0 if row.relative else None)
 
 
 def traction_rows(case: Case) -> Iterator[Row]:
@@ -138,6 +132,10 @@ def _own(field: str, run: Simulation) -> Array:
 def _slip_row(case: Case, name: str, field: str, scale: float, symbol: str) -> Row:
     """A row of slip or slip rate at the end; what is too narrow for the mesh is in its bar."""
     reach, answer = _reach(case), getattr(case.prediction, field)
+    if field == "slip":
+        unseen = _unseen_wear(case)[0]
+    else:
+        unseen = np.where(case.narrow()[-1], case.at_nodes.slip_rate[-1], 0.0)
     return case.profile_row(
         name,
         "slip" if field == "slip" else "slip rate",
@@ -145,32 +143,19 @@ def _slip_row(case: Case, name: str, field: str, scale: float, symbol: str) -> R
         partial(_last, field),
         reach,
         exact=_norm(case, answer, reach, scale),
-        unseen=(
-            case.unseen_norm(_unseen_wear(case)[0] / scale, reach)
-            if field == "slip"
-            else sum(_norm(case, answer, part, scale) for part in unseen_parts(case))
-        ),
+        unseen=case.unseen_norm(unseen / scale, reach),
         scale=(scale, symbol),
     )
 
 
-def unseen_parts(case: Case) -> list[tuple[float, float]]:
-    """Zones of a self-similar prediction at the end that are too narrow for the mesh [length]."""
-    if not case.scene.is_self_similar or case.prediction is case.simulation:
-        return []
-    least = NARROW * case.simulation.element_size
-    zones = case.prediction.zones_at(case.end_time)
-    return [(zone.start, zone.end) for zone in zones if zone.end - zone.start < least]
-
-
 def _unseen_wear(case: Case) -> tuple[Array, Array]:
-    """|slip| and frictional work per area of the prediction in zones too narrow, (n,) each."""
-    x, t = case.seen.x, case.seen.t[:, None] / case.end_time
-    inside = np.zeros(case.at_nodes.slip_rate.shape, dtype=bool)
-    for start, end in unseen_parts(case):
-        inside |= (x > start * t) & (x < end * t)
-    rate = np.where(inside, case.at_nodes.slip_rate, 0.0)
-    return worn(replace(case.at_nodes, slip_rate=rate))
+    """|slip| and frictional work per area of the prediction at nodes that only ever slip in zones
+    too narrow for the mesh, (n,) each."""
+    narrow = case.narrow()
+    ever = np.abs(case.at_nodes.slip_rate) > NOTHING * case.rate
+    unseen = (narrow == ever).all(axis=0)
+    path, work = case.worn_at_nodes
+    return np.where(unseen, path, 0.0), np.where(unseen, work, 0.0)
 
 
 def _beside_edge(case: Case) -> float:
@@ -184,6 +169,18 @@ def _reach(case: Case) -> tuple[float, float]:
 
 def _norm(case: Case, answer: Answers, reach: tuple[float, float], scale: float) -> float:
     """L1 norm of a prediction between two positions at the end, over its scale and c_t T."""
-    end = min(reach[1], float(case.seen.x[-1]))
-    x = np.linspace(max(reach[0], end / POINTS), end, POINTS)
+    x = _between(case, reach)
     return norm(answer(x, case.end_time) / scale, x / case.length, 1)
+
+
+def _worn_norm(case: Case, part: int, reach: tuple[float, float], scale: float) -> float | None:
+    """The same of accumulated |slip| (part 0) or work per area (1); None if only nodes have it."""
+    x = _between(case, reach)
+    own = own_wear(case.prediction, x, case.end_time)
+    return None if own is None else norm(own[part] / scale, x / case.length, 1)
+
+
+def _between(case: Case, reach: tuple[float, float]) -> Array:
+    """Positions between two, as far as the contact was simulated, apart from its nodes."""
+    end = min(reach[1], float(case.seen.x[-1]))
+    return np.linspace(max(reach[0], end / POINTS), end, POINTS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 AGREES, DIFFERS, UNRESOLVED = "agrees", "differs", "unresolved"
@@ -13,11 +14,21 @@ ALARM = 1.5
 by chance, as one in a hundred may (docs/judge.md)."""
 
 
+DIFFERENCE_DIGITS = 2
+
+
 def shown_number(value: float | None, digits: int = 4) -> str:
     """Some significant digits of any size, a dash for nothing."""
     if value is None:
         return "—"
     return "0" if value == 0 else f"{value:#.{digits}g}".rstrip(".")
+
+
+def overall(verdicts: Iterable[str]) -> str:
+    """Verdict on a whole: "differs" if one part does; else "agrees" if one does; else
+    "unresolved"."""
+    given = set(verdicts)
+    return next((verdict for verdict in (DIFFERS, AGREES) if verdict in given), UNRESOLVED)
 
 
 @dataclass(frozen=True)
@@ -68,6 +79,17 @@ class Row:
     order: float | None = None
     obstacle: str = ""
     resolution: int | None = None
+
+    @property
+    def label(self) -> str:
+        """Name of the row and the unit of its values, where both belong together."""
+        return self.name if self.relative or self.unit == "1" else f"{self.name} [{self.unit}]"
+
+    def shown_share(self, value: float | None) -> str:
+        """A difference or bar of the row in two digits, in per cent where it is relative."""
+        if value is None or not self.relative:
+            return shown_number(value, DIFFERENCE_DIGITS)
+        return f"{shown_number(100 * value, DIFFERENCE_DIGITS)} %"
 
     @property
     def verdict(self) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 from semianalytic import Material, Scene
 from semianalytic.scene.units import unit
@@ -38,17 +37,6 @@ def reference_values(scene: Scene, end_time: float) -> dict[str, tuple[float, st
         symbol: (value, unit(dimension, scene.units))
         for symbol, (value, dimension) in values.items()
     }
-
-
-def load_time(scene: Scene, end_time: float) -> float:
-    """Shortest time in which the loads change before end_time [time]; end_time for steps."""
-    times = [end_time]
-    for history in scene.acting_histories.values():
-        pieces = history.pieces
-        breaks = [at for at in pieces.breaks if at < end_time]
-        times += [after - before for before, after in pairwise(breaks)]
-        times += [0.5 / wave.frequency for wave in pieces.waves]
-    return min(times)
 
 
 def wave_speeds(material: Material) -> dict[str, float]:

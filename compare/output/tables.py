@@ -104,6 +104,13 @@ def sound_rows(path: Path, kind: type[Row]) -> list[Row]:
     ]
 
 
+def started_rows(path: Path, kind: type[Row]) -> list[Row]:
+    """Whole rows of a table that grows; its heading is written if there is no table."""
+    if not path.exists():
+        write_text(path, ",".join([*_names(kind), "checksum"]) + "\n")
+    return sound_rows(path, kind)
+
+
 def markdown_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table of texts in Markdown, with a line end."""
     lines = (heading, ["---"] * len(heading), *rows)

@@ -64,7 +64,7 @@ def wear_after(load: str, poisson_ratio: float, chi: float, nodes: int) -> WearR
         Tractions(0.0, 1.0),
         shear_history=LOADS[load],
     )
-    marched = march(scene, 1.0, nodes, length=LENGTH, every=10**9)
+    marched = march(scene, 1.0, nodes, length=LENGTH, every=10**9, companion=False)
     spacing, scale = marched.grid.spacing, 2 / scene.material.shear_impedance
     return WearRow(
         load,

@@ -21,6 +21,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,20 +30,29 @@ from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.exponentials import fit_memory
+from semianalytic.spacetime.advancing import advance
+from semianalytic.spacetime.exponentials import Memory, fit_memory
 from semianalytic.spacetime.march_memory import check_size
 from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
-from semianalytic.spacetime.resolution import check_loads, nodes_for_zone
-from semianalytic.spacetime.stepping import advance
+from semianalytic.spacetime.resolution import (
+    check_loads,
+    check_weakening_seen,
+    nodes_for_weakening,
+    nodes_for_zone,
+)
 from semianalytic.spacetime.tuning import (
+    FIRST_NODES,
+    GROWTH_MARGIN,
     LARGEST_FEEDBACK,
+    LARGEST_GROWTH,
     LARGEST_STEP_RATIO,
+    LEAST_GROWTH,
     LEAST_NODES,
     MARGIN_NODES,
     MOST_NODES,
     NODES,
+    ORDERS,
     TOLERANCES,
-    WEAKENING_NODES,
 )
 
 
@@ -63,8 +73,10 @@ def march(
     end_time: float | None = None,
     nodes: int | None = None,
     *,
+    rtol: float | None = None,
     length: float | None = None,
     latest: float | None = None,
+    companion: bool = True,
     step_ratio: float = 0.5,
     damping: float = 0.7,
     every: int = 1,
@@ -75,8 +87,8 @@ def march(
     """March the interface of a scene in time, under any load history and friction law.
 
     Memory is 80 bytes per pole (about 25) and grid node (about 1.5 per contact node), and 32
-    bytes per stored node and level (see `GridPressure` for pressure that oscillates); time grows
-    like nodes^2.
+    bytes per stored node and level (see `GridPressure` for pressure that oscillates), and half as
+    much again for the companion; time grows like nodes^2.
 
     Parameters
     ----------
@@ -85,12 +97,18 @@ def march(
         T [time]; by default the time a shear wave takes over a length of 1.
     nodes : int, optional
         Contact nodes on 0 < x < length, at least 16.  1000 unless given, or up to 8000 where that
-        lets the grid follow the loads, or resolve the slip zone at the edge.
+        lets the grid follow the loads, or resolve the slip zone at the edge or slip weakening.
+    rtol : float, optional
+        Largest `Marched.error_estimate`, in place of `nodes`: marches on more and more nodes until
+        it is met, the last returned.  With 8000 the last in any case, "unresolved" then.
     length : float, optional
         Length of the contact that is observed [length]; c_l T unless given.
     latest : float, optional
         Time to which `march_on` may be asked to go on [time]; end_time unless given.  The grid is
         made for it.
+    companion : bool
+        Whether a companion on half the nodes and in half the steps goes along, for the error
+        estimate; it takes a quarter to a third more time from 1000 nodes on, half below.
     step_ratio : float
         Largest c_t dt / h; stable below about 0.57 (nu near 0.5) to 0.7 (nu = 1/3) and more.
     damping : float
@@ -103,15 +121,17 @@ def march(
     memory : float, optional
         What the march may take [bytes]; 70 % of what the machine has available unless given.
     progress : callable, optional
-        Called with (step, steps) after each step; if it returns True the march ends there, and
-        can go on with `march_on`.
+        Called with (step, steps) after each step of a march, not of its companion; if it returns
+        True the march ends there, and can go on with `march_on`.  With `rtol` each march counts
+        its own steps.
 
     Raises
     ------
     SceneError
-        If an option is out of range, the step is beyond the stable range, rate weakening is ill
-        posed at a pressure that arises, the grid does not resolve the loads or slip weakening, or
-        the march would take more memory than it may.
+        If an option is out of range, both nodes and an rtol are given, the step is beyond the
+        stable range, rate weakening is ill posed at a pressure that arises, the grid does not
+        resolve the loads or sees nothing of slip weakening, or the march would take more memory
+        than it may.
     TensionError
         If the pressure turns tensile at a node.
     ComputationError
@@ -135,32 +155,120 @@ def march(
     if nodes is not None:
         nodes = _check_count("nodes", nodes, LEAST_NODES)
     every = _check_count("every", every, 1)
-    started = time.perf_counter()
-    check_size(scene, latest, length, nodes or NODES, memory)
-    nodes = _enough_nodes(scene, end_time, latest, length, nodes, step_ratio)
-    grid = causal_grid(scene, latest, length, nodes)
-    check_size(scene, latest, length, nodes, memory)
-    _check_resolved(scene, grid.spacing)
-    horizon = grid.wavenumbers[-1] * material.shear_speed * latest
-    past = fit_memory(material.shear_speed / material.longitudinal_speed, horizon, tolerance)
-    no_times, no_levels = np.zeros(0), np.zeros((0, grid.observed))
-    at_rest = Marched(
-        scene=scene,
-        interface=InterfaceHistory(grid.x, no_times, *[no_levels] * 4),
-        totals=Totals(*[no_times] * 4),
-        latest=latest,
-        step_ratio=step_ratio,
-        damping=damping,
-        every=every,
-        statistics=MarchStatistics(
-            0, grid.size, len(past.poles), past.error, {"setup": 0.0, "steps": 0.0}
-        ),
-        grid=grid,
-        memory=past,
-        state=MarchState.at_rest(len(past.poles), grid),
-        seen=Extremes.at_rest(grid.observed),
+    if rtol is not None:
+        rtol = _check_range("rtol", rtol, 0.0, 1.0)
+        if nodes is not None:
+            raise SceneError("march: `rtol` chooses the nodes; leave out `nodes`, or `rtol`.")
+        if not companion:
+            raise SceneError("march: `rtol` needs the companion; leave `companion` out.")
+    plan = _Plan(
+        scene, end_time, latest, length, step_ratio, damping, every, tolerance, rtol, companion
     )
-    return advance(at_rest, end_time, memory, time.perf_counter() - started, progress)
+    if rtol is None:
+        return plan.run(plan.enough_nodes(nodes, NODES, memory), memory, progress)
+    return plan.run_within(rtol, memory, progress)
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """A march but for its nodes: the options of `march`, checked."""
+
+    scene: Scene
+    end_time: float
+    latest: float
+    length: float
+    step_ratio: float
+    damping: float
+    every: int
+    tolerance: float
+    rtol: float | None
+    companion: bool
+
+    def enough_nodes(self, nodes: int | None, least: int, memory: float | None) -> int:
+        """The nodes asked for, or as many from `least` on as loads, edge and law call for.
+
+        Raises
+        ------
+        SceneError
+            If the loads need more.
+        """
+        check_size(self.scene, self.latest, self.length, nodes or least, memory, self.companion)
+        most = nodes
+        if nodes is None:
+            zones = (
+                nodes_for_zone(self.scene, self.end_time, self.length),
+                nodes_for_weakening(self.scene, self.length),
+            )
+            nodes = max(least, *(needed for needed in zones if needed <= MOST_NODES), LEAST_NODES)
+            most = MOST_NODES
+        return check_loads(
+            self.scene, self.latest, self.length, nodes, most or nodes, self.step_ratio
+        )
+
+    def run_within(
+        self,
+        rtol: float,
+        memory: float | None,
+        progress: Callable[[int, int], object] | None,
+    ) -> Marched:
+        """Marches on more and more nodes until the error estimate is `rtol`; the last of them."""
+        nodes, order, coarser = self.enough_nodes(None, FIRST_NODES, memory), 1.0, None
+        while True:
+            marched = self.run(nodes, memory, progress)
+            estimate = marched.error_estimate
+            stopped = marched.end_time < self.end_time
+            if stopped or nodes >= MOST_NODES or estimate <= rtol:
+                return marched
+            if coarser is not None and math.isfinite(coarser.error_estimate):
+                ratio = math.log(nodes / coarser.grid.observed)
+                order = math.log(coarser.error_estimate / estimate) / ratio
+            growth = (GROWTH_MARGIN * estimate / rtol) ** (1 / np.clip(order, *ORDERS))
+            growth = float(np.clip(growth, LEAST_GROWTH, LARGEST_GROWTH))
+            nodes, coarser = min(MOST_NODES, math.ceil(growth * nodes)), marched
+
+    def run(
+        self,
+        nodes: int,
+        memory: float | None,
+        progress: Callable[[int, int], object] | None,
+    ) -> Marched:
+        """The march on so many contact nodes."""
+        started, material = time.perf_counter(), self.scene.material
+        grid = causal_grid(self.scene, self.latest, self.length, nodes)
+        check_size(self.scene, self.latest, self.length, nodes, memory, self.companion)
+        check_weakening_seen(self.scene, grid.spacing)
+        horizon = grid.wavenumbers[-1] * material.shear_speed * self.latest
+        speed_ratio = material.shear_speed / material.longitudinal_speed
+        past = fit_memory(speed_ratio, horizon, self.tolerance)
+        at_rest = self._at_rest(grid, past)
+        if self.companion:
+            coarse = math.ceil(nodes / 2)
+            length = 2 * grid.spacing * coarse
+            companion = self._at_rest(causal_grid(self.scene, self.latest, length, coarse), past)
+            at_rest = replace(at_rest, companion=companion)
+        at_rest = replace(at_rest, rtol=self.rtol)
+        setup = time.perf_counter() - started
+        return advance(at_rest, self.end_time, memory, setup, progress)
+
+    def _at_rest(self, grid: Grid, past: Memory) -> Marched:
+        """A march on a grid, before it begins."""
+        no_times, no_levels = np.zeros(0), np.zeros((0, grid.observed))
+        return Marched(
+            scene=self.scene,
+            interface=InterfaceHistory(grid.x, no_times, *[no_levels] * 4),
+            totals=Totals(*[no_times] * 4),
+            latest=self.latest,
+            step_ratio=self.step_ratio,
+            damping=self.damping,
+            every=self.every,
+            statistics=MarchStatistics(
+                0, grid.size, len(past.poles), past.error, {"setup": 0.0, "steps": 0.0}
+            ),
+            grid=grid,
+            memory=past,
+            state=MarchState.at_rest(len(past.poles), grid),
+            seen=Extremes.at_rest(grid.observed),
+        )
 
 
 def march_on(
@@ -187,43 +295,6 @@ def march_on(
             "later `latest`."
         )
     return advance(marched, end_time, memory, 0.0, progress)
-
-
-def _enough_nodes(
-    scene: Scene,
-    end_time: float,
-    latest: float,
-    length: float,
-    nodes: int | None,
-    step_ratio: float,
-) -> int:
-    """The nodes asked for, or as many as loads and edge call for.
-
-    Raises
-    ------
-    SceneError
-        If the loads need more.
-    """
-    if nodes is not None:
-        return check_loads(scene, latest, length, nodes, nodes, step_ratio)
-    zone = nodes_for_zone(scene, end_time, length)
-    least = max(NODES, zone if zone <= MOST_NODES else 0)
-    return check_loads(scene, latest, length, least, MOST_NODES, step_ratio)
-
-
-def _check_resolved(scene: Scene, spacing: float) -> None:
-    """Raise if slip weakening is so sharp that the grid, not the law, would set its length."""
-    material = scene.material
-    fall = scene.friction * scene.base.pressure * scene.friction_law.fall_with_slip
-    if not fall:
-        return
-    zone = material.shear_modulus / ((1 - material.poisson_ratio) * fall)
-    if zone < WEAKENING_NODES * spacing:
-        raise SceneError(
-            f"march: friction weakens within about {zone:.3g} of length, which nodes {spacing:.3g} "
-            f"apart do not resolve; raise `nodes` {WEAKENING_NODES * spacing / zone:.2g} times "
-            "(docs/limits.md)."
-        )
 
 
 def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> float:

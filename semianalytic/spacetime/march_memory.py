@@ -30,14 +30,14 @@ def state_bytes(size: int, poles: int) -> int:
 
 
 def check_size(
-    scene: Scene, latest: float, length: float, nodes: int, memory: float | None
+    scene: Scene, latest: float, length: float, nodes: int, memory: float | None, companion: bool
 ) -> None:
-    """Refuse a grid whose state does not fit into the memory, before it is made."""
+    """Refuse a grid whose state, and that of its companion, do not fit into the memory."""
     reach = scene.material.longitudinal_speed * latest / length
     share = max(1.0, (reach + 1) / 2) + reach / 2
     size = int(min(share, _HUGE) * min(nodes, _HUGE))
     check_memory(
-        state_bytes(size, TYPICAL_POLES),
+        state_bytes(size + companion * (size // 2), TYPICAL_POLES),
         memory,
         f"march: a grid of {size:.3g} nodes",
         "lower `nodes`, `end_time` or `latest`, or raise `length`",
@@ -45,21 +45,23 @@ def check_size(
 
 
 def affordable_every(marched: Marched, memory: float | None, steps: int, table: float) -> int:
-    """`every`, raised until what is stored fits into the memory.
+    """`every`, raised until what is stored fits into the memory, that of the companion too.
 
     Raises
     ------
     SceneError
         If the march does not fit even without storing anything.
     """
-    grid, earlier = marched.grid, len(marched.interface.t)
-    state = state_bytes(grid.size, marched.statistics.poles)
-    per_level = grid.observed * BYTES_STORED
-    fixed = int(state + table + steps * BYTES_PER_STEP + (earlier + LEAST_LEVELS) * per_level)
+    both = [one for one in (marched, marched.companion) if one is not None]
+    state = sum(state_bytes(one.grid.size, one.statistics.poles) for one in both)
+    per_level = sum(one.grid.observed * BYTES_STORED for one in both)
+    earlier = sum(len(one.interface.t) * one.grid.observed * BYTES_STORED for one in both)
+    sums = len(both) * steps * BYTES_PER_STEP
+    fixed = int(state + table + sums + earlier + LEAST_LEVELS * per_level)
     check_memory(
         fixed,
         memory,
-        f"march: {steps:.6g} steps of {grid.size} nodes",
+        f"march: {steps:.6g} steps of {marched.grid.size} nodes",
         "lower `nodes` or `end_time`, or raise `step_ratio` or `length`",
     )
     levels = (memory_limit(memory) - fixed) // per_level + 1

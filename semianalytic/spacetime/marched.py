@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
@@ -16,12 +19,23 @@ from semianalytic.results.sampled import SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import Scene, scene_document, scene_from_document
 from semianalytic.spacetime.exponentials import Memory
-from semianalytic.spacetime.resolution import MissedZone, missed_zone
-from semianalytic.spacetime.tuning import ONSET_SHARE
+from semianalytic.spacetime.resolution import (
+    Shortfall,
+    advice,
+    coarse_weakening,
+    missed_zone,
+)
+from semianalytic.spacetime.tuning import (
+    ERROR_SAFETY,
+    LARGEST_ERROR,
+    MEMORY_SAFETY,
+    ONSET_SHARE,
+    READING_SAFETY,
+)
 
 Array = NDArray[np.float64]
 
-FORMAT = "slipfront march 3"
+FORMAT = "slipfront march 4"
 
 
 @dataclass(frozen=True)
@@ -150,6 +164,20 @@ class MarchState:
 
 
 @dataclass(frozen=True)
+class Departure:
+    """How far a march is from its companion: integrals over the observed contact and time.
+
+    Attributes
+    ----------
+    difference, slip_rate : float
+        Of |V - V of the companion| and of |V| [length^2].
+    """
+
+    difference: float = 0.0
+    slip_rate: float = 0.0
+
+
+@dataclass(frozen=True)
 class MarchStatistics:
     """What a march cost.
 
@@ -196,6 +224,13 @@ class Marched(SampledAnswer):
         What a continuation starts from.
     seen : Extremes
         Largest values and beginnings of slip over all steps, stored or not.
+    companion : Marched or None
+        The same march on half the nodes in half the steps, to the same time: what an answer may be
+        off by is seen in the difference (see `error_of`).  It stores every other of the levels.
+    departure : Departure
+        From the companion.
+    rtol : float or None
+        The error that was asked for.
     """
 
     scene: Scene
@@ -210,29 +245,87 @@ class Marched(SampledAnswer):
     memory: Memory
     state: MarchState
     seen: Extremes
+    companion: Marched | None = None
+    departure: Departure = Departure()
+    rtol: float | None = None
 
     @property
     def end_time(self) -> float:
         """Time reached [time]."""
         return self.state.time
 
+    @property
+    def error_estimate(self) -> float:
+        """Estimate, meant as a bound, of the error of the slip rate: L1, relative.
+
+        The integral of the error's size over the observed contact and all time until the end, over
+        that of |slip rate|.  nan without a companion; inf where nothing slips though the edge must.
+        No bound under rate weakening, where no grid is fine enough (docs/spacetime.md).
+        """
+        if self.companion is None:
+            return math.nan
+        if self.departure.slip_rate == 0:
+            return math.inf if self.departure.difference or self._missed_zone else 0.0
+        share = self.departure.difference / self.departure.slip_rate
+        return ERROR_SAFETY * share + MEMORY_SAFETY * self.memory.error
+
+    def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
+        """Estimate, meant as a bound, of the error of anything read off the march, in its unit.
+
+        From what the companion says instead, which takes the error to fall with the first power of
+        the node distance or faster.  Where two curves cross it is too small: take the largest, or a
+        norm, of a reading over several places.
+
+        Parameters
+        ----------
+        reading : callable
+            Of a march, as ``lambda march: march.slip(x, t)``; a number or an array.
+
+        Returns
+        -------
+        array
+            Of the shape of the reading; nan without a companion.
+        """
+        if self.companion is None:
+            return np.full(np.shape(reading(self)), np.nan)
+        return READING_SAFETY * np.abs(np.subtract(reading(self), reading(self.companion)))
+
     @cached_property
-    def missed_zone(self) -> MissedZone | None:
-        """Slip at the edge over less than four nodes, for which the grid is too coarse."""
+    def _missed_zone(self) -> Shortfall | None:
         slips = self.seen.slip_rate > 0
         reach = float(self.grid.x[slips].max(initial=0.0))
         return missed_zone(self.scene, self.end_time, self.grid.spacing, reach)
 
+    @cached_property
+    def shortfalls(self) -> tuple[Shortfall, ...]:
+        """What the grid is too coarse for, as far as is known.
+
+        Slip at the edge over less than four nodes, told in place of an answer of "no slip"; slip
+        weakening on too few nodes; an error estimate above `rtol`, or above one.
+        """
+        every = (
+            self._missed_zone,
+            coarse_weakening(self.scene, self.grid.spacing),
+            self._inaccurate,
+        )
+        return tuple(one for one in every if one is not None)
+
+    @property
+    def _inaccurate(self) -> Shortfall | None:
+        estimate = self.error_estimate
+        largest = LARGEST_ERROR if self.rtol is None else self.rtol
+        if not largest < estimate < math.inf:
+            return None
+        limit = "" if self.rtol is None else f", above the `rtol` of {self.rtol:.1e}"
+        return Shortfall(
+            f"the error of the slip rate is estimated as {estimate:.1e}{limit}", estimate / largest
+        )
+
     @property
     def caution(self) -> str:
-        """What the grid is too coarse for, as a sentence; "" if nothing is known to be missed.
-
-        Told in place of an answer of "no slip".
-        """
-        missed = self.missed_zone
-        if missed is None:
-            return ""
-        return f"{missed}; raise `nodes` {missed.refinement} times, or shorten `length` as much"
+        """What the grid is too coarse for and what would do, as a sentence; "" if nothing is."""
+        sentence = advice(self.shortfalls, "nodes")
+        return sentence and f"{sentence}, or shorten `length` as much"
 
     @property
     def status(self) -> str:
@@ -250,10 +343,12 @@ class Marched(SampledAnswer):
         return self.state.work[: self.grid.observed]
 
     def __repr__(self) -> str:
-        grid = self.grid
+        grid, estimate = self.grid, self.error_estimate
+        error = "no error estimate" if math.isnan(estimate) else f"error estimate {estimate:.1e}"
         return (
             f"<Marched: to t = {self.end_time:.4g} in {self.statistics.steps} steps, "
-            f"{grid.observed} nodes on 0 < x < {grid.observed * grid.spacing:.4g}; {self.status}>"
+            f"{grid.observed} nodes on 0 < x < {grid.observed * grid.spacing:.4g}; {self.status}, "
+            f"{error}>"
         )
 
     def save(self, path: str | Path) -> None:
@@ -261,13 +356,22 @@ class Marched(SampledAnswer):
         with whole_hdf5(path) as file:
             file.attrs["format"] = FORMAT
             file.attrs["scene"] = json.dumps(scene_document(self.scene))
-            for name in _OPTIONS:
-                file.attrs[name] = getattr(self, name)
-            file.attrs["statistics"] = json.dumps(asdict(self.statistics))
-            for name in _GROUPS:
-                group = file.create_group(name)
-                for field in fields(getattr(self, name)):
-                    group[field.name] = getattr(getattr(self, name), field.name)
+            self._write(file)
+            if self.companion is not None:
+                self.companion._write(file.create_group("companion"))
+
+    def _write(self, group: Any) -> None:
+        """Write all but scene and companion into an HDF5 group."""
+        for name in _OPTIONS:
+            group.attrs[name] = getattr(self, name)
+        if self.rtol is not None:
+            group.attrs["rtol"] = self.rtol
+        group.attrs["statistics"] = json.dumps(asdict(self.statistics))
+        group.attrs["departure"] = json.dumps(asdict(self.departure))
+        for name in _GROUPS:
+            part = group.create_group(name)
+            for field in fields(getattr(self, name)):
+                part[field.name] = getattr(getattr(self, name), field.name)
 
     @classmethod
     def load(cls, path: str | Path) -> Marched:
@@ -282,24 +386,33 @@ class Marched(SampledAnswer):
             with sealed_hdf5(path) as file:
                 if file.attrs.get("format") != FORMAT:
                     raise DataFileError(f"{path} is not a slipfront march; give a file of one.")
-                parts = {
-                    name: kind(**{field.name: file[name][field.name][()] for field in fields(kind)})
-                    for name, kind in _GROUPS.items()
-                }
-                parts["grid"] = Grid(
-                    float(parts["grid"].spacing),
-                    *(int(getattr(parts["grid"], name)) for name in ("slot", "observed", "size")),
-                )
-                return cls(
-                    scene=scene_from_document(json.loads(file.attrs["scene"])),
-                    **{name: kind(file.attrs[name]) for name, kind in _OPTIONS.items()},
-                    statistics=MarchStatistics(**json.loads(file.attrs["statistics"])),
-                    **parts,
-                )
+                scene = scene_from_document(json.loads(file.attrs["scene"]))
+                companion = cls._read(file["companion"], scene) if "companion" in file else None
+                return replace(cls._read(file, scene), companion=companion)
         except (OSError, KeyError, TypeError, ValueError, SceneError) as error:
             raise DataFileError(
                 f"{path} cannot be read as a march ({error}); march again."
             ) from error
+
+    @classmethod
+    def _read(cls, group: Any, scene: Scene) -> Marched:
+        """What `_write` wrote."""
+        parts = {
+            name: kind(**{field.name: group[name][field.name][()] for field in fields(kind)})
+            for name, kind in _GROUPS.items()
+        }
+        parts["grid"] = Grid(
+            float(parts["grid"].spacing),
+            *(int(getattr(parts["grid"], name)) for name in ("slot", "observed", "size")),
+        )
+        return cls(
+            scene=scene,
+            **{name: kind(group.attrs[name]) for name, kind in _OPTIONS.items()},
+            statistics=MarchStatistics(**json.loads(group.attrs["statistics"])),
+            departure=Departure(**json.loads(group.attrs["departure"])),
+            rtol=float(group.attrs["rtol"]) if "rtol" in group.attrs else None,
+            **parts,
+        )
 
 
 _OPTIONS = {"latest": float, "step_ratio": float, "damping": float, "every": int}

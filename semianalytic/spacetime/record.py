@@ -54,7 +54,9 @@ class MarchRecord:
         ]
 
     def begin(self, state: MarchState, pressure: Array) -> None:
-        """Keep the level at t = 0, pressure of the contact."""
+        """Keep the level at t = 0, pressure of the contact; once."""
+        if self._stored:
+            return
         self._store(state, pressure)
         self._sum(state)
 

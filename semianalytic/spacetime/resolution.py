@@ -1,16 +1,18 @@
-"""What a march resolves: the turns of its loads, and the slip zone at the edge.
+"""What a march resolves: the turns of its loads, the slip zone at the edge, and slip weakening.
 
 A grid of node distance h follows what lasts longer than some steps of h / (2 c_t), whatever the
 time step: measured on waves and pulses of every shape (docs/spacetime.md), frictional work is off
 by 1 to 3 % where a load turns by no more than 0.32 of its largest value within four such steps.
 A wave makes 16 of them a period then, a triangle lasts 13, a rectangle 4.  A turn within one step
 may be 0.08, or short pulses on top of longer ones would be lost.  Of a slip zone shorter than some
-nodes a grid sees little, and of one below the first node nothing.
+nodes a grid sees little, and of one below the first node nothing; slip weakening has a length of
+its own, that of its process zone.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,15 +21,18 @@ from numpy.typing import NDArray
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import LoadHistory
+from semianalytic.scene.process_zone import process_zone
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.tuning import (
     HALVINGS,
     LARGEST_TURN,
     LEAST_TIMES,
+    LEAST_WEAKENING_NODES,
     MOST_SAMPLES,
     NO_INTENSITY,
     STEP_RATIO,
     TIMES,
+    WEAKENING_NODES,
     ZONE_NODES,
 )
 
@@ -147,35 +152,37 @@ def nodes_for_zone(scene: Scene, end_time: float, length: float) -> int:
     return math.ceil(ZONE_NODES * length / zone) if zone else 0
 
 
+def nodes_for_weakening(scene: Scene, length: float) -> int:
+    """Contact nodes on a length that resolve the process zone of slip weakening; 0 without one."""
+    return math.ceil(WEAKENING_NODES * length / process_zone(scene))
+
+
 @dataclass(frozen=True)
-class MissedZone:
-    """A slip zone at the edge of which a grid sees next to nothing.
+class Shortfall:
+    """What a march is too coarse for.
 
     Attributes
     ----------
-    length : float
-        Of the zone [length].
-    spacing : float
-        Of the nodes [length].
+    reason : str
+        What is wrong, as a clause.
+    times : float
+        How many times as many nodes would do.
     """
 
-    length: float
-    spacing: float
-
-    def __str__(self) -> str:
-        return (
-            f"the edge slips over a length of about {self.length:.2g}, which nodes "
-            f"{self.spacing:.2g} apart do not resolve"
-        )
-
-    @property
-    def refinement(self) -> str:
-        """How many times as many nodes resolve the zone, in digits."""
-        return _rounded(ZONE_NODES * self.spacing / self.length)
+    reason: str
+    times: float
 
 
-def missed_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> MissedZone | None:
-    """What a march misses at the edge; None if nothing.
+def advice(shortfalls: Sequence[Shortfall], option: str) -> str:
+    """What a march is too coarse for, and how many times an option has to be raised; or ""."""
+    if not shortfalls:
+        return ""
+    reasons = "; ".join(one.reason for one in shortfalls)
+    return f"{reasons}; raise `{option}` {_rounded(max(one.times for one in shortfalls))} times"
+
+
+def missed_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> Shortfall | None:
+    """A slip zone at the edge of which a march sees next to nothing; None if there is none.
 
     Parameters
     ----------
@@ -191,4 +198,34 @@ def missed_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> 
     if reach >= least:
         return None
     zone = zone_at_edge(scene, end_time)
-    return MissedZone(zone, spacing) if 0 < zone < least else None
+    if not 0 < zone < least:
+        return None
+    return Shortfall(
+        f"the edge slips over a length of about {zone:.2g}, which nodes {spacing:.2g} apart do not "
+        "resolve",
+        least / zone,
+    )
+
+
+def coarse_weakening(scene: Scene, spacing: float) -> Shortfall | None:
+    """Slip weakening on too few nodes, of a distance [length]; None if they are enough."""
+    zone = process_zone(scene)
+    nodes = zone / spacing
+    if nodes >= WEAKENING_NODES:
+        return None
+    return Shortfall(
+        f"friction weakens within about {zone:.2g} of length, over {nodes:.2g} nodes where "
+        f"{WEAKENING_NODES:g} resolve it",
+        WEAKENING_NODES / nodes,
+    )
+
+
+def check_weakening_seen(scene: Scene, spacing: float) -> None:
+    """Raise SceneError if the grid, not the law, would set the length of slip weakening."""
+    zone = process_zone(scene)
+    if zone < LEAST_WEAKENING_NODES * spacing:
+        raise SceneError(
+            f"march: friction weakens within about {zone:.3g} of length, which nodes {spacing:.3g} "
+            f"apart do not resolve; raise `nodes` {_rounded(WEAKENING_NODES * spacing / zone)} "
+            "times (docs/limits.md)."
+        )

@@ -8,8 +8,7 @@ that adds to the memory (`Recursion`).
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -19,65 +18,13 @@ from numpy.typing import NDArray
 
 from semianalytic.scene.errors import ComputationError, TensionError
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid_pressure import GridPressure, table_bytes
-from semianalytic.spacetime.march_memory import affordable_every
+from semianalytic.spacetime.grid_pressure import GridPressure
 from semianalytic.spacetime.marched import Grid, Marched, MarchState
 from semianalytic.spacetime.record import MarchRecord
 from semianalytic.spacetime.recursion import Recursion, exerted
 from semianalytic.spacetime.tuning import AVERAGED_BREAKS, SWEEPS
 
 Array = NDArray[np.float64]
-
-
-def advance(
-    marched: Marched,
-    end_time: float,
-    memory: float | None,
-    setup: float,
-    progress: Callable[[int, int], object] | None,
-) -> Marched:
-    """March on from the state reached to the end time.
-
-    Parameters
-    ----------
-    marched : Marched
-        Left as it is.
-    end_time : float
-        [time].
-    memory : float, optional
-        What the march may take [bytes].
-    setup : float
-        What it took to make the grid [s].
-    progress : callable, optional
-        As in `march`.
-    """
-    began = time.perf_counter()
-    scene, grid = marched.scene, marched.grid
-    segments = segments_between(scene, marched.end_time, end_time, marched.step_ratio, grid.spacing)
-    steps, finest = sum(part.steps for part in segments), min(part.time_step for part in segments)
-    contact = grid.size - grid.slot
-    table = table_bytes(scene, contact, end_time / finest)
-    every = affordable_every(marched, memory, steps, table)
-    pressure = GridPressure(scene, contact, grid.spacing, end_time, finest)
-    record = MarchRecord(marched, steps, every, progress)
-    line, state = Line(scene, grid), marched.state.copy()
-    for segment in segments:
-        if not record.stopped:
-            state = _march_segment(marched, line, segment, state, pressure, record)
-    before = marched.statistics
-    seconds = {
-        "setup": before.seconds["setup"] + setup,
-        "steps": before.seconds["steps"] + time.perf_counter() - began,
-    }
-    return replace(
-        marched,
-        interface=record.interface(),
-        totals=record.totals(),
-        every=every,
-        statistics=replace(before, steps=before.steps + record.done, seconds=seconds),
-        state=state,
-        seen=record.seen,
-    )
 
 
 @dataclass(frozen=True)
@@ -92,6 +39,11 @@ class Segment:
     def time_step(self) -> float:
         """[time]."""
         return (self.end - self.begin) / self.steps
+
+    @property
+    def coarser(self) -> Segment:
+        """In half the steps."""
+        return Segment(self.begin, self.end, math.ceil(self.steps / 2))
 
     @property
     def levels(self) -> Array:
@@ -192,37 +144,62 @@ class Line:
         return np.asarray(stopping[contact] - self.impedance * rate[contact])
 
 
-def _march_segment(
-    marched: Marched,
-    line: Line,
-    segment: Segment,
-    state: MarchState,
-    pressure: GridPressure,
-    record: MarchRecord,
-) -> MarchState:
-    """The state at the end of a segment, or where the march is stopped; its memory in place."""
-    scene, grid = marched.scene, marched.grid
-    phase = grid.wavenumbers * scene.material.shear_speed * segment.time_step
-    recursion = Recursion(marched.memory, phase, marched.damping)
-    levels = _levels(scene, segment, pressure)
-    first = next(levels)
-    if segment.begin == 0 or segment.begin in _jumps(scene):
-        state = _after_jump(line, state, first)
-        record.jump(state)
-    if segment.begin == 0:
-        record.begin(state, first.pressure)
-    transform = _cosines(state.rate)
-    recursion.enter(state.modes, state.lasting, transform)
-    for level in levels:
-        _check_pressure(scene, level, grid.spacing)
-        before = state
-        recursion.step(before.modes, before.lasting, transform)
-        state, transform = _step(line, recursion, before, transform, level)
-        record.add(before, state, level.pressure)
-        if record.stopped:
-            break
-    recursion.leave(state.modes, state.lasting, transform)
-    return state
+class Walk:
+    """A march on its way: what it has reached, carried on step by step through segments.
+
+    Parameters
+    ----------
+    marched : Marched
+        Left as it is.
+    pressure : GridPressure
+    record : MarchRecord
+
+    Attributes
+    ----------
+    state, before : MarchState
+        What is reached, and where the last step began.
+    done : int
+        Steps of the segment.
+    """
+
+    def __init__(self, marched: Marched, pressure: GridPressure, record: MarchRecord) -> None:
+        self.grid, self.record = marched.grid, record
+        self.state = self.before = marched.state.copy()
+        self.done = 0
+        self._marched, self._pressure = marched, pressure
+        self._line = Line(marched.scene, marched.grid)
+
+    def begin(self, segment: Segment) -> None:
+        """Enter a segment; its loads jump first."""
+        marched, grid, scene = self._marched, self.grid, self._marched.scene
+        phase = grid.wavenumbers * scene.material.shear_speed * segment.time_step
+        self._recursion = Recursion(marched.memory, phase, marched.damping)
+        self._levels = _levels(scene, segment, self._pressure)
+        first = next(self._levels)
+        if segment.begin == 0 or segment.begin in _jumps(scene):
+            self.state = _after_jump(self._line, self.state, first)
+            self.record.jump(self.state)
+        if segment.begin == 0:
+            self.record.begin(self.state, first.pressure)
+        self.before, self.done = self.state, 0
+        self._transform = _cosines(self.state.rate)
+        self._recursion.enter(self.state.modes, self.state.lasting, self._transform)
+
+    def step(self) -> None:
+        """Take the next step; the memory in place."""
+        level = next(self._levels)
+        _check_pressure(self._marched.scene, level, self.grid.spacing)
+        self.before = self.state
+        self._recursion.step(self.state.modes, self.state.lasting, self._transform)
+        self.state, self._transform = _step(
+            self._line, self._recursion, self.before, self._transform, level
+        )
+        self.done += 1
+        self.record.add(self.before, self.state, level.pressure)
+
+    def end(self) -> None:
+        """Leave the segment, at its end or before."""
+        self._recursion.leave(self.state.modes, self.state.lasting, self._transform)
 
 
 def _after_jump(line: Line, state: MarchState, level: Level) -> MarchState:

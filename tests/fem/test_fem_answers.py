@@ -67,14 +67,14 @@ def test_fields_are_those_of_the_exact_solution(name, field, most):
     [
         ("preloaded", "accumulated_slip", 0.003),
         ("preloaded", "frictional_work", 0.003),
-        ("remote-shock", "accumulated_slip", 0.02),
-        ("remote-shock", "frictional_work", 0.07),  # what rubs at the edge node, of order sqrt(h)
+        ("remote-shock", "accumulated_slip", 0.01),
+        ("remote-shock", "frictional_work", 0.035),  # what rubs at the edge node, of order sqrt(h)
     ],
 )
 def test_totals_are_those_of_the_exact_solution(name, total, most):
     t = np.array([0.5, 0.77, 1.0])
     exact = getattr(solve(find_scene(name)), total)(t)
-    np.testing.assert_allclose(getattr(run(name), total)(t), exact, rtol=most)
+    np.testing.assert_allclose(getattr(run(name, 100), total)(t), exact, rtol=most)
 
 
 @pytest.mark.parametrize(("name", "most"), [("preloaded", 0.01), ("remote-shock", 0.015)])
@@ -192,10 +192,12 @@ def test_opening_is_told_with_its_place_time_width_and_length():
     opened, gap = sim.opened, sim.gap
     level, node = np.argwhere(gap > 0)[0]
     assert opened.time == sim.interface.t[level]
-    assert opened.x == sim.interface.x[node] == sim.element_size
+    assert node == 0  # next to the edge
+    assert opened.x == sim.interface.x[0]
     assert opened.gap == gap.max()
     # it opens to x = 0.186 t (Mode I, P_0 = -P_b)
-    assert opened.length == pytest.approx((gap[-1] > 0).sum() * sim.element_size)
+    end = sim.interface.x[gap[-1] > 0].max() + sim.element_size / 2
+    assert opened.length == pytest.approx(end)  # all of it, from x = 0 on
     assert opened.length == pytest.approx(0.186, abs=sim.element_size)
     sentence = opening_sentence(sim)
     for value in (opened.x, opened.time, opened.gap, opened.length):

@@ -1,4 +1,4 @@
-"""Studies of the finite-element model against the exact solution: accuracy, elements, cost.
+"""Studies of the finite-element model against the exact solution: accuracy, elements, smoothing.
 
 ``python -m compare.studies.accuracy.fem accuracy`` prints a table; `STUDIES` lists the others, and
 ``--csv docs/data`` writes what docs/fem.md shows.
@@ -7,11 +7,9 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +17,6 @@ from numpy.typing import NDArray
 from compare.comparison.measures import norm
 from compare.studies.tables import Study, run_studies
 from semianalytic import Solution, solve
-from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
-from semianalytic.scene.friction import RateWeakening, SlipWeakening
-from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.scene import Material, Scene, Tractions
 
@@ -253,234 +248,103 @@ def damping_rows(scene: str, resolution: int) -> list[DampingRow]:
     return rows
 
 
-PEAK_TRIALS: tuple[tuple[int, str, float], ...] = (
-    (100, "Q1", 0.02),
-    (100, "Q1", 0.01),
-    (100, "Q1", 0.0),
-    (100, "Q2", 0.02),
-    (100, "Q2", 0.01),
-    (100, "Q2", 0.005),
-    (141, "Q1", 0.02),
-    (141, "Q2", 0.01),
-    (200, "Q1", 0.02),
-    (200, "Q2", 0.01),
+class Smoothing(NamedTuple):
+    """Options of a run, as fields of `fem.Settings`."""
+
+    resolution: int = 100
+    element: str = "Q1"
+    damping: float = 0.02
+    step_ratio: float = 0.95
+
+
+SMOOTHING_TRIALS = (
+    Smoothing(),
+    Smoothing(damping=0.005),
+    Smoothing(damping=0.01),
+    Smoothing(damping=0.03),
+    Smoothing(102, step_ratio=1.0),
+    Smoothing(90, "P1"),
+    Smoothing(78, "Q2", damping=0.01),
+    Smoothing(142),
 )
-"""Resolution, element and damping of runs that might see a narrow second zone better."""
+"""Settings that might see a narrow second zone better: all but the last cost as much as the first,
+which is the default."""
+
+SMOOTHING_SCENES: Mapping[str, Scene] = {
+    **{name: NAMED_SCENES[name].scene for name in ("preloaded", "remote-shock")},
+    "auxetic": Scene(Material(1.0, 1.0, -0.5), 0.05, Tractions(1.0, 0.0), Tractions(0.0, 1.0)),
+    "shock, less base": Scene(
+        Material(1.0, 1.0, 0.25), 1.0, Tractions(1.0, 0.8), Tractions(1.0, 1.0)
+    ),
+}
+"""Self-similar scenes with two slip zones, the second ahead of the shear wave."""
 
 
 @dataclass(frozen=True)
-class PeakRow:
-    """One of the `PEAK_TRIALS`: errors as in `Errors`, seconds of stepping."""
+class SmoothingRow:
+    """One of the `SMOOTHING_TRIALS`: errors as in `Errors` and of the second zone alone.
+
+    `second_zone` is the relative L1 error at T over that zone, `slip` that of slip at T, `bar` the
+    relative L1 change at T from a mesh of twice the element size; `work` unknowns times steps.
+    """
 
     scene: str
     h: str
     element: str
     damping: float
+    step_ratio: float
+    work: float
     last: float
+    bar: float
     averaged: float
     second_peak: float
-    second_over_largest: float
-    seconds: float
+    second_zone: float
+    slip: float
 
 
-def peak_rows(scene: str) -> list[PeakRow]:
-    """How well several settings see the peak of the second zone, and what else they do."""
-    solution, rows = solve(NAMED_SCENES[scene].scene), []
-    for resolution, element, damping in PEAK_TRIALS:
-        simulation = simulated(scene, resolution, element=element, damping=damping)
-        errors = errors_of(simulation, solution)
-        rows.append(
-            PeakRow(
-                scene,
-                f"1/{resolution}",
-                element,
-                damping,
-                errors.last,
-                errors.averaged,
-                errors.second_peak,
-                errors.second_over_largest,
-                simulation.seconds["steps"],
-            )
-        )
-    return rows
-
-
-UNIT = Material(1.0, 1.0, 1 / 3)
-LOADS: Mapping[str, LoadHistory] = {
-    "step": Step(),
-    "ramp over 0.3 T": Ramp(0.3),
-    "haversine over T/2": Pulse(0.5, "haversine"),
-    "harmonic, 2 per T": Harmonic(2.0),
-}
-VARIANTS: Mapping[str, Mapping[str, Any]] = {
-    "step": {},
-    **{f"ramp over {rise:g} T": {"shear_history": Ramp(rise)} for rise in (0.1, 0.3, 1.0)},
-    "triangle over 0.4 T": {"shear_history": Pulse(0.4, "triangle")},
-    "rate weakening, 0.4 at 1": {"friction_law": RateWeakening(0.4, 1.0)},
-    "slip weakening, 0.6 over 0.05": {"friction_law": SlipWeakening(0.6, 0.05)},
-    "slip weakening, 0.6 over 0.005": {"friction_law": SlipWeakening(0.6, 0.005)},
-}
-"""What is changed about a shear step on constant pressure, in units of c_t, T and the loads."""
-
-HELD = np.linspace(0.1003, 1.9, 91)
-"""Positions x / (c_t T) at which stuck tractions are compared."""
-
-EDGE_OFFSET = {"pressure": 0.27, "shear": 0.45}
-"""How far the effective edge of a stuck interface lies from x = 0, over h."""
-
-
-def stuck_errors(history: LoadHistory, resolution: int) -> dict[str, tuple[float, float]]:
-    """Relative L1 errors of stuck pressure and shear at T under a load history, c_t = T = 1.
-
-    Returns
-    -------
-    dict
-        For "pressure" and "shear", the error at the nodes' own places and with the edge offset
-        taken into account.
-    """
-    from fem import simulate
-
-    base, load = Tractions(20.0, 0.0), Tractions(0.5, 0.8)
-    scene = Scene(UNIT, 50.0, base, load, pressure_history=history, shear_history=history)
-    simulation = simulate(scene, resolution=resolution, every=10**6)
-    seen = simulation.interface
-    errors = {}
-    for name, exact, amplitude, change in (
-        ("pressure", stuck_pressure, load.pressure, seen.pressure[-1] - base.pressure),
-        ("shear", stuck_shear, load.shear, seen.shear_traction[-1] - base.shear),
-    ):
-        simulated_change = np.interp(HELD, seen.x, change)
-        both = []
-        for offset in (0.0, EDGE_OFFSET[name] * simulation.element_size):
-            expected = exact(history, amplitude, UNIT, HELD + offset, 1.0).value
-            both.append(norm(simulated_change - expected, HELD, 1) / norm(expected, HELD, 1))
-        errors[name] = (both[0], both[1])
-    return errors
-
-
-def slip_changes(scene: Scene, resolutions: tuple[int, ...]) -> list[float]:
-    """Relative L1 change of slip at T from each mesh to the next, c_t = T = 1."""
-    from fem import simulate
-
-    profiles = []
-    for resolution in resolutions:
-        seen = simulate(scene, resolution=resolution, every=10**6).interface
-        profiles.append(np.interp(PROFILE, seen.x, seen.slip[-1]))
+def smoothing_rows() -> list[SmoothingRow]:
+    """Error and error bar of settings that smooth more or less, and how they see second zones."""
     return [
-        norm(coarse - fine, PROFILE, 1) / norm(fine, PROFILE, 1)
-        for coarse, fine in pairwise(profiles)
+        _smoothing_row(name, scene, trial)
+        for name, scene in SMOOTHING_SCENES.items()
+        for trial in SMOOTHING_TRIALS
     ]
 
 
-@dataclass(frozen=True)
-class StuckRow:
-    """`stuck_errors` of a load on one mesh: as they are, and with the edge offset."""
+def _smoothing_row(name: str, scene: Scene, trial: Smoothing) -> SmoothingRow:
+    from fem import Settings, simulate
 
-    load: str
-    h: str
-    pressure: float
-    pressure_offset: float
-    shear: float
-    shear_offset: float
-
-
-def stuck_rows(resolutions: Sequence[int]) -> list[StuckRow]:
-    """Accuracy of stuck tractions under loads that rise and fall."""
-    rows = []
-    for name, history in LOADS.items():
-        for resolution in resolutions:
-            errors = stuck_errors(history, resolution)
-            rows.append(StuckRow(name, f"1/{resolution}", *errors["pressure"], *errors["shear"]))
-    return rows
-
-
-@dataclass(frozen=True)
-class ChangeRow:
-    """`slip_changes` of `preloaded` with another load or friction law, on three meshes."""
-
-    variant: str
-    coarse: float
-    fine: float
-
-
-def change_rows(resolutions: tuple[int, int, int]) -> list[ChangeRow]:
-    """How slip changes from mesh to mesh under each of the `VARIANTS`."""
-    base, load = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
-    return [
-        ChangeRow(name, *slip_changes(Scene(UNIT, 0.3, base, load, **parts), resolutions))
-        for name, parts in VARIANTS.items()
-    ]
+    solution, place = solve(scene), PROFILE * scene.material.shear_speed
+    settings = Settings(**trial._asdict())
+    run = simulate(scene, 1.0, settings)
+    coarse = simulate(scene, 1.0, settings, resolution=trial.resolution // 2, every=10**6)
+    last, exact, exact_slip = (
+        last_profile(run),
+        solution.slip_rate(place, 1.0),
+        solution.slip(place, 1.0),
+    )
+    slip = np.interp(place, run.interface.x, run.interface.slip[-1])
+    errors = profile_errors(solution, last, averaged_profile(run))
+    second = solution.zones[1]
+    inside = (place > second.inner) & (place < second.outer)
+    return SmoothingRow(
+        name,
+        f"1/{trial.resolution}",
+        trial.element,
+        trial.damping,
+        trial.step_ratio,
+        work=float(run.unknowns) * run.steps,
+        last=errors.last,
+        bar=_relative(last - last_profile(coarse), exact),
+        averaged=errors.averaged,
+        second_peak=errors.second_peak,
+        second_zone=_relative((last - exact) * inside, exact * inside),
+        slip=_relative(slip - exact_slip, exact_slip),
+    )
 
 
-@dataclass(frozen=True)
-class CostRow:
-    """Product of the stiffness and a full step [ns per unknown], their ratio, and by what factor
-    the window and the trimmed domain save unknowns."""
-
-    h: str
-    unknowns: int
-    product: float
-    step: float
-    ratio: float
-    window: float
-    trimming: float
-
-
-def cost_rows(scene: str, resolutions: Sequence[int]) -> list[CostRow]:
-    """A full step over one product of the active part, and what the window and the halves save.
-
-    Step and product are timed in turns, in one run, as medians.
-    """
-    from fem import prepare
-
-    rows = []
-    for resolution in resolutions:
-        model = prepare(NAMED_SCENES[scene].scene, resolution=resolution)
-        plan = model.plan
-        unknowns = len(model.root)
-        noise = np.random.default_rng(0).standard_normal(unknowns)
-        for body in model.bodies:
-            body.activate(unknowns)
-            body.increment[:] = 1e-9 * noise
-
-        def step(model: Any = model) -> None:
-            for body in model.bodies:
-                body.kick(1.0)
-            model.interface.act(1.0)
-            for body in model.bodies:
-                body.drift(1.0)
-
-        def product(model: Any = model, noise: Array = noise) -> None:
-            for body in model.bodies:
-                _ = body.matrix @ noise
-
-        product_time, step_time = _medians(product, step, 15)
-        times = model.time_step * np.arange(1.0, model.steps + 2)
-        reach = plan.fastest.longitudinal_speed * times + plan.forerun
-        active = np.mean([model.numbering.reached(distance) for distance in reach])
-        rows.append(
-            CostRow(
-                f"1/{resolution}",
-                model.unknowns,
-                1e9 * product_time / model.unknowns,
-                1e9 * step_time / model.unknowns,
-                step_time / product_time,
-                float(unknowns / active),
-                replace(plan, full=True).blocks.elements / plan.blocks.elements,
-            )
-        )
-    return rows
-
-
-def _medians(one: Callable[[], None], other: Callable[[], None], times: int) -> tuple[float, float]:
-    """Median wall-clock times of two functions called in turns [s]."""
-    seconds: tuple[list[float], list[float]] = ([], [])
-    for _ in range(times):
-        for function, taken in zip((one, other), seconds, strict=True):
-            started = time.perf_counter()
-            function()
-            taken.append(time.perf_counter() - started)
-    return float(np.median(seconds[0])), float(np.median(seconds[1]))
+def _relative(difference: Array, exact: Array) -> float:
+    return norm(difference, PROFILE, 1) / norm(exact, PROFILE, 1)
 
 
 def simulated(scene: str, resolution: int, **options: Any) -> Simulation:
@@ -512,10 +376,7 @@ STUDIES: Mapping[str, Study] = {
     "finest": lambda: accuracy("remote-shock", (400, 560)),
     "elements": lambda: element_rows("preloaded", (50, 100, 200)),
     "damping": lambda: damping_rows("preloaded", 200),
-    "peak": lambda: [*peak_rows("preloaded"), *peak_rows("remote-shock")],
-    "stuck": lambda: stuck_rows((50, 100, 200)),
-    "changes": lambda: change_rows((50, 100, 200)),
-    "cost": lambda: cost_rows("preloaded", (200, 400)),
+    "smoothing": smoothing_rows,
 }
 
 

@@ -1,4 +1,4 @@
-"""Studies of the space-time solver: accuracy, cost, memory, slow ramps, resolution, edge.
+"""Studies of the space-time solver: accuracy, cost, memory, slow ramps, resolution, edge, error.
 
 ``python -m compare.studies.accuracy.spacetime accuracy`` prints a table; `STUDIES` lists more, and
 ``--csv docs/data`` writes what docs/spacetime.md shows.
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import in_profile, relative_error
+from compare.studies.accuracy.march_error import error, weakening
 from compare.studies.tables import Study, run_studies
 from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Solution, Tractions, march, solve
 from semianalytic.halfplane.stuck_histories import stuck_shear
@@ -61,7 +62,7 @@ def last_march(
     damping: float = 0.7,
     tolerance: float = 1e-6,
 ) -> Marched:
-    """A march of which only the end is kept."""
+    """A march of which only the end is kept; without a companion, as all marches here."""
     return march(
         scene,
         nodes=nodes,
@@ -70,6 +71,7 @@ def last_march(
         damping=damping,
         tolerance=tolerance,
         every=10**9,
+        companion=False,
     )
 
 
@@ -169,7 +171,7 @@ def ramp_errors(rise_time: float, nodes: int = 1500) -> RampRow:
     scene = replace(NAMED_SCENES["ramp"].scene, shear_history=Ramp(rise_time))
     static = static_zone(scene, 1.0)
     length = float(np.clip(4 * static.length, 0.4, 2.0))
-    marched = march(scene, 1.0, nodes, length=length, every=10**9)
+    marched = march(scene, 1.0, nodes, length=length, every=10**9, companion=False)
     x, slip = marched.grid.x, marched.interface.slip[-1]
     end = x[slip > 1e-4 * slip.max()].max() + marched.grid.spacing / 2
     return RampRow(
@@ -208,7 +210,7 @@ def _work_row(study: str, scene: Scene, parameter: int, nodes: int) -> Resolutio
 
 def _work(scene: Scene, nodes: int) -> float:
     """Frictional work until T = 1 on a length of 2, per unit thickness."""
-    marched = march(scene, 1.0, nodes, length=LENGTH, every=10**9)
+    marched = march(scene, 1.0, nodes, length=LENGTH, every=10**9, companion=False)
     return float(marched.final_work_density.sum() * marched.grid.spacing)
 
 
@@ -248,6 +250,8 @@ STUDIES: Mapping[str, Study] = {
     "ramps": lambda: [ramp_errors(rise_time) for rise_time in RISE_TIMES],
     "resolution": resolution,
     "edge": edge,
+    "error": error,
+    "weakening": weakening,
 }
 
 

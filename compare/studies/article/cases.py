@@ -100,8 +100,8 @@ class Case:
 
     def simulated(self) -> tuple[Array, Array]:
         """x/(c_t T) > 0 and slip rate over V_0 at the end of the simulation."""
-        x = self.history.x[1:] / (SHEAR_SPEED * self.history.t[-1])
-        return x, self.history.slip_rate[-1, 1:] / self.scale
+        x = self.history.x / (SHEAR_SPEED * self.history.t[-1])
+        return x, self.history.slip_rate[-1] / self.scale
 
     def simulated_mean(self, low: float, high: float) -> float:
         """Mean of the simulated slip rate over low < x/(c_t T) < high."""

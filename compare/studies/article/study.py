@@ -215,7 +215,7 @@ def figure_2(cases: Cases) -> Figure:
             time = history.t[row]
             value = predict(Step(), amplitude, material, x, time).value
             panel.plot(x, value, color=colour, label=f"t = {time:.4f}")
-            panel.plot(history.x[1:], seen[row, 1:], ".", color=colour, markersize=2.5)
+            panel.plot(history.x, seen[row], ".", color=colour, markersize=2.5)
         panel.set(xlabel="x", ylabel=label, ylim=(-0.12, 0.6), xlim=(0, 0.11))
         panel.legend(fontsize=SMALL, title="lines exact, dots FEM", title_fontsize=SMALL)
     return figure
@@ -238,7 +238,7 @@ def _slip_curves(case: Case, method: str) -> tuple[Array, Array]:
         return _VELOCITY, total / (case.scale * END_TIME)
     if method == "finite elements":
         velocity, _ = case.simulated()
-        return velocity, case.history.slip[-1, 1:] / (case.scale * case.history.t[-1])
+        return velocity, case.history.slip[-1] / (case.scale * case.history.t[-1])
     slip = published_slip(case.chi)
     steps = np.diff(slip.u, prepend=1.0)
     total = np.cumsum(slip.slip_rate * steps) / slip.u

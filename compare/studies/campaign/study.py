@@ -15,7 +15,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import process_time
@@ -24,9 +24,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.output.files import write_text
 from compare.output.progress import progress_bar
-from compare.output.tables import append_rows, sound_rows, write_rows
+from compare.output.tables import append_rows, started_rows, write_rows
 from compare.studies.campaign.scenes import drawn, random_history_scene, random_step_scene
 from compare.studies.tables import shown_rows
 from compare.studies.workers import Progress, run_tasks
@@ -203,9 +202,9 @@ def marched_row(seed: int, index: int) -> MarchedRow:
     row = partial(MarchedRow, index, loads, type(scene.friction_law).__name__)
     try:
         began = process_time()
-        coarse = march(scene, 1.0, NODES)
+        coarse = march(scene, 1.0, NODES, companion=False)
         seconds = process_time() - began
-        fine = march(scene, 1.0, 2 * NODES)
+        fine = march(scene, 1.0, 2 * NODES, companion=False)
     except SlipfrontError:
         return row("refused")
     slip = np.abs(fine.interface.slip[-1])
@@ -257,7 +256,7 @@ def run_campaign(
         If a table cannot be written.
     """
     directory.mkdir(parents=True, exist_ok=True)
-    plan: tuple[tuple[type, Callable[[int, int], Any], int], ...] = (
+    plan: tuple[tuple[type[Any], Callable[[int, int], Any], int], ...] = (
         (SolvedRow, solved_row, scenes),
         (MarchedRow, marched_row, histories),
     )
@@ -265,7 +264,7 @@ def run_campaign(
     results: list[dict[int, Any]] = []
     tasks, owners = [], []
     for owner, ((kind, function, count), table) in enumerate(zip(plan, tables, strict=True)):
-        known: dict[int, Any] = {row.index: row for row in _known_rows(table, kind)}
+        known: dict[int, Any] = {row.index: row for row in started_rows(table, kind)}
         results.append({index: row for index, row in known.items() if index < count})
         left = [index for index in range(count) if index not in known]
         for start in range(0, len(left), _PER_TASK):
@@ -277,14 +276,6 @@ def run_campaign(
         results[owner].update({row.index: row for row in rows})
     solved, marched = (sorted(rows.values(), key=lambda row: row.index) for rows in results)
     return solved, marched
-
-
-def _known_rows(table: Path, kind: type) -> list[Any]:
-    """Whole rows of an earlier run; the heading is written if there is no table."""
-    if not table.exists():
-        names = [field.name for field in fields(kind)]
-        write_text(table, ",".join([*names, "checksum"]) + "\n")
-    return sound_rows(table, kind)
 
 
 def summary(solved: Sequence[SolvedRow], marched: Sequence[MarchedRow]) -> list[tuple[str, str]]:

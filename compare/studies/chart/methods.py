@@ -187,7 +187,7 @@ def _published(scene: Scene, size: float) -> Answer:
 
 def _space_time(scene: Scene, nodes: float) -> Answer:
     fit_memory.cache_clear()
-    marched = march(scene, nodes=int(nodes), every=_ONLY_LAST)
+    marched = march(scene, nodes=int(nodes), every=_ONLY_LAST, companion=False)
     seconds, seen = marched.statistics.seconds, marched.interface
     velocity = seen.x / (scene.material.shear_speed * seen.t[-1])
     return Answer(seconds["setup"], seconds["steps"], *sampled(scene, velocity, seen.slip_rate[-1]))

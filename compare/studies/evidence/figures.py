@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from compare.comparison.rows import EDGE_CELLS
+from compare.comparison.case import EDGE_CELLS
 from compare.comparison.scales import slip_rate_scale, stress_scale, wave_speeds
 from compare.figures.style import (
     BLACK,
@@ -146,7 +146,7 @@ def profiles(anchor: str, evidence: SceneEvidence) -> dict[str, Any]:
     rates = {name: h.slip_rate[levels] / rate for name, h in histories.items()}
     shear = {name: h.shear_traction[levels] / stress for name, h in histories.items()}
     bound = {name: scene.friction * h.pressure[levels] / stress for name, h in histories.items()}
-    framed = shear if evidence.reports else {**shear, "bound": bound[FEM]}
+    framed = shear if evidence.judgements else {**shear, "bound": bound[FEM]}
     around_rates = _panel_limits([values[:, EDGE_CELLS:] for values in rates.values()])
     around_shear = _panel_limits([values[:, _ahead(place)] for values in framed.values()])
     if evidence.published is not None:

@@ -17,7 +17,7 @@ BESIDE = 5.0
 
 @dataclass(frozen=True)
 class Cell:
-    """Text of a table cell and what it looks like: number, long, good, bad or plain."""
+    """Text of a table cell and what it looks like: number, long, good, bad, open or plain."""
 
     text: str
     look: str = ""

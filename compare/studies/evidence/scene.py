@@ -5,15 +5,16 @@ from __future__ import annotations
 import json
 import math
 import shlex
+from collections.abc import Mapping
 from html import escape
 
 import numpy as np
 
 from compare.comparison.documents import edge_state
-from compare.comparison.history_rows import slips
+from compare.comparison.judgement import Judgement
 from compare.comparison.measures import sampled_zones
-from compare.comparison.prediction import FINER
-from compare.comparison.rows import shown_number
+from compare.comparison.prediction import FINER, method_of, seconds_of
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, shown_number
 from compare.comparison.scales import slip_rate_scale, speed_regime, stress_scale, wave_speeds
 from compare.figures.histories import history_figure, sense_figure, wear_figure
 from compare.figures.interface import fronts_figure
@@ -37,17 +38,27 @@ from compare.studies.evidence.html import (
     words,
 )
 from compare.studies.evidence.study import FEM, PUBLISHED, SceneEvidence, differences
+from semianalytic import Marched, Solution
+from semianalytic.results.answer import Answer
 from semianalytic.scene.scene import scene_document
 
-PASS, FAIL = "within", "OUTSIDE"
+LOOKS = {AGREES: "good", DIFFERS: "bad", UNRESOLVED: "open"}
 READ_FROM = 0.01
 """Slip counts from this share of the largest slip rate on, where zones are read off a profile."""
 DASH = "–"
 
 
-def verdict(passed: bool) -> Cell:
-    """Whether something is within its tolerance."""
-    return Cell(PASS, "good") if passed else Cell(FAIL, "bad")
+def verdict_cell(verdict: str) -> Cell:
+    """A verdict in its colour; what differs in capitals too."""
+    return Cell(verdict.upper() if verdict == DIFFERS else verdict, LOOKS[verdict])
+
+
+def counts_text(counts: Mapping[str, int]) -> str:
+    """How many rows have each verdict, in words."""
+    return (
+        f"{counts[AGREES]} of {sum(counts.values())} rows agree, {counts[UNRESOLVED]} unresolved, "
+        f"{counts[DIFFERS]} differ"
+    )
 
 
 def scene_section(anchor: str, evidence: SceneEvidence, quick: bool) -> str:
@@ -73,9 +84,8 @@ def scene_section(anchor: str, evidence: SceneEvidence, quick: bool) -> str:
         "<h3>Energy</h3>",
         energy_tables(evidence),
     ]
-    if evidence.rows:
-        judged = dict.fromkeys(method for method, _ in evidence.rows)
-        parts += ["<h3>Row by row</h3>", *(_rows(evidence, method) for method in judged)]
+    if evidence.judgements:
+        parts += ["<h3>Row by row</h3>", *map(_rows, evidence.judgements)]
     parts += ["<h3>Do it again</h3>", _commands(evidence)]
     return "\n".join(parts)
 
@@ -105,14 +115,10 @@ def _methods(evidence: SceneEvidence) -> str:
     rows: list[tuple[str | Cell, ...]] = []
     settings = {FEM: _mesh_words(evidence), PUBLISHED: "default reading, 200 unknowns"}
     seconds = {FEM: sum(evidence.simulation.seconds.values())}
-    for report in evidence.reports:
-        prediction = report.prediction
-        seconds[prediction.method] = prediction.seconds
-        settings[prediction.method] = (
-            f"{prediction.solution.status}, error estimate {prediction.solution.error_estimate:.0e}"
-            if prediction.solution is not None
-            else f"{FINER} nodes per element of the mesh"
-        )
+    for judgement in evidence.judgements:
+        prediction = judgement.prediction
+        seconds[method_of(prediction)] = seconds_of(prediction)
+        settings[method_of(prediction)] = _settings(prediction)
     for method in evidence.methods:
         took = f"{seconds[method]:.2g}" if method in seconds else DASH
         gap = [f"{value:.2e}" for value in gaps[method]] if method in gaps else [DASH, DASH]
@@ -126,12 +132,20 @@ def _methods(evidence: SceneEvidence) -> str:
     )
 
 
+def _settings(prediction: Answer) -> str:
+    """How a prediction was made, and how far off it says to be."""
+    assert isinstance(prediction, Solution | Marched)  # as `predict_like` makes them
+    nodes = f"{FINER} nodes per element of the mesh, " if isinstance(prediction, Marched) else ""
+    return f"{nodes}{prediction.status}, error estimate {prediction.error_estimate:.0e}"
+
+
 def _mesh_words(evidence: SceneEvidence) -> str:
     run = evidence.simulation
+    coarser = " and ".join(str(one.resolution) for one in evidence.coarser)
     return (
         f"h = c_t T / {run.resolution}, {run.element} on {run.mesh}, {run.model}, damping "
         f"{run.damping:g} h/c_t, {run.unknowns:,} unknowns, {run.steps} steps"
-    )
+    ) + (f"; error bars from runs at c_t T / {coarser}" if coarser else "")
 
 
 def _zones(evidence: SceneEvidence) -> str:
@@ -142,10 +156,7 @@ def _zones(evidence: SceneEvidence) -> str:
     ]
     parts = [table(("front", "speed / c_t"), speeds, "Wave speeds")]
     rows = []
-    for report in evidence.reports:
-        solution = report.prediction.solution
-        if solution is None:
-            continue
+    for solution in _solutions(evidence):
         for zone in solution.zones:
             edges = [
                 text
@@ -214,16 +225,16 @@ def energy_tables(evidence: SceneEvidence) -> str:
     simulation = evidence.simulation
     nodes, end = simulation.interface.x, simulation.end_time
     work = []
-    for report in evidence.reports:
-        prediction = report.prediction
-        if prediction.solution is None:
-            x, taken = prediction.interface.x, prediction.final_work_density
-            part, whole = float(np.trapezoid(taken, x)), math.nan
-        else:
-            heat = prediction.solution.frictional_work
+    for judgement in evidence.judgements:
+        prediction = judgement.prediction
+        if isinstance(prediction, Solution):
+            heat = prediction.frictional_work
             part, whole = float(heat(end, nodes[0], nodes[-1])), float(heat(end))
+        else:
+            _, taken = judgement.case.worn_at_nodes
+            part, whole = float(np.trapezoid(taken, nodes)), math.nan
         shown = number(_work(part / unit)), number(_work(whole / unit))
-        work.append((prediction.method, *shown))
+        work.append((method_of(prediction), *shown))
     seen = float(np.trapezoid(simulation.final_work_density, nodes))
     work.append((FEM, number(_work(seen / unit)), parts[3][1]))
     return table(
@@ -231,7 +242,7 @@ def energy_tables(evidence: SceneEvidence) -> str:
         parts,
         "Energy balance of the scheme, per unit thickness, both blocks",
     ) + table(
-        ("method", "nodes from x = h on", "all of x > 0, by the method itself"),
+        ("method", "from the first node on", "all of x > 0, by the method itself"),
         work,
         "Frictional work until T, over τ₀ V₀ c_t T²",
     )
@@ -244,37 +255,46 @@ def _work(value: float) -> str:
     return "∞" if math.isinf(value) else f"{value:.6f}"
 
 
-def _rows(evidence: SceneEvidence, method: str) -> str:
-    rows = [row for name, row in evidence.rows if name == method]
-    passed = sum(row.passed for row in rows)
+def _rows(judgement: Judgement) -> str:
+    """The rows of one judgement, open unless all agree."""
     cells = [
         (
-            words(row.quantity),
-            *(
-                number(DASH if value is None else shown_number(value))
-                for value in (row.prediction, row.simulation, row.difference, row.tolerance)
-            ),
-            verdict(row.passed),
+            words(row.label),
+            *(number(shown_number(value)) for value in (row.exact, row.at_nodes, row.simulated)),
+            *(number(row.shown_share(value)) for value in (row.difference, row.bar)),
+            verdict_cell(row.verdict),
+            words("; ".join(filter(None, (row.obstacle, judgement.remedy(row))))),
         )
-        for row in rows
+        for row in judgement.rows
     ]
-    title = f"{method} against {FEM}: {passed} of {len(rows)} rows {PASS} their tolerance"
-    head = ("quantity", method, FEM, "difference", "tolerance", "verdict")
-    reasons = "".join(f"<li>{escape(row)}</li>" for row in dict.fromkeys(r.reason for r in rows))
+    counts = judgement.counts
+    title = f"{method_of(judgement.prediction)} against {FEM}: {counts_text(counts)}"
+    head = (
+        "quantity",
+        "exact",
+        "at nodes",
+        FEM,
+        "difference",
+        "bar ±",
+        "verdict",
+        "why unresolved",
+    )
     return (
-        f"<details{'' if passed == len(rows) else ' open'}><summary>{escape(title)}</summary>"
-        + table(head, cells, "Differences of fields are relative; all others absolute")
-        + f"<p>Where the tolerances come from:</p><ul>{reasons}</ul></details>"
+        f"<details{' open' if counts[DIFFERS] else ''}><summary>{escape(title)}</summary>"
+        + table(
+            head, cells, "Differences are between the last two values; of fields, their norm in %"
+        )
+        + "</details>"
     )
 
 
 def _commands(evidence: SceneEvidence) -> str:
     name, run = shlex.quote(evidence.source), evidence.simulation
     mesh = f"--resolution {run.resolution}"
-    if not evidence.reports:
+    if not evidence.judgements:
         return code([f"slipfront simulate {name} {mesh}"])
     lines = [f"slipfront compare {name} {mesh} --no-snapshots"]
-    if len(evidence.reports) > 1:
+    if len(evidence.judgements) > 1:
         lines.append(f"slipfront compare {name} {mesh} --no-snapshots --method space-time")
     lines.append(f"slipfront solve {name}")
     return code(lines)
@@ -284,7 +304,7 @@ def _figures(evidence: SceneEvidence, quick: bool) -> str:
     label, methods = evidence.label, ", ".join(evidence.histories)
     every = ", ".join(evidence.methods)
     drawn = []
-    if evidence.reports:
+    if evidence.judgements:
         caption = f"Slip rate at T of {label} by {every}"
         drawn.append(drawn_figure(rates_figure(evidence), caption))
         caption = f"Shear traction and friction bound at T of {label} by {methods}"
@@ -292,26 +312,25 @@ def _figures(evidence: SceneEvidence, quick: bool) -> str:
     else:
         caption = f"Where the contact of {label} is open"
         drawn.append(drawn_figure(opening_figure(evidence), caption))
-    moving = [r for r in evidence.reports if slips(r.prediction, r.simulation)]
-    for report in moving:
-        method = report.prediction.method
+    for judgement in evidence.judgements:
+        case, method = judgement.case, method_of(judgement.prediction)
+        if not case.slips:
+            continue
         caption = (
             f"Sense of slip of {label} over space and time: {method}, {FEM}, and where the two"
         )
-        drawn.append(drawn_figure(sense_figure(report), f"{caption} differ", wide=True))
-        if quick or report is not evidence.reports[0]:
+        drawn.append(drawn_figure(sense_figure(case), f"{caption} differ", wide=True))
+        if quick or judgement is not evidence.judgements[0]:
             continue
         caption = f"Slip rate of {label} at four moments, {method} and {FEM}"
-        drawn.append(drawn_figure(history_figure(report), caption))
+        drawn.append(drawn_figure(history_figure(case), caption))
         caption = f"Accumulated slip and frictional work of {label} at T, {method} and {FEM}"
-        drawn.append(drawn_figure(wear_figure(report), caption))
+        drawn.append(drawn_figure(wear_figure(case), caption))
     if not quick:
         caption = f"Simulated slip rate of {label} under predicted fronts and zone edges"
-        solutions = [report.prediction.solution for report in evidence.reports]
         drawn += [
             drawn_figure(fronts_figure(solution, evidence.simulation.interface), caption)
-            for solution in solutions
-            if solution is not None
+            for solution in _solutions(evidence)
         ]
         caption = f"Energies of {label} in the {FEM} over time"
         drawn.append(drawn_figure(energy_figure(evidence), caption))
@@ -341,6 +360,12 @@ def _player(anchor: str, evidence: SceneEvidence) -> str:
         f'<script type="application/json">{data.replace("</", chr(92).join("</"))}</script>'
         "<noscript><p>The slider needs JavaScript; the figures below do not.</p></noscript></div>"
     )
+
+
+def _solutions(evidence: SceneEvidence) -> list[Solution]:
+    """What the self-similar method predicts: one solution, or none."""
+    predictions = (judgement.prediction for judgement in evidence.judgements)
+    return [prediction for prediction in predictions if isinstance(prediction, Solution)]
 
 
 def _sense(sense: int) -> str:

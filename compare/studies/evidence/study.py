@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -15,13 +17,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from compare.comparison.judgement import Judgement, judge
 from compare.comparison.measures import in_profile, relative_error
-from compare.comparison.prediction import prediction_at_nodes
-from compare.comparison.report import Report, build_report
-from compare.comparison.rows import Row
+from compare.comparison.prediction import method_of, predict_like
+from compare.comparison.rows import UNRESOLVED, Row, overall
 from compare.comparison.scales import slip_rate_scale
 from compare.studies.workers import Progress, counted
-from semianalytic import InterfaceHistory, Material, Scene, Tractions
+from semianalytic import InterfaceHistory, Material, Scene, Tractions, solve
 from semianalytic.reference import PublishedSlip
 from semianalytic.reference.known_answers import closed_form, published_answer, published_unit
 from semianalytic.scene.errors import SceneError, TensionError
@@ -51,8 +53,9 @@ class SceneEvidence:
     source : str
         Name of the scene, or path of its file.
     simulation : Simulation
-        Finite elements; its nodes and times are those of all methods.
-    reports : tuple of Report
+        Finite elements; its nodes and times are those of all methods.  With its companions where
+        it is judged by them.
+    judgements : tuple of Judgement
         One per semi-analytic method, the one the scene calls for first; none under tension.
     published : PublishedSlip or None
         The published algorithm, if the scene has the one load it knows.
@@ -62,7 +65,7 @@ class SceneEvidence:
 
     source: str
     simulation: Simulation
-    reports: tuple[Report, ...]
+    judgements: tuple[Judgement, ...]
     published: PublishedSlip | None
     obstacle: str
 
@@ -84,10 +87,15 @@ class SceneEvidence:
         return f"from {self.source}"
 
     @property
+    def coarser(self) -> tuple[Simulation, ...]:
+        """The same run on coarser meshes, from which error bars come; none where nothing is
+        judged."""
+        return self.judgements[0].case.coarser if self.judgements else ()
+
+    @property
     def histories(self) -> dict[str, InterfaceHistory]:
         """Histories at the contact nodes and times of the simulation, by method."""
-        predictions = [report.prediction for report in self.reports]
-        predicted = {prediction.method: prediction.interface for prediction in predictions}
+        predicted = {method_of(one.prediction): one.case.at_nodes for one in self.judgements}
         return {**predicted, FEM: self.simulation.interface}
 
     @property
@@ -97,18 +105,22 @@ class SceneEvidence:
 
     @property
     def rows(self) -> tuple[tuple[str, Row], ...]:
-        """All rows of all reports that hold anything, with the method that predicts."""
+        """All rows of all judgements, with the method that predicts."""
         return tuple(
-            (report.prediction.method, row)
-            for report in self.reports
-            for row in report.rows
-            if row.present
+            (method_of(judgement.prediction), row)
+            for judgement in self.judgements
+            for row in judgement.rows
         )
 
     @property
-    def passed(self) -> bool:
-        """Whether every row is within its tolerance."""
-        return all(row.passed for _, row in self.rows)
+    def counts(self) -> Counter[str]:
+        """How many rows have each verdict."""
+        return Counter(row.verdict for _, row in self.rows)
+
+    @property
+    def verdict(self) -> str:
+        """That of all judgements together, as of the rows of one."""
+        return overall(judgement.verdict for judgement in self.judgements)
 
     def published_rate(self) -> Array:
         """Relative slip rate of the published algorithm at nodes and times, (m, n).
@@ -174,21 +186,30 @@ class Evidence:
     seconds: float
 
     @property
-    def passed(self) -> bool:
-        """Whether every row of every scene is within its tolerance."""
-        return all(scene.passed for scene in self.scenes)
+    def counts(self) -> Counter[str]:
+        """How many rows of all scenes have each verdict."""
+        return sum((scene.counts for scene in self.scenes), Counter[str]())
+
+    @property
+    def verdict(self) -> str:
+        """That of all scenes together, as of the rows of one."""
+        return overall(scene.verdict for scene in self.scenes if scene.judgements)
 
 
 def excess(row: Row) -> float:
-    """Difference of a row over its tolerance; infinite where one of the two answers is missing."""
-    if row.difference is None:
-        return float("inf") if row.present else 0.0
-    return float(abs(row.difference) / row.tolerance)
+    """Difference of a row over its error bar; infinite where one of the two answers is missing,
+    0 of what is unresolved or the same."""
+    if row.verdict == UNRESOLVED or row.bar is None or row.difference == 0:
+        return 0.0
+    if row.difference is None or row.bar == 0:
+        return math.inf
+    return abs(row.difference) / row.bar
 
 
 def worst_row(evidence: SceneEvidence) -> tuple[str, Row] | None:
-    """The row of a scene that comes closest to its tolerance, or passes it most."""
-    return max(evidence.rows, key=lambda pair: excess(pair[1]), default=None)
+    """The resolved row of a scene that is nearest to its error bar, or farthest beyond."""
+    resolved = [pair for pair in evidence.rows if pair[1].verdict != UNRESOLVED]
+    return max(resolved, key=lambda pair: excess(pair[1]), default=None)
 
 
 def differences(evidence: SceneEvidence) -> dict[str, tuple[float, float]]:
@@ -208,7 +229,7 @@ def differences(evidence: SceneEvidence) -> dict[str, tuple[float, float]]:
 
 
 def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
-    """Simulate a scene and run every other method that applies to it.
+    """Simulate a scene, with its companions, and judge every other method that applies by it.
 
     Raises
     ------
@@ -217,21 +238,18 @@ def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
     ComputationError
         If a method fails.
     """
-    from fem import simulate
+    from fem import simulate, with_companions
 
     scene = find_scene(source)
     simulation = simulate(scene, resolution=resolution)
     methods = ("self-similar", "space-time") if scene.is_self_similar else ("space-time",)
-    reports: tuple[Report, ...] = ()
-    obstacle = ""
     try:
-        reports = tuple(
-            build_report(scene_label(source), prediction_at_nodes(simulation, method), simulation)
-            for method in methods
-        )
+        predictions = [predict_like(simulation, method) for method in methods]
     except TensionError as error:
-        obstacle = str(error)
-    return SceneEvidence(source, simulation, reports, published_answer(scene), obstacle)
+        return SceneEvidence(source, simulation, (), published_answer(scene), str(error))
+    simulation = with_companions(simulation)
+    judgements = tuple(judge(prediction, simulation) for prediction in predictions)
+    return SceneEvidence(source, simulation, judgements, published_answer(scene), "")
 
 
 def closed_forms(resolution: int = RESOLUTION) -> tuple[ClosedForm, ...]:
@@ -263,20 +281,17 @@ def _closed_form(words: str, scene: Scene, resolution: int) -> ClosedForm:
 
     known, speed = closed_form(scene), scene.material.shear_speed
     simulation = simulate(scene, resolution=resolution)
-    predictions = [
-        prediction_at_nodes(simulation, method) for method in ("self-similar", "space-time")
-    ]
-    histories = {prediction.method: prediction.interface for prediction in predictions}
-    histories[FEM] = simulation.interface
-    velocity = histories[FEM].x / simulation.end_time
-    shown = in_profile(velocity / speed)
-    exact = known.slip_rate(velocity[shown])
-    errors = {
-        name: relative_error(history.slip_rate[-1, shown], exact, velocity[shown], 1)
-        for name, history in histories.items()
+    history, end = simulation.interface, simulation.end_time
+    shown = in_profile(history.x / (speed * end))
+    velocity, solution = history.x[shown] / end, solve(scene)
+    rates = {
+        "self-similar": solution.slip_rate(velocity, 1.0),
+        "space-time": predict_like(simulation, "space-time").slip_rate(velocity * end, end),
+        FEM: history.slip_rate[-1, shown],
     }
-    solution = predictions[0].solution
-    if known.edge_speed is None or solution is None:
+    exact = known.slip_rate(velocity)
+    errors = {name: relative_error(rate, exact, velocity, 1) for name, rate in rates.items()}
+    if known.edge_speed is None:
         return ClosedForm(words, errors, None, None)
     return ClosedForm(words, errors, known.edge_speed / speed, solution.zones[-1].outer / speed)
 

@@ -286,24 +286,26 @@ def test_compare_with_an_earlier_simulation(simulated, tmp_path, capsys):
     folder = tmp_path / "compared"
     code = main(["compare", "preloaded", "--from", str(simulated), "--output", str(folder)])
     document = json.loads((folder / "report.json").read_text())
-    assert code == (0 if document["passed"] else 1)
+    assert code == (1 if document["verdict"] == "differs" else 0)
     names = {path.name for path in folder.iterdir()}
     assert names == COMPARISON_FIGURES | {"report.json"}
     out = capsys.readouterr().out
     for row in document["rows"]:
-        assert row["quantity"] in out
+        assert row["name"] in out
+    assert f"Verdict: {document['verdict']} (" in out
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_compare_reads_the_snapshots_too(simulated, tmp_path, capsys):
     command = ["compare", "--from", str(simulated), "--output", str(tmp_path)]
     main(command)
-    rows = {r["quantity"]: r for r in json.loads((tmp_path / "report.json").read_text())["rows"]}
+    rows = {row["name"]: row for row in json.loads((tmp_path / "report.json").read_text())["rows"]}
     # The last frame shows the final time: the same numbers through another file.
-    history, frame = rows["slip rate in L1"], rows["slip rate of the last snapshot in L1"]
+    history, frame = rows["slip rate, L1"], rows["slip rate of snapshot, L1"]
     assert frame["difference"] == pytest.approx(history["difference"], rel=1e-6)
+    assert (frame["bar"], frame["verdict"]) == (history["bar"], history["verdict"])
     main([*command, "--no-snapshots"])
-    assert "last snapshot" not in (tmp_path / "report.json").read_text()
+    assert "snapshot" not in (tmp_path / "report.json").read_text()
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -335,18 +337,66 @@ def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys
     assert "results/preloaded-friction-1/" in captured.out
     assert "mesh size" in captured.err
     document = json.loads((folder / "report.json").read_text())
-    assert code == (0 if document["passed"] else 1)
+    assert code == (1 if document["verdict"] == "differs" else 0)
     assert document["parameters"]["friction"] == 1.0
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_comparison_outside_its_tolerance_exits_with_one(
-    simulated, monkeypatch, tmp_path, capsys
-):
-    monkeypatch.setattr("compare.comparison.edge_rows.element_over_length", lambda simulation: 1e-9)
+def test_a_prediction_that_differs_exits_with_one(simulated, monkeypatch, tmp_path, capsys):
+    """With the answer for more friction in place of the right one."""
+
+    def spoilt(scene):
+        return solve(replace(scene, friction=0.6))
+
+    monkeypatch.setattr(compare.comparison.prediction, "solve", spoilt)
     arguments = ["compare", "--from", str(simulated), "--output", str(tmp_path / "out")]
     assert main(arguments) == 1
-    assert "FAIL" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "Verdict: differs (" in out
+    document = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert document["verdict"] == "differs"
+    assert document["counts"]["differs"] >= 3
+    monkeypatch.undo()
+    assert main(arguments) == 0
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(tmp_path, capsys):
+    options = ["--resolution", "20", "--no-snapshots", "--quiet", "--output", str(tmp_path / "out")]
+    assert main(["compare", "preloaded", "--friction", "0.15", *options]) == 0
+    out = capsys.readouterr().out
+    table, unresolved = out.split("Unresolved:\n")
+    assert "unresolved" in table
+    assert "  · zone 1, outer edge: the gap to the next zone is 0.00053 c_t T wide" in unresolved
+    assert "(resolution 7498, h = 0.00013: " in unresolved
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("columns", ["80", "100"])
+def test_a_table_shows_all_columns_in_a_narrow_terminal(columns, simulated, monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", columns)
+    main(["compare", "--from", str(simulated)])
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= int(columns)
+    assert "…" not in "".join(lines)
+    (heads,) = (line.split() for line in lines if line.lstrip().startswith("quantity"))
+    assert heads == [
+        "quantity",
+        "exact",
+        "at",
+        "nodes",
+        "FEM",
+        "differ",
+        "by",
+        "bar",
+        "±",
+        "verdict",
+    ]
+    verdicts = [line.split()[-1] for line in lines[3 : lines.index("", 3)] if line.split()]
+    document = json.loads((simulated / "report.json").read_text())
+    assert [one for one in verdicts if one in ("agrees", "differs", "unresolved")] == [
+        row["verdict"] for row in document["rows"]
+    ]
 
 
 @pytest.mark.parametrize("quiet", [False, True])

@@ -8,7 +8,9 @@ from compare_cases import SELF_SIMILAR, sampled_run
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
-from compare.comparison.prediction import prediction_at_nodes
+from compare.comparison.judgement import side_by_side
+from compare.comparison.prediction import predict_like
+from compare.figures.histories import comparison_figures, curve
 from compare.figures.interface import (
     fronts_figure,
     prediction_figure,
@@ -166,10 +168,24 @@ def test_symbols_of_neighbouring_waves_keep_to_their_own_side(case):
 def test_a_prediction_is_drawn_finer_than_the_nodes(method):
     """And agrees there with what is compared."""
     run = sampled_run(solve(NAMED_SCENES["preloaded"].scene), resolution=25)
-    prediction = prediction_at_nodes(run, method)
-    nodes = prediction.interface
-    x, slip_rate = prediction.curve(float(nodes.t[-1]))
+    case = side_by_side(predict_like(run, method), run)
+    nodes = case.at_nodes
+    x, slip_rate = curve(case.prediction, float(nodes.x[-1]), float(nodes.t[-1]))
     assert len(x) > 3.5 * len(nodes.x)
     smooth = nodes.x < 0.5
     drawn = np.interp(nodes.x[smooth], x, slip_rate)
     assert drawn == pytest.approx(nodes.slip_rate[-1, smooth], rel=1e-3)
+
+
+def test_a_prediction_that_is_no_solution_has_the_figures_that_need_none():
+    run = sampled_run(solve(NAMED_SCENES["preloaded"].scene), resolution=25)
+    by_method = {
+        method: set(comparison_figures(side_by_side(predict_like(run, method), run)))
+        for method in ("self-similar", "space-time")
+    }
+    assert by_method["space-time"] == {"sense.png", "history.png", "wear.png"}
+    assert by_method["self-similar"] - by_method["space-time"] == {
+        "slip_rate.png",
+        "tractions.png",
+        "fronts.png",
+    }

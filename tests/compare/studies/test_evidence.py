@@ -9,18 +9,20 @@ import re
 import shutil
 import subprocess
 import time
+from dataclasses import replace
 from html.parser import HTMLParser
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from compare.cli.commands import main
-from compare.comparison.rows import Row
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
 from compare.studies.evidence import page as evidence_page
 from compare.studies.evidence import study as evidence_study
 from compare.studies.evidence.figures import FRAMES, LARGEST, energy_unit, profiles
-from compare.studies.evidence.scene import FAIL, energy_tables, scene_section
+from compare.studies.evidence.scene import counts_text, energy_tables, scene_section
 from compare.studies.evidence.study import (
     FEM,
     PUBLISHED,
@@ -115,10 +117,15 @@ def test_every_scene_row_and_claim_is_on_the_page(found, text):
     for scene in found.scenes:
         assert f"Scene: {scene.label}" in plain
         for _, row in scene.rows:
-            assert row.quantity.replace("<", "&lt;").replace(">", "&gt;") in plain
-        marked = text.count(f">{FAIL}<")
-        assert (marked > 0) == (not found.passed)
-    assert sum(len(scene.rows) for scene in found.scenes) > 30
+            assert f"\n{row.label.replace('<', '&lt;').replace('>', '&gt;')}\n" in plain
+            assert row.obstacle in plain
+    for verdict, shown in ((AGREES, AGREES), (UNRESOLVED, UNRESOLVED), (DIFFERS, DIFFERS.upper())):
+        rows = sum(row.verdict == verdict for scene in found.scenes for _, row in scene.rows)
+        scenes = sum(scene.verdict == verdict for scene in found.scenes if scene.judgements)
+        assert found.counts[verdict] == rows
+        assert text.count(f">{shown}</td>") == rows + scenes
+    assert counts_text(found.counts) in plain
+    assert found.counts.total() == sum(len(scene.rows) for scene in found.scenes) > 30
     for claim in found.claims:
         assert claim.text.replace("<", "&lt;").replace(">", "&gt;") in plain
     for name, value in found.stamp.items():
@@ -135,6 +142,7 @@ def test_methods_are_those_that_apply(found):
     assert opens.methods == (FEM,)
     assert "opens the contact" in opens.obstacle
     assert worst_row(opens) is None
+    assert opens.simulation.companion is None  # nothing to be judged by it
     with pytest.raises(SceneError, match="does not apply"):
         pulse.published_rate()
 
@@ -193,13 +201,52 @@ def test_profiles_are_those_of_the_histories(found):
     assert np.abs(got - expected)[~clipped].max() < curve["unit"]
 
 
+def test_a_row_shows_its_three_values_its_bar_and_what_would_resolve_it(found, text):
+    """Every cell of a row, in order; the remedy with its mesh behind the obstacle."""
+    judgement = found.scenes[0].judgements[0]
+    row = next(row for row in judgement.rows if row.verdict == UNRESOLVED and row.resolution)
+    cells = [
+        *map(shown_number, (row.exact, row.at_nodes, row.simulated)),
+        *(row.shown_share(row.difference), row.shown_share(row.bar), UNRESOLVED),
+        f"{row.obstacle}; {judgement.remedy(row)}",
+    ]
+    line = next(line for line in text.splitlines() if f">{row.label}</th>" in line)
+    assert re.sub(r"(<[^>]+>)+", "|", line).strip("|").split("|") == [row.label, *cells]
+
+
+def test_judgements_share_one_simulation_and_its_companions(found):
+    """Both methods of a scene are judged by the same runs, made once."""
+    scene = found.scenes[0]
+    runs = [scene.simulation, *(judgement.simulation for judgement in scene.judgements)]
+    assert len(runs) == 3
+    for level in ("companion", "companion.companion"):
+        assert len({id(attrgetter(f"{level}.interface")(run)) for run in runs}) == 1
+    assert [run.resolution for run in scene.coarser] == [20, 10]
+
+
 @pytest.mark.parametrize(
-    ("prediction", "difference", "expected"),
-    [(1.0, -0.02, 0.5), (1.0, None, np.inf), (None, None, 0.0)],
+    ("simulated", "difference", "bar", "obstacle", "expected"),
+    [
+        (0.98, -0.02, 0.04, "", 0.5),
+        (None, None, 0.04, "", np.inf),
+        (0.5, -0.5, 0.04, "too coarse", 0.0),
+        (0.98, -0.02, None, "", 0.0),
+        (1.0, 0.0, 0.0, "", 0.0),
+        (0.98, -0.02, 0.0, "", np.inf),
+    ],
 )
-def test_excess_is_the_difference_over_the_tolerance(prediction, difference, expected):
-    row = Row("a", prediction, None if difference is None else 0.98, difference, 0.04, "b")
+def test_excess_is_the_difference_over_the_bar(simulated, difference, bar, obstacle, expected):
+    row = Row("a", "slip", None, 1.0, simulated, difference, bar, obstacle=obstacle)
     assert excess(row) == pytest.approx(expected)
+
+
+def test_the_worst_row_is_a_resolved_one(found):
+    """The nearest to its bar, or farthest beyond it, of those that a verdict is given on."""
+    for scene in found.scenes[:2]:
+        _, worst = worst_row(scene)
+        assert worst.verdict != UNRESOLVED
+        resolved = [row for _, row in scene.rows if row.verdict != UNRESOLVED]
+        assert excess(worst) == max(map(excess, resolved)) > 0
 
 
 def test_figures_of_other_studies_are_taken_from_files(tmp_path, monkeypatch):
@@ -230,20 +277,32 @@ def test_folder_as_output_is_refused_before_anything_runs(tmp_path, capsys):
     assert "is a folder" in capsys.readouterr().err
 
 
+def differing(evidence):
+    """The evidence with one row of one scene that differs."""
+    first, *others = evidence.scenes
+    judgement, *rest = first.judgements
+    row = replace(judgement.rows[0], simulated=9.0, difference=9.0, bar=0.1, obstacle="")
+    judgement = replace(judgement, rows=(row, *judgement.rows[1:]))
+    first = replace(first, judgements=(judgement, *rest))
+    return replace(evidence, scenes=(first, *others))
+
+
+@pytest.mark.parametrize("differs", [False, True])
 def test_command_writes_the_page_and_tells_by_its_exit_code(
-    found, text, tmp_path, monkeypatch, capsys
+    found, text, tmp_path, monkeypatch, capsys, differs
 ):
     asked = {}
 
     def stand_in(sources, **options):
         asked.update(options, sources=sources)
-        return found
+        return differing(found) if differs else found
 
     monkeypatch.setattr(evidence_page, "collect", stand_in)
     monkeypatch.setattr(evidence_page, "page", lambda _: text)
     path = tmp_path / "new" / "page.html"
     code = main(["evidence", *SCENES, "--quick", "--quiet", "--output", str(path)])
-    assert code == (0 if found.passed else 1)
+    assert found.counts[DIFFERS] == 0
+    assert code == (1 if differs else 0)
     assert asked["sources"] == list(SCENES)
     assert asked["quick"]
     assert path.read_text(encoding="utf-8") == text

@@ -12,21 +12,26 @@ import pytest
 from rich.console import Console
 
 import compare.studies.accuracy.fem
+import compare.studies.accuracy.fem_loads
 import compare.studies.stability.fem
 from compare.cli import commands as cli
 from compare.output.progress import progress_bar
 from compare.studies.accuracy.fem import (
     PROFILE,
-    VARIANTS,
+    Smoothing,
     accuracy,
-    change_rows,
-    cost_rows,
     damping_rows,
     element_rows,
     last_profile,
-    peak_rows,
     profile_errors,
     simulated,
+    smoothing_rows,
+)
+from compare.studies.accuracy.fem_loads import (
+    VARIANTS,
+    change_rows,
+    cost_rows,
+    edge_rows,
     slip_changes,
     stuck_errors,
     stuck_rows,
@@ -59,27 +64,46 @@ def test_accuracy_has_a_row_per_mesh_and_the_extrapolation():
     assert limit.seconds != limit.seconds
 
 
-def test_peak_has_a_row_per_setting(monkeypatch):
+def test_smoothing_has_a_row_per_scene_and_setting(monkeypatch):
     monkeypatch.setattr(
-        compare.studies.accuracy.fem, "PEAK_TRIALS", ((20, "Q1", 0.02), (20, "Q2", 0.0))
+        compare.studies.accuracy.fem,
+        "SMOOTHING_TRIALS",
+        (Smoothing(40), Smoothing(40, "Q2", damping=0.0), Smoothing(40, damping=0.2)),
     )
-    rows = peak_rows("preloaded")
-    assert [(row.h, row.element, row.damping) for row in rows] == [
-        ("1/20", "Q1", 0.02),
-        ("1/20", "Q2", 0.0),
+    rows = smoothing_rows()
+    assert len(rows) == 12
+    assert {row.h for row in rows} == {"1/40"}
+    default, undamped, smeared = rows[:3]
+    assert [(row.element, row.damping) for row in rows[:3]] == [
+        ("Q1", 0.02),
+        ("Q2", 0.0),
+        ("Q1", 0.2),
     ]
+    assert undamped.work > default.work
+    assert undamped.bar > default.bar > default.last  # it rings
+    assert smeared.second_zone > default.second_zone > 0
+    assert smeared.slip > default.slip
 
 
 def test_rows_say_how_stuck_tractions_and_slip_converge(monkeypatch):
-    monkeypatch.setattr(compare.studies.accuracy.fem, "LOADS", {"ramp": Ramp(0.5)})
+    monkeypatch.setattr(compare.studies.accuracy.fem_loads, "LOADS", {"ramp": Ramp(0.5)})
     assert [row.h for row in stuck_rows((20, 40))] == ["1/20", "1/40"]
-    monkeypatch.setattr(compare.studies.accuracy.fem, "VARIANTS", dict(list(VARIANTS.items())[:2]))
+    two = dict(list(VARIANTS.items())[:2])
+    monkeypatch.setattr(compare.studies.accuracy.fem_loads, "VARIANTS", two)
     assert [row.variant for row in change_rows((10, 20, 40))] == list(VARIANTS)[:2]
-    errors = stuck_errors(Ramp(0.5), 32)
-    for plain, offset in errors.values():
-        assert offset < 0.3 * plain < 0.05
+    pressure, shear, beside = stuck_errors(Ramp(0.5), 32)
+    assert max(pressure, beside) < 0.3 * shear < 0.02
     changes = slip_changes(NAMED_SCENES["preloaded"].scene, (10, 20, 40))
     assert changes[0] > 2 * changes[1]
+
+
+def test_edge_rows_say_what_the_place_of_the_edge_is_worth():
+    at_node, beside = edge_rows(("remote-shock",), (40,))
+    assert (at_node.edge, beside.edge) == (0.0, pytest.approx(0.2417, abs=1e-4))
+    for field in ("slip", "shear", "pressure"):
+        assert getattr(beside, field) < 0.5 * getattr(at_node, field)
+    stuck = edge_rows(("stuck",), (20,))
+    assert all(np.isnan(row.slip_rate) and np.isnan(row.slip) for row in stuck)
 
 
 def test_cost_is_that_of_the_mesh_that_is_simulated():

@@ -1,5 +1,6 @@
 """Studies as rows, on the terminal and in data files; the small studies of the docs."""
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,7 +53,7 @@ def test_scenes_have_a_summary_and_every_quantity(monkeypatch):
     monkeypatch.setattr(scenes, "COMPARED", few)
     chosen = {name: scenes.QUANTITIES[name] for name in few if name != "stuck"}
     monkeypatch.setattr(scenes, "QUANTITIES", chosen)
-    rows = {row.scene: row for row in scenes.summary(24)}
+    rows = {row.scene: row for row in scenes.summary(32)}
     assert tuple(rows) == few
     assert rows["unload"].profile == rows["unload"].slip_rate > 0
     assert rows["preloaded"].profile != rows["preloaded"].slip_rate
@@ -60,10 +61,30 @@ def test_scenes_have_a_summary_and_every_quantity(monkeypatch):
     assert 0 < rows["stuck"].pressure < 0.1
     assert rows["unload"].solver == "space-time"
     for row in (rows["preloaded"], rows["unload"]):
-        assert 0 <= row.sense <= row.sense_bound
-    found = scenes.quantities(24)
+        assert 0 <= row.sense <= row.sense_bar
+        assert 0 < row.profile <= row.profile_bar
+    found = scenes.quantities(32)
     assert len(found) == sum(len(named) + 1 for named in chosen.values())
-    assert found[0].prediction == pytest.approx(found[0].simulation, rel=0.1)
+    assert found[0].at_nodes == pytest.approx(found[0].simulated, rel=0.1)
+    assert np.isnan(found[0].bar)
+    work = next(row for row in found if row.quantity == "frictional work, integral")
+    assert abs(work.simulated - work.at_nodes) < work.bar < 0.1 * work.at_nodes
+    assert work.verdict == "agrees"
+    missed = scenes.unresolved(32)
+    counts = Counter({row.scene: row.unresolved for row in rows.values()})
+    assert Counter(row.scene for row in missed) == counts
+    assert all(row.obstacle for row in missed)
+
+
+def test_no_named_scene_differs_anywhere():
+    """In the tables of docs/scenes.md, which says so."""
+    _, rows = read_data("scenes-summary")
+    assert [row["scene"] for row in rows] == list(scenes.COMPARED)
+    for row in rows:
+        assert row["verdict"] == "agrees"
+        assert (int(row["agree"]) > 5, int(row["differ"])) == (True, 0)
+    _, missed = read_data("scenes-unresolved")
+    assert len(missed) == sum(int(row["unresolved"]) for row in rows)
 
 
 @pytest.mark.slow

@@ -1,0 +1,89 @@
+"""What a theory predicts that glues the slot shut for slip, the kernels (4.31), (4.37)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import dct, idct
+
+from semianalytic import Scene
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.spacetime.exponentials import fit_memory
+from semianalytic.spacetime.march import causal_grid
+from semianalytic.spacetime.recursion import Recursion, exerted
+
+Array = NDArray[np.float64]
+
+_STEP_RATIO, _DAMPING, _TOLERANCE, _SWEEPS = 0.45, 0.7, 1e-5, 2
+
+
+@dataclass(frozen=True, eq=False)
+class HeldSlot:
+    """Fields of the contact at the end of a march, (n,) arrays by velocity x/T > 0.
+
+    Attributes
+    ----------
+    velocity : [length / time]
+    slip_rate : relative [length / time]
+    shear_traction : base included [stress]
+    """
+
+    velocity: Array
+    slip_rate: Array
+    shear_traction: Array
+
+
+def held_slot(scene: Scene, nodes: int) -> HeldSlot:
+    """March a self-similar scene whose slot faces stay where the load alone brings them.
+
+    The stuck tractions are right, diffracted by the slot; what slip adds to them is taken from the
+    kernel of an interface that is glued on x < 0, so that the slot does not send slip back.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of step loads and constant friction.
+    nodes : int
+        On 0 < x < 1.1 c_l, marched until the time 1.
+    """
+    material = scene.material
+    grid = causal_grid(scene, 1.0, 1.1 * material.longitudinal_speed, nodes)
+    x = (np.arange(grid.size - grid.slot) + 0.5) * grid.spacing
+    steps = int(np.ceil(material.shear_speed / (_STEP_RATIO * grid.spacing)))
+    phase = grid.wavenumbers * material.shear_speed / steps
+    memory = fit_memory(
+        material.shear_speed / material.longitudinal_speed, steps * float(phase[-1]), _TOLERANCE
+    )
+    recursion = Recursion(memory, phase, _DAMPING)
+    impedance = material.shear_impedance / 2
+    tables = [stuck_traction(material.poisson_ratio, mode) for mode in ("II", "I")]
+
+    def contact_rate(time: float, past: Array) -> tuple[Array, Array]:
+        """Slip rate and traction of the contact under what the past exerts."""
+        u = time * material.shear_speed / x
+        shear, pressure = (table(u) for table in tables)
+        stopping = scene.base.shear + scene.load.shear * shear - impedance * past
+        strength = scene.friction * (scene.base.pressure + scene.load.pressure * pressure)
+        speed = np.maximum(np.abs(stopping) - strength, 0.0) / impedance
+        rate = np.copysign(speed, stopping)
+        return rate, stopping - impedance * rate
+
+    def cosines(rate: Array) -> Array:
+        return np.asarray(dct(np.concatenate([np.zeros(grid.slot), rate]), type=2))
+
+    modes = np.zeros((len(memory.poles), grid.size), dtype=complex)
+    lasting = np.zeros(grid.size)
+    rate, traction = contact_rate(0.0, np.zeros(len(x)))
+    transform = cosines(rate)
+    recursion.enter(modes, lasting, transform)
+    for step in range(1, steps + 1):
+        recursion.step(modes, lasting, transform)
+        past = exerted(modes, lasting)
+        for _ in range(_SWEEPS):
+            exertion = idct(past + recursion.feedback * transform, type=2)[grid.contact]
+            rate, traction = contact_rate(step / steps, exertion)
+            transform = cosines(rate)
+    seen = slice(0, grid.observed)
+    return HeldSlot(np.asarray(x[seen]), rate[seen], traction[seen])

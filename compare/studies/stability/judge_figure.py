@@ -1,0 +1,94 @@
+"""Figure of how far the judge can be trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from compare.comparison.rows import ALARM, DIFFERS
+from compare.figures.style import BLUE, CYCLE, SMALL, VERMILLION, marker_handle, new_figure
+from compare.studies.stability.judge_trials import STEPS, JudgedRow, SpoiltRow
+from compare.studies.stability.spoils import SPOILS
+
+_FARTHEST = 3.0
+"""End of the axis of differences over bars; what is further is drawn there."""
+_LEAST_ROWS = 10
+"""Of a kind that has a curve."""
+_LEAST_EFFECT, _LARGEST_EFFECT = 5e-4, 2.0
+
+
+def judge_figure(judged: Sequence[JudgedRow], spoilt: Sequence[SpoiltRow]) -> Figure:
+    """Differences of right answers over their bars, by kind; mistakes caught and missed."""
+    figure = new_figure(10, 4.6)
+    right, wrong = figure.subplots(1, 2, width_ratios=(1, 1.25))
+    _draw_bars(right, judged)
+    _draw_mistakes(wrong, spoilt)
+    return figure
+
+
+def _draw_bars(panel: Axes, judged: Sequence[JudgedRow]) -> None:
+    """Part of the rows of a kind whose difference is at most a part of the bar."""
+    barred = [row for row in judged if row.group == STEPS and row.tells]
+    kinds = dict.fromkeys(row.kind for row in barred)
+    styles = [(colour, style) for style in ("-", "--") for colour in CYCLE]
+    for kind, (colour, style) in zip(kinds, styles, strict=False):
+        ratios = np.sort([row.over_bar for row in barred if row.kind == kind])
+        if len(ratios) < _LEAST_ROWS:
+            continue
+        share = np.arange(1, len(ratios) + 1) / len(ratios)
+        panel.step(
+            np.minimum(ratios, _FARTHEST),
+            100 * share,
+            style,
+            color=colour,
+            where="post",
+            label=f"{kind} ({len(ratios)})",
+        )
+    panel.axvline(1, color="0.35", linewidth=0.8)
+    panel.axvline(ALARM, color="0.35", linewidth=0.8, linestyle="--")
+    panel.set(
+        xlabel="|difference| / error bar",
+        ylabel="rows of right answers [%]",
+        xlim=(0, _FARTHEST),
+        ylim=(0, 100.5),
+        title="right answers: alarm beyond the dashed line",
+    )
+    panel.title.set_fontsize(9)
+    panel.legend(fontsize=SMALL, loc="lower right")
+
+
+def _draw_mistakes(panel: Axes, spoilt: Sequence[SpoiltRow]) -> None:
+    """Every mistake that was tried, by how much of the slip rate it changes."""
+    names = [spoil.name for spoil in SPOILS]
+    for caught, colour in ((True, BLUE), (False, VERMILLION)):
+        part = [
+            row
+            for row in spoilt
+            if row.spoil in names and (row.verdict == DIFFERS) is caught and row.slip_rate
+        ]
+        panel.plot(
+            [min(max(row.slip_rate, _LEAST_EFFECT), _LARGEST_EFFECT) for row in part],
+            [names.index(row.spoil) + (0.12 if caught else -0.12) for row in part],
+            "o" if caught else "x",
+            color=colour,
+            markersize=4,
+            alpha=0.7,
+        )
+    panel.set(
+        xlabel="relative L1 effect on slip rate over x and t",
+        xscale="log",
+        xlim=(0.8 * _LEAST_EFFECT, 1.25 * _LARGEST_EFFECT),
+        ylim=(len(names) - 0.4, -0.6),
+        title="wrong answers, made a quarter to eight times as wrong as usual",
+    )
+    panel.title.set_fontsize(9)
+    panel.set_yticks(range(len(names)), names, fontsize=SMALL)
+    panel.grid(axis="y", color="0.9")
+    handles = [
+        marker_handle("caught", BLUE, "o", 4),
+        marker_handle("not caught", VERMILLION, "x", 4),
+    ]
+    panel.legend(handles=handles, fontsize=SMALL, loc="lower left")

@@ -1,0 +1,175 @@
+"""What the trials of the judge come to: false alarms, error bars, power."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from compare.comparison.rows import DIFFERS, UNRESOLVED
+from compare.studies.stability.judge_trials import TRUTH, JudgedRow, SpoiltRow
+from compare.studies.stability.spoils import SPOILS, Spoil
+
+
+@dataclass(frozen=True)
+class AlarmRow:
+    """Judgements of right answers to a group of scenes.
+
+    Attributes
+    ----------
+    group : str, "steps" or "histories"
+    scenes : int
+    refusals : int, draws that have no answer, or open the contact
+    rows : int
+    false_rows, false_scenes : parts of them said to differ
+    unresolved_rows : part of the rows
+    """
+
+    group: str
+    scenes: int
+    refusals: int
+    rows: int
+    false_rows: float
+    false_scenes: float
+    unresolved_rows: float
+
+
+@dataclass(frozen=True)
+class BarRow:
+    """Error bars of one kind of row.
+
+    Attributes
+    ----------
+    group, kind : str
+    rows : int, that are held against a bar
+    without : int, that have none, or an obstacle
+    covered : part of the rows that lie within their bar
+    within_half : part that lies within half of it
+    bar : median bar over what is compared
+    """
+
+    group: str
+    kind: str
+    rows: int
+    without: int
+    covered: float
+    within_half: float
+    bar: float
+
+
+@dataclass(frozen=True)
+class PowerRow:
+    """What becomes of one mistake.
+
+    Attributes
+    ----------
+    spoil, what : str, the mistake
+    scenes : int, in which it can be made
+    exceeds : int, of these, its effect is more than the bar of any row
+    caught_of_these : part of those that is caught; nan if there are none
+    caught : part of all scenes
+    least : size that is caught in half of the scenes; inf beyond 8 times the usual one, nan where
+        it has no size
+    unit : str, of the size
+    """
+
+    spoil: str
+    what: str
+    scenes: int
+    exceeds: int
+    caught_of_these: float
+    caught: float
+    least: float
+    unit: str
+
+
+def alarm_rows(rows: Sequence[JudgedRow]) -> list[AlarmRow]:
+    """One row a group."""
+    return [_alarms(group, _part(rows, group)) for group in _groups(rows)]
+
+
+def _alarms(group: str, rows: Sequence[JudgedRow]) -> AlarmRow:
+    refusals = {row.index: row.refusals for row in rows}
+    verdicts = Counter(row.verdict for row in rows)
+    alarmed = {row.index for row in rows if row.verdict == DIFFERS}
+    return AlarmRow(
+        group=group,
+        scenes=len(refusals),
+        refusals=sum(refusals.values()),
+        rows=len(rows),
+        false_rows=verdicts[DIFFERS] / len(rows),
+        false_scenes=len(alarmed) / len(refusals),
+        unresolved_rows=verdicts[UNRESOLVED] / len(rows),
+    )
+
+
+def bar_rows(rows: Sequence[JudgedRow]) -> list[BarRow]:
+    """One row a group and kind."""
+    return [
+        _bars(group, kind, [row for row in _part(rows, group) if row.kind == kind])
+        for group in _groups(rows)
+        for kind in dict.fromkeys(row.kind for row in _part(rows, group))
+    ]
+
+
+def _bars(group: str, kind: str, rows: Sequence[JudgedRow]) -> BarRow:
+    barred = [row for row in rows if row.tells]
+    ratios = np.array([row.over_bar for row in barred])
+    size = [row.bar / abs(row.exact) for row in barred if row.exact and math.isfinite(row.exact)]
+    return BarRow(
+        group=group,
+        kind=kind,
+        rows=len(barred),
+        without=len(rows) - len(barred),
+        covered=float(np.mean(ratios <= 1)) if barred else math.nan,
+        within_half=float(np.mean(ratios <= 0.5)) if barred else math.nan,
+        bar=float(np.median(size)) if size else math.nan,
+    )
+
+
+def power_rows(rows: Sequence[SpoiltRow]) -> list[PowerRow]:
+    """One row a mistake; scenes in which the right answer is said to differ are left out."""
+    false = {row.scene for row in rows if row.spoil == TRUTH and row.verdict == DIFFERS}
+    sound = [row for row in rows if row.scene not in false]
+    return [
+        _power(spoil, [row for row in sound if row.spoil == spoil.name])
+        for spoil in SPOILS
+        if any(row.spoil == spoil.name for row in sound)
+    ]
+
+
+def _power(spoil: Spoil, rows: Sequence[SpoiltRow]) -> PowerRow:
+    size = abs(spoil.size) * (100 if spoil.unit == "%" else 1)
+    usual = [row for row in rows if row.share == 1]
+    caught = [row.verdict == DIFFERS for row in usual]
+    beyond = [row.verdict == DIFFERS for row in usual if row.exceeds]
+    return PowerRow(
+        spoil=spoil.name,
+        what=spoil.what,
+        scenes=len(usual),
+        exceeds=len(beyond),
+        caught_of_these=float(np.mean(beyond)) if beyond else math.nan,
+        caught=float(np.mean(caught)),
+        least=float(np.median(least_shares(rows))) * size if size else math.nan,
+        unit=spoil.unit,
+    )
+
+
+def least_shares(rows: Sequence[SpoiltRow]) -> list[float]:
+    """Least share of one mistake that is caught, scene by scene; inf where none is."""
+    least = dict.fromkeys((row.scene for row in rows), math.inf)
+    for row in rows:
+        if row.verdict == DIFFERS:
+            least[row.scene] = min(least[row.scene], row.share)
+    return list(least.values())
+
+
+def _groups(rows: Sequence[JudgedRow]) -> list[str]:
+    return list(dict.fromkeys(row.group for row in rows))
+
+
+def _part(rows: Sequence[JudgedRow], group: str) -> list[JudgedRow]:
+    return [row for row in rows if row.group == group]

@@ -1,0 +1,230 @@
+"""Answers that are wrong on purpose: told late or backward, or of a bent profile."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic import Answer, InterfaceHistory, Scene, SlipInterval, SlipZone, Solution
+from semianalytic.results.answer import answer_dataset, sampled_history
+
+Array = NDArray[np.float64]
+
+_EVEN, _GRADED, _CLUSTERED = 4000, 300, 200
+_REACH = 1.1
+"""How far the table of a profile goes, over c_l; what is ahead stays as it is there."""
+_FIRST, _NEAREST, _BESIDE = 1e-6, 1e-7, 0.05
+"""First velocity, and least and largest distance of points from an edge or a front, over c_t."""
+
+
+@dataclass(frozen=True, eq=False)
+class Retold:
+    """An answer told with a delay, or with slip of the other sign.
+
+    Attributes
+    ----------
+    original : Answer
+    lag : float
+        By which all of it is late [time].
+    sense : int
+        -1 where the sign of slip is to be wrong, and nothing else is.
+    """
+
+    original: Answer
+    lag: float = 0.0
+    sense: int = 1
+
+    @property
+    def scene(self) -> Scene:
+        """See `Answer.scene`."""
+        return self.original.scene
+
+    @property
+    def companion(self) -> Retold | None:
+        """The same of what a march judges its own errors by; None if there is nothing like it."""
+        own = getattr(self.original, "companion", None)
+        return None if own is None else Retold(own, self.lag, self.sense)
+
+    def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """See `Answer.slip_rate`."""
+        return self.sense * self.original.slip_rate(x, self._time(t))
+
+    def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """See `Answer.slip`."""
+        return self.sense * self.original.slip(x, self._time(t))
+
+    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """See `Answer.shear_traction`."""
+        return self.original.shear_traction(x, self._time(t))
+
+    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """See `Answer.pressure`."""
+        return self.original.pressure(x, self._time(t))
+
+    def max_slip(self, t: ArrayLike) -> Array:
+        """See `Answer.max_slip`."""
+        return self.original.max_slip(self._time(t))
+
+    def accumulated_slip(self, t: ArrayLike) -> Array:
+        """See `Answer.accumulated_slip`."""
+        return self.original.accumulated_slip(self._time(t))
+
+    def frictional_work(self, t: ArrayLike) -> Array:
+        """See `Answer.frictional_work`."""
+        return self.original.frictional_work(self._time(t))
+
+    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
+        """See `Answer.zones_at`."""
+        zones = self.original.zones_at(t - self.lag)
+        return tuple(SlipInterval(zone.start, zone.end, self.sense * zone.sense) for zone in zones)
+
+    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+        """See `Answer.history`."""
+        return sampled_history(self, x, t)
+
+    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
+        """See `Answer.to_xarray`."""
+        return answer_dataset(self, x, t)
+
+    def _time(self, t: ArrayLike) -> Array:
+        return np.asarray(t, dtype=float) - self.lag
+
+
+@dataclass(frozen=True, eq=False)
+class Profiled:
+    """A self-similar answer of given fields at velocities x/t, linear between them.
+
+    Slip and totals follow from them.  Nearer to the edge than the first velocity, and further than
+    the last, fields are those there.
+
+    Attributes
+    ----------
+    scene : Scene
+    velocity : (n,) array
+        Increasing from above 0 [length / time].
+    rate : (n,) array
+        Relative slip rate [length / time].
+    shear, normal : (n,) arrays
+        Shear traction and pressure, base included [stress].
+    zones : tuple of SlipZone
+        From the contact edge outward.
+    """
+
+    scene: Scene
+    velocity: Array
+    rate: Array
+    shear: Array
+    normal: Array
+    zones: tuple[SlipZone, ...]
+
+    def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """See `Answer.slip_rate`."""
+        return self._at(self.rate, 0.0, x, t)
+
+    def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """See `Answer.slip`."""
+        return np.asarray(t, dtype=float) * self._at(self._slip_over_time, 0.0, x, t)
+
+    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """See `Answer.shear_traction`."""
+        return self._at(self.shear, self.scene.base.shear, x, t)
+
+    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """See `Answer.pressure`."""
+        return self._at(self.normal, self.scene.base.pressure, x, t)
+
+    def max_slip(self, t: ArrayLike) -> Array:
+        """See `Answer.max_slip`."""
+        return np.maximum(t, 0.0) * float(np.abs(self._slip_over_time).max())
+
+    def accumulated_slip(self, t: ArrayLike) -> Array:
+        """See `Answer.accumulated_slip`."""
+        return self._growing(np.abs(self.rate), t)
+
+    def frictional_work(self, t: ArrayLike) -> Array:
+        """See `Answer.frictional_work`."""
+        return self._growing(np.abs(self.shear * self.rate), t)
+
+    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
+        """See `Answer.zones_at`."""
+        if t <= 0:
+            return ()
+        return tuple(
+            SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in self.zones
+        )
+
+    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+        """See `Answer.history`."""
+        return sampled_history(self, x, t)
+
+    def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
+        """See `Answer.to_xarray`."""
+        return answer_dataset(self, x, t)
+
+    def _at(self, values: Array, at_rest: float, x: ArrayLike, t: ArrayLike) -> Array:
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
+        return np.where(t < 0, at_rest, np.interp(velocity, self.velocity, values))
+
+    @cached_property
+    def _slip_over_time(self) -> Array:
+        """Slip / t, (n,): the mean of the slip rate over slownesses up to t/x."""
+        slowness = 1 / self.velocity
+        steps = -np.diff(slowness) * (self.rate[:-1] + self.rate[1:]) / 2
+        past = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+        return self.velocity * (past + self.rate[-1] * slowness[-1])
+
+    def _growing(self, values: Array, t: ArrayLike) -> Array:
+        """Integral over all positions and times up to t; inf where it slips ahead of all waves."""
+        over_time = math.inf
+        if not values[-1]:
+            over_time = np.trapezoid(values, self.velocity) + values[0] * self.velocity[0]
+        time = np.maximum(t, 0.0)
+        return np.multiply(over_time / 2, time**2, out=np.zeros(time.shape), where=time > 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Tabulated(Profiled):
+    """A solution as a table, which is quicker to read and knows the slot as well."""
+
+    original: Solution
+
+    def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
+        """See `Solution.slot_velocity`."""
+        return self.original.slot_velocity(x, t)
+
+
+def tabulated(solution: Solution) -> Tabulated:
+    """A solution as a table that can be told from it by nothing but its digits."""
+    table = profiled(solution)
+    parts = (table.velocity, table.rate, table.shear, table.normal, table.zones)
+    return Tabulated(solution.scene, *parts, solution)
+
+
+@lru_cache(maxsize=2)
+def profiled(solution: Solution) -> Profiled:
+    """What a solution says of the contact, to be bent."""
+    material = solution.scene.material
+    speed, reach = material.shear_speed, _REACH * material.longitudinal_speed
+    edges = solution.edge_speeds.ravel()
+    fronts = (material.rayleigh_speed, speed, material.longitudinal_speed)
+    ends = np.array([*edges[(edges > 0) & np.isfinite(edges)], *fronts])
+    near = speed * np.geomspace(_NEAREST, _BESIDE, _CLUSTERED)
+    velocity = np.concatenate(
+        [
+            np.geomspace(_FIRST * speed, reach, _GRADED),
+            np.linspace(_FIRST * speed, reach, _EVEN),
+            ends,
+            np.add.outer(ends, [*near, *-near]).ravel(),
+        ]
+    )
+    velocity = np.unique(velocity[(velocity > 0) & (velocity <= reach)])
+    velocity = velocity[velocity != material.rayleigh_speed]  # slip there has a logarithm
+    fields = (solution.slip_rate, solution.shear_traction, solution.pressure)
+    rate, shear, normal = (field(velocity, 1.0) for field in fields)
+    return Profiled(solution.scene, velocity, rate, shear, normal, solution.zones)

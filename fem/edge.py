@@ -1,0 +1,106 @@
+"""Where on a mesh the edge of a closed contact is: not at its first node, but beside it.
+
+Displacement is held at the nodes n >= 0 of the interface and tractions are given at n < 0.  Far
+from the edge, the fields are those of a body whose edge is a fraction of h beside node 0.
+That is a Wiener-Hopf problem with the static surface stiffness of the meshed half-plane,
+
+    k(theta) = mu / (1 - nu) 2 sin(theta/2) g(theta),    theta = wave number times h,  g(0) = 1.
+
+The first factor splits into (1 - z)^(1/2) (1 - 1/z)^(1/2), z = exp(i theta), whose coefficients
+Gamma(n + 1/2) / Gamma(n + 1) = (n + 1/4)^(-1/2) (1 + O(n^-2)) are a square root that begins at
+n = -1/4; the factors of g move its beginning by the slope of their logarithm.  In all
+
+    x / h = -1/4 - (1 / 4 pi) int_0^pi ln g(theta) / sin^2(theta/2) d theta.
+
+So node 0 is laid at minus that, and x = 0 is where the edge belongs.  Where tractions are given on
+both sides, at a slipping or open contact, the edge is where their shares of node 0 meet (see
+`fem.assembly.tributary_length`), which is x = 0 as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+from skfem import MeshQuad
+
+from fem.assembly import Family, make_space, stiffness
+from semianalytic.scene.scene import Material
+
+ANGLES = np.pi * (np.arange(32) + 0.5) / 32
+"""Points of the midpoint rule, which converges exponentially."""
+
+DOUBLINGS = 14
+"""How many times the meshed half-plane is made twice as deep."""
+
+FARTHEST = 0.49
+"""Of an edge from its node, over h: beyond h/2 another node would be nearer to x = 0."""
+
+
+def edge_offset(materials: Iterable[Material], family: Family, held: int = 1) -> float:
+    """Place of the first node of a closed contact on squares, over h; 0.24 for Q1 at nu = 1/3.
+
+    Rounded to millionths, so that a run is the same to the last bit whatever the linear algebra;
+    at most `FARTHEST`, which counts near nu = 1/2 (Q1, from 0.483 on) and for P1 below -0.14.
+
+    Parameters
+    ----------
+    materials : iterable of Material
+        Of the two blocks; each counts as much as it yields.
+    family : Family
+        With nodes at the corners only.
+    held : int
+        Component that the contact holds: 1 where it is closed, 0 where it is stuck, whose edge
+        is elsewhere (0.40 h for Q1 at nu = 1/3).
+    """
+    bodies = list(materials)
+    compliance = [(1 - body.poisson_ratio) / body.shear_modulus for body in bodies]
+    offsets = [_offset(body, family, held) for body in bodies]
+    return min(round(float(np.average(offsets, weights=compliance)), 6), FARTHEST)
+
+
+def _offset(material: Material, family: Family, held: int) -> float:
+    ahead = material.shear_modulus / (1 - material.poisson_ratio) * 2 * np.sin(ANGLES / 2)
+    # the other component is free: one over its compliance
+    compliance = np.linalg.inv(surface_stiffness(material, family, ANGLES))[:, held, held].real
+    return float(0.25 - np.mean(np.log(compliance * ahead) / np.sin(ANGLES / 2) ** 2) / 4)
+
+
+def surface_stiffness(
+    material: Material, family: Family, angles: NDArray[np.float64]
+) -> NDArray[np.complex128]:
+    """Static stiffness of the surface of a half-plane of unit squares [stress], (n, 2, 2).
+
+    Force on each node of the surface y = 0 of y > 0 per displacement of it, both times
+    exp(i theta x).  Rows are eliminated by cyclic reduction, every other one at a time.
+
+    Parameters
+    ----------
+    material : Material
+    family : Family
+        With nodes at the corners only.
+    angles : (n,) array
+        theta, above 0.
+    """
+    patch = MeshQuad.init_tensor(np.arange(3.0), np.arange(4.0))
+    space = make_space(patch.with_subdomains({"upper": np.arange(patch.nelements)}), family)
+    blocks = stiffness(space, {"upper": material}).toarray().reshape(12, 2, 12, 2)
+    x, y = np.rint(space.points)
+
+    def coupling(row: int, other: int) -> NDArray[np.complex128]:
+        """Force on the middle node of a row per displacement of another row."""
+        node = int(np.flatnonzero((x == 1) & (y == row))[0])
+        nodes = np.flatnonzero(y == other)
+        waves = np.exp(1j * np.outer(angles, x[nodes] - 1))
+        return np.einsum("tn,inj->tij", waves, blocks[node][:, nodes])
+
+    surface, inner = coupling(0, 0), coupling(1, 1)
+    inwards, outwards = coupling(1, 2), coupling(1, 0)
+    for _ in range(DOUBLINGS):
+        solved = np.linalg.inv(inner)
+        up, down = inwards @ solved, outwards @ solved
+        surface = surface - up @ outwards
+        inner = inner - up @ outwards - down @ inwards
+        inwards, outwards = -up @ inwards, -down @ outwards
+    return surface

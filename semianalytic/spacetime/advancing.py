@@ -1,0 +1,118 @@
+"""A march and its companion taken on from the state they have reached, from jump to jump."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from semianalytic.spacetime.companion import Follower
+from semianalytic.spacetime.grid_pressure import GridPressure, table_bytes
+from semianalytic.spacetime.march_memory import affordable_every
+from semianalytic.spacetime.marched import Marched
+from semianalytic.spacetime.record import MarchRecord
+from semianalytic.spacetime.stepping import Segment, Walk, segments_between
+
+
+def advance(
+    marched: Marched,
+    end_time: float,
+    memory: float | None,
+    setup: float,
+    progress: Callable[[int, int], object] | None,
+) -> Marched:
+    """March on from the state reached to the end time, with the companion if there is one.
+
+    Parameters
+    ----------
+    marched : Marched
+        Left as it is.
+    end_time : float
+        [time].
+    memory : float, optional
+        What the march may take [bytes].
+    setup : float
+        What it took to make the grid [s].
+    progress : callable, optional
+        As in `march`.
+    """
+    began = time.perf_counter()
+    segments = segments_between(
+        marched.scene, marched.end_time, end_time, marched.step_ratio, marched.grid.spacing
+    )
+    coarser, companion = [segment.coarser for segment in segments], marched.companion
+    table = _table_bytes(marched, segments)
+    table += 0.0 if companion is None else _table_bytes(companion, coarser)
+    every = affordable_every(marched, memory, sum(part.steps for part in segments), table)
+    walk = _walk(marched, segments, every, progress)
+    if companion is None:
+        for segment in segments:
+            _march_segment(segment, walk, None)
+        return _reached(marched, walk, every, setup, time.perf_counter() - began)
+    own_every = -(-every // 2)
+    behind = _walk(companion, coarser, own_every, lambda done, steps: follower.stopping)
+    follower = Follower(behind, walk, marched.departure)
+    for segment in segments:
+        _march_segment(segment, walk, follower)
+    companion = _reached(companion, behind, own_every, 0.0, follower.seconds)
+    marched = replace(marched, companion=companion, departure=follower.departure)
+    return _reached(marched, walk, every, setup, time.perf_counter() - began)
+
+
+def _march_segment(segment: Segment, walk: Walk, follower: Follower | None) -> None:
+    """To the end of a segment, or to where the march is stopped; nothing if it is already."""
+    if walk.record.stopped:
+        return
+    walk.begin(segment)
+    if follower is not None:
+        follower.begin(segment)
+    while walk.done < segment.steps and not walk.record.stopped:
+        walk.step()
+        if follower is not None:
+            follower.follow()
+    walk.end()
+    if follower is not None:
+        follower.end()
+
+
+def _walk(
+    marched: Marched,
+    segments: Sequence[Segment],
+    every: int,
+    progress: Callable[[int, int], object] | None,
+) -> Walk:
+    """A march ready to go through segments."""
+    scene, grid, finest = marched.scene, marched.grid, _finest(segments)
+    contact = grid.size - grid.slot
+    pressure = GridPressure(scene, contact, grid.spacing, segments[-1].end, finest)
+    steps = sum(segment.steps for segment in segments)
+    return Walk(marched, pressure, MarchRecord(marched, steps, every, progress))
+
+
+def _table_bytes(marched: Marched, segments: Sequence[Segment]) -> float:
+    """What the table of the pressure of a march takes [bytes]."""
+    contact = marched.grid.size - marched.grid.slot
+    return table_bytes(marched.scene, contact, segments[-1].end / _finest(segments))
+
+
+def _finest(segments: Sequence[Segment]) -> float:
+    """Shortest time step of segments [time]."""
+    return min(segment.time_step for segment in segments)
+
+
+def _reached(marched: Marched, walk: Walk, every: int, setup: float, steps: float) -> Marched:
+    """A march as far as it has been walked, in so many seconds more."""
+    before, record = marched.statistics, walk.record
+    seconds = {
+        "setup": before.seconds["setup"] + setup,
+        "steps": before.seconds["steps"] + steps,
+    }
+    return replace(
+        marched,
+        interface=record.interface(),
+        totals=record.totals(),
+        every=every,
+        statistics=replace(before, steps=before.steps + record.done, seconds=seconds),
+        state=walk.state,
+        seen=record.seen,
+    )

@@ -1,0 +1,78 @@
+"""Rows of fronts: which there are, how far off they are, and what cannot be read."""
+
+import pytest
+from compare_cases import sampled_run
+
+from compare.comparison.arrival_rows import arrival_rows
+from compare.comparison.judgement import side_by_side
+from compare.comparison.prediction import predict_like
+from semianalytic import solve
+from semianalytic.scene.named import find_scene
+
+PRESENT = {
+    "preloaded": {"P interface", "Rayleigh slot face", "P slot face"},
+    "remote-shock": {"P interface", "Rayleigh slot face", "S slot face", "P slot face"},
+    "stuck": {"S interface", "P interface", "Rayleigh slot face", "S slot face", "P slot face"},
+}
+
+
+@pytest.fixture(scope="module")
+def solution():
+    return solve(find_scene("preloaded"))
+
+
+def rows_of(prediction, run):
+    return list(arrival_rows(side_by_side(prediction, run)))
+
+
+@pytest.mark.parametrize("name", PRESENT)
+def test_every_signal_on_either_face_has_one_row(name):
+    exact = solve(find_scene(name))
+    rows = rows_of(exact, sampled_run(exact))
+    assert len({row.name for row in rows}) == len(rows)
+    signals = [row.name.split(" (")[0].replace(" front,", "") for row in rows]
+    assert sorted(signals) == sorted(PRESENT[name])
+    for row in rows:
+        assert (row.unit, row.kind, row.verdict) == ("c_t", "arrival", "agrees")
+
+
+@pytest.mark.parametrize("stretch", [0.99, 1.01])
+def test_arrivals_off_by_one_percent_say_so(solution, stretch):
+    rows = rows_of(solution, sampled_run(solution, stretch=stretch))
+    assert len(rows) == 3
+    for row in rows:
+        # A fifth of an element, 0.01.
+        assert row.difference == pytest.approx((stretch - 1) * row.exact, abs=2e-3)
+    fastest = [row for row in rows if row.exact == pytest.approx(2.0)]
+    assert [row.verdict for row in fastest] == 2 * ["differs"]
+
+
+def test_arrivals_off_by_what_coarser_meshes_are_off_agree(solution):
+    """By 1 % at h, 2 % at 2h, 4 % at 4h."""
+    rows = rows_of(solution, sampled_run(solution, stretch=1.01, growth=2.0))
+    agreeing = [row for row in rows if row.verdict == "agrees"]
+    assert len(agreeing) >= 2
+    for row in agreeing:
+        assert row.bar > 0.01 * row.exact
+
+
+def test_speed_is_told_where_it_is_exact(solution):
+    material = solution.scene.material
+    exact = {row.name.split()[0]: row.exact for row in rows_of(solution, sampled_run(solution))}
+    assert exact["P"] == pytest.approx(material.longitudinal_speed / material.shear_speed)
+    assert exact["Rayleigh"] == pytest.approx(material.rayleigh_speed / material.shear_speed)
+
+
+def test_few_nodes_about_a_front_leave_it_unresolved(solution):
+    (row,) = (
+        row
+        for row in rows_of(solution, sampled_run(solution, resolution=16))
+        if row.name.startswith("Rayleigh")
+    )
+    assert row.verdict == "unresolved"
+    assert row.obstacle
+
+
+def test_a_march_that_ends_before_the_fronts_has_none(solution):
+    run = sampled_run(solution, resolution=40)
+    assert rows_of(predict_like(run, "space-time"), run) == []

@@ -1,0 +1,155 @@
+"""Zone edges: three readings, what is too narrow for a mesh, what is there and not predicted."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from compare_cases import sampled_run
+
+from compare.comparison.edge_rows import narrow_obstacle, zone_rows
+from compare.comparison.judgement import side_by_side
+from semianalytic import solve
+from semianalytic.results.answer import SlipInterval
+from semianalytic.scene.named import find_scene, override_scene
+
+PRELOADED = find_scene("preloaded")
+EDGES = ["zone 1, outer edge", "zone 2, inner edge", "zone 2, outer edge"]
+
+
+@pytest.fixture(scope="module")
+def solution():
+    return solve(PRELOADED)
+
+
+def edge_rows(prediction, run):
+    return {row.name: row for row in zone_rows(side_by_side(prediction, run))}
+
+
+def on_all_meshes(run, change):
+    """A run and its companions with another slip rate, change(x/t, slip rate)."""
+    seen = run.interface
+    velocity = seen.x / np.maximum(seen.t, 1e-300)[:, None]
+    changed = replace(seen, slip_rate=change(velocity, seen.slip_rate))
+    return replace(
+        run,
+        interface=changed,
+        companion=run.companion and on_all_meshes(run.companion, change),
+    )
+
+
+def test_edges_off_by_five_percent_differ_by_five_percent(solution):
+    rows = edge_rows(solution, sampled_run(solution, stretch=1.05))
+    assert list(rows) == EDGES
+    for row in rows.values():
+        # Half an element, 0.01: the edge moves past the samples it is read from.
+        assert row.difference == pytest.approx(0.05 * row.exact, abs=5e-3)
+        assert row.verdict == "differs"
+
+
+def test_edges_off_by_what_coarser_meshes_are_off_agree(solution):
+    """By 2 % at h, 4 % at 2h, 8 % at 4h."""
+    run = sampled_run(solution, resolution=200, stretch=1.02, growth=2.0)
+    for row in edge_rows(solution, run).values():
+        assert row.difference == pytest.approx(0.02 * row.exact, abs=5e-3)
+        assert row.bar > 0.02 * row.exact
+        assert row.verdict == "agrees"
+
+
+def test_edges_are_read_off_the_nodes_of_the_prediction_too(solution):
+    """On a coarse mesh not even the exact answer has its edge where it is."""
+    coarse, fine = (edge_rows(solution, sampled_run(solution, n)) for n in (50, 400))
+    for name in EDGES:
+        assert coarse[name].exact == fine[name].exact
+        assert coarse[name].at_nodes == coarse[name].simulated
+        assert abs(fine[name].at_nodes - fine[name].exact) < 1e-3 + 0.5 * abs(
+            coarse[name].at_nodes - coarse[name].exact
+        )
+    inner = coarse["zone 2, inner edge"]
+    assert inner.at_nodes != pytest.approx(inner.exact, abs=1e-4)
+
+
+def test_a_zone_that_no_mesh_shows_differs(solution):
+    run = on_all_meshes(sampled_run(solution), lambda v, rate: np.where(v > 0.95, 0.0, rate))
+    rows = edge_rows(solution, run)
+    assert rows["zone 1, outer edge"].verdict == "agrees"
+    for name in EDGES[1:]:
+        assert rows[name].simulated is None
+        assert rows[name].verdict == "differs"
+
+
+def test_slip_the_other_way_is_no_zone(solution):
+    rows = edge_rows(solution, on_all_meshes(sampled_run(solution), lambda _, rate: -rate))
+    assert [rows[name].verdict for name in EDGES] == 3 * ["differs"]
+    unpredicted = [row for name, row in rows.items() if name.startswith("unpredicted slip")]
+    assert [row.verdict for row in unpredicted] == 2 * ["differs"]
+    # From the edge to 0.884 c_t, and from 0.977 to 1.061 c_t.
+    assert [row.simulated for row in unpredicted] == pytest.approx([0.884, 0.084], abs=0.01)
+
+
+def test_slip_in_a_strip_is_unpredicted_if_the_coarser_mesh_shows_it_too(solution):
+    def slipping(velocity, rate):
+        return np.where((velocity > 1.3) & (velocity < 1.4), 0.5, rate)
+
+    both = on_all_meshes(sampled_run(solution), slipping)
+    (row,) = (row for name, row in edge_rows(solution, both).items() if name not in EDGES)
+    assert row.name == "unpredicted slip at 1.300 c_t"
+    assert row.simulated == pytest.approx(0.1, abs=0.01)
+    assert row.verdict == "differs"
+    alone = replace(both, companion=sampled_run(solution).companion)
+    (row,) = (row for name, row in edge_rows(solution, alone).items() if name not in EDGES)
+    assert (row.verdict, row.obstacle) == ("unresolved", "the coarser mesh does not show it")
+
+
+def test_a_strip_narrower_than_four_elements_is_not_held_against_the_prediction(solution):
+    run = on_all_meshes(
+        sampled_run(solution), lambda v, rate: np.where((v > 1.3) & (v < 1.33), 0.5, rate)
+    )
+    (row,) = (row for name, row in edge_rows(solution, run).items() if name not in EDGES)
+    assert (row.verdict, row.obstacle) == ("unresolved", "it is narrower than 4 elements")
+
+
+@pytest.mark.parametrize("resolution", [40, 100])
+def test_a_narrow_zone_says_how_narrow_and_which_mesh_would_do(resolution):
+    """The second zone at ν = 0.29 is 0.0144 c_t T wide."""
+    exact = solve(override_scene(PRELOADED, poisson_ratio=0.29))
+    rows = edge_rows(exact, sampled_run(exact, resolution))
+    inner, outer = exact.zones[1].inner, exact.zones[1].outer
+    elements = (outer - inner) * resolution
+    for name in EDGES[1:]:
+        row = rows[name]
+        assert row.verdict == "unresolved"
+        assert row.obstacle == f"the zone is 0.014 c_t T wide, {elements:.2g} elements"
+        assert row.resolution == math.ceil(4 / (outer - inner)) == 278
+    enough = edge_rows(exact, sampled_run(exact, 278))
+    assert [enough[name].verdict for name in EDGES] == 3 * ["agrees"]
+
+
+ZONE, NEXT, BACK = (
+    SlipInterval(0.0, 1.0, 1),
+    SlipInterval(1.1, 2.0, 1),
+    SlipInterval(1.0, 1.2, -1),
+)
+
+
+@pytest.mark.parametrize(
+    ("zones", "number", "end", "least", "reason", "width"),
+    [
+        ((ZONE,), 0, "end", 0.9, None, None),
+        ((ZONE,), 0, "end", 1.1, "the zone is", 1.0),
+        ((ZONE, NEXT), 0, "end", 0.05, None, None),
+        ((ZONE, NEXT), 0, "end", 0.2, "the gap to the next zone is", 0.1),
+        ((ZONE, NEXT), 1, "start", 0.2, "the gap to the next zone is", 0.1),
+        ((ZONE, NEXT), 1, "end", 0.2, None, None),
+        ((ZONE, BACK), 0, "end", 0.15, None, None),  # slip the other way is seen without a gap
+        ((ZONE, BACK), 0, "end", 0.3, "the zone next to it is", 0.2),
+        ((ZONE, BACK), 1, "start", 0.3, "the zone is", 0.2),
+    ],
+)
+def test_why_nodes_cannot_show_an_edge(zones, number, end, least, reason, width):
+    obstacle = narrow_obstacle(zones, number, end, least)
+    if reason is None:
+        assert obstacle is None
+    else:
+        assert obstacle.reason.startswith(reason)
+        assert obstacle.width == pytest.approx(width)
