@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from compare import judge
 from compare.comparison.bars import SAFETY
-from compare.comparison.judgement import duration, mesh_sentence
+from compare.comparison.judgement import mesh_sentence
+from compare.comparison.mesh_choice import duration
 from compare.comparison.prediction import method_of, predict_like, seconds_of
 from compare.comparison.rows import ALARM, Row
 from compare.comparison.scales import slip_rate_scale
