@@ -314,6 +314,8 @@ class Case:
                 obstacle=f"it is beyond its error bar, but by less than {ALARM:g} times",
                 resolution=2 * self.simulation.resolution,
             )
+        if math.isinf(row.bar):
+            return replace(row, obstacle="the prediction has not converged")
         if row.verdict == AGREES and size and row.bar > TELLING * size:
             growth = row.bar / (TELLING * size)
             return replace(

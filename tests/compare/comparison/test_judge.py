@@ -6,13 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from compare_cases import SELF_SIMILAR, sampled_run, simulated
-from hypothesis import HealthCheck, given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from compare import judge
 from compare.comparison.bars import SAFETY
 from compare.comparison.judgement import mesh_sentence
-from compare.comparison.mesh_choice import duration
 from compare.comparison.prediction import method_of, predict_like, seconds_of
 from compare.comparison.rows import ALARM, Row
 from compare.comparison.scales import slip_rate_scale
@@ -416,12 +415,6 @@ def test_a_weakening_front_agrees_or_is_unresolved():
 # --- units ----------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def in_units_of_one():
-    """Each of a few scenes with a run of it."""
-    return {f: simulated(override_scene(PRELOADED, friction=f), 32) for f in (0.15, 0.3, 1.0)}
-
-
 @given(
     friction=st.sampled_from([0.15, 0.3, 1.0]),
     modulus=st.floats(1e-3, 1e12),
@@ -429,10 +422,10 @@ def in_units_of_one():
     stress=st.floats(1e-3, 1e9),
     time=st.floats(1e-6, 1e6),
 )
-@settings(max_examples=5, deadline=None, suppress_health_check=list(HealthCheck))
-def test_units_do_not_matter(in_units_of_one, friction, modulus, density, stress, time):
+@settings(max_examples=4, deadline=None, phases=(Phase.explicit, Phase.generate))
+def test_units_do_not_matter(friction, modulus, density, stress, time):
     """The same run in other units is judged alike, to the digits that rounding leaves."""
-    run = in_units_of_one[friction]
+    run = simulated(override_scene(PRELOADED, friction=friction), 32)
     plain = judge(solve(run.scene), run)
     scene = Scene(
         Material(modulus, density, run.scene.material.poisson_ratio),
@@ -498,7 +491,6 @@ def rescaled(run, scene, time):
         (0.01, None, "", "unresolved"),
         (1.0, 0.02, "too narrow", "unresolved"),
         (0.0, 0.02, "too narrow", "unresolved"),
-        (math.nan, 0.02, "", "differs"),
     ],
 )
 def test_verdict_of_a_row(difference, bar, obstacle, verdict):
@@ -542,17 +534,9 @@ def test_remedies_say_mesh_time_and_memory(coarse, fair):
     sentence = mesh_sentence(coarse, 240)
     assert sentence.startswith("resolution 240, h = 0.0042: ")
     assert sentence.endswith(" GB")
-    assert mesh_sentence(coarse, 10**6).endswith("more than a mesh may hold")
+    assert "years" in mesh_sentence(coarse, 10**6)
     agreeing = fair.having("agrees")[0]
     assert fair.remedy(replace(agreeing, resolution=240)) == ""
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"),
-    [(0.5, "0.5 s"), (89, "89 s"), (90, "1.5 minutes"), (5399, "90 minutes"), (7200, "2 hours")],
-)
-def test_durations(seconds, words):
-    assert duration(seconds) == words
 
 
 # --- snapshots ------------------------------------------------------------------------------
