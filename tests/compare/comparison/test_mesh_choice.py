@@ -279,7 +279,9 @@ def test_the_remedy_of_a_row_costs_what_the_choice_says(pace):
 def test_times_and_sizes_in_words():
     assert duration(0.123) == "0.12 s"
     assert duration(89) == "89 s"
+    assert duration(90) == "1.5 minutes"
     assert duration(120) == "2 minutes"
+    assert duration(5399) == "90 minutes"
     assert duration(5400) == "1.5 hours"
     assert duration(3e5) == "83 hours"
     assert duration(1e6) == "12 days"
