@@ -51,6 +51,7 @@ class JudgedRow:
     seconds : what the scene took [s]
     name, kind, unit : as in the judgement
     exact, difference, bar : nan where there is none
+    relative : bool, whether the last two are over the norm of the prediction
     verdict : "agrees", "differs" or "unresolved"
     """
 
@@ -66,7 +67,15 @@ class JudgedRow:
     exact: float
     difference: float
     bar: float
+    relative: bool
     verdict: str
+
+    @property
+    def share(self) -> float:
+        """The bar over what is compared; nan where that is nothing or has no value of its own."""
+        if self.relative:
+            return self.bar
+        return self.bar / abs(self.exact) if self.exact else math.nan
 
     @property
     def tells(self) -> bool:
@@ -160,6 +169,7 @@ def judged_rows(group: str, seed: int, index: int) -> list[JudgedRow]:
             exact=_number(row.exact),
             difference=_number(row.difference),
             bar=_number(row.bar),
+            relative=row.relative,
             verdict=row.verdict,
         )
         for row in rows

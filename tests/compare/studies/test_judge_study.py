@@ -214,7 +214,8 @@ def test_the_least_mistake_is_bisected(least):
 
 
 def judged(index, kind="slip", ratio=0.5, verdict=AGREES, group=STEPS, of=1):
-    return JudgedRow(group, index, of, 1, 40, 1.0, "name", kind, "1", 2.0, ratio, 1.0, verdict)
+    facts = (group, index, of, 1, 40, 1.0, "name", kind, "1")
+    return JudgedRow(*facts, 2.0, ratio, 1.0, kind == "work", verdict)
 
 
 def test_false_alarms_are_counted_by_row_and_scene():
@@ -233,7 +234,7 @@ def test_coverage_leaves_out_what_is_not_held_against_a_bar():
     slip, work = bar_rows(rows)
     assert (slip.rows, slip.without, slip.covered, slip.within_half) == (4, 2, 0.5, 0.25)
     assert slip.bar == 0.5
-    assert (work.kind, work.covered) == ("work", 1)
+    assert (work.kind, work.covered, work.bar) == ("work", 1, 1)
 
 
 def test_power_is_that_of_scenes_without_a_false_alarm():
