@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compare.comparison.rows import DIFFERS, UNRESOLVED
+from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
 from compare.studies.stability.judge_trials import TRUTH, JudgedRow, SpoiltRow
 from compare.studies.stability.spoils import SPOILS, Spoil
 
@@ -68,7 +68,7 @@ class PowerRow:
     ----------
     spoil, what : str, the mistake
     scenes : int, in which it can be made
-    exceeds : int, of these, its effect is more than the bar of any row
+    beyond : int, of these, its effect is beyond what counts as a difference, in any row
     caught_of_these : part of those that is caught; nan if there are none
     caught : part of all scenes
     least : size that is caught in half of the scenes; nan where it has no size, or eight times the
@@ -79,7 +79,7 @@ class PowerRow:
     spoil: str
     what: str
     scenes: int
-    exceeds: int
+    beyond: int
     caught_of_these: float
     caught: float
     least: float
@@ -146,12 +146,12 @@ def _power(spoil: Spoil, rows: Sequence[SpoiltRow]) -> PowerRow:
     least = float(np.quantile(least_shares(rows), 0.5, method="higher"))
     usual = [row for row in rows if row.share == 1]
     caught = [row.verdict == DIFFERS for row in usual]
-    beyond = [row.verdict == DIFFERS for row in usual if row.exceeds]
+    beyond = [row.verdict == DIFFERS for row in usual if row.over_bar > ALARM]
     return PowerRow(
         spoil=spoil.name,
         what=spoil.what,
         scenes=len(usual),
-        exceeds=len(beyond),
+        beyond=len(beyond),
         caught_of_these=float(np.mean(beyond)) if beyond else math.nan,
         caught=float(np.mean(caught)),
         least=least * size if size and math.isfinite(least) else math.nan,

@@ -193,10 +193,10 @@ class Searched(judge_trials._Trial):
     def __init__(self, least):
         self.__dict__.update(right=solve(find_scene("preloaded")), window=WINDOW, least=least)
 
-    def outcome(self, answer, usual):
+    def outcome(self, answer):
         share = (answer.scene.friction / 0.3 - 1) / 0.03
         verdict = DIFFERS if share > 0.99 * self.least else AGREES
-        return judge_trials._Outcome(share, 0.0, usual, verdict, "")
+        return judge_trials._Outcome(share, 0.0, share, verdict, "")
 
 
 @pytest.mark.parametrize("least", [0.1, *SHARES, 10.0])
@@ -204,7 +204,7 @@ def test_the_least_mistake_is_bisected(least):
     outcomes = Searched(least).searched(NAMED["friction +3 %"], SHARES)
     assert 1.0 in outcomes
     assert len(outcomes) <= 4
-    assert [share for share, one in outcomes.items() if one.exceeds] == [1.0]
+    assert all(one.over_bar == pytest.approx(share) for share, one in outcomes.items())
     caught = [share for share, one in outcomes.items() if one.verdict == DIFFERS]
     expected = [share for share in SHARES if share >= least]
     assert min(caught, default=None) == min(expected, default=None)
@@ -238,8 +238,9 @@ def test_coverage_leaves_out_what_is_not_held_against_a_bar():
 
 
 def test_power_is_that_of_scenes_without_a_false_alarm():
-    def row(scene, share, verdict, exceeds=False, spoil="friction +3 %"):
-        return SpoiltRow(scene, 0, 1, spoil, share, 0.1, 0.1, exceeds, verdict, "")
+    def row(scene, share, verdict, beyond=False, spoil="friction +3 %"):
+        over_bar = 1.6 if beyond else 1.4
+        return SpoiltRow(scene, 0, 1, spoil, share, 0.1, 0.1, over_bar, verdict, "")
 
     rows = [row(scene, 0.0, AGREES, spoil=TRUTH) for scene in "abc"]
     rows += [row("d", 0.0, DIFFERS, spoil=TRUTH), row("d", 1.0, DIFFERS, True)]
@@ -248,7 +249,7 @@ def test_power_is_that_of_scenes_without_a_false_alarm():
     rows += [row("c", 1.0, AGREES), row("c", 2.0, AGREES), row("c", 4.0, AGREES)]
     rows += [row("c", 8.0, AGREES), row("a", 1.0, DIFFERS, True, "all slip reversed")]
     friction, reversed_ = power_rows(rows)
-    assert (friction.scenes, friction.exceeds, friction.caught_of_these) == (3, 2, 0.5)
+    assert (friction.scenes, friction.beyond, friction.caught_of_these) == (3, 2, 0.5)
     assert friction.caught == pytest.approx(1 / 3)
     assert friction.least == pytest.approx(4 * 3)  # [%]; 0.5, 4 and more than 8 times
     assert reversed_.spoil == "all slip reversed"
@@ -263,7 +264,7 @@ def fake_judged(group, seed, index):
 
 
 def fake_spoilt(name, index, resolution, bisect):
-    return [SpoiltRow(name, index, 1, TRUTH, 0.0, 0.0, 0.0, False, AGREES, "")]
+    return [SpoiltRow(name, index, 1, TRUTH, 0.0, 0.0, 0.0, 0.0, AGREES, "")]
 
 
 def test_trials_go_on_where_they_were_stopped(tmp_path, monkeypatch):
@@ -300,7 +301,7 @@ def test_the_judge_is_right_at_a_glance(tmp_path):
     assert sum(row.false_scenes * row.scenes for row in alarms) <= 1
     assert all(row.verdict != DIFFERS for row in spoilt_ones if row.spoil == TRUTH)
     for row in power_rows(spoilt_ones):
-        assert row.caught_of_these >= 0.5 or not row.exceeds, row.spoil
+        assert row.caught_of_these >= 0.5 or not row.beyond, row.spoil
         if row.spoil in ("friction +3 %", "all slip reversed", "slot held", "signs as printed"):
             assert row.caught == 1, row.spoil
     assert (tmp_path / "judge.png").stat().st_size > 0
@@ -315,7 +316,7 @@ def test_the_docs_hold_what_was_promised():
     _, power = read_data("judge-power")
     assert {row["spoil"] for row in power} == set(NAMED)
     for row in power:
-        assert row["exceeds"] == "0" or float(row["caught_of_these"]) >= 0.95, row["spoil"]
+        assert row["beyond"] == "0" or float(row["caught_of_these"]) >= 0.95, row["spoil"]
 
 
 def test_power_scenes_differ():
