@@ -23,7 +23,7 @@ from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import scene_document
 
-FORMAT = "slipfront checkpoint 4"
+FORMAT = "slipfront checkpoint 5"
 
 
 @dataclass(frozen=True)

@@ -51,13 +51,18 @@ class Record:
         self._totals = np.zeros((3, steps + 1))
         self._energy = np.zeros((6, steps + 1))
         self._opened = np.array([math.inf, 0.0, 0.0, 0.0])  # the fields of Opening
+        self._final = np.zeros((2, nodes))
 
     def level(self, step: int) -> None:
-        """Take in a time level whose kick and tractions are done.
+        """Take in a time level whose kick and tractions are done; beyond the end, its slip alone.
 
-        Rates are means over the steps before and after the level; at t = 0 all is at rest.
+        At t = 0 all is at rest.
         """
         self._level = step
+        if step:
+            self._add_slip(step)
+        if step > self.model.steps:
+            return
         if step:
             self._energy[:, step] = self._energies()
             self._totals[:, step] = self._sums()
@@ -67,10 +72,13 @@ class Record:
             self._note_opening(step, gap)
         if step == self._levels[self._row]:
             self._store(step, gap)
+        if step == self.model.steps:
+            interface = self.model.interface
+            self._final[:] = interface.path[SEEN], interface.work_density()[SEEN]
 
     def _store(self, step: int, gap: NDArray[np.float64]) -> None:
         interface, row, dt = self.model.interface, self._row, self.model.time_step
-        slip, rate, shear, pressure = self._interface[:, row]
+        slip, _, shear, pressure = self._interface[:, row]
         shear[:], pressure[:] = interface.shear[SEEN], interface.pressure[SEEN]
         self._state[row] = interface.state()[SEEN]
         if gap.any():
@@ -78,11 +86,27 @@ class Record:
         if step:
             if interface.sliding is not None:
                 slip[:] = interface.sliding.offset()[SEEN]
-                rate[:] = interface.sliding.mean_increment()[SEEN] / dt
             for body in self.model.bodies:
                 increments = body.before[self._slot] + body.increment[self._slot]
                 self._velocity[:, row] += increments / (2 * dt * self.model.root[self._slot])
         self._row += 1
+
+    def _add_slip(self, step: int) -> None:
+        """Take the slip at a level into the rates of those levels whose window it begins or ends.
+
+        The window of a level n is from n - k to n + k, k being the model's half window or, soon
+        after the start, n.
+        """
+        sliding, half = self.model.interface.sliding, self.model.half_window
+        if sliding is None:
+            return
+        slip, rates = sliding.offset()[SEEN], self._interface[1]
+        ended = step - half if step >= 2 * half else step / 2
+        for row in np.flatnonzero(self._levels == ended):
+            window = 2 * min(half, ended) * self.model.time_step
+            rates[row] = (slip - rates[row]) / window
+        for row in np.flatnonzero(self._levels == step + half):
+            rates[row] = slip
 
     def _energies(self) -> NDArray[np.float64]:
         """Energies in the middle of the past step, in the order of the fields of EnergyHistory."""
@@ -119,15 +143,18 @@ class Record:
 
     def stored(self) -> dict[str, NDArray[Any]]:
         """What was taken in so far, for a checkpoint."""
-        rows, levels = self._row, self._level + 1
+        rows, levels = self._row, min(self._level, self.model.steps) + 1
+        # of levels to come, half of the slip rates
+        begun = int(np.searchsorted(self._levels, self._level + self.model.half_window, "right"))
         return {
-            "interface": self._interface[:, :rows],
+            "interface": self._interface[:, :begun],
             "slot": self._velocity[:, :rows],
             "energy": self._energy[:, :levels],
             "totals": self._totals[:, :levels],
             "state": self._state[:rows],
             "gap": self._gap[:rows],
             "opened": self._opened,
+            "final": self._final,
         }
 
     def restore(self, stored: Mapping[str, NDArray[Any]]) -> None:
@@ -135,27 +162,26 @@ class Record:
         self._row = rows = len(stored["state"])
         levels = stored["energy"].shape[1]
         self._level = levels - 1
-        self._interface[:, :rows] = stored["interface"]
+        self._interface[:, : stored["interface"].shape[1]] = stored["interface"]
         self._velocity[:, :rows] = stored["slot"]
         self._energy[:, :levels] = stored["energy"]
         self._totals[:, :levels] = stored["totals"]
         self._state[:rows] = stored["state"]
         if stored["gap"].any():
             self._gap[:rows] = stored["gap"]
-        self._opened[:] = stored["opened"]
+        self._opened[:], self._final[:] = stored["opened"], stored["final"]
 
     def results(self) -> dict[str, Any]:
         """All that was taken in, by the names that `Simulation` gives it."""
         dt, steps = self.model.time_step, self.model.steps
         t = self._levels * dt
         first, place, largest, length = self._opened.tolist()
-        interface = self.model.interface
         return {
             "interface": InterfaceHistory(self.model.contact_x[SEEN], t, *self._interface),
             "state": self._state,
             "gap": self._gap,
-            "final_path": interface.path[SEEN],
-            "final_work_density": interface.work_density()[SEEN],
+            "final_path": self._final[0],
+            "final_work_density": self._final[1],
             "slot": SlotHistory(self._slot_x, t, *self._velocity),
             "totals": Totals(dt * np.arange(steps + 1.0), *self._totals),
             "energy": EnergyHistory(np.arange(0.5, steps) * dt, *self._energy[:, 1:]),

@@ -147,8 +147,10 @@ class Simulation(SampledAnswer):
         On the contact nodes x > 0, from h beyond the edge node on.  That node, at x = 0 or, where
         the slot is pressed, a fraction of h beside it, is not among them: part of what it moves
         with is slot, and what it does does not converge.  All fields belong to the
-        same times: the slip rate is the mean of the rates half a step before and after, the
-        tractions are those that act between the two.
+        same times: the tractions are those of the level, and the slip rate is the mean over a
+        window about it, second order in time, in which a shear wave crosses 2.8 elements (up to
+        whole steps; soon after t = 0 the window begins there).  The last level is no different:
+        the run goes on until its window ends.
     state : (m, n) array of int8
         What each node of `interface` does in the step after each time: STICK (0), slip FORWARD
         (+1) or BACKWARD (-1), or OPEN (2).

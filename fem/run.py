@@ -154,7 +154,7 @@ def run_plan(
         started, written = keeper.resume(model, record) if resume else (0, [])
         pictures = folder and Snapshots(folder, model, run, started, written, cost.history)
         with deferred_interrupt() as interruption:
-            for step in levels(model, started):
+            for step in levels(model, started, model.steps + model.half_window):
                 record.level(step)
                 if pictures and pictures.is_due(step):
                     with timed(seconds, "snapshots"):
@@ -165,7 +165,7 @@ def run_plan(
                 complaints.hear(pictures.missing if pictures else "", keeper.missing)
                 if interruption.pressed:
                     raise KeyboardInterrupt
-                if progress is not None and step:
+                if progress is not None and 0 < step <= model.steps:
                     progress(step, model.steps)
     return _result(model, record, seconds, run, pictures.missing if pictures else "")
 
@@ -227,7 +227,7 @@ class Complaints:
         warnings.warn(sentence, stacklevel=4)
 
 
-def levels(model: Model, started: int = 0) -> Iterator[int]:
+def levels(model: Model, started: int = 0, last: int | None = None) -> Iterator[int]:
     """Kick, time level by time level; whoever iterates lets the bodies `drift`.
 
     Parameters
@@ -235,9 +235,11 @@ def levels(model: Model, started: int = 0) -> Iterator[int]:
     model : Model
     started : int
         First time level, 0 unless resumed.
+    last : int, optional
+        Last time level, that of the end time unless given.
     """
     speed, work = model.plan.fastest.longitudinal_speed, 0.0
-    for step in range(started, model.steps + 1):
+    for step in range(started, (model.steps if last is None else last) + 1):
         reach = speed * (step + 1) * model.time_step + model.plan.forerun
         for load in model.loads:
             load.set(step)

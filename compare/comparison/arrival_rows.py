@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.arrivals import (
     LARGEST_MISFIT,
+    ROUNDING,
     Table,
     Waveform,
     Window,
@@ -170,7 +171,7 @@ def _recorded(run: Simulation, field: Face, window: Window) -> tuple[Array, Arra
 
 def _last_time(distance: Array, time: Array, velocity: float) -> float:
     """Last recorded time at which what travels at a velocity is still on the record."""
-    return float(time[velocity * time <= distance[-1]][-1])
+    return float(time[velocity * time <= distance[-1] * (1 + ROUNDING)][-1])
 
 
 def _interface_fields(case: Case) -> list[Face]:

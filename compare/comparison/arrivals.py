@@ -19,6 +19,8 @@ TRIALS = 61
 TABLE = 801
 LARGEST_MISFIT = 0.5
 LEAST_SAMPLES = TREND_DEGREE + 4
+ROUNDING = 1e-9
+"""By which samples may miss the ends of a window, relative to the front."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,8 @@ def aligned_speed(
         in the window, no stretch within it fits better than its neighbours, or the best one
         leaves too much unexplained.
     """
-    inside = (velocity >= window.lower) & (velocity <= window.upper)
+    room = ROUNDING * window.front
+    inside = (velocity >= window.lower - room) & (velocity <= window.upper + room)
     if np.count_nonzero(inside) < LEAST_SAMPLES:
         return None
     seen_at, seen = velocity[inside], values[inside]

@@ -22,7 +22,9 @@ SAFETY: Mapping[str, float] = {
     "onset": 0.8,
     "sense": 0.8,
 }
-"""Factors of safety by kind of row, set on random scenes and tested on others (docs/judge.md)."""
+"""Factors of safety by kind of row, set on random scenes and tested on others (docs/judge.md).
+
+Below 1 where the order is above the one that is assumed."""
 
 ONE_CHANGE = 2.0
 """Times more where two meshes are all there is, and nothing guards against a small difference."""

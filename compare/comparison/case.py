@@ -225,9 +225,8 @@ class Case:
         exact: float | None = None,
         unseen: float = 0.0,
         scale: tuple[float, str],
-        order: int = 1,
     ) -> Row:
-        """A row of the norms of a field along the contact; its relative error and bar.
+        """A row of the L1 norms of a field along the contact; its relative error and bar.
 
         Where the prediction is nothing, below 1e-6 of its scale, the largest values stand in for
         norms, and differences are in the scale.
@@ -235,7 +234,6 @@ class Case:
         Parameters
         ----------
         name, kind : str
-            The norm is named behind the name.
         predicted : (n,) or (2, n) array
             The prediction at the nodes, and what its own companion says.
         read : callable
@@ -248,8 +246,6 @@ class Case:
             Norm of what is too narrow for the mesh in the prediction, over the scale.
         scale : float and str
             What values are divided by, and its name.
-        order : int
-            Of the norm: 1 or 2.
         """
         low, high = reach
         value, unit = scale
@@ -263,7 +259,7 @@ class Case:
         def size(field: Array, at: Array) -> float:
             if nothing:
                 return float(np.abs(field).max(initial=0.0))
-            return norm(field, at / self.length, order)
+            return norm(field, at / self.length, 1)
 
         changes = []
         for level, run in enumerate(runs[1:]):
@@ -281,14 +277,14 @@ class Case:
                 bar += FIELD_FLOOR * cell * float(np.ptp(fields[0][shown])) / per
             bar += sum(size((other - expected)[shown], x[shown]) / per for other in doubted)
         row = Row(
-            f"{name}, largest" if nothing else f"{name}, L{order}",
+            f"{name}, largest" if nothing else f"{name}, L1",
             kind,
             exact,
             whole,
             size(fields[0][shown], x[shown]),
             size((fields[0] - expected)[shown], x[shown]) / per,
             bar,
-            unit if nothing or order != 1 else f"{unit} c_t T",
+            unit if nothing else f"{unit} c_t T",
             relative=not nothing,
             order=observed_order(changes),
         )
@@ -318,6 +314,8 @@ class Case:
                 obstacle=f"it is beyond its error bar, but by less than {ALARM:g} times",
                 resolution=2 * self.simulation.resolution,
             )
+        if math.isinf(row.bar):
+            return replace(row, obstacle="the prediction has not converged")
         if row.verdict == AGREES and size and row.bar > TELLING * size:
             growth = row.bar / (TELLING * size)
             return replace(

@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 
+SLIP = ("slip rate", "slip")
+"""Kinds of rows without which nothing is said of a scene."""
+
+
 @dataclass(frozen=True, eq=False)
 class Judgement:
     """All rows of one comparison.
@@ -49,8 +53,10 @@ class Judgement:
 
     @cached_property
     def verdict(self) -> str:
-        """ "differs" if one row does; else "agrees" if one does; else "unresolved"."""
-        return overall(row.verdict for row in self.rows)
+        """ "differs" if one row does; else "agrees" if one does of slip or slip rate, stuck or not;
+        else "unresolved", whatever fronts and pressure do."""
+        telling = (row for row in self.rows if row.kind in SLIP or row.verdict == DIFFERS)
+        return overall(row.verdict for row in telling)
 
     def having(self, verdict: str) -> tuple[Row, ...]:
         """The rows with a verdict."""

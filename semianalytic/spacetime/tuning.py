@@ -41,7 +41,7 @@ ONSET_SHARE = 0.01
 ERROR_SAFETY = 1.25
 """Of the slip rate in L1, times the difference from the companion at half the nodes: the true error
 is 0.35 to 1.05 of that difference in 100 scenes (`march-error`), whatever the loads."""
-LARGEST_ERROR = 0.5
+LARGEST_ERROR = 1.0
 """Estimate above which a march is called unresolved unless an `rtol` is given: strips of slip that
 are narrower than the grid away from the edge, which nothing else tells."""
 READING_SAFETY = 1.6

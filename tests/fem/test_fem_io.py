@@ -8,8 +8,9 @@ import meshio
 import numpy as np
 import pytest
 
-from fem import load_simulation, simulate
+from fem import load_simulation, prepare, simulate
 from fem.results import ARRAYS, HISTORIES
+from fem.run import drift, levels
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.friction import RateWeakening, SlipWeakening
 from semianalytic.scene.loads import Pulse, Tabulated
@@ -157,12 +158,22 @@ def test_fields_agree_with_the_interface_history(tmp_path):
     np.testing.assert_allclose(
         (displacement[upper] - displacement[lower])[:, 0], history.slip[-1], atol=1e-14
     )
-    np.testing.assert_allclose(
-        (velocity[upper] - velocity[lower])[:, 0], history.slip_rate[-1], atol=1e-14
-    )
+    # the frame shows single steps, the history what is left of them over its window
+    rate = (velocity[upper] - velocity[lower])[:, 0]
+    np.testing.assert_allclose(rate, single_step_rate(MIXED, 16), atol=1e-14)
+    assert np.abs(rate - history.slip_rate[-1]).sum() < 0.2 * np.abs(rate).sum()
     on_slot = (frame.points[:, 1] == 0) & (frame.points[:, 0] < 0)
     upper, _ = faces(frame, on_slot & (frame.points[:, 0] >= sim.slot.x[0] - 1e-9))
     np.testing.assert_allclose(velocity[upper, 1], sim.slot.velocity_y[-1], atol=1e-14)
+
+
+def single_step_rate(scene, resolution):
+    """Slip rate at the end over the steps before and after it, beyond the edge node."""
+    model = prepare(scene, resolution=resolution, full=True)
+    for step in levels(model):
+        if step < model.steps:
+            drift(model, step)
+    return model.interface.sliding.mean_increment()[1:] / model.time_step
 
 
 def faces(frame, nodes):

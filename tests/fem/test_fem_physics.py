@@ -213,7 +213,8 @@ def remotely_loaded(resolution):
     plan = Plan(scene, end, Settings(resolution=round(end / size)))
     assert plan.name == LOCKSTEP
     assert plan.size == pytest.approx(size, rel=1e-12)
-    model = build_model(plan, make_space(cached_mesh(blocks), FAMILIES["Q1"]))
+    mesh = cached_mesh(blocks).translated((plan.edge, 0.0))
+    model = build_model(plan, make_space(mesh, FAMILIES["Q1"]))
     nodes, length = tributary_length(model.space, "upper_top")
     tractions = {0: REMOTE.load.shear / 2, 1: -REMOTE.load.pressure / 2}
     launch = {}

