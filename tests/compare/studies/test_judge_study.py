@@ -16,7 +16,7 @@ from compare.studies.stability.judge_tables import alarm_rows, bar_rows, power_r
 from compare.studies.stability.judge_trials import SHARES, TRUTH, JudgedRow, SpoiltRow, run_trials
 from compare.studies.stability.spoils import SPOILS, Window, effect, spoilt
 from compare.studies.stability.spoilt_answers import profiled
-from semianalytic import Answer, march, solve
+from semianalytic import Answer, CoulombFriction, SlipWeakening, march, solve
 from semianalytic.scene.named import find_scene
 from tests.catalogue import SHOCK, over, unit_scene
 
@@ -49,6 +49,12 @@ def test_draws_reach_all_kinds_of_step():
     ratios = [scene.material.poisson_ratio for scene in scenes]
     assert min(ratios) < -0.5
     assert max(ratios) > 0.4
+
+
+def test_histories_weaken_with_slip_if_at_all():
+    scenes = [draw(HISTORIES, np.random.default_rng([1, index])).scene for index in range(40)]
+    laws = {type(scene.friction_law) for scene in scenes}
+    assert laws == {CoulombFriction, SlipWeakening}
 
 
 # --- spoilt answers -----------------------------------------------------------------------------
