@@ -21,7 +21,7 @@ from compare.comparison.documents import (
     units_document,
 )
 from compare.comparison.judgement import Judgement, own_bars
-from compare.comparison.mesh_choice import MeshChoice, toll
+from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
 from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import reference_values, speed_regime
 from semianalytic import Marched, Scene, Solution
@@ -150,17 +150,18 @@ def mesh_lines(choice: MeshChoice, *, snapshots: bool) -> Iterator[str]:
     yield f"resolution {choice.resolution} ({choice.reason}): about {taken}"
     bare = " without snapshots" if snapshots else ""
     for unseen in choice.unresolved:
-        taken = toll(unseen.seconds, unseen.memory) + bare
-        yield f"stays unresolved: {unseen.name} (resolution {unseen.resolution}: {taken})"
+        taken = f"resolution {unseen.resolution}{bare}: {unseen.toll}"
+        yield f"stays unresolved: {unseen.name} ({taken})"
 
 
 def error_line(simulation: Simulation) -> str:
     """How far slip rate and slip at the end of a simulation may be off, by its companions."""
     if simulation.companion is None:
-        return "no error bars, for no coarser mesh follows this scene"
+        return "no error bars, for there is no coarser mesh"
     rate, slip = (
-        f"{row.shown_share(row.bar)}{'' if row.relative else f' {row.unit}'}"
+        f"{two_digits(100 * row.bar)} %" if row.relative else f"{two_digits(row.bar)} {row.unit}"
         for row in own_bars(simulation)
+        if row.bar is not None
     )
     return f"slip rate at the end within {rate}, slip within {slip}, by coarser meshes"
 

@@ -13,14 +13,14 @@ from collections.abc import Mapping, Sequence
 
 SAFETY: Mapping[str, float] = {
     "arrival": 1.0,
-    "zone edge": 0.8,
-    "slip rate": 1.0,
-    "slip": 0.7,
-    "work": 0.8,
+    "zone edge": 0.7,
+    "slip rate": 0.85,
+    "slip": 0.6,
+    "work": 1.0,
     "shear traction": 0.9,
-    "pressure": 0.6,
-    "onset": 0.8,
-    "sense": 0.8,
+    "pressure": 0.35,
+    "onset": 0.7,
+    "sense": 0.5,
 }
 """Factors of safety by kind of row, set on random scenes and tested on others (docs/judge.md).
 

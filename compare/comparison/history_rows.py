@@ -115,7 +115,8 @@ def sense_rows(case: Case) -> Iterator[Row]:
     """Parts of the space-time area behind the first wave that slip, each way, and that differ."""
     predicted, simulated, reached = sense_maps(case)
     area = float(reached.sum())
-    floor = float((beside_edges(simulated) & reached).sum()) / area / 2 + 1 / area
+    edges = max(float((beside_edges(sense) & reached).sum()) for sense in (predicted, simulated))
+    floor = edges / area / 2 + 1 / area
     for name, sense in (("forward", 1), ("reverse", -1)):
         row = case.value_row(
             f"{name} slip, part of map",
@@ -163,18 +164,21 @@ def _part(case: Case, sense: int, history: InterfaceHistory) -> float:
 
 
 def event_rows(case: Case) -> Iterator[Row]:
-    """Times in T at which slip starts and first reverses at probe points."""
+    """Times in T at which slip starts and first reverses at probe points.
+
+    A reversal is slip against the sense in which the simulation starts to slip there.
+    """
     cell = case.simulation.element_size / case.length
     step = float(case.seen.t[1] - case.seen.t[0]) / case.end_time
     # what is self-similar looks the same everywhere, only coarser near the edge
     for probe in PROBES[-1:] if case.scene.is_self_similar else PROBES:
         place = float(case.seen.x[np.argmin(np.abs(case.seen.x - probe * case.length))])
-        for name, first_time, share in (
-            ("onset", onset_time, SENSE_THRESHOLD),
-            ("reversal", _reversal, REVERSAL_THRESHOLD),
+        fast = REVERSAL_THRESHOLD * case.largest_rate
+        against = partial(_onset_of_sense, -_first_sense(case, place, fast))
+        for name, first_time, least in (
+            ("onset", onset_time, SENSE_THRESHOLD * case.largest_rate),
+            ("reversal", against, fast),
         ):
-            least = share * case.largest_rate
-
             row = case.value_row(
                 f"{name} at {place / case.length:.2f} c_t T",
                 "onset",
@@ -238,12 +242,19 @@ def _record(history: InterfaceHistory, place: float) -> Array:
     return interpolated(history, "slip_rate", np.full(history.t.shape, place), history.t)
 
 
-def _reversal(time: Array, slip_rate: Array, threshold: float) -> float | None:
-    """First time at which slip is faster than the threshold against its first direction."""
-    fast = np.flatnonzero(np.abs(slip_rate) > threshold)
-    if not len(fast):
-        return None
-    return onset_time(time, np.maximum(-np.sign(slip_rate[fast[0]]) * slip_rate, 0.0), threshold)
+def _first_sense(case: Case, place: float, threshold: float) -> int:
+    """Sense in which the simulation, or else the prediction, first slips at a place; 0 for none."""
+    for history in (case.seen, case.at_nodes):
+        record = _record(history, place)
+        fast = record[np.abs(record) > threshold]
+        if len(fast):
+            return int(np.sign(fast[0]))
+    return 0
+
+
+def _onset_of_sense(sense: int, time: Array, slip_rate: Array, threshold: float) -> float | None:
+    """First time at which slip of one sense is faster than a threshold."""
+    return onset_time(time, np.maximum(sense * slip_rate, 0.0), threshold)
 
 
 def cycle_rows(case: Case) -> Iterator[Row]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from compare.comparison.case import Case
 from compare.comparison.edge_rows import zone_rows
 from compare.comparison.history_rows import cycle_rows, event_rows, rate_row, sense_rows
 from compare.comparison.measures import is_nothing
-from compare.comparison.mesh_choice import Prices, toll
+from compare.comparison.mesh_choice import Feature, Prices
 from compare.comparison.profile_rows import slip_rate_rows, snapshot_row, traction_rows, wear_rows
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall
 from compare.comparison.snapshots import SlipRateProfile
@@ -79,7 +79,8 @@ def mesh_sentence(simulation: Simulation, resolution: int) -> str:
     size = simulation.element_size * simulation.resolution / resolution
     options = {name: getattr(simulation, name) for name in ("damping", "element", "mesh")}
     prices = Prices(simulation.scene, simulation.end_time, options=options)
-    return f"resolution {resolution}, h = {size:.2g}: {toll(*prices.here(resolution))}"
+    remedy = prices.unseen(Feature("", resolution))
+    return f"resolution {resolution}, h = {size:.2g}: {remedy.toll}"
 
 
 def judge(
@@ -149,5 +150,9 @@ def _rows(case: Case, snapshot: SlipRateProfile | None) -> Iterator[Row]:
         return
     yield from sense_rows(case)
     yield from event_rows(case)
-    yield from wear_rows(case)
-    yield from cycle_rows(case)
+    worn = tuple(wear_rows(case))
+    yield from worn
+    for row in cycle_rows(case):  # parts are not better known than the whole
+        whole = worn[-1]
+        unknown = whole.verdict == UNRESOLVED and row.verdict == DIFFERS
+        yield replace(row, obstacle=whole.obstacle) if unknown else row

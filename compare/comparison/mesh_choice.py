@@ -32,7 +32,7 @@ SPARE = 0.9
 """Part of the memory there is that a choice may count on: a little later there may be less."""
 
 BARS = "error bars under the {} history"
-"""What there is if coarser meshes follow a load too."""
+"""What is narrower if coarser meshes follow a load too."""
 WITHIN = "the finest within budget and memory"
 
 YEAR = 365.25 * 86400
@@ -59,15 +59,25 @@ class Unseen:
         Node distances per c_t T that it takes.
     seconds : float
         What a simulation with its companions and without snapshots would take on this machine
-        [s], though no mesh may be so large.
+        [s], even if no mesh may be so large.
     memory : float
         Likewise [bytes].
+    meshable : bool
+        Whether a mesh may be so large.
     """
 
     name: str
     resolution: int
     seconds: float
     memory: float
+    meshable: bool
+
+    @property
+    def toll(self) -> str:
+        """What it would take, in words."""
+        return toll(self.seconds, self.memory) + (
+            "" if self.meshable else ", more than a mesh may hold"
+        )
 
 
 @dataclass(frozen=True)
@@ -149,6 +159,11 @@ class Prices:
         seconds, memory = self.here(resolution // 2)
         return 2**3 * seconds, 2**2 * memory
 
+    def unseen(self, feature: Feature) -> Unseen:
+        """What it would take to see a feature."""
+        seconds, _ = self.at(feature.resolution)
+        return Unseen(*feature, *self.here(feature.resolution), math.isfinite(seconds))
+
 
 def choose_mesh(
     prediction: Answer | None,
@@ -200,7 +215,6 @@ def choose_mesh(
     end_time = checked_size("simulate: end_time", end_time)
     loads = _loads(scene, end_time)
     features = [*_narrow(prediction, end_time), *_weakening(scene, end_time)]
-    features += [Feature(BARS.format(name), COARSER[0] * size) for name, size in loads.items()]
     features.sort(key=lambda feature: feature.resolution)
     reason = "as given"
     if resolution is None:
@@ -208,30 +222,32 @@ def choose_mesh(
         least = _whole(max([LEAST, *loads.values()]))
         if not affordable(least):
             raise _refusal(prices, least, memory)
-        wishes = [Feature(BARS.format(name), COARSER[1] * size) for name, size in loads.items()]
-        resolution, reason = _chosen(features + wishes, least, affordable, spend=budget is not None)
+        bars = [
+            Feature(BARS.format(name), size * needed)
+            for name, needed in loads.items()
+            for size in COARSER
+        ]
+        resolution, reason = _chosen(features + bars, least, affordable, spend=budget is not None)
     prices.checked(resolution)  # one that was given need not do
     bare = replace(prices, snapshots=False)
-    unresolved = tuple(
-        Unseen(*one, *bare.here(one.resolution)) for one in features if one.resolution > resolution
-    )
+    unresolved = tuple(bare.unseen(one) for one in features if one.resolution > resolution)
     needed = unresolved[-1].resolution if unresolved else resolution
     return MeshChoice(resolution, reason, needed, *prices.here(resolution), unresolved)
 
 
 def toll(seconds: float, memory: float) -> str:
     """Time and memory in words."""
-    return f"{duration(seconds)}, {_two_digits(memory / GIGABYTE)} GB"
+    return f"{duration(seconds)}, {two_digits(memory / GIGABYTE)} GB"
 
 
 def duration(seconds: float) -> str:
     """Seconds as people say them."""
     if seconds > LONGEST:
-        return f"more than {_two_digits(LONGEST / YEAR)} years"
+        return f"more than {two_digits(LONGEST / YEAR)} years"
     for unit, length, least in (("years", YEAR, 2), ("days", 86400.0, 4), ("hours", 3600.0, 1.5)):
         if seconds >= least * length:
-            return f"{_two_digits(seconds / length)} {unit}"
-    return f"{_two_digits(seconds / 60)} minutes" if seconds >= 90 else f"{_two_digits(seconds)} s"
+            return f"{two_digits(seconds / length)} {unit}"
+    return f"{two_digits(seconds / 60)} minutes" if seconds >= 90 else f"{two_digits(seconds)} s"
 
 
 def _narrow(prediction: Answer | None, end_time: float) -> Iterator[Feature]:
@@ -332,6 +348,6 @@ def _whole(resolution: int) -> int:
     return STRIDE * math.ceil(resolution / STRIDE)
 
 
-def _two_digits(value: float) -> str:
+def two_digits(value: float) -> str:
     """A positive number to two significant digits, in full."""
     return f"{float(f'{value:.2g}'):,g}"

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import binary_closing
 
-from compare.comparison.case import EDGE_CELLS, Case, own_wear, worn_by
+from compare.comparison.case import EDGE_CELLS, NARROW, Case, own_wear, worn_by
 from compare.comparison.measures import NOTHING, norm
 from compare.comparison.rows import Row
 from compare.comparison.snapshots import SlipRateProfile
@@ -109,6 +110,9 @@ def traction_rows(case: Case) -> Iterator[Row]:
             partial(_last, name),
             reach,
             exact=_norm(case, answer, reach, case.stress),
+            unseen=case.unseen_norm(_unseen_stick(case) / case.stress, reach)
+            if name == "shear_traction"
+            else 0.0,
             scale=(case.stress, "τ₀"),
         )
 
@@ -156,6 +160,18 @@ def _unseen_wear(case: Case) -> tuple[Array, Array]:
     unseen = (narrow == ever).all(axis=0)
     path, work = case.worn_at_nodes
     return np.where(unseen, path, 0.0), np.where(unseen, work, 0.0)
+
+
+def _unseen_stick(case: Case) -> Array:
+    """How far the shear traction of the prediction leaves that of slip on either side at the end,
+    in gaps between zones that too few nodes lie in, (n,)."""
+    slips = np.abs(case.at_nodes.slip_rate[-1]) > NOTHING * case.rate
+    gaps = binary_closing(np.pad(slips, NARROW), np.ones(NARROW, dtype=bool))[NARROW:-NARROW]
+    gaps &= ~slips
+    traction, x = case.at_nodes.shear_traction[-1], case.seen.x
+    if not gaps.any():
+        return np.zeros(len(x))
+    return np.asarray(np.interp(x, x[~gaps], traction[~gaps]) - traction)
 
 
 def _beside_edge(case: Case) -> float:
