@@ -17,7 +17,8 @@ _FARTHEST = 3.0
 """End of the axis of differences over bars; what is further is drawn there."""
 _LEAST_ROWS = 10
 """Of a kind that has a curve."""
-_LEAST_EFFECT, _LARGEST_EFFECT = 5e-4, 2.0
+_LEAST_EFFECT, _LARGEST_EFFECT = 0.1, 100.0
+"""Limits of the axis of effects over bars; what is beyond is drawn there."""
 
 
 def judge_figure(judged: Sequence[JudgedRow], spoilt: Sequence[SpoiltRow]) -> Figure:
@@ -47,8 +48,7 @@ def _draw_bars(panel: Axes, judged: Sequence[JudgedRow]) -> None:
             where="post",
             label=f"{kind} ({len(ratios)})",
         )
-    panel.axvline(1, color="0.35", linewidth=0.8)
-    panel.axvline(ALARM, color="0.35", linewidth=0.8, linestyle="--")
+    _mark_bars(panel)
     panel.set(
         xlabel="|difference| / error bar",
         ylabel="rows of right answers [%]",
@@ -61,24 +61,21 @@ def _draw_bars(panel: Axes, judged: Sequence[JudgedRow]) -> None:
 
 
 def _draw_mistakes(panel: Axes, spoilt: Sequence[SpoiltRow]) -> None:
-    """Every mistake that was tried, by how much of the slip rate it changes."""
+    """Every mistake that was tried, by its effect over the bar in the row where that is most."""
     names = [spoil.name for spoil in SPOILS]
     for caught, colour in ((True, BLUE), (False, VERMILLION)):
-        part = [
-            row
-            for row in spoilt
-            if row.spoil in names and (row.verdict == DIFFERS) is caught and row.slip_rate
-        ]
+        part = [row for row in spoilt if row.spoil in names and (row.verdict == DIFFERS) is caught]
         panel.plot(
-            [min(max(row.slip_rate, _LEAST_EFFECT), _LARGEST_EFFECT) for row in part],
+            np.clip([row.over_bar for row in part], _LEAST_EFFECT, _LARGEST_EFFECT),
             [names.index(row.spoil) + (0.12 if caught else -0.12) for row in part],
             "o" if caught else "x",
             color=colour,
             markersize=4,
             alpha=0.7,
         )
+    _mark_bars(panel)
     panel.set(
-        xlabel="relative L1 effect on slip rate over x and t",
+        xlabel="effect at the nodes / error bar, in the row where that is most",
         xscale="log",
         xlim=(0.8 * _LEAST_EFFECT, 1.25 * _LARGEST_EFFECT),
         ylim=(len(names) - 0.4, -0.6),
@@ -92,3 +89,9 @@ def _draw_mistakes(panel: Axes, spoilt: Sequence[SpoiltRow]) -> None:
         marker_handle("not caught", VERMILLION, "x", 4),
     ]
     panel.legend(handles=handles, fontsize=SMALL, loc="lower left")
+
+
+def _mark_bars(panel: Axes) -> None:
+    """Where a difference is a bar, and where it is one that counts."""
+    panel.axvline(1, color="0.35", linewidth=0.8)
+    panel.axvline(ALARM, color="0.35", linewidth=0.8, linestyle="--")

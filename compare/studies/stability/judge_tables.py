@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from compare.comparison.rows import DIFFERS, UNRESOLVED
+from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
 from compare.studies.stability.judge_trials import TRUTH, JudgedRow, SpoiltRow
 from compare.studies.stability.spoils import SPOILS, Spoil
 
@@ -48,7 +48,7 @@ class BarRow:
     without : int, that have none, or an obstacle
     covered : part of the rows that lie within their bar
     within_half : part that lies within half of it
-    bar : median bar over what is compared
+    bar : median bar over what is compared; nan of what has no value of its own
     """
 
     group: str
@@ -68,18 +68,18 @@ class PowerRow:
     ----------
     spoil, what : str, the mistake
     scenes : int, in which it can be made
-    exceeds : int, of these, its effect is more than the bar of any row
+    beyond : int, of these, its effect is beyond what counts as a difference, in any row
     caught_of_these : part of those that is caught; nan if there are none
     caught : part of all scenes
-    least : size that is caught in half of the scenes; inf beyond 8 times the usual one, nan where
-        it has no size
+    least : size that is caught in half of the scenes; nan where it has no size, or eight times the
+        usual one is caught in fewer
     unit : str, of the size
     """
 
     spoil: str
     what: str
     scenes: int
-    exceeds: int
+    beyond: int
     caught_of_these: float
     caught: float
     least: float
@@ -118,7 +118,7 @@ def bar_rows(rows: Sequence[JudgedRow]) -> list[BarRow]:
 def _bars(group: str, kind: str, rows: Sequence[JudgedRow]) -> BarRow:
     barred = [row for row in rows if row.tells]
     ratios = np.array([row.over_bar for row in barred])
-    size = [row.bar / abs(row.exact) for row in barred if row.exact and math.isfinite(row.exact)]
+    shares = [row.share for row in barred if math.isfinite(row.share)]
     return BarRow(
         group=group,
         kind=kind,
@@ -126,7 +126,7 @@ def _bars(group: str, kind: str, rows: Sequence[JudgedRow]) -> BarRow:
         without=len(rows) - len(barred),
         covered=float(np.mean(ratios <= 1)) if barred else math.nan,
         within_half=float(np.mean(ratios <= 0.5)) if barred else math.nan,
-        bar=float(np.median(size)) if size else math.nan,
+        bar=float(np.median(shares)) if shares else math.nan,
     )
 
 
@@ -143,17 +143,18 @@ def power_rows(rows: Sequence[SpoiltRow]) -> list[PowerRow]:
 
 def _power(spoil: Spoil, rows: Sequence[SpoiltRow]) -> PowerRow:
     size = abs(spoil.size) * (100 if spoil.unit == "%" else 1)
+    least = float(np.quantile(least_shares(rows), 0.5, method="higher"))
     usual = [row for row in rows if row.share == 1]
     caught = [row.verdict == DIFFERS for row in usual]
-    beyond = [row.verdict == DIFFERS for row in usual if row.exceeds]
+    beyond = [row.verdict == DIFFERS for row in usual if row.over_bar > ALARM]
     return PowerRow(
         spoil=spoil.name,
         what=spoil.what,
         scenes=len(usual),
-        exceeds=len(beyond),
+        beyond=len(beyond),
         caught_of_these=float(np.mean(beyond)) if beyond else math.nan,
         caught=float(np.mean(caught)),
-        least=float(np.median(least_shares(rows))) * size if size else math.nan,
+        least=least * size if size and math.isfinite(least) else math.nan,
         unit=spoil.unit,
     )
 

@@ -51,6 +51,7 @@ class JudgedRow:
     seconds : what the scene took [s]
     name, kind, unit : as in the judgement
     exact, difference, bar : nan where there is none
+    relative : bool, whether the last two are over the norm of the prediction
     verdict : "agrees", "differs" or "unresolved"
     """
 
@@ -66,7 +67,15 @@ class JudgedRow:
     exact: float
     difference: float
     bar: float
+    relative: bool
     verdict: str
+
+    @property
+    def share(self) -> float:
+        """The bar over what is compared; nan where that is nothing or has no value of its own."""
+        if self.relative:
+            return self.bar
+        return self.bar / abs(self.exact) if self.exact else math.nan
 
     @property
     def tells(self) -> bool:
@@ -94,7 +103,7 @@ class SpoiltRow:
     spoil : str, or "none" for the right answer
     share : float, of the usual size of the mistake
     slip_rate, shear_traction : relative L1 effect on either, over x and t
-    exceeds : bool, whether the effect of a usual mistake is more than the bar of any row
+    over_bar : float, effect read at the nodes over the bar of the row, where that is most
     verdict : str
     by : str, kinds of the rows that differ
     """
@@ -106,7 +115,7 @@ class SpoiltRow:
     share: float
     slip_rate: float
     shear_traction: float
-    exceeds: bool
+    over_bar: float
     verdict: str
     by: str
 
@@ -160,6 +169,7 @@ def judged_rows(group: str, seed: int, index: int) -> list[JudgedRow]:
             exact=_number(row.exact),
             difference=_number(row.difference),
             bar=_number(row.bar),
+            relative=row.relative,
             verdict=row.verdict,
         )
         for row in rows
@@ -178,7 +188,7 @@ def spoilt_rows(scene_name: str, index: int, resolution: int, bisect: bool) -> l
     """
     simulation = simulated(power_scenes()[scene_name], resolution)
     trial = _Trial.of(simulation)
-    tried: list[tuple[str, float, _Outcome]] = [(TRUTH, 0.0, trial.outcome(trial.right, False))]
+    tried: list[tuple[str, float, _Outcome]] = [(TRUTH, 0.0, trial.outcome(trial.right))]
     for spoil in SPOILS:
         outcomes = trial.searched(spoil, SHARES if bisect and spoil.size else (1.0,))
         tried += [(spoil.name, share, outcome) for share, outcome in outcomes.items()]
@@ -193,7 +203,7 @@ class _Outcome(NamedTuple):
 
     slip_rate: float
     shear_traction: float
-    exceeds: bool
+    over_bar: float
     verdict: str
     by: str
 
@@ -224,26 +234,25 @@ class _Trial:
         bars = {row.name: row.bar for row in judgement.rows}
         return cls(simulation, right, window_of(simulation), flawless(judgement), bars)
 
-    def outcome(self, answer: Answer, usual: bool) -> _Outcome:
-        """What becomes of an answer; whether it exceeds the bars is asked of usual mistakes."""
+    def outcome(self, answer: Answer) -> _Outcome:
+        """What becomes of an answer."""
         judgement = judge(answer, self.simulation)
         x, t = self.simulation.interface.x, self.window.end_time * np.linspace(0.2, 1.0, 9)
         kinds = dict.fromkeys(row.kind for row in judgement.rows if row.verdict == DIFFERS)
         return _Outcome(
             slip_rate=effect("slip_rate", answer, self.right, x, t),
             shear_traction=effect("shear_traction", answer, self.right, x, t),
-            exceeds=usual and self.exceeds(answer),
+            over_bar=self.over_bar(answer),
             verdict=judgement.verdict,
             by="; ".join(kinds),
         )
 
-    def exceeds(self, answer: Answer) -> bool:
-        """Whether an answer is further from the right one than the bars, in any row."""
-        return any(
-            row.difference is not None
-            and (bar := self.bars.get(row.name)) is not None
-            and abs(row.difference) > bar
+    def over_bar(self, answer: Answer) -> float:
+        """How far an answer is from the right one, over the bar, in the row where that is most."""
+        return max(
+            abs(row.difference) / bar
             for row in judge(answer, self.flawless).rows
+            if row.difference is not None and (bar := self.bars.get(row.name))
         )
 
     def searched(self, spoil: Spoil, shares: Sequence[float]) -> dict[float, _Outcome]:
@@ -255,8 +264,7 @@ class _Trial:
             if answer is None:
                 most = middle
             else:
-                share = shares[middle]
-                outcomes[share] = outcome = self.outcome(answer, share == 1)
+                outcomes[shares[middle]] = outcome = self.outcome(answer)
                 if outcome.verdict == DIFFERS:
                     most = middle
                 else:
