@@ -512,7 +512,7 @@ def test_verdict_of_a_judgement(fair):
         ((agrees, unresolved), "agrees"),
         ((agrees, unresolved, differs), "differs"),
         ((unresolved,), "unresolved"),
-        ((unresolved, front), "unresolved"),
+        ((unresolved, replace(front, obstacle="coarse")), "unresolved"),
         ((unresolved, replace(front, difference=9.0, bar=1.0)), "differs"),
         ((), "unresolved"),
     ):
