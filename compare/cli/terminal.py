@@ -170,7 +170,7 @@ def judgement_table(judgement: Judgement, label: str) -> Table:
     """The rows of a judgement with their units; what differs in red, norms' errors in per cent."""
     title = f"Semi-analytic against finite elements: {label}"
     table = Table(title=title, box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    table.add_column("quantity", min_width=17)  # for 80 columns
+    table.add_column("quantity", min_width=14)  # for 80 columns
     for heading in ("exact", "at nodes", "FEM", "differ by", "bar ±"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)

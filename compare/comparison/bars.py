@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 SAFETY: Mapping[str, float] = {
     "arrival": 1.0,
     "zone edge": 0.7,
-    "slip rate": 0.85,
+    "slip rate": 1.2,
     "slip": 0.6,
     "work": 1.0,
     "shear traction": 0.9,
