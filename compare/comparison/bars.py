@@ -15,10 +15,10 @@ SAFETY: Mapping[str, float] = {
     "arrival": 1.0,
     "zone edge": 0.7,
     "slip rate": 1.2,
-    "slip": 0.6,
+    "slip": 0.7,
     "work": 1.0,
     "shear traction": 0.9,
-    "pressure": 0.35,
+    "pressure": 0.5,
     "onset": 0.7,
     "sense": 0.5,
 }

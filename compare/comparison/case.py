@@ -33,6 +33,9 @@ USUAL = 0.9
 """Part of the nodes and times that slip whose mesh differences are no larger than the usual one."""
 LEAST_PEAK = 1e-4
 """Part of V₀ that is a peak at least, of which thresholds are parts."""
+LEAST_ERROR = 5e-4
+"""Relative error of a field below which no mesh difference is believed: where all meshes slide at
+friction alike, one node beside a front is all that differs."""
 FIELD_FLOOR = 0.05
 """Elements by which nodes alone leave the jumps of a field open, whatever mesh differences say."""
 EDGE_CELLS = 4
@@ -272,7 +275,7 @@ class Case:
         if bar is not None:
             bar += NOTHING
             if not nothing:
-                bar += self.error_estimate
+                bar += LEAST_ERROR + self.error_estimate
                 cell = self.simulation.element_size / self.length
                 bar += FIELD_FLOOR * cell * float(np.ptp(fields[0][shown])) / per
             bar += sum(size((other - expected)[shown], x[shown]) / per for other in doubted)

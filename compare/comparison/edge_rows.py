@@ -24,7 +24,7 @@ READ_FROM = 0.01
 """Part of the largest slip rate from which on slip counts: less runs ahead of the fronts."""
 LEVELS = 24
 """Times in the last third of the run at which edges are read; of self-similar zones the median."""
-EDGE_FLOOR = 0.5
+EDGE_FLOOR = 0.6
 """Elements by which nodes alone leave an edge open, whatever the mesh differences."""
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
 from compare.comparison.bars import error_bar, observed_order
-from compare.comparison.case import EDGE_CELLS, NARROW, Case
+from compare.comparison.case import EDGE_CELLS, LEAST_ERROR, NARROW, Case
 from compare.comparison.measures import NOTHING, norm, onset_time
 from compare.comparison.rows import Row
 from semianalytic import Harmonic, InterfaceHistory
@@ -92,7 +92,7 @@ def rate_row(case: Case) -> Row:
     bar = None
     if changes:
         bar = (error_bar("slip rate", changes) + size(unseen, case.seen)) / per
-        bar += NOTHING + (0.0 if nothing else case.error_estimate)
+        bar += NOTHING + (0.0 if nothing else LEAST_ERROR + case.error_estimate)
         if case.doubted is not None:
             bar += size(case.doubted.slip_rate[part] / unit - predicted, case.seen) / per
     name = "slip rate over (x, t)"
