@@ -378,7 +378,9 @@ def test_what_a_march_misses_makes_its_rows_unresolved():
     assert judgement.verdict != "differs"
     for row in judgement.rows:
         if row.kind not in ("arrival", "pressure"):
-            assert row.obstacle == f"the march: {marched.caution}"
+            reason, times = row.obstacle.removeprefix("the march: "), marched.shortfalls[0].times
+            assert marched.caution.startswith(reason) and reason
+            assert row.resolution == math.ceil(times * run.resolution)
     assert judge(solve(scene), run).case.caution == ""
 
 
@@ -436,9 +438,11 @@ def test_units_do_not_matter(friction, modulus, density, stress, time):
     assert [row.verdict for row in other.rows] == [row.verdict for row in plain.rows]
     for one, row in zip(plain.rows, other.rows, strict=True):
         assert (one.name, one.unit, one.resolution) == (row.name, row.unit, row.resolution)
+        # a node at a threshold may fall on either side of it
+        least = 1e-3 if one.kind == "sense" else 1e-8
         for field in ("exact", "at_nodes", "simulated", "difference", "bar"):
             value = getattr(one, field)
-            expected = None if value is None else pytest.approx(value, rel=1e-6, abs=1e-8)
+            expected = None if value is None else pytest.approx(value, rel=1e-6, abs=least)
             assert getattr(row, field) == expected, (one.name, field)
 
 
@@ -498,7 +502,8 @@ def test_verdict_of_a_row(difference, bar, obstacle, verdict):
 
 
 def test_verdict_of_a_judgement(fair):
-    row = fair.rows[0]
+    row = next(row for row in fair.rows if row.kind == "slip rate")
+    front = next(row for row in fair.rows if row.kind == "arrival")
     agrees, differs, unresolved = (
         replace(row, difference=difference, bar=1.0, obstacle=obstacle)
         for difference, obstacle in ((0.0, ""), (9.0, ""), (9.0, "coarse"))
@@ -507,6 +512,8 @@ def test_verdict_of_a_judgement(fair):
         ((agrees, unresolved), "agrees"),
         ((agrees, unresolved, differs), "differs"),
         ((unresolved,), "unresolved"),
+        ((unresolved, replace(front, obstacle="coarse")), "unresolved"),
+        ((unresolved, replace(front, difference=9.0, bar=1.0)), "differs"),
         ((), "unresolved"),
     ):
         judgement = replace(fair, rows=rows)
