@@ -194,16 +194,18 @@ def references_line(judgement: Judgement) -> str:
 
 
 def verdict_text(judgement: Judgement) -> str:
-    """The verdict in a sentence; then each row that is unresolved, why, and what would do."""
+    """The verdict in a sentence; then what is unresolved, why, and what would do."""
     counts = judgement.counts
     parts = [f"{count} {verdict}" for verdict, count in counts.items() if count]
     lines = [f"Verdict: {judgement.verdict} ({', '.join(parts)})."]
     if counts[UNRESOLVED]:
         lines.append("Unresolved:")
+    alike: dict[str, list[str]] = {}
     for row in judgement.having(UNRESOLVED):
         remedy = judgement.remedy(row)
         reason = in_options(row.obstacle, MESH_OPTIONS)
-        lines.append(f"  · {row.name}: {reason}{f' ({remedy})' if remedy else ''}")
+        alike.setdefault(f"{reason}{f' ({remedy})' if remedy else ''}", []).append(row.name)
+    lines += [f"  · {'; '.join(names)}: {reason}" for reason, names in alike.items()]
     return "\n".join(lines)
 
 

@@ -519,9 +519,8 @@ def test_verdict_of_a_judgement(fair):
         judgement = replace(fair, rows=rows)
         assert judgement.verdict == verdict
         assert judgement.counts == {
-            "agrees": rows.count(agrees),
-            "differs": rows.count(differs),
-            "unresolved": rows.count(unresolved),
+            given: sum(row.verdict == given for row in rows)
+            for given in ("agrees", "differs", "unresolved")
         }
     assert replace(fair, rows=(agrees, differs)).having("differs") == (differs,)
 
