@@ -60,7 +60,7 @@ def test_histories_weaken_with_slip_if_at_all():
 # --- spoilt answers -----------------------------------------------------------------------------
 
 
-@over("exact", without="slides thin")
+@over("exact", without="thin")
 def test_a_profile_is_told_from_its_solution_by_digits_only(problem):
     right = solve(problem.scene)
     table, speed = profiled(right), problem.scene.material.shear_speed
@@ -137,13 +137,14 @@ def test_the_second_zone_is_left_out_or_reversed():
 
 def test_late_and_backward_answers():
     right = solve(find_scene("preloaded"))
+    table = profiled(right)
     late, back = wrong("a step late", right), wrong("all slip reversed", right)
-    np.testing.assert_array_equal(late.slip_rate(X, 1.0), right.slip_rate(X, 0.99))
-    assert late.frictional_work(1.0) == right.frictional_work(0.99)
+    np.testing.assert_array_equal(late.slip_rate(X, 1.0), table.slip_rate(X, 0.99))
+    assert late.frictional_work(1.0) == table.frictional_work(0.99)
     assert late.zones_at(0.005) == ()
     assert np.all(late.slip(X, 0.005) == 0)
-    np.testing.assert_array_equal(back.slip(X, 1.0), -right.slip(X, 1.0))
-    np.testing.assert_array_equal(back.shear_traction(X, 1.0), right.shear_traction(X, 1.0))
+    np.testing.assert_array_equal(back.slip(X, 1.0), -table.slip(X, 1.0))
+    np.testing.assert_array_equal(back.shear_traction(X, 1.0), table.shear_traction(X, 1.0))
     assert [zone.sense for zone in back.zones_at(1.0)] == [-1, -1]
 
 
