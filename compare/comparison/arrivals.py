@@ -142,5 +142,5 @@ def aligned_speed(
 
 def _without_trend(values: Array, velocity: Array) -> Array:
     centred = (velocity - velocity.mean()) / np.ptp(velocity)
-    trend = np.polynomial.Polynomial.fit(centred, values, TREND_DEGREE)
-    return values - trend(centred)
+    trends, _ = np.linalg.qr(np.vander(centred, TREND_DEGREE + 1))
+    return np.asarray(values - trends @ (trends.T @ values))

@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 
 _ROUNDING = 1e-9
 """By which the last time or position may be missed, relative to it."""
-_EDGE_NODES = 2
-"""Samples next to the edge of a zone that say where it is."""
+_EDGE_STEPS = 2
+"""Steps of the samples by which an edge may lie beyond the last of them that slips."""
 _NO_SLIP = 1e-6
 """Part of the largest recorded slip rate that counts as none; where it sticks it is 0 exactly."""
 
@@ -228,11 +228,10 @@ def slip_intervals(x: Array, slip_rate: Array, least: float) -> tuple[SlipInterv
 
 def _edge(x: Array, slip_rate: Array) -> float:
     """Where the square of the slip rate falls to zero, samples given from the edge inward."""
-    near = x[:_EDGE_NODES]
-    slope, offset = np.polyfit(near - near[0], slip_rate[:_EDGE_NODES] ** 2, 1)
-    step = near[1] - near[0]
-    beyond = -offset / slope if slope * step > 0 else 0.0
-    return float(near[0] + np.clip(beyond / step, -_EDGE_NODES, 0.0) * step)
+    first, second = (slip_rate[:2] ** 2).tolist()
+    step = float(x[1] - x[0])
+    steps = first / (second - first) if second > first else 0.0
+    return float(x[0]) - min(steps, _EDGE_STEPS) * step
 
 
 def _check_times(t: Array, recorded: Array) -> None:

@@ -10,8 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
-from compare.studies.stability.judge_trials import TRUTH, JudgedRow, SpoiltRow
+from compare.studies.stability.judge_trials import COUNTS, TRUTH, JudgedRow, SpoiltRow
 from compare.studies.stability.spoils import SPOILS, Spoil
+
+SURE = ALARM + 1
+"""Bars from which on a mistake shows whatever the simulation errs within its bar."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,8 @@ class PowerRow:
     spoil, what : str, the mistake
     scenes : int, in which it can be made
     beyond : int, of these, its effect is beyond what counts as a difference, in any row
-    caught_of_these : part of those that is caught; nan if there are none
+    caught_beyond : part of those that is caught; nan if there are none
+    sure, caught_sure : the same of effects that no error within the bar can hide
     caught : part of all scenes
     least : size that is caught in half of the scenes; nan where it has no size, or eight times the
         usual one is caught in fewer
@@ -80,7 +84,9 @@ class PowerRow:
     what: str
     scenes: int
     beyond: int
-    caught_of_these: float
+    caught_beyond: float
+    sure: int
+    caught_sure: float
     caught: float
     least: float
     unit: str
@@ -145,18 +151,23 @@ def _power(spoil: Spoil, rows: Sequence[SpoiltRow]) -> PowerRow:
     size = abs(spoil.size) * (100 if spoil.unit == "%" else 1)
     least = float(np.quantile(least_shares(rows), 0.5, method="higher"))
     usual = [row for row in rows if row.share == 1]
-    caught = [row.verdict == DIFFERS for row in usual]
-    beyond = [row.verdict == DIFFERS for row in usual if row.over_bar > ALARM]
+    beyond, sure = ([row for row in usual if row.over_bar > bars] for bars in (ALARM, SURE))
     return PowerRow(
         spoil=spoil.name,
         what=spoil.what,
         scenes=len(usual),
         beyond=len(beyond),
-        caught_of_these=float(np.mean(beyond)) if beyond else math.nan,
-        caught=float(np.mean(caught)),
+        caught_beyond=_part_caught(beyond),
+        sure=len(sure),
+        caught_sure=_part_caught(sure),
+        caught=_part_caught(usual),
         least=least * size if size and math.isfinite(least) else math.nan,
         unit=spoil.unit,
     )
+
+
+def _part_caught(rows: Sequence[SpoiltRow]) -> float:
+    return float(np.mean([row.verdict == DIFFERS for row in rows])) if rows else math.nan
 
 
 def least_shares(rows: Sequence[SpoiltRow]) -> list[float]:
@@ -169,7 +180,7 @@ def least_shares(rows: Sequence[SpoiltRow]) -> list[float]:
 
 
 def _groups(rows: Sequence[JudgedRow]) -> list[str]:
-    return list(dict.fromkeys(row.group for row in rows))
+    return [group for group in COUNTS if any(row.group == group for row in rows)]
 
 
 def _part(rows: Sequence[JudgedRow], group: str) -> list[JudgedRow]:

@@ -60,7 +60,7 @@ def test_histories_weaken_with_slip_if_at_all():
 # --- spoilt answers -----------------------------------------------------------------------------
 
 
-@over("exact", without="slides thin")
+@over("exact", without="thin")
 def test_a_profile_is_told_from_its_solution_by_digits_only(problem):
     right = solve(problem.scene)
     table, speed = profiled(right), problem.scene.material.shear_speed
@@ -137,13 +137,14 @@ def test_the_second_zone_is_left_out_or_reversed():
 
 def test_late_and_backward_answers():
     right = solve(find_scene("preloaded"))
+    table = profiled(right)
     late, back = wrong("a step late", right), wrong("all slip reversed", right)
-    np.testing.assert_array_equal(late.slip_rate(X, 1.0), right.slip_rate(X, 0.99))
-    assert late.frictional_work(1.0) == right.frictional_work(0.99)
+    np.testing.assert_array_equal(late.slip_rate(X, 1.0), table.slip_rate(X, 0.99))
+    assert late.frictional_work(1.0) == table.frictional_work(0.99)
     assert late.zones_at(0.005) == ()
     assert np.all(late.slip(X, 0.005) == 0)
-    np.testing.assert_array_equal(back.slip(X, 1.0), -right.slip(X, 1.0))
-    np.testing.assert_array_equal(back.shear_traction(X, 1.0), right.shear_traction(X, 1.0))
+    np.testing.assert_array_equal(back.slip(X, 1.0), -table.slip(X, 1.0))
+    np.testing.assert_array_equal(back.shear_traction(X, 1.0), table.shear_traction(X, 1.0))
     assert [zone.sense for zone in back.zones_at(1.0)] == [-1, -1]
 
 
@@ -245,7 +246,7 @@ def test_coverage_leaves_out_what_is_not_held_against_a_bar():
 
 def test_power_is_that_of_scenes_without_a_false_alarm():
     def row(scene, share, verdict, beyond=False, spoil="friction +3 %"):
-        over_bar = 1.6 if beyond else 1.4
+        over_bar = 2.0 if beyond else 1.4
         return SpoiltRow(scene, 0, 1, spoil, share, 0.1, 0.1, over_bar, verdict, "")
 
     rows = [row(scene, 0.0, AGREES, spoil=TRUTH) for scene in "abc"]
@@ -255,7 +256,8 @@ def test_power_is_that_of_scenes_without_a_false_alarm():
     rows += [row("c", 1.0, AGREES), row("c", 2.0, AGREES), row("c", 4.0, AGREES)]
     rows += [row("c", 8.0, AGREES), row("a", 1.0, DIFFERS, True, "all slip reversed")]
     friction, reversed_ = power_rows(rows)
-    assert (friction.scenes, friction.beyond, friction.caught_of_these) == (3, 2, 0.5)
+    assert (friction.scenes, friction.beyond, friction.caught_beyond) == (3, 2, 0.5)
+    assert friction.sure == 0
     assert friction.caught == pytest.approx(1 / 3)
     assert friction.least == pytest.approx(4 * 3)  # [%]; 0.5, 4 and more than 8 times
     assert reversed_.spoil == "all slip reversed"
@@ -307,7 +309,7 @@ def test_the_judge_is_right_at_a_glance(tmp_path):
     assert sum(row.false_scenes * row.scenes for row in alarms) <= 1
     assert all(row.verdict != DIFFERS for row in spoilt_ones if row.spoil == TRUTH)
     for row in power_rows(spoilt_ones):
-        assert row.caught_of_these >= 0.5 or not row.beyond, row.spoil
+        assert row.caught_sure == 1 or not row.sure, row.spoil
         if row.spoil in ("friction +3 %", "all slip reversed", "slot held", "signs as printed"):
             assert row.caught == 1, row.spoil
     assert (tmp_path / "judge.png").stat().st_size > 0
@@ -322,7 +324,10 @@ def test_the_docs_hold_what_was_promised():
     _, power = read_data("judge-power")
     assert {row["spoil"] for row in power} == set(NAMED)
     for row in power:
-        assert row["beyond"] == "0" or float(row["caught_of_these"]) >= 0.95, row["spoil"]
+        assert row["sure"] == "0" or float(row["caught_sure"]) >= 0.95, row["spoil"]
+    beyond = np.array([float(row["beyond"]) for row in power])
+    caught = np.array([float(row["caught_beyond"]) for row in power])
+    assert np.sum(beyond * np.nan_to_num(caught)) >= 0.95 * beyond.sum()
 
 
 def test_power_scenes_differ():
