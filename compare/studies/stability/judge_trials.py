@@ -218,7 +218,7 @@ class _Trial:
     flawless : Simulation
         The right answer in the place of what was simulated.
     bars : dict
-        Of the judgement of the right answer, by the name of the row.
+        Of the judgement of the right answer, by the name of the row; of rows that tell.
     """
 
     simulation: Simulation
@@ -231,7 +231,7 @@ class _Trial:
     def of(cls, simulation: Simulation) -> _Trial:
         right = predict_like(simulation)
         judgement = judge(right, simulation)
-        bars = {row.name: row.bar for row in judgement.rows}
+        bars = {row.name: row.bar for row in judgement.rows if row.verdict != UNRESOLVED}
         return cls(simulation, right, window_of(simulation), flawless(judgement), bars)
 
     def outcome(self, answer: Answer) -> _Outcome:
@@ -249,11 +249,12 @@ class _Trial:
 
     def over_bar(self, answer: Answer) -> float:
         """How far an answer is from the right one, over the bar, in the row where that is most."""
-        return max(
+        shares = (
             abs(row.difference) / bar
             for row in judge(answer, self.flawless).rows
             if row.difference is not None and (bar := self.bars.get(row.name))
         )
+        return max(shares, default=0.0)
 
     def searched(self, spoil: Spoil, shares: Sequence[float]) -> dict[float, _Outcome]:
         """Outcomes by share, of the usual one and those that bisect for the least one caught."""
