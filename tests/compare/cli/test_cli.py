@@ -301,10 +301,12 @@ def test_compare_reads_the_snapshots_too(simulated, tmp_path, capsys):
     command = ["compare", "--from", str(simulated), "--output", str(tmp_path)]
     main(command)
     rows = {row["name"]: row for row in json.loads((tmp_path / "report.json").read_text())["rows"]}
-    # The last frame shows the final time: the same numbers through another file.
+    # The last frame shows the final time, by single steps that flicker about those of the history.
     history, frame = rows["slip rate, L1"], rows["slip rate of snapshot, L1"]
-    assert frame["difference"] == pytest.approx(history["difference"], rel=1e-6)
-    assert (frame["bar"], frame["verdict"]) == (history["bar"], history["verdict"])
+    assert frame["simulated"] == pytest.approx(history["simulated"], rel=0.01)
+    assert frame["difference"] - history["difference"] <= frame["bar"] - history["bar"] + 1e-12
+    assert frame["bar"] > history["bar"]
+    assert frame["verdict"] == history["verdict"] == "agrees"
     main([*command, "--no-snapshots"])
     assert "slip rate of snapshot" not in (tmp_path / "report.json").read_text()
 
