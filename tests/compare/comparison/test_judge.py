@@ -379,7 +379,8 @@ def test_what_a_march_misses_makes_its_rows_unresolved():
     for row in judgement.rows:
         if row.kind not in ("arrival", "pressure"):
             reason, times = row.obstacle.removeprefix("the march: "), marched.shortfalls[0].times
-            assert marched.caution.startswith(reason) and reason
+            assert marched.caution.startswith(reason)
+            assert reason
             assert row.resolution == math.ceil(times * run.resolution)
     assert judge(solve(scene), run).case.caution == ""
 
