@@ -12,7 +12,7 @@ from compare.output.tables import append_rows, started_rows
 from compare.studies.stability import judge_trials, spoils
 from compare.studies.stability.held_slot import held_slot
 from compare.studies.stability.judge_scenes import HISTORIES, STEPS, draw, power_scenes
-from compare.studies.stability.judge_tables import alarm_rows, bar_rows, power_rows
+from compare.studies.stability.judge_tables import SURE, alarm_rows, bar_rows, power_rows
 from compare.studies.stability.judge_trials import SHARES, TRUTH, JudgedRow, SpoiltRow, run_trials
 from compare.studies.stability.spoils import SPOILS, Window, effect, spoilt
 from compare.studies.stability.spoilt_answers import profiled
@@ -308,8 +308,9 @@ def test_the_judge_is_right_at_a_glance(tmp_path):
     alarms = alarm_rows(judged_ones)
     assert sum(row.false_scenes * row.scenes for row in alarms) <= 1
     assert all(row.verdict != DIFFERS for row in spoilt_ones if row.spoil == TRUTH)
+    sure = [row for row in spoilt_ones if row.over_bar > SURE]
+    assert sum(row.verdict == DIFFERS for row in sure) >= 0.9 * len(sure) > 0
     for row in power_rows(spoilt_ones):
-        assert row.caught_sure == 1 or not row.sure, row.spoil
         if row.spoil in ("friction +3 %", "all slip reversed", "slot held", "signs as printed"):
             assert row.caught == 1, row.spoil
     assert (tmp_path / "judge.png").stat().st_size > 0
