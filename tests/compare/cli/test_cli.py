@@ -304,7 +304,7 @@ def test_compare_reads_the_snapshots_too(simulated, tmp_path, capsys):
     # The last frame shows the final time, by single steps that flicker about those of the history.
     history, frame = rows["slip rate, L1"], rows["slip rate of snapshot, L1"]
     assert frame["simulated"] == pytest.approx(history["simulated"], rel=0.01)
-    assert frame["difference"] - history["difference"] <= frame["bar"] - history["bar"] + 1e-12
+    assert frame["difference"] > history["difference"]
     assert frame["bar"] > history["bar"]
     assert frame["verdict"] == history["verdict"] == "agrees"
     main([*command, "--no-snapshots"])
@@ -370,8 +370,11 @@ def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(t
     out = capsys.readouterr().out
     table, unresolved = out.split("Unresolved:\n")
     assert "unresolved" in table
-    assert "  · zone 1, outer edge: the gap to the next zone is 0.00053 c_t T wide" in unresolved
-    assert "(resolution 7498, h = 0.00013: " in unresolved
+    told = " ".join(unresolved.split())
+    assert (
+        "· zone 1, outer edge; zone 2, inner edge: the gap to the next zone is 0.00053 c_t" in told
+    )
+    assert "(resolution 7498, h = 0.00013: " in told
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -17,6 +17,7 @@ from compare.comparison.case import worn_by
 from compare.comparison.history_rows import beside_edges, event_rows, sense_rows, slip_sense
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import method_of, predict_like
+from compare.comparison.rows import ALARM
 from fem import simulate
 from semianalytic import (
     Harmonic,
@@ -105,7 +106,10 @@ def test_onset_comes_earlier_when_speeds_are_larger():
     assert row.name == "onset at 0.75 c_t T"
     # Interpolated between a hundred times: less than the step between two.
     assert row.simulated == pytest.approx(row.at_nodes / 1.05, abs=0.01)
-    assert row.verdict == "differs"
+    # Far beyond its bar; but slip begins so slowly here that the mesh cannot tell when.
+    assert abs(row.difference) > ALARM * row.bar
+    assert row.verdict == "unresolved"
+    assert row.obstacle.endswith("of the threshold")
     honest = sampled_run(exact, times=100, stretch=1.05, growth=2.0)
     (row,) = (row for row in event_rows(side_by_side(exact, honest)))
     assert row.verdict == "agrees"
