@@ -72,7 +72,9 @@ def test_a_comparison_that_misses_the_edge_says_so_too(tmp_path, capsys, monkeyp
     monkeypatch.setenv("COLUMNS", "300")
     command = ["compare", "ramp", "--friction", "20", "--resolution", "20", "--no-snapshots", "-q"]
     main([*command, "--output", str(tmp_path)])
-    assert "raise --resolution " in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "the march: the edge slips over a length of about" in out
+    assert "(resolution 396, h = 0.0025: " in out
 
 
 @pytest.mark.parametrize(
