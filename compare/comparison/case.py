@@ -89,6 +89,11 @@ class Case:
         return tuple(_companions(self.simulation))
 
     @property
+    def pairs(self) -> Iterator[tuple[InterfaceHistory, InterfaceHistory]]:
+        """What each mesh shows and what the next coarser one does, from the finest on."""
+        return pairwise([self.seen, *(run.interface for run in self.coarser)])
+
+    @property
     def end_time(self) -> float:
         """T [time]."""
         return float(self.seen.t[-1])
@@ -154,9 +159,8 @@ class Case:
 
         At least that of most of what slips: where all meshes stick, they may all be wrong.
         """
-        runs = [self.seen, *(run.interface for run in self.coarser)]
         changes = []
-        for fine, coarse in pairwise(runs):
+        for fine, coarse in self.pairs:
             x, t = np.broadcast_arrays(fine.x, fine.t[:, None])
             change = np.abs(fine.slip_rate - interpolated(coarse, "slip_rate", x, t))
             slips = np.abs(fine.slip_rate) > NOTHING * self.rate

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,9 +78,8 @@ def rate_row(case: Case) -> Row:
         place = history.x[far] / case.length
         return norm(field, place, 1, history.t[late] / case.end_time)
 
-    runs = [case.seen, *(run.interface for run in case.coarser)]
     changes = []
-    for fine, coarse in pairwise(runs):
+    for fine, coarse in case.pairs:
         late, far = shown(fine)
         x, t = np.broadcast_arrays(fine.x[far], fine.t[late][:, None])
         there = fine.slip_rate[np.ix_(late, far)] - interpolated(coarse, "slip_rate", x, t)
@@ -127,8 +125,7 @@ def sense_rows(case: Case) -> Iterator[Row]:
         if row is not None:
             yield row
     changes = []
-    runs = [case.seen, *(run.interface for run in case.coarser)]
-    for fine, coarse in pairwise(runs):
+    for fine, coarse in case.pairs:
         x, t = np.broadcast_arrays(coarse.x, coarse.t[:, None])
         behind = x <= case.scene.material.longitudinal_speed * t
         senses = [

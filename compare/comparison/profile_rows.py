@@ -40,9 +40,9 @@ def wear_rows(case: Case) -> Iterator[Row]:
     """Accumulated |slip| and frictional work per area at the end, from the stored levels."""
     slip = case.rate * case.end_time
     unseen = _unseen_wear(case)
-    doubted = None
-    if case.doubted is not None:
-        doubted = worn_by(case.prediction.companion, case.doubted)  # type: ignore[attr-defined]
+    companion, doubted = getattr(case.prediction, "companion", None), None
+    if companion is not None and case.doubted is not None:
+        doubted = worn_by(companion, case.doubted)
     for part, (name, kind, field, scale, symbol) in enumerate(
         (
             ("accumulated |slip|", "slip", "final_path", slip, "V₀ T"),
