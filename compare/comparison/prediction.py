@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from semianalytic import Marched, Scene, Solution, march, solve
+from semianalytic.cut.load import check_pressure
 from semianalytic.prediction import chosen_method
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
-from semianalytic.selfsimilar.load import check_pressure
 from semianalytic.spacetime.resolution import nodes_for_loads
 from semianalytic.spacetime.tuning import MOST_NODES
 

@@ -10,6 +10,9 @@ import math
 import numpy as np
 from scipy.optimize import brentq
 
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.regimes.thresholds import (
     NEGLIGIBLE,
@@ -26,10 +29,7 @@ from semianalytic.regimes.thresholds import (
     rooted,
     scene_of,
 )
-from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.profile import Profile
 from semianalytic.selfsimilar.solver import solve
-from semianalytic.selfsimilar.zones import ZoneFields
 
 _FASTEST = -60.0  # `past_rayleigh` of a front indistinguishable from the longitudinal one
 _WIDE = 1e-7  # reversed strips wider than this are solved for, narrower ones follow a closed form

@@ -18,16 +18,16 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import brentq, root
 
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import Load
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.scene.scene import Material, Scene, Tractions
-from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.load import Load
-from semianalytic.selfsimilar.profile import Profile
 from semianalytic.selfsimilar.solver import solve
-from semianalytic.selfsimilar.zones import ZoneFields
 
 Loading = Literal["preload", "remote"]
 

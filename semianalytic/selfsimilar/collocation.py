@@ -17,11 +17,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from semianalytic.cut.load import Load
 from semianalytic.halfplane.rayleigh import Array, gauss, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.load import Load
 
 
 @dataclass(frozen=True)

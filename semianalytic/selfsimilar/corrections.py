@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import Load
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import Violation
-from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.load import Load
 
 
 def rearranged(factors: RayleighFactors, zones: Sequence[Zone]) -> list[Zone] | None:

@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import per_set
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.load import per_set
-from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.zones import ZoneFields
 
 _APART = (False, False)
 

@@ -9,12 +9,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import Load
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
 from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.load import Load
-from semianalytic.selfsimilar.zones import ZoneFields
 
 
 @dataclass(frozen=True)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from semianalytic.cut.load import per_set
+from semianalytic.cut.panels import RunningIntegral
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import largest_excess
 from semianalytic.selfsimilar.edges import Edges, Placement, edge_shift, moves
-from semianalytic.selfsimilar.load import per_set
-from semianalytic.selfsimilar.panels import RunningIntegral
-from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.zones import ZoneFields
 
 
 def loose_tolerance(rtol: float) -> float:

@@ -24,16 +24,16 @@ from itertools import pairwise
 
 import numpy as np
 
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import Load
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.collocation import GridSlip, slip_on_grid
-from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.load import Load
-from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.zones import ZoneFields
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import SlipInterval, answer_dataset, sampled_history
@@ -18,8 +20,6 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.totals import dissipation, largest_slip_over_time, slipped_rate
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,10 @@ from time import perf_counter
 
 import numpy as np
 
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import Load, check_pressure, scaled_load
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.scene.checks import checked_number
@@ -24,11 +28,7 @@ from semianalytic.selfsimilar.coulomb import violations
 from semianalytic.selfsimilar.edges import Placement, locate_edges, placement_of, polish_edges
 from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, numerical_error
 from semianalytic.selfsimilar.guesses import guesses, slip_senses
-from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.load import Load, check_pressure, scaled_load
-from semianalytic.selfsimilar.profile import Profile
 from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
-from semianalytic.selfsimilar.zones import ZoneFields
 
 
 def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:

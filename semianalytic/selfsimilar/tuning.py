@@ -66,13 +66,6 @@ GAP_LOGARITHM_SHARE = 0.1
 """What a change of the logarithm of an edge's distance from c counts as a shift: the slip rate
 beside a narrow stick gap follows that of its width."""
 
-# Friction that does not count (load)
-
-NEGLIGIBLE_FRICTION = 1e-15
-"""Strength over the step of shear that rounding alone would take from it."""
-CRITICAL_BASE = 1e-12
-"""What a base may lack of friction, relative, to be at it: rounding of the two products."""
-
 # Newton's method for the edges (edges)
 
 MOST_NEWTON_STEPS = 40
@@ -140,6 +133,8 @@ NEAREST_TO_FRONT, NARROWEST_FRONT_ZONE = 1e-16, 1e-11
 narrowest zone there; of less rounding shows nothing."""
 FRONT_STEP = 0.1
 """Of the logarithm of that distance.  Not recorded."""
+GAUSS_PER_ELEMENT = 6
+"""Gauss points per element of the complementarity grid.  Not recorded."""
 
 # Zones after a failure (corrections)
 
@@ -151,23 +146,3 @@ AT_SHEAR_FRONT = 1e-4
 """Distance in slowness of an edge that ran into the shear front.  Not recorded."""
 BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 """Where such an edge starts on the other side, over the segment there.  Not recorded."""
-
-# Panels and their quadrature (panels, totals)
-
-CACHED_KERNEL = 50_000
-"""Kernel values formed at once, so that they stay in the processor's cache."""
-NARROW_STRIP = 0.01
-"""Width in slowness of a zone around c that is narrow.  Not recorded."""
-MANY_NODES = 100
-"""Nodes per panel from which it pays to leave some out."""
-NEGLIGIBLE_WEIGHT = 1e-6
-"""Share of what the reach of a rule leaves out that may be left out as well.  Not recorded."""
-EARLIEST = 1e-200
-"""Slowness of what has not begun."""
-PIECE_GROWTH = 4.0
-"""Of slowness from piece to piece towards a slipping contact edge.  Not recorded."""
-GAUSS_PER_ELEMENT = 6
-"""Gauss points per element of the complementarity grid.  Not recorded."""
-ZOOM_POINTS, ZOOMS = 33, 6
-"""Points in a bracket around the largest slip, which each zoom narrows 16 times; the last is 10^-7
-as wide: slip, flat at its maximum, is right to rounding."""

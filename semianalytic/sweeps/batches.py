@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from semianalytic.cut.load import Load
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.selfsimilar.coulomb import admissible
 from semianalytic.selfsimilar.edges import Edges, broyden, moves
 from semianalytic.selfsimilar.estimate import difference, loose_tolerance, missed_slip
-from semianalytic.selfsimilar.load import Load
-from semianalytic.selfsimilar.profile import Profile
 from semianalytic.selfsimilar.tuning import (
     COARSER_COMPANION,
     HOPED_ERROR,
@@ -21,7 +22,6 @@ from semianalytic.selfsimilar.tuning import (
     LEFT_SHIFT,
     SAFETY,
 )
-from semianalytic.selfsimilar.zones import ZoneFields
 from semianalytic.sweeps import tuning
 
 

@@ -17,17 +17,17 @@ from time import perf_counter
 
 import numpy as np
 
+from semianalytic.cut.load import common_load, scaled_load
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.edges import Edges, edges_of, moves
 from semianalytic.selfsimilar.estimate import loose_tolerance
-from semianalytic.selfsimilar.load import common_load, scaled_load
-from semianalytic.selfsimilar.profile import Profile
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import slip_zones, solve
 from semianalytic.selfsimilar.tuning import FARTHEST, NUDGE
-from semianalytic.selfsimilar.zones import ZoneFields
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import Prediction, batches, continued, linearised
 from semianalytic.sweeps.interpolation import confirmed, fits, interpolated, lagrange

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from semianalytic.cut.load import Load, scaled_load
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.coulomb import admissible
 from semianalytic.selfsimilar.edges import Edges, edge_shift, moves
-from semianalytic.selfsimilar.load import Load, scaled_load
-from semianalytic.selfsimilar.profile import Profile
 from semianalytic.selfsimilar.tuning import FARTHEST, SAFETY
-from semianalytic.selfsimilar.zones import ZoneFields
 from semianalytic.sweeps import tuning
 
 

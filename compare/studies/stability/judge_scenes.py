@@ -9,8 +9,8 @@ import numpy as np
 
 from compare.studies.campaign.scenes import random_history_scene
 from semianalytic import Material, RateWeakening, Scene, SceneError, SlipWeakening, Tractions
+from semianalytic.cut.load import check_pressure
 from semianalytic.scene.named import NAMED_SCENES
-from semianalytic.selfsimilar.load import check_pressure
 
 STEPS, HISTORIES = "steps", "histories"
 

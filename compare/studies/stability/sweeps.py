@@ -20,6 +20,10 @@ from compare.studies.stability.methods import (
     zigzag,
 )
 from semianalytic import Material, Solution, regimes, solve
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import Load
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.reference import (
@@ -28,10 +32,6 @@ from semianalytic.reference import (
 )
 from semianalytic.regimes import Loading, one_zone, scene_of, stuck_threshold
 from semianalytic.scene.errors import ComputationError
-from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.load import Load
-from semianalytic.selfsimilar.profile import Profile
-from semianalytic.selfsimilar.zones import ZoneFields
 
 RTOL = 1e-10
 

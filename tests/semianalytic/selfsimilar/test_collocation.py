@@ -5,12 +5,12 @@ import pytest
 from catalogue import UNIT
 
 from semianalytic import Scene, Tractions, solve
+from semianalytic.cut.load import Load
 from semianalytic.reference import (
     edge_speed_under_shear_step,
     slip_rate_under_shear_step,
 )
 from semianalytic.selfsimilar.collocation import slip_grid, slip_on_grid
-from semianalytic.selfsimilar.load import Load
 
 
 @pytest.mark.parametrize("strength", [1.0, 0.5])

@@ -5,56 +5,62 @@ from pathlib import Path
 
 import pytest
 
-import semianalytic.selfsimilar
+import semianalytic
 
-FOLDER = Path(semianalytic.selfsimilar.__file__).parent
+HOUSE = Path(semianalytic.__file__).parent
+FOLDERS = ("cut", "selfsimilar")
 STAGES = (
-    "tuning",
-    "load",
-    "layout",
-    "panels",
-    "canonical",
-    "zones",
-    "profile",
-    "edges",
-    "coulomb",
-    "collocation",
-    "guesses",
-    "corrections",
-    "estimate",
+    "cut.tuning",
+    "cut.load",
+    "cut.layout",
+    "cut.panels",
+    "cut.canonical",
+    "cut.zones",
+    "cut.profile",
+    "selfsimilar.tuning",
+    "selfsimilar.edges",
+    "selfsimilar.coulomb",
+    "selfsimilar.collocation",
+    "selfsimilar.guesses",
+    "selfsimilar.corrections",
+    "selfsimilar.estimate",
 )
 """In the order of docs/solver.md; `solver` leads through them, `solution` is what it gives."""
 
 
 def neighbours(source):
-    """Modules of the folder that a source imports."""
+    """Modules of the two folders that a source imports."""
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.ImportFrom) and node.module == "semianalytic.selfsimilar":
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module.startswith(
-            "semianalytic.selfsimilar."
-        ):
-            yield node.module.split(".")[2]
+        if not isinstance(node, ast.ImportFrom):
+            continue
+        _, *rest = node.module.split(".")
+        if rest and rest[0] in FOLDERS:
+            names = rest[1:] or [alias.name for alias in node.names]
+            yield from (f"{rest[0]}.{name}" for name in names)
+
+
+def source(module):
+    return (HOUSE / f"{module.replace('.', '/')}.py").read_text()
 
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_a_stage_knows_only_those_before_it(stage):
     before = set(STAGES[: STAGES.index(stage)])
-    assert set(neighbours((FOLDER / f"{stage}.py").read_text())) <= before
+    assert set(neighbours(source(stage))) <= before
 
 
 def test_an_import_against_the_order_is_seen():
     planted = "from semianalytic.selfsimilar import tuning\n" + (
         "from semianalytic.selfsimilar.guesses import guesses\n"
     )
-    assert list(neighbours(planted)) == ["tuning", "guesses"]
+    assert list(neighbours(planted)) == ["selfsimilar.tuning", "selfsimilar.guesses"]
 
 
 def test_the_solver_goes_through_every_stage():
-    seen, waiting = set(), ["solver"]
+    seen, waiting = set(), ["selfsimilar.solver"]
     while waiting:
         module = waiting.pop()
         if module not in seen:
             seen.add(module)
-            waiting += neighbours((FOLDER / f"{module}.py").read_text())
+            waiting += neighbours(source(module))
     assert set(STAGES) < seen

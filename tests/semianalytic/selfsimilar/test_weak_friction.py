@@ -8,11 +8,11 @@ import pytest
 from catalogue import unit_scene
 
 from semianalytic import ComputationError, Material, Scene, Tractions, solve
+from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.selfsimilar import guesses
 from semianalytic.selfsimilar.guesses import frictionless_profile, slip_senses
-from semianalytic.selfsimilar.load import scaled_load
 
 
 def edges_from_c(solution):

@@ -14,9 +14,9 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
+from semianalytic.cut.layout import Layout
+from semianalytic.cut.panels import Panels
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors
-from semianalytic.selfsimilar.layout import Layout
-from semianalytic.selfsimilar.panels import Panels
 
 _SMALL = 1 / np.arange(2.0, 11.0)  # -(1 + ln(1 - s) / s) / s in powers of s
 

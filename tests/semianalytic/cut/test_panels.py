@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.panels import lay_panels
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
-from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.panels import lay_panels
 
 RULE = rule_for(1e-11)
 

@@ -24,13 +24,13 @@ from functools import cached_property
 
 import numpy as np
 
+from semianalytic.cut.canonical import CanonicalFunction, log_share
+from semianalytic.cut.layout import Layout, Zone
+from semianalytic.cut.load import Load, per_set
+from semianalytic.cut.panels import Panels, lay_panels
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.selfsimilar.canonical import CanonicalFunction, log_share
-from semianalytic.selfsimilar.layout import Layout, Zone
-from semianalytic.selfsimilar.load import Load, per_set
-from semianalytic.selfsimilar.panels import Panels, lay_panels
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import Load, per_set
+from semianalytic.cut.panels import Panels, RunningIntegral, lay_panels
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
-from semianalytic.selfsimilar.layout import Zone
-from semianalytic.selfsimilar.load import Load, per_set
-from semianalytic.selfsimilar.panels import Panels, RunningIntegral, lay_panels
-from semianalytic.selfsimilar.zones import ZoneFields
 
 
 @dataclass(frozen=True)

@@ -19,10 +19,10 @@ from functools import cached_property
 
 import numpy as np
 
+from semianalytic.cut import tuning
+from semianalytic.cut.layout import Layout, Pairs, Zone, outline
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, finer_rule
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.layout import Layout, Pairs, Zone, outline
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from semianalytic.cut import tuning
+from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.profile import Profile
 
 
 def largest_slip_over_time(profile: Profile) -> float:

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from semianalytic.cut import tuning
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar import tuning
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,26 @@
+"""The numbers that tune the fields of given zones, each with what set it."""
+
+# Friction that does not count (load)
+
+NEGLIGIBLE_FRICTION = 1e-15
+"""Strength over the step of shear that rounding alone would take from it."""
+CRITICAL_BASE = 1e-12
+"""What a base may lack of friction, relative, to be at it: rounding of the two products."""
+
+# Panels and their quadrature (panels, totals)
+
+CACHED_KERNEL = 50_000
+"""Kernel values formed at once, so that they stay in the processor's cache."""
+NARROW_STRIP = 0.01
+"""Width in slowness of a zone around c that is narrow.  Not recorded."""
+MANY_NODES = 100
+"""Nodes per panel from which it pays to leave some out."""
+NEGLIGIBLE_WEIGHT = 1e-6
+"""Share of what the reach of a rule leaves out that may be left out as well.  Not recorded."""
+EARLIEST = 1e-200
+"""Slowness of what has not begun."""
+PIECE_GROWTH = 4.0
+"""Of slowness from piece to piece towards a slipping contact edge.  Not recorded."""
+ZOOM_POINTS, ZOOMS = 33, 6
+"""Points in a bracket around the largest slip, which each zoom narrows 16 times; the last is 10^-7
+as wide: slip, flat at its maximum, is right to rounding."""
