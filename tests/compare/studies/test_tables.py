@@ -90,7 +90,7 @@ def test_no_named_scene_differs_anywhere():
 @pytest.mark.slow
 def test_every_quantity_of_every_scene_is_in_its_report():
     named = sum(len(quantities) + 1 for quantities in scenes.QUANTITIES.values())
-    assert len(scenes.quantities(40)) == named
+    assert len(scenes.quantities(60)) == named
 
 
 def test_tables_of_regimes(monkeypatch):
