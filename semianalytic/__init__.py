@@ -1,7 +1,7 @@
 """Slip on a frictional interface after a sudden load: exact where self-similar, else marched."""
 
 from semianalytic.prediction import predict
-from semianalytic.results.answer import Answer, SlipInterval
+from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import (
     ComputationError,
@@ -33,6 +33,7 @@ __all__ = [
     "Marched",
     "Material",
     "MissingLibraryError",
+    "OpenInterval",
     "Pulse",
     "Ramp",
     "RateWeakening",

@@ -76,7 +76,6 @@ def sampled_run(
             pressure=gain * seen.pressure,
         ),
         state=np.zeros(seen.slip.shape, dtype=np.int8),
-        gap=np.zeros(seen.slip.shape),
         final_path=path,
         final_work_density=work,
         totals=Totals(

@@ -121,6 +121,17 @@ class Case:
         seen = float(np.abs(self.seen.slip_rate[:, shown]).max(initial=0.0))
         return max(seen, LEAST_PEAK * self.rate)
 
+    @cached_property
+    def largest_gap(self) -> float:
+        """Largest gap of the simulation, that thresholds are parts of; never as small as rounding
+        [length]."""
+        return max(float(self.seen.gap.max()), LEAST_PEAK * self.rate * self.end_time)
+
+    @cached_property
+    def opens(self) -> bool:
+        """Whether the contact opens anywhere, predicted or simulated."""
+        return bool(self.at_nodes.gap.any() or self.seen.gap.any())
+
     @property
     def slips(self) -> bool:
         """Whether any slip is predicted at the nodes."""

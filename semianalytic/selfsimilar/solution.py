@@ -15,7 +15,7 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
-from semianalytic.results.answer import SlipInterval, answer_dataset, sampled_history
+from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
@@ -153,6 +153,10 @@ class Solution:
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
         return self.scene.base.pressure + self.stress * change
+
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
+        return self._evaluate(x, t, np.zeros_like)
 
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Friction bound less shear traction, f p - |tau| [stress]; 0 where it slips."""
@@ -300,6 +304,11 @@ class Solution:
         return tuple(
             SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in self.zones
         )
+
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+        """What is open at a time [time], from the contact edge outward; raises as `zones_at`."""
+        checked_number("openings_at: t", t)
+        return ()
 
     @cached_property
     def _whole_power(self) -> float:
