@@ -15,7 +15,7 @@ from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeaken
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
-from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
+from semianalytic.selfsimilar.solution import OpenZone, SlipZone, Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
 from semianalytic.spacetime.march import march, march_on
 from semianalytic.spacetime.marched import Marched
@@ -34,6 +34,7 @@ __all__ = [
     "Material",
     "MissingLibraryError",
     "OpenInterval",
+    "OpenZone",
     "Pulse",
     "Ramp",
     "RateWeakening",

@@ -74,6 +74,7 @@ def sampled_run(
             slip_rate=gain * seen.slip_rate,
             shear_traction=gain * seen.shear_traction,
             pressure=gain * seen.pressure,
+            gap=gain * seen.gap,
         ),
         state=np.zeros(seen.slip.shape, dtype=np.int8),
         final_path=path,

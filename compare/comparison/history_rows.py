@@ -116,11 +116,12 @@ def _map_row(case: Case, name: str, unit: float, units: tuple[str, str], unseen:
         return norm(values, place, 1, history.t[late] / case.end_time)
 
     changes = []
-    for fine, coarse in case.pairs:
-        late, far = shown(fine)
-        x, t = np.broadcast_arrays(fine.x[far], fine.t[late][:, None])
-        there = getattr(fine, field)[np.ix_(late, far)] - interpolated(coarse, field, x, t)
-        changes.append(size(there / unit, fine))
+    for pair in case.pairs:
+        of, to = pair[::-1] if field == "gap" else pair  # smooth: at the nodes of the coarser
+        late, far = shown(of)
+        x, t = np.broadcast_arrays(of.x[far], of.t[late][:, None])
+        there = getattr(of, field)[np.ix_(late, far)] - interpolated(to, field, x, t)
+        changes.append(size(there / unit, of))
     whole = size(predicted, case.seen)
     per = 1.0 if nothing else whole
     bar = None

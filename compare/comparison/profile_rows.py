@@ -52,6 +52,7 @@ def gap_rows(case: Case) -> Iterator[Row]:
         exact=_norm(case, case.prediction.gap, reach, scale),
         unseen=case.unseen_norm(np.where(narrow, case.at_nodes.gap[-1], 0.0) / scale, reach),
         scale=(scale, "V₀ T"),
+        smooth=True,
     )
     coarsest = (*case.coarser, case.simulation)[-1]
     start = max(reach[0], coarsest.interface.x[0])

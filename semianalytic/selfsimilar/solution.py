@@ -41,6 +41,20 @@ class SlipZone:
 
 
 @dataclass(frozen=True)
+class OpenZone:
+    """Part of the interface that is open: inner * t < x < outer * t.
+
+    Attributes
+    ----------
+    inner, outer : float
+        Velocities of the edges [length / time]; inner 0 is the contact edge.
+    """
+
+    inner: float
+    outer: float
+
+
+@dataclass(frozen=True)
 class Statistics:
     """What a solution took.
 
@@ -121,6 +135,11 @@ class Solution:
         u = (t * self.scene.material.shear_speed / x).ravel()
         value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
         return value.reshape((*value.shape[:-1], *x.shape))
+
+    @property
+    def openings(self) -> tuple[OpenZone, ...]:
+        """What is open, from the contact edge outward."""
+        return ()
 
     @property
     def _rate_unit(self) -> float:
@@ -307,8 +326,10 @@ class Solution:
 
     def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
         """What is open at a time [time], from the contact edge outward; raises as `zones_at`."""
-        checked_number("openings_at: t", t)
-        return ()
+        t = checked_number("openings_at: t", t)
+        if t <= 0:
+            return ()
+        return tuple(OpenInterval(t * part.inner, t * part.outer) for part in self.openings)
 
     @cached_property
     def _whole_power(self) -> float:
