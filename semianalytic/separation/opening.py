@@ -45,9 +45,7 @@ class Opening:
     error: float
 
 
-def opening_of(
-    poisson_ratio: float, base: float, step: float, tolerance: float
-) -> Opening | None:
+def opening_of(poisson_ratio: float, base: float, step: float, tolerance: float) -> Opening | None:
     """The opening under a step of pressure on a base, any unit of stress; None if there is none.
 
     Parameters
