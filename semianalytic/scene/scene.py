@@ -242,15 +242,15 @@ class Scene:
 
     @property
     def is_self_similar(self) -> bool:
-        """Whether all fields depend on x/t alone: step loads and constant friction."""
-        return self.is_step and self.friction_law == CoulombFriction()
+        """Whether all fields depend on x/t alone: step loads, constant or viscous friction."""
+        return self.is_step and isinstance(self.friction_law, CoulombFriction | ViscousFriction)
 
     def check_self_similar(self) -> None:
         """Raise SceneError unless all fields depend on x/t alone."""
         if not self.is_self_similar:
             raise SceneError(
-                "the self-similar solver takes step loads and constant friction only; use the "
-                "space-time solver for this scene, `march` or `method` space-time "
+                "the self-similar solver takes step loads and constant or viscous friction only; "
+                "use the space-time solver for this scene, `march` or `method` space-time "
                 "(docs/limits.md)."
             )
 
