@@ -12,6 +12,7 @@ from semianalytic.cut.layout import Zone
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import TensionError
+from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
 
 
@@ -106,6 +107,8 @@ def _in_unit(
     scene: Scene, friction: float | Array, far_slip_rate: float | Array, unit: float
 ) -> Load:
     base, load, impedance = scene.base, scene.load, scene.material.shear_impedance
+    law = scene.friction_law
+    viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
     return Load(
         friction,
         base.pressure / unit,
@@ -113,6 +116,7 @@ def _in_unit(
         load.pressure / unit,
         load.shear / unit,
         far_slip_rate * impedance / (2 * unit),
+        2 * viscosity / impedance if viscosity else None,
     )
 
 
