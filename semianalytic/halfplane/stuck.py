@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -134,15 +135,17 @@ def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
 
 
 def stress_intensity(
-    material: Material, load: Tractions, t: ArrayLike
+    material: Material, load: Tractions, t: ArrayLike, shear_mode: Literal["II", "III"] = "II"
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Stress intensity factors (K_I, K_II) of a stuck interface at times t (3.13), (3.16).
 
     Near the edge pressure ~ K_I / sqrt(2 pi x) and shear ~ K_II / sqrt(2 pi x)
-    [stress sqrt(length)]; K_I > 0 is compression.  Times before 0 give 0.
+    [stress sqrt(length)]; K_I > 0 is compression.  Times before 0 give 0.  In mode III the second
+    is K_III = 2 Q_0 sqrt(2 c_t t / pi), that of mode II at nu = 0.
     """
     root = np.sqrt(np.maximum(np.asarray(t, dtype=float), 0.0) / np.pi)
     nu = material.poisson_ratio
     mode_one = 2 * load.pressure * np.sqrt((1 - 2 * nu) * material.longitudinal_speed) / (1 - nu)
-    mode_two = 2 * load.shear * np.sqrt(2 * material.shear_speed / (1 - nu))
-    return mode_one * root, mode_two * root
+    yielding = 1 - nu if shear_mode == "II" else 1.0
+    sheared = 2 * load.shear * np.sqrt(2 * material.shear_speed / yielding)
+    return mode_one * root, sheared * root
