@@ -182,9 +182,7 @@ class Scene:
                 known = ", ".join(kind.__name__ for kind in kinds.values())
                 raise SceneError(f"scene: {name} must be one of {known}, got {shown(part)}.")
         if self.mode not in MODES:
-            raise SceneError(
-                f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)}."
-            )
+            raise SceneError(f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)}.")
         if self.units not in ("", SI):
             raise SceneError(f'scene: units must be "SI" or left out, got {shown(self.units)}.')
         if self.friction < 0:
@@ -254,8 +252,12 @@ class Scene:
     @property
     def fastest_speed(self) -> float:
         """Speed of the first wave [length / time]: c_l, or c_t where only antiplane shear acts."""
+        return self.fastest_in(self.material)
+
+    def fastest_in(self, material: Material) -> float:
+        """The same in another solid, as it may be on the lower side [length / time]."""
         alone = self.antiplane and not self.load.pressure
-        return self.material.shear_speed if alone else self.material.longitudinal_speed
+        return material.shear_speed if alone else material.longitudinal_speed
 
     @property
     def acting_histories(self) -> dict[str, LoadHistory]:
