@@ -42,11 +42,12 @@ class Profile:
 
     @property
     def _m_plus_at_zero(self) -> float:
-        return self.fields.factors.m_plus_at_zero["II"]
+        return self.fields.factors.m_plus_at_zero[self.fields.factors.mode]
 
     @cached_property
     def edge_intensity(self) -> Array:
-        """K_II over that of a unit shear step on a stuck interface, () or (k,); 0 if it slips."""
+        """K_II (K_III) over that of a unit shear step on a stuck interface, () or (k,); 0 if it
+        slips."""
         if self.edge_slips:
             return np.zeros(())
         return self.fields.stick_transform_at_edge * self._m_plus_at_zero
@@ -72,7 +73,7 @@ class Profile:
 
     @property
     def _shear(self) -> StuckTraction:
-        return stuck_traction(self.fields.factors.poisson_ratio, "II")
+        return stuck_traction(self.fields.factors.poisson_ratio, self.fields.factors.mode)
 
     def _edge_traction(self, panel: int, v: Array) -> Array | float:
         """The part of the traction that is unbounded at a stuck edge."""
