@@ -122,15 +122,31 @@ class StuckTraction:
         return result
 
 
+class AntiplaneTraction(StuckTraction):
+    """q* in mode III, (2/pi) (r - arctan r) with r^2 = u/b - 1; the same for every solid."""
+
+    def __call__(self, u: ArrayLike) -> Array:
+        """Traction at slowness u = t/x [1/b], any shape; 0 ahead of the shear front."""
+        root = np.sqrt(np.maximum(np.asarray(u, dtype=float) - 1, 0.0))
+        series = np.square(root) * root * (1 / 3 - np.square(root) * (1 / 5 - np.square(root) / 7))
+        small = root < _SMALL
+        return np.asarray(2 / np.pi * np.where(small, series, root - np.arctan(root)))
+
+
+_SMALL = 1e-3
+
+
 @lru_cache(maxsize=64)
 def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
-    """p* (mode I) or q* (mode II) for a Poisson ratio, tables kept.
+    """p* (mode I) or q* (modes II and III) for a Poisson ratio, tables kept.
 
     Raises
     ------
     SceneError
         If the Poisson ratio is not in (-1, 0.5).
     """
+    if mode == "III":
+        return AntiplaneTraction(rayleigh_factors(poisson_ratio, mode), mode)
     return StuckTraction(rayleigh_factors(poisson_ratio), mode)
 
 

@@ -137,13 +137,18 @@ def stuck_pressure(
 
 
 def stuck_shear(
-    history: LoadHistory, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
+    history: LoadHistory,
+    amplitude: float,
+    material: Material,
+    x: ArrayLike,
+    t: ArrayLike,
+    shear_mode: Literal["II", "III"] = "II",
 ) -> StuckHistory:
     """Shear traction a slot load Q_0 f(t) adds to a stuck interface, (3.14) with (3.20).
 
-    Parameters and errors as `stuck_pressure`.
+    Parameters and errors as `stuck_pressure`; `shear_mode` "III" for antiplane shear.
     """
-    return _stuck(history, amplitude, material, x, t, "II")
+    return _stuck(history, amplitude, material, x, t, shear_mode)
 
 
 def _root_response(history: LoadHistory, t: Array) -> Array:
