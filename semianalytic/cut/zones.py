@@ -65,8 +65,10 @@ class ZoneFields:
     def panels(self) -> Panels:
         """Panels on a rule as fine and as long as these zones need."""
         if self.shared is not None:
-            ends = tuple(self.shared.left[1:])
-            _, layout = outline(self.factors, self.zones, self.tail, ends)
+            ends, count = tuple(self.shared.left[1:]), len(self.shared.left)
+            _, layout = outline(self.factors, self.zones, True, ends)
+            if len(layout.sense) > count:
+                _, layout = outline(self.factors, self.zones, False, ends)
             return replace(self.shared, layout=layout)
         sets, load = np.shape(self.load.friction), self.load
         by_slip = load.resistance is not None or load.given_slope is not None
