@@ -29,6 +29,7 @@ from semianalytic.selfsimilar.edges import Placement, locate_edges, placement_of
 from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, numerical_error
 from semianalytic.selfsimilar.guesses import guesses, slip_senses
 from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
+from semianalytic.separation.normal import with_opening
 
 
 def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
@@ -61,6 +62,7 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     )
     load, stress = scaled_load(scene)
     check_pressure(scene)
+    load, normal = with_opening(load, scene.material.poisson_ratio, rtol)
     factors = rayleigh_factors(scene.material.poisson_ratio)
     clock = [perf_counter()]
     trial, pivots = _search(factors, load, rtol, loose_tolerance(rtol))
@@ -119,7 +121,7 @@ def _search(
     took."""
     checking = rule_for(tolerance)
     shift = max(tuning.LOCATED_SHIFT * rtol, tuning.LEAST_LOCATED_SHIFT)
-    trial = _unlawful(placement_of(factors, ()), load, checking)
+    trial = _unlawful(placement_of(factors, (), load), load, checking)
     pivots = steps = sets = 0
     for guess in guesses(factors, load):
         locating = checking if guess.doubtful else rule_for(tuning.COARSER_LOCATING * tolerance)
@@ -138,7 +140,8 @@ def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules:
         placement = locate_edges(factors, zones, load, rules.locating, rules.shift)
         steps += placement.steps
         if not placement.converged:
-            others = rearranged(factors, placement.zones)
+            opening = load.opened.zone if load.opened else None
+            others = rearranged(factors, placement.zones, opening)
             if others is None:
                 break
             zones = others

@@ -148,7 +148,8 @@ class Continuation:
         self.origin[i] = FROM_SCRATCH
         self.solutions[i] = solution
         fields = solution.profile.fields
-        if solution.status == "converged" and not fields.load.frictionless:
+        load = fields.load
+        if solution.status == "converged" and not (load.frictionless or load.opened):
             edges, unknowns = edges_of(fields.factors, fields.zones)
             tolerance, estimate = fields.rule.tolerance, solution.error_estimate
             self.zones[i] = KnownZones(edges, unknowns, None, tolerance, estimate)
