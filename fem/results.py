@@ -37,7 +37,7 @@ class SlotHistory:
     t : (m,) array
         Times [time].
     velocity_x, velocity_y : (m, n) arrays
-        Velocity of the upper face [length / time].
+        Velocity of the upper face [length / time]; in antiplane shear the first is along z.
     """
 
     x: NDArray[np.float64]

@@ -11,7 +11,13 @@ from semianalytic.scene.errors import (
     SlipfrontError,
     TensionError,
 )
-from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
+from semianalytic.scene.friction import (
+    CoulombFriction,
+    FrictionLaw,
+    RateWeakening,
+    SlipWeakening,
+    ViscousFriction,
+)
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
@@ -51,6 +57,7 @@ __all__ = [
     "Tabulated",
     "TensionError",
     "Tractions",
+    "ViscousFriction",
     "find_scene",
     "march",
     "march_on",

@@ -36,7 +36,12 @@ SCENE_DIMENSIONS: Dimensions = {
     "load": _TRACTIONS,
     "pressure_history": _HISTORY,
     "shear_history": _HISTORY,
-    "friction_law": {"reduction": "1", "rate": "length / time", "distance": "length"},
+    "friction_law": {
+        "viscosity": "stress time / length",
+        "reduction": "1",
+        "rate": "length / time",
+        "distance": "length",
+    },
 }
 END_DIMENSIONS: Dimensions = {
     "time": "time",

@@ -178,9 +178,10 @@ class Solution:
         return self._evaluate(x, t, np.zeros_like)
 
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Friction bound less shear traction, f p - |tau| [stress]; 0 where it slips."""
-        bound = self.scene.friction * self.pressure(x, t)
-        return bound - np.abs(self.shear_traction(x, t))
+        """Strength less shear traction, f p - |tau| [stress] where it sticks; 0 where it slips."""
+        frictional = self.scene.friction * self.pressure(x, t)
+        strength = self.scene.friction_law.strength(frictional, self.slip_rate(x, t), 0.0)
+        return strength - np.abs(self.shear_traction(x, t))
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
@@ -334,7 +335,11 @@ class Solution:
     @cached_property
     def _whole_power(self) -> float:
         """Frictional power over time, in units of `profile`."""
-        return self.profile.contact_integral(self.profile.strength(self.profile.panels.at.v))
+        profile = self.profile
+        sense = np.array(profile.panels.sense)[:, None]
+        return profile.contact_integral(
+            profile.carried(profile.panels.at.v, sense * profile.slip_rate_at_nodes)
+        )
 
     @cached_property
     def _whole_rate(self) -> float:

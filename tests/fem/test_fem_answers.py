@@ -300,8 +300,8 @@ def test_faster_lower_body_needs_no_caution():
 class Halved(CoulombFriction):
     """A law that the finite elements have never heard of."""
 
-    def factor(self, slip_rate, path):
-        return super().factor(slip_rate, path) / 2
+    def strength(self, frictional, slip_rate, path):
+        return super().strength(frictional, slip_rate, path) / 2
 
 
 def test_strength_is_what_the_law_says_whatever_the_law():
