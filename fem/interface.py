@@ -233,8 +233,8 @@ class Interface:
     strength : (n,) array
         Largest shear traction at the last kick, under the scene's law [stress]; 0 where open.
     path : (n,) array
-        |slip| accumulated up to the time level of the last kick, in steps that ended closed: what
-        does not touch is not worn [length].
+        |slip| accumulated up to the time level of the last kick where the sides touch, half of that
+        of a step in which they part or meet [length].
     gap : (n,) array
         Opening at the time level of the last kick, 0 where closed [length].
     work : InterfaceWork
@@ -256,6 +256,7 @@ class Interface:
         self.strength = scene.friction * self.pressure
         self.path = np.zeros(len(length))
         self.gap = np.zeros(len(length))
+        self._touching = np.ones(len(length))
         self.work = InterfaceWork(0.0, 0.0, 0.0)
         self._friction = self._impact = self._external = 0.0
         self._rubbed = np.zeros(len(length))
@@ -310,6 +311,8 @@ class Interface:
         base = self.scene.base.pressure
         offset = faces.offset()
         self.gap = np.where(offset > self.least_gap, offset, 0.0)
+        closed_before = offset - faces.past_increment() <= self.least_gap
+        self._touching = (closed_before + (self.gap == 0.0)) / 2
         self.pressure = contact_pressure(offset, faces.increment(), base, part * faces.compliance)
         faces.push(self.pressure - base, part)
         work = part * self.length * faces.mean_increment()
@@ -319,7 +322,7 @@ class Interface:
     def _slide(self, faces: Faces, part: float) -> None:
         base, law = self.scene.base.shear, self.scene.friction_law
         increment, compliance = faces.increment(), part * faces.compliance
-        self.path += np.where(self.gap > 0, 0.0, np.abs(faces.past_increment()))
+        self.path += self._touching * np.abs(faces.past_increment())
         frictional = self.scene.friction * self.pressure
         stopping = base + increment / compliance
         self.strength = strength(law, frictional, self.path, stopping, faces.step / compliance)
