@@ -312,7 +312,7 @@ class Interface:
         offset = faces.offset()
         self.gap = np.where(offset > self.least_gap, offset, 0.0)
         closed_before = offset - faces.past_increment() <= self.least_gap
-        self._touching = (closed_before + (self.gap == 0.0)) / 2
+        self._touching = np.mean([closed_before, self.gap == 0.0], axis=0)
         self.pressure = contact_pressure(offset, faces.increment(), base, part * faces.compliance)
         faces.push(self.pressure - base, part)
         work = part * self.length * faces.mean_increment()
