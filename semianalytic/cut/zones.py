@@ -65,8 +65,10 @@ class ZoneFields:
     def panels(self) -> Panels:
         """Panels on a rule as fine and as long as these zones need."""
         if self.shared is not None:
-            ends = tuple(self.shared.left[1:])
-            _, layout = outline(self.factors, self.zones, self.tail, ends)
+            ends, count = tuple(self.shared.left[1:]), len(self.shared.left)
+            _, layout = outline(self.factors, self.zones, True, ends)
+            if len(layout.sense) > count:
+                _, layout = outline(self.factors, self.zones, False, ends)
             return replace(self.shared, layout=layout)
         sets, load = np.shape(self.load.friction), self.load
         by_slip = load.resistance is not None or load.given_slope is not None
@@ -166,10 +168,13 @@ class ZoneFields:
 
     def _share(self, edge: CutPoints) -> Array:
         """(p, ..., n): 1 / (k + e) - 1 / e at k = -v, of a closing edge e that ends a panel."""
-        panels = self.panels
-        ends = (*panels.left, panels.right[-1])
+        return self.panels.at.v / edge.v * self._pole(edge)
+
+    def _pole(self, edge: CutPoints) -> Array:
+        """(p, ..., n): 1 / (k + e) at k = -v."""
+        ends = (*self.panels.left, self.panels.right[-1])
         index = next(i for i, end in enumerate(ends) if end and end.first == edge.first)
-        return -panels.at.v / (edge.v * panels.from_ends[index])
+        return -1 / self.panels.from_ends[index]
 
     @cached_property
     def _cauchy(self) -> Array:
@@ -234,7 +239,7 @@ class ZoneFields:
         at, factors = self.panels.at[-1], self.factors
         cauchy, growth = self._cauchy[-1], np.expm1(self.canonical.log_growth)
         for edge, amount in self._terms:
-            cauchy = cauchy + amount * (self._share(edge)[-1] + 1 / edge.v)
+            cauchy = cauchy + amount * self._pole(edge)[-1]
         excess = growth * (cauchy + self.constant) + cauchy
         pressure = self._pressure
         if not pressure.analytic:
