@@ -16,6 +16,7 @@ from semianalytic.reference.closed_forms import (
 )
 from semianalytic.reference.published import PublishedSlip, published_slip
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -50,12 +51,13 @@ def closed_form(scene: Scene) -> KnownAnswer:
     """
     material, friction, load = scene.material, scene.friction, scene.load
     pressure, shear = load.pressure, load.shear
-    if scene.is_self_similar and scene.base == load and friction * pressure <= shear:
+    steady = scene.is_step and scene.friction_law == CoulombFriction()
+    if steady and scene.base == load and friction * pressure <= shear:
         return KnownAnswer(
             lambda speed: slip_rate_under_remote_shock(material, pressure, shear, friction, speed),
             None,
         )
-    if not scene.is_self_similar or pressure or scene.base.shear or not shear:
+    if not steady or pressure or scene.base.shear or not shear:
         raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
     if friction == 0:
         return KnownAnswer(lambda speed: slip_rate_without_friction(material, shear, speed), None)
@@ -71,8 +73,10 @@ def published_obstacle(scene: Scene) -> str:
 
     It knows one load, a sudden remote one, and divides by f P_0.
     """
-    if not scene.is_self_similar:
+    if not scene.is_step:
         return "its loads are not steps"
+    if scene.friction_law != CoulombFriction():
+        return "its strength depends on slip"
     if scene.base != scene.load:
         return "its only load is a sudden remote one, base and load equal"
     return "" if scene.friction * scene.load.pressure * scene.load.shear > 0 else "f P_0 is zero"
