@@ -50,7 +50,8 @@ class Load:
     resistance : eta = dtau/d|V|, of the one-sided slip rate [mu b]: a number, (k, 1), or
         (p, ..., n) at the nodes of panels; None if strength does not depend on slip rate
     given_slope : dg/dv, a part of the slope of strength given at the nodes of panels (p, ..., n)
-        [stress unit]; None without
+        [stress unit]; None without.  It goes with resistance: without it V would jump at c by
+        -pi g'(c) / m'(c), m = M / i, where it slips.
     opened : Opened, where the contact is open and what its pressure is; None if it is closed
     """
 

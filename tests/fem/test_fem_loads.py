@@ -261,7 +261,7 @@ def test_path_and_friction_work_count_every_step(law, every):
 def test_friction_work_adds_up_to_the_energy():
     sim = run(sheared(), 40)
     size = sim.element_size
-    blocks = causal_blocks(UNIT, 1.0, size, damping_time=0.02 * size)
+    blocks = causal_blocks(UNIT.longitudinal_speed, 1.0, size, damping_time=0.02 * size)
     _, length = tributary_length(make_space(cached_mesh(blocks), FAMILIES["Q1"]), "upper_contact")
     energy = sim.energy
     # it belongs to the end, the energies to the middle of the last step: extrapolate these

@@ -35,7 +35,7 @@ from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.named import find_scene
-from semianalytic.spacetime.exponentials import fit_memory, impedance_transform
+from semianalytic.spacetime.exponentials import Antiplane, InPlane, fit_memory
 
 
 def preloaded(friction=0.3, shear=1.0, **parts):
@@ -68,7 +68,7 @@ def test_transform_is_the_mode_two_impedance(nu):
     k = 1j / s
     alpha, beta = np.sqrt(factors.a**2 - k**2), np.sqrt(1 - k**2)
     expected = ((1 - 2 * k**2) ** 2 + 4 * k**2 * alpha * beta) / beta
-    np.testing.assert_allclose(impedance_transform(s, factors.a), expected, rtol=1e-9)
+    np.testing.assert_allclose(InPlane(factors.a)(s), expected, rtol=1e-9)
 
 
 @pytest.mark.parametrize("nu", [-0.9, 0.0, 1 / 3, 0.49])
@@ -76,7 +76,7 @@ def test_transform_is_the_mode_two_impedance(nu):
 def test_memory_in_the_time_domain(nu, tolerance):
     """h against its inverse Laplace transform on a line, minus the slow tail known at s = 0."""
     ratio = rayleigh_factors(nu).a
-    memory = fit_memory(ratio, 200.0, tolerance)
+    memory = fit_memory(InPlane(ratio), 200.0, tolerance)
     assert memory.poles.real.max() < 0
     assert memory.static == pytest.approx(1 / (1 - nu))
     x = np.array([0.0, 0.3, 1.0, 3.0, 10.0])
@@ -85,7 +85,7 @@ def test_memory_in_the_time_domain(nu, tolerance):
     omega = step * np.arange(-200_000, 200_001)
     s = shift + 1j * omega
     second = 3.5 - 4 * ratio
-    values = impedance_transform(s, ratio) - 1 - second / (s * s + 1)
+    values = InPlane(ratio)(s) - 1 - second / (s * s + 1)
     exact = [(values @ np.exp(s * v)).real * step / (2 * np.pi) + second * np.sin(v) for v in x]
     np.testing.assert_allclose(memory(x), exact, atol=500 * tolerance + 1e-7)
 
