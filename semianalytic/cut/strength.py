@@ -18,9 +18,9 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.cut.canonical import CanonicalFunction
+from semianalytic.cut.canonical import CanonicalFunction, log_share
 from semianalytic.cut.load import Load
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.stuck import stuck_traction
 
 
@@ -54,11 +54,8 @@ class PressurePart:
 
     @cached_property
     def analytic(self) -> bool:
-        """Whether s f P is part of T: not in mode III, where it has not the phase of M_+ on
-        stick behind the shear front."""
-        return bool(
-            self.canonical.factors.mode == "II" and self.sense and self.load.load_pressure != 0
-        )
+        """Whether s f P is part of T: whether there is slip, and pressure changes."""
+        return bool(self.sense and self.load.load_pressure != 0)
 
     @cached_property
     def amount(self) -> float | Array:
@@ -77,37 +74,71 @@ class PressurePart:
             return self.amount
         return self._weight * self.opened_at_edge
 
-    def amount_on(self, panels: np.ndarray | slice) -> float | Array:
+    def amount_on(self, panels: np.ndarray | slice | int) -> float | Array:
         """The same on some panels."""
         if self.opened is None or not self.analytic:
             return self.amount
         return np.asarray(self.amount)[panels]
 
     @cached_property
-    def mode_ratio(self) -> Array:
-        """|M_+^I / M_+| = sqrt(|b - v| / (v - a)) at the nodes.
+    def mode_ratio(self) -> tuple[Array, Array]:
+        """M_+^I / M_+ at the nodes: its real part, and the imaginary one, 0 behind the shear front.
 
-        M_+^I / M_+ is -i times that ahead of the shear front, and that behind it.
+        In mode II -i sqrt((b - v) / (v - a)) ahead of the shear front, where the real part is left
+        out, and sqrt((v - b) / (v - a)) behind it.
         """
-        at = self.canonical.panels.at
-        return np.sqrt(np.abs(at.from_b / at.from_a))
+        canonical, ahead = self.canonical, self.canonical.layout.ahead
+        at, factors = canonical.panels.at, canonical.factors
+        if factors.mode == "II":
+            ratio = np.sqrt(np.abs(at.from_b / at.from_a))
+            return ratio, -ratio[:ahead]
+        normal = factors.in_plane
+        unit = normal.kappa * factors.m_plus(at.v, "I")
+        ratio = np.empty_like(at.v)
+        ratio[ahead:] = normal.impedance_behind(self._in_plane(at[ahead:]), "I")
+        ratio[ahead:] /= unit[ahead:] * np.sqrt(at.from_b[ahead:])
+        both = np.stack(normal.impedance_ahead(at[:ahead], "I")) / unit[:ahead]
+        ratio[:ahead], imag = both / np.sqrt(-at.from_b[:ahead])
+        return ratio, imag
+
+    @cached_property
+    def log_ratio_at_edge(self) -> Array:
+        """(..., n): ln of M_+^I / M_+ on the last panel, 0 at the contact edge, without loss."""
+        at, factors = self.canonical.panels.at[-1], self.canonical.factors
+        log = -0.5 * log_share(at.from_a, at.v, np.array(factors.a))
+        if factors.mode == "II":
+            return np.asarray(log + 0.5 * log_share(at.from_b, at.v, np.array(1.0)))
+        c, own = np.array(factors.in_plane.c), self._in_plane(at)
+        log = log - 0.5 * log_share(at.from_b, at.v, np.array(1.0))
+        return log + log_share(own.from_c, at.v, c) + factors.log_s_plus_behind(at)
+
+    def _in_plane(self, at: CutPoints) -> CutPoints:
+        """Points with their distance from the Rayleigh front."""
+        normal = self.canonical.factors.in_plane
+        return CutPoints(np.stack([*at.parts[:3], at.v - normal.c]))
 
     @cached_property
     def slope(self) -> Array:
         """dp/dv = Im P(-v + i0) / (pi v) at the nodes, (p, ..., n); 0 where open."""
         canonical, factors, load = self.canonical, self.canonical.factors, self.load
         at = canonical.panels.at
-        if factors.mode != "II":
-            return load.load_pressure * stuck_traction(factors.poisson_ratio, "I").slope(at)
-        (real, imag), ahead = canonical.impedance, canonical.layout.ahead
-        slope = imag * self.mode_ratio
-        slope[:ahead] = -real * self.mode_ratio[:ahead]
-        if self.opened is None:
-            slope *= load.load_pressure / (np.pi * factors.kappa * factors.m_plus_at_zero["I"])
+        if factors.mode == "III":
+            unit = stuck_traction(factors.poisson_ratio, "I").slope(self._in_plane(at))
+            slope = unit * factors.m_plus_at_zero["I"]
         else:
-            slope *= np.where(self._per_panel(self.open), 0.0, self.opened)
-            slope /= np.pi * factors.kappa
-        return slope / (canonical.m_plus * at.v)
+            (real, imag), ahead = canonical.impedance, canonical.layout.ahead
+            ratio, _ = self.mode_ratio
+            slope = imag * ratio
+            slope[:ahead] = -real * ratio[:ahead]
+            slope /= np.pi * factors.kappa * canonical.m_plus * at.v
+        if self.opened is None:
+            return np.asarray(slope * (load.load_pressure / factors.m_plus_at_zero["I"]))
+        return np.asarray(slope * np.where(self._per_panel(self.open), 0.0, self.opened))
+
+    def on_stick(self, panels: slice | int) -> Array:
+        """A / M_+ at the nodes of panels that stick: behind the shear front, where it is real, or
+        the real part ahead of it."""
+        return np.asarray(self.amount_on(panels) * self.mode_ratio[0][panels])
 
     def _per_panel(self, values: np.ndarray) -> np.ndarray:
         """(p,) values with the axes of nodes."""
@@ -122,13 +153,13 @@ class PressurePart:
             return result
         real, imag = canonical.impedance
         ahead = layout.slip_ahead
-        by_ratio = self.amount_on(ahead) * self.mode_ratio[ahead]
-        result[ahead] = -by_ratio / (canonical.factors.kappa * canonical.m_plus[ahead])
+        by_ratio = self.amount_on(ahead) * self.mode_ratio[1][ahead]
+        result[ahead] = by_ratio / (canonical.factors.kappa * canonical.m_plus[ahead])
         for panel in np.flatnonzero(self.open & layout.slipping):
             square = np.square(imag[panel])
             if panel < layout.ahead:
                 square = square + np.square(real[panel])
-            result[panel] = -self.amount_on(panel) * imag[panel] / square  # type: ignore[arg-type]
+            result[panel] = -self.amount_on(int(panel)) * imag[panel] / square
         return result
 
     @cached_property
@@ -143,8 +174,8 @@ class PressurePart:
         stick = layout.stick_ahead[:0]
         if self.analytic:
             stick = layout.stick_ahead
-            by_ratio = self.amount_on(stick) * self.mode_ratio[stick]
-            imag[stick] = by_ratio / canonical.values[stick]
+            by_ratio = self.amount_on(stick) * self.mode_ratio[1][stick]
+            imag[stick] = -by_ratio / canonical.values[stick]
         slip = self._missing_on
         if len(slip):
             imag[slip] = self._missing[slip] / canonical.values[slip]
@@ -161,7 +192,7 @@ class PressurePart:
             return layout.slip
         wrong = np.zeros(len(senses), dtype=bool)
         if self.load.load_pressure != 0 and self.sense:
-            wrong = senses != self.sense if self.analytic else ~wrong
+            wrong = senses != self.sense
         if self.analytic and self.canonical.resistance is not None:
             wrong[: layout.ahead] = True
             wrong |= self.open

@@ -166,10 +166,10 @@ class ZoneFields:
     @cached_property
     def stick_transform(self) -> Array:
         """(p, ..., n): T / M_+ where the interface sticks; T itself where it slips freely."""
-        result, behind = self._reduced.copy(), slice(self.layout.ahead, None)
-        pressure = self._pressure
+        result, pressure = self._reduced.copy(), self._pressure
         if pressure.analytic:
-            result[behind] += pressure.amount_on(behind) * pressure.mode_ratio[behind]
+            first = self.layout.ahead if self.factors.mode == "II" else 0
+            result[first:] += pressure.on_stick(slice(first, None))
         return result
 
     def stick_transform_off_cut(self, k: Array) -> Array:
@@ -185,7 +185,7 @@ class ZoneFields:
             cauchy += amount / (edge.v + flat)
         result = self.canonical.reciprocal_off_cut(flat) * cauchy
         if self._pressure.analytic:
-            ratio = np.sqrt((1 + flat) / (self.factors.a + flat))
+            ratio = self.factors.m_plus(flat, "I") / self.factors.m_plus(flat)
             amount = self._pressure.amount
             if self.normal is not None:
                 weight = self._pressure.sense * self.load.friction
@@ -210,11 +210,14 @@ class ZoneFields:
         pressure = self._pressure
         if not pressure.analytic:
             return excess
-        ratio = np.expm1(0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a)))
+        if factors.mode == "II":
+            ratio = np.expm1(0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a)))
+        else:
+            ratio = np.expm1(pressure.log_ratio_at_edge)
         if self.normal is None:
             return excess + pressure.amount * ratio
         gained = -pressure.sense * self.load.friction * self.normal.stick_transform_excess
-        return excess + pressure.amount_on(-1) * ratio + gained  # type: ignore[arg-type]
+        return excess + pressure.amount_on(-1) * ratio + gained
 
     @cached_property
     def slip_rate_slope(self) -> Array:
