@@ -181,10 +181,10 @@ class Record:
         dt, steps = self.model.time_step, self.model.steps
         t = self._levels * dt
         first, place, largest, length = self._opened.tolist()
+        fields = [*self._interface, self._gap]
         return {
-            "interface": InterfaceHistory(self.model.contact_x[SEEN], t, *self._interface),
+            "interface": InterfaceHistory(self.model.contact_x[SEEN], t, *fields),
             "state": self._state,
-            "gap": self._gap,
             "final_path": self._final[0],
             "final_work_density": self._final[1],
             "slot": SlotHistory(self._slot_x, t, *self._velocity),

@@ -12,6 +12,7 @@ from semianalytic.cut.layout import Zone
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import TensionError
+from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
 
 
@@ -49,7 +50,8 @@ class Load:
     resistance : eta = dtau/d|V|, of the one-sided slip rate [mu b]: a number, (k, 1), or
         (p, ..., n) at the nodes of panels; None if strength does not depend on slip rate
     given_slope : dg/dv, a part of the slope of strength given at the nodes of panels (p, ..., n)
-        [stress unit]; None without
+        [stress unit]; None without.  It goes with resistance: without it V would jump at c by
+        -pi g'(c) / m'(c), m = M / i, where it slips.
     opened : Opened, where the contact is open and what its pressure is; None if it is closed
     """
 
@@ -105,6 +107,8 @@ def _in_unit(
     scene: Scene, friction: float | Array, far_slip_rate: float | Array, unit: float
 ) -> Load:
     base, load, impedance = scene.base, scene.load, scene.material.shear_impedance
+    law = scene.friction_law
+    viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
     return Load(
         friction,
         base.pressure / unit,
@@ -112,6 +116,7 @@ def _in_unit(
         load.pressure / unit,
         load.shear / unit,
         far_slip_rate * impedance / (2 * unit),
+        2 * viscosity / impedance if viscosity else None,
     )
 
 

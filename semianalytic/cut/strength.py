@@ -105,12 +105,12 @@ class PressurePart:
     def log_ratio_at_edge(self) -> Array:
         """(..., n): ln of M_+^I / M_+ on the last panel, 0 at the contact edge, without loss."""
         at, factors = self.canonical.panels.at[-1], self.canonical.factors
-        log = -0.5 * log_share(at.from_a, at.v, np.array(factors.a))
         if factors.mode == "II":
-            return np.asarray(log + 0.5 * log_share(at.from_b, at.v, np.array(1.0)))
-        c, own = np.array(factors.in_plane.c), self._in_plane(at)
+            return 0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a))
+        log = log_share(self._in_plane(at).from_c, at.v, np.array(factors.in_plane.c))
+        log = log - 0.5 * log_share(at.from_a, at.v, np.array(factors.a))
         log = log - 0.5 * log_share(at.from_b, at.v, np.array(1.0))
-        return log + log_share(own.from_c, at.v, c) + factors.log_s_plus_behind(at)
+        return np.asarray(log + factors.log_s_plus_behind(at))
 
     def _in_plane(self, at: CutPoints) -> CutPoints:
         """Points with their distance from the Rayleigh front."""

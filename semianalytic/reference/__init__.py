@@ -14,7 +14,11 @@ Closed forms, at velocities x/t (chi = f P / Q_0):
   `antiplane_edge_intensity`: the zone under a step of antiplane shear, at every chi;
 - `viscous_antiplane_edge_speed`, `viscous_antiplane_slip_rate`: the same where strength grows with
   slip rate;
-- `static_zone`: the slip zone of a slot that is loaded slowly, a `StaticZone`.
+- `static_zone`: the slip zone of a slot that is loaded slowly, a `StaticZone`;
+- `edge_speed_of_opening`, `gap_rate_of_opening`: the contact opens from its edge, under an extra
+  pressure on the slot faces;
+- `detached_opening`: it opens around the Rayleigh front, under a sudden pressure on a small base, a
+  `DetachedOpening`.
 
 The algorithm of section 5 and Appendix B, in every reading its text allows:
 
@@ -40,6 +44,12 @@ from semianalytic.reference.closed_forms import (
     slip_rate_under_shear_step,
     slip_rate_without_friction,
 )
+from semianalytic.reference.openings import (
+    DetachedOpening,
+    detached_opening,
+    edge_speed_of_opening,
+    gap_rate_of_opening,
+)
 from semianalytic.reference.published import (
     ARTICLE_POISSON_RATIO,
     ARTICLE_SHEAR_SLOWNESS,
@@ -64,6 +74,7 @@ __all__ = [
     "ARTICLE_SHEAR_SLOWNESS",
     "DEFAULT_READING",
     "REVERSE_LIMIT",
+    "DetachedOpening",
     "PublishedGrid",
     "PublishedSlip",
     "Reading",
@@ -74,9 +85,12 @@ __all__ = [
     "antiplane_slip",
     "antiplane_slip_rate",
     "antiplane_traction",
+    "detached_opening",
+    "edge_speed_of_opening",
     "edge_speed_under_shear_step",
     "examine_all",
     "examine_reading",
+    "gap_rate_of_opening",
     "kernel_primitives",
     "published_grid",
     "published_slip",

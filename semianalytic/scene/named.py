@@ -81,7 +81,15 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
     ),
     "lift-off": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, load=Tractions(-1.0, 0.0)),
-        "pressure put on the slot: the contact opens at its edge (finite elements only)",
+        "pressure put on the slot: the contact opens from its edge",
+    ),
+    "lift-off-shear": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, load=Tractions(-1.0, 1.0)),
+        "pressure and shear put on the slot: slip runs ahead of the opening",
+    ),
+    "tap": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, base=Tractions(0.02, 0.0), load=Tractions(1.0, 0.0)),
+        "sudden pressure on a base of a fiftieth of it: the contact opens ahead and closes again",
     ),
 }
 

@@ -15,9 +15,17 @@ from dataclasses import MISSING, asdict, dataclass, field, fields
 from functools import cached_property
 from typing import Any, Literal
 
+import numpy as np
+
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
+from semianalytic.scene.friction import (
+    CoulombFriction,
+    FrictionLaw,
+    RateWeakening,
+    SlipWeakening,
+    ViscousFriction,
+)
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.units import SI
 
@@ -34,6 +42,7 @@ MODES = (IN_PLANE, ANTIPLANE)
 
 FRICTION_LAWS: Mapping[str, type[FrictionLaw]] = {
     "coulomb": CoulombFriction,
+    "viscous": ViscousFriction,
     "rate-weakening": RateWeakening,
     "slip-weakening": SlipWeakening,
 }
@@ -139,7 +148,7 @@ class Scene:
     pressure_history, shear_history : LoadHistory
         How P_0 and Q_0 rise and fall, f(t); steps unless given.
     friction_law : FrictionLaw
-        What multiplies friction during slip; nothing unless given.
+        How strength depends on slip rate and slip; not at all unless given.
     mode : str
         "in-plane": shear and slip along x, plane strain; "antiplane": shear and slip along z.
         Pressure acts in plane strain in both.
@@ -272,29 +281,33 @@ class Scene:
 
     @property
     def is_self_similar(self) -> bool:
-        """Whether all fields depend on x/t alone: step loads and constant friction."""
-        return self.is_step and self.friction_law == CoulombFriction()
+        """Whether all fields depend on x/t alone: step loads, constant or viscous friction."""
+        return self.is_step and isinstance(self.friction_law, CoulombFriction | ViscousFriction)
 
     def check_self_similar(self) -> None:
         """Raise SceneError unless all fields depend on x/t alone."""
         if not self.is_self_similar:
             raise SceneError(
-                "the self-similar solver takes step loads and constant friction only; use the "
-                "space-time solver for this scene, `march` or `method` space-time "
+                "the self-similar solver takes step loads and constant or viscous friction only; "
+                "use the space-time solver for this scene, `march` or `method` space-time "
                 "(docs/limits.md)."
             )
 
     @property
     def far_slip_rate(self) -> float:
-        """Relative slip rate far ahead of all waves [length / time], 2 V(inf).
+        """Relative slip rate far ahead of all waves [length / time], 2 V(inf), before any slip.
 
-        Zero unless a sudden remote load exceeds friction everywhere, by more than rounding.
+        Zero unless a sudden remote load exceeds friction everywhere, by more than rounding; then
+        strength and radiation balance.
         """
-        strength = self.friction * self.base.pressure
-        excess = abs(self.base.shear) - strength
-        if excess <= 4 * sys.float_info.epsilon * strength:
+        shear, frictional = abs(self.base.shear), self.friction * self.base.pressure
+        if shear - frictional <= 4 * sys.float_info.epsilon * frictional:
             return 0.0
-        return 2 * math.copysign(max(excess, 0.0), self.base.shear) / self.material.shear_impedance
+        radiated = self.material.shear_impedance / 2
+        speed = self.friction_law.slip_speed(
+            np.array(shear), np.array(frictional), radiated, np.array(0.0)
+        )
+        return math.copysign(float(speed), self.base.shear)
 
 
 def scene_document(scene: Scene) -> dict[str, Any]:

@@ -38,6 +38,8 @@ class SlipGrid:
         The same for a unit slip rate far ahead, V = 1 at the last node and beyond.
     weight, shear, pressure : (n,) arrays
         Tests of 1, q* and p*.
+    gram : (n, n + 1) array
+        Tests of the hat functions themselves.
     """
 
     xi: Array
@@ -46,6 +48,7 @@ class SlipGrid:
     weight: Array
     shear: Array
     pressure: Array
+    gram: Array
 
 
 @dataclass(frozen=True)
@@ -119,6 +122,7 @@ def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
         area[:n],
         sample.T @ stuck_traction(poisson_ratio, mode)(v),
         sample.T @ stuck_traction(poisson_ratio, "I")(v),
+        (np.diag(np.convolve(width, [2, 2])) + np.diag(width, 1) + np.diag(width, -1))[:n] / 6,
     )
 
 
@@ -143,6 +147,9 @@ def slip_on_grid(
     stuck = load.base_shear * grid.weight + load.load_shear * grid.shear + far_slip_rate * grid.far
     pressure = load.base_pressure * grid.weight + load.load_pressure * grid.pressure
     strength, stiffness = float(load.friction) * pressure, -grid.operator
+    if load.resistance is not None:
+        stiffness = stiffness + load.resistance * grid.gram[:, :-1]
+        stuck -= load.resistance * far_slip_rate * grid.gram[:, -1]
     # Most scenes slip one way only: half the unknowns, if the other inequality then holds.
     sense = float(np.sign(stuck[np.argmax(np.abs(stuck) - strength)])) or 1.0
     one_way = lemke(stiffness, strength - sense * stuck)

@@ -255,7 +255,7 @@ class _Plan:
         no_times, no_levels = np.zeros(0), np.zeros((0, grid.observed))
         return Marched(
             scene=self.scene,
-            interface=InterfaceHistory(grid.x, no_times, *[no_levels] * 4),
+            interface=InterfaceHistory(grid.x, no_times, *[no_levels] * 5),
             totals=Totals(*[no_times] * 4),
             latest=self.latest,
             step_ratio=self.step_ratio,
