@@ -364,7 +364,7 @@ class Solution:
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
 
-        Logarithmically infinite at the Rayleigh front.
+        Logarithmically infinite at the Rayleigh front.  In antiplane shear the first is v_z.
 
         Raises
         ------
