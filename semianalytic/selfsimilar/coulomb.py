@@ -182,8 +182,8 @@ def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
 
 
 def _excess_intensity(profile: Profile) -> Array:
-    """K_II / (f K_I) - 1, or K_III in its place, at a stuck contact edge, () or (k,); where positive,
-    it must slip."""
+    """K_II / (f K_I) - 1, or with K_III, at a stuck contact edge, () or (k,); where positive, it
+    must slip."""
     load, factors = profile.fields.load, profile.fields.factors
     strength = np.asarray(per_set(load.friction) * load.load_pressure)
     at_zero = factors.m_plus_at_zero  # intensities of unit steps are as one over it
