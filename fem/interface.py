@@ -142,7 +142,7 @@ def coulomb_traction(
 
 def strength(
     law: FrictionLaw,
-    static: NDArray[np.float64],
+    frictional: NDArray[np.float64],
     path: NDArray[np.float64],
     stopping: NDArray[np.float64],
     impedance: NDArray[np.float64],
@@ -155,7 +155,7 @@ def strength(
     Parameters
     ----------
     law : FrictionLaw
-    static : (n,) array
+    frictional : (n,) array
         The scene's friction times pressure [stress].
     path : (n,) array
         Accumulated |slip| [length].
@@ -169,7 +169,7 @@ def strength(
     SceneError
         If friction falls with slip rate faster than a pair of nodes can radiate.
     """
-    slope = static * law.fall_with_rate
+    slope = frictional * law.fall_with_rate
     worst = int(np.argmax(slope / impedance))
     if slope[worst] >= impedance[worst]:
         raise SceneError(
@@ -178,7 +178,8 @@ def strength(
             f"impedance is {impedance[worst]:.4g}); raise the rate or lower the reduction of the "
             "friction law, or lower `step_ratio` (docs/limits.md)."
         )
-    return static * law.factor(law.slip_speed(np.abs(stopping), static, impedance, path), path)
+    speed = law.slip_speed(np.abs(stopping), frictional, impedance, path)
+    return law.strength(frictional, speed, path)
 
 
 STICK = 0
@@ -228,8 +229,7 @@ class Interface:
     pressure, shear : (n,) arrays
         Total tractions of the last kick, base included [stress].
     strength : (n,) array
-        Largest shear traction at the last kick: pressure times friction under the scene's law
-        [stress].
+        Largest shear traction at the last kick, under the scene's law [stress]; 0 where open.
     path : (n,) array
         |slip| accumulated up to the time level of the last kick, also while open [length].
     offset : (n,) array
@@ -317,9 +317,11 @@ class Interface:
         base, law = self.scene.base.shear, self.scene.friction_law
         increment, compliance = faces.increment(), part * faces.compliance
         self.path += np.abs(faces.past_increment())
-        static = self.scene.friction * self.pressure
+        frictional = self.scene.friction * self.pressure
         stopping = base + increment / compliance
-        self.strength = strength(law, static, self.path, stopping, faces.step / compliance)
+        self.strength = strength(law, frictional, self.path, stopping, faces.step / compliance)
+        if self.pressing is not None:
+            self.strength[self.pressure == 0] = 0.0  # open: nothing rubs, whatever the law
         self.shear = coulomb_traction(increment, base, self.strength, compliance)
         faces.push(base - self.shear, part)
         slip = part * faces.mean_increment()

@@ -43,7 +43,12 @@ class Record:
         self._least_gap = LEAST_GAP * displacement_scale(plan.scene, plan.end_time)
         rows = len(self._levels)
         stored = model.slot_x >= -plan.slot_length
-        self._slot, self._slot_x = model.slot[:, stored], model.slot_x[stored]
+        self._slot_x, nodes_on_slot = model.slot_x[stored], model.slot[stored]
+        self._slot = [
+            (body, component % 2, model.numbering.unknowns(nodes_on_slot, component))
+            for body in model.bodies
+            for component in body.components
+        ]
         self._interface = np.zeros((4, rows, nodes))
         self._gap = np.zeros((rows, nodes))  # takes no memory until something opens
         self._state = np.zeros((rows, nodes), dtype=np.int8)
@@ -86,9 +91,9 @@ class Record:
         if step:
             if interface.sliding is not None:
                 slip[:] = interface.sliding.offset()[SEEN]
-            for body in self.model.bodies:
-                increments = body.before[self._slot] + body.increment[self._slot]
-                self._velocity[:, row] += increments / (2 * dt * self.model.root[self._slot])
+            for body, along, slot in self._slot:
+                increments = body.before[slot] + body.increment[slot]
+                self._velocity[along, row] += increments / (2 * dt * body.root[slot])
         self._row += 1
 
     def _add_slip(self, step: int) -> None:
@@ -176,10 +181,10 @@ class Record:
         dt, steps = self.model.time_step, self.model.steps
         t = self._levels * dt
         first, place, largest, length = self._opened.tolist()
+        fields = [*self._interface, self._gap]
         return {
-            "interface": InterfaceHistory(self.model.contact_x[SEEN], t, *self._interface),
+            "interface": InterfaceHistory(self.model.contact_x[SEEN], t, *fields),
             "state": self._state,
-            "gap": self._gap,
             "final_path": self._final[0],
             "final_work_density": self._final[1],
             "slot": SlotHistory(self._slot_x, t, *self._velocity),

@@ -44,25 +44,29 @@ def scenes_table() -> Table:
 
 
 def zones_table(solution: Solution, title: str) -> Table:
-    """Slip zones with their edge velocities, in the units of the scene and over c_t."""
+    """Slip zones and openings with their edge velocities, in units of the scene and over c_t."""
     material = solution.scene.material
     table = Table("zone", "edge", title=title)
     for name in (f"[{unit('length / time', solution.scene.units)}]", "/ c_t"):
         table.add_column(f"velocity\n{escape(name)}", justify="right")
     table.add_column("regime")
     table.add_column("sense")
-    for number, zone in enumerate(solution.zones, start=1):
-        for end in ("inner", "outer"):
-            speed = getattr(zone, end)
+    parts = [
+        (str(number), zone.inner, zone.outer, _sense(zone.sense))
+        for number, zone in enumerate(solution.zones, start=1)
+    ]
+    parts += [("open", part.inner, part.outer, "") for part in solution.openings]
+    for name, inner, outer, sense in sorted(parts, key=lambda part: part[1]):
+        for end, speed in (("inner", inner), ("outer", outer)):
             table.add_row(
-                str(number) if end == "inner" else "",
+                name if end == "inner" else "",
                 end,
                 _decimals(speed),
                 _decimals(speed / material.shear_speed),
                 speed_regime(speed, material),
-                _sense(zone.sense) if end == "inner" else "",
+                sense if end == "inner" else "",
             )
-    if not solution.zones:
+    if not parts:
         table.add_row("none", "", "", "", "stuck everywhere", "")
     return table
 
@@ -97,6 +101,9 @@ def end_table(solution: Solution, end_time: float) -> Table:
     for number, zone in enumerate(end["zones"], start=1):
         place = f"{zone['start']:.6g} < x < {_number(zone['end'])}"
         table.add_row(f"zone {number}, {_sense(zone['sense'])}", place, units["zones"]["start"])
+    for part in end["openings"]:
+        place = f"{part['start']:.6g} < x < {part['end']:.6g}"
+        table.add_row("open", place, units["openings"]["start"])
     for name in ("largest_slip", "accumulated_slip", "frictional_work"):
         table.add_row(_label(name), _number(end[name]), units[name])
     modes = ", ".join(_number(value) for value in end["stress_intensity"].values())

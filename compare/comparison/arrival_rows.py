@@ -74,12 +74,10 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     if not _reaches(case):
         return
     fronts = wave_speeds(case.prediction.scene.material)
-    edges = [
-        edge / case.end_time
-        for zone in case.prediction.zones_at(case.end_time)
-        for edge in (zone.start, zone.end)
-        if 0 < edge < math.inf
-    ]
+    end, prediction = case.end_time, case.prediction
+    ends = [(zone.start, zone.end) for zone in prediction.zones_at(end)]
+    ends += [(opening.start, opening.end) for opening in prediction.openings_at(end)]
+    edges = [edge / end for both in ends for edge in both if 0 < edge < math.inf]
     faces = [("interface", edges, _interface_fields(case))]
     slot_velocity = getattr(case.prediction, "slot_velocity", None)
     if slot_velocity is not None:

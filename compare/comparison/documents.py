@@ -36,11 +36,17 @@ SCENE_DIMENSIONS: Dimensions = {
     "load": _TRACTIONS,
     "pressure_history": _HISTORY,
     "shear_history": _HISTORY,
-    "friction_law": {"reduction": "1", "rate": "length / time", "distance": "length"},
+    "friction_law": {
+        "viscosity": "stress time / length",
+        "reduction": "1",
+        "rate": "length / time",
+        "distance": "length",
+    },
 }
 END_DIMENSIONS: Dimensions = {
     "time": "time",
     "zones": {"start": "length", "end": "length", "sense": "sign of slip"},
+    "openings": {"start": "length", "end": "length"},
     "largest_slip": "length",
     "accumulated_slip": "length^2",
     "frictional_work": "stress length^2",
@@ -50,6 +56,7 @@ SOLUTION_DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
     "wave_speeds": "length / time",
     "zones": {"inner": "length / time", "outer": "length / time", "sense": "sign of slip"},
+    "openings": "length / time",
     "edge": {
         "slip_rate": "length / time",
         "stress_intensity_at_unit_time": "stress sqrt(length)",
@@ -123,6 +130,7 @@ def solution_document(solution: Solution, end_time: float | None = None) -> dict
             }
             for zone in solution.zones
         ],
+        "openings": [asdict(part) for part in solution.openings],
         "edge": {
             "state": edge_state(solution),
             "slip_rate": float(solution.edge_slip_rate),
@@ -148,6 +156,7 @@ def end_document(solution: Solution, end_time: float) -> dict[str, Any]:
     return {
         "time": end_time,
         "zones": [asdict(zone) for zone in solution.zones_at(end_time)],
+        "openings": [asdict(part) for part in solution.openings_at(end_time)],
         "largest_slip": float(solution.max_slip(end_time)),
         "accumulated_slip": float(solution.accumulated_slip(end_time)),
         "frictional_work": float(solution.frictional_work(end_time)),
@@ -197,7 +206,9 @@ def march_document(marched: Marched) -> dict[str, Any]:
 
 
 def edge_state(solution: Solution) -> str:
-    """ "slipping" or "stuck": what the interface does at the edge of the slot, x = 0+."""
+    """ "open", "slipping" or "stuck": what the interface does at the edge of the slot, x = 0+."""
+    if solution.openings and solution.openings[0].inner == 0:
+        return "open"
     return "slipping" if solution.zones and solution.zones[0].inner == 0 else "stuck"
 
 

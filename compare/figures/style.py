@@ -23,14 +23,16 @@ CYCLE = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY, BLACK)
 PREDICTION, SIMULATION, MARCH, PUBLISHED = BLUE, VERMILLION, GREEN, PURPLE
 """Colours of the self-similar answer, finite elements, a march and the published algorithm."""
 
-STICK_SHADE, SLIP_SHADE, REVERSE_SHADE = "#efefef", "#cfe5f3", "#f7d5b5"
-SENSE_COLOURS = {"reverse slip": VERMILLION, "stick": STICK_SHADE, "slip": SKY}
+STICK_SHADE, SLIP_SHADE, REVERSE_SHADE, OPEN_SHADE = "#efefef", "#cfe5f3", "#f7d5b5", "#f6f0b2"
+SENSE_COLOURS = {"reverse slip": VERMILLION, "stick": STICK_SHADE, "slip": SKY, "open": YELLOW}
+"""In the order of the numbers that stand for them in maps of senses, from -1 on."""
 
 SYMBOLS = {"Rayleigh": r"$c_R$", "S": r"$c_t$", "P": r"$c_l$"}
 PLACE_LABEL, TIME_LABEL = r"$x/(c_t T)$", r"$t/T$"
 SPEED_LABEL = r"$\xi/c_t = x/(c_t t)$"
 RATE_LABEL = r"slip rate $/\ V_0$"
 PATH_LABEL = r"$\int |V|\,dt\ /\ (V_0 T)$"
+GAP_LABEL, PRESSURE_LABEL = r"gap $/\ (V_0 T)$", r"pressure $/\ \tau_0$"
 TRACTION_LABEL, WORK_LABEL = r"traction $/\ \tau_0$", r"frictional work $/\ (\tau_0 V_0 T)$"
 SMALL = 8
 """Size of legends and notes [points]."""

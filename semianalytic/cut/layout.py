@@ -73,24 +73,31 @@ class Layout:
     sense : per panel, 0 where the interface sticks
     zone : per panel, index of the slip zone, on stick of the one that follows inward
     ahead : int, number of panels ahead of the shear front
-    slips_at_b, slips_at_c : bool, whether a zone covers the shear front, the Rayleigh front
+    behind_root : int, the first panel behind the root r of M_+
+    slips_at_root, slips_at_b, slips_at_c : bool, whether a zone covers that root, the shear front,
+        the Rayleigh front; the last is False where there is no Rayleigh wave
     over_c : int, the panel that covers c; -1 if it is left out
     gap : bool, whether that panel sticks between two zones
-    roots : (end, exponent) of the zone edges slower than c_t, with the exponent X has there
+    roots : (end, exponent) of the zone edges behind the root of M_+, with the exponent of X there
+    root_exponent : float, of r + k in M_+
     """
 
     sense: tuple[int, ...]
     zone: tuple[int, ...]
     ahead: int
+    behind_root: int
+    slips_at_root: bool
     slips_at_b: bool
     slips_at_c: bool
     over_c: int
     gap: bool
     roots: tuple[tuple[int, float], ...]
+    root_exponent: float
 
     @property
     def pole(self) -> int:
-        """The panel that slips across c, where dV/dv has a pole; -1 if there is none."""
+        """The panel that slips across c, where dV/dv has a pole; -1 if there is none, as where
+        resistance to slip rate leaves none and the panels are cut at c."""
         return self.over_c if self.slips_at_c else -1
 
     @cached_property
@@ -136,8 +143,9 @@ class Layout:
         phase = np.zeros(len(panels))  # over pi
         for end, exponent in self.roots:
             phase += exponent * (panels >= end)
-        at_b = 0.5 * (~self.slipping if self.slips_at_b else -1.0 * self.slipping)
-        return np.asarray(np.cos(np.pi * (phase + at_b * (panels >= self.ahead))).round())
+        exponent = self.root_exponent
+        of_root = -exponent * ~self.slipping if self.slips_at_root else exponent * self.slipping
+        return np.asarray(np.cos(np.pi * (phase + of_root * (panels >= self.behind_root))).round())
 
     @cached_property
     def phase_pairs(self) -> Pairs:
@@ -155,6 +163,11 @@ class Layout:
             if bool(self.sense[source]) != by_stick[target]
         }
         return _paired(count, weights)
+
+    @cached_property
+    def pairs_from_slip(self) -> Pairs:
+        """From the panels that slip to all others."""
+        return self.pairs_from(tuple(self.slip.tolist()))
 
     def pairs_from(self, sources: tuple[int, ...]) -> Pairs:
         """From some panels to all others."""
@@ -177,31 +190,53 @@ _layout = lru_cache(maxsize=256)(Layout)
 
 
 def outline(
-    factors: RayleighFactors, zones: tuple[Zone, ...], tail: bool
+    factors: RayleighFactors,
+    zones: tuple[Zone, ...],
+    tail: bool,
+    cuts: tuple[CutPoints, ...] = (),
 ) -> tuple[list[CutPoints], Layout]:
-    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root.
+    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root, and
+    at more `cuts`.
 
     Without `tail` the unbounded panel after others is left out.
     """
     ends, stretches = [factors.front_a], []
+    every = sorted((*factors.cuts, *cuts), key=lambda cut: cut.first[0])
     for right, sense, zone in _stretches(zones):
-        for end in (*factors.cuts, right):
-            if end is right or (end and lies_between(ends[-1], end, right)):
+        for cut in every:
+            if lies_between(ends[-1], cut, right):
                 stretches.append((sense, zone))
-                if end:
-                    ends.append(end)
+                ends.append(cut)
+        stretches.append((sense, zone))
+        if right is not None:
+            ends.append(right)
     if not tail and len(stretches) > 1:
         del stretches[-1]
     senses, owners = zip(*stretches, strict=True)
     before_b, before_c = (sum(end.first[front] < 0 for end in ends) for front in (2, 3))
-    over_c = before_c - 1 if before_c <= len(senses) else -1
+    cut_at_c = any(end.first[3] == 0 for end in ends)
+    over_c = before_c - 1 if before_c <= len(senses) and not cut_at_c else -1
     slips_at_b, slips_at_c = (
         any(lies_between(zone.left, front, zone.right) for zone in zones)
         for front in (factors.front_b, factors.front_c)
     )
     gap = not slips_at_c and over_c >= 0 and 0 < owners[over_c] < len(zones)
-    ahead, roots = min(before_b, len(senses)), _roots(zones, ends)
-    return ends, _layout(senses, owners, ahead, slips_at_b, slips_at_c, over_c, gap, roots)
+    ahead, roots = min(before_b, len(senses)), _roots(zones, ends, factors.root)
+    from_front = factors.root == 1
+    layout = _layout(
+        senses,
+        owners,
+        ahead,
+        0 if from_front else ahead,
+        zones[0].left is None if from_front and zones else slips_at_b and not from_front,
+        slips_at_b,
+        slips_at_c and factors.has_rayleigh_wave,
+        over_c,
+        gap,
+        roots,
+        factors.root_exponent,
+    )
+    return ends, layout
 
 
 def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, int, int]]:
@@ -215,14 +250,16 @@ def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, int,
         yield None, 0, len(zones)
 
 
-def _roots(zones: tuple[Zone, ...], ends: list[CutPoints]) -> tuple[tuple[int, float], ...]:
-    """(end, exponent) of X at the zone edges slower than c_t: 1/2 where an edge opens ahead of the
-    Rayleigh front or heals behind it, -1/2 elsewhere."""
+def _roots(
+    zones: tuple[Zone, ...], ends: list[CutPoints], root: int
+) -> tuple[tuple[int, float], ...]:
+    """(end, exponent) of X at the zone edges behind the root of M_+: 1/2 where an edge opens ahead
+    of the Rayleigh front or heals behind it, -1/2 elsewhere."""
     place = {id(end): index for index, end in enumerate(ends)}
     roots = []
     for zone in zones:
         for edge, opening in ((zone.left, True), (zone.right, False)):
-            if edge is not None and edge.first[2] > 0:
+            if edge is not None and edge.first[root] > 0:
                 smooth = opening == (edge.first[3] < 0)
                 roots.append((place[id(edge)], 0.5 if smooth else -0.5))
     return tuple(roots)

@@ -2,16 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from semianalytic.cut import tuning
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.cut.layout import Zone
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import TensionError
+from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Opened:
+    """Where a contact is open: the normal problem, solved.
+
+    Attributes
+    ----------
+    zones : tuple of Zone, open parts from the longitudinal front inward, their sense 1
+    closing : tuple of (edge, r), terms r / (k + edge) of the normal problem, where it closes
+    base, step : P_b, P_0 [stress unit]
+    pressure : function of points on the cut (m,), the contact pressure there [stress unit]
+    """
+
+    zones: tuple[Zone, ...]
+    closing: tuple[tuple[CutPoints, float], ...]
+    base: float
+    step: float
+    pressure: Callable[[CutPoints], Array]
 
 
 @dataclass(frozen=True)
@@ -26,6 +47,12 @@ class Load:
     base_pressure, base_shear : P_b, Q_b [stress unit]; compression and sigma_xy positive
     load_pressure, load_shear : P_0, Q_0 [stress unit]
     far_slip_rate : V(inf), one-sided [stress unit / (mu b)]
+    resistance : eta = dtau/d|V|, of the one-sided slip rate [mu b]: a number, (k, 1), or
+        (p, ..., n) at the nodes of panels; None if strength does not depend on slip rate
+    given_slope : dg/dv, a part of the slope of strength given at the nodes of panels (p, ..., n)
+        [stress unit]; None without.  It goes with resistance: without it V would jump at c by
+        -pi g'(c) / m'(c), m = M / i, where it slips.
+    opened : Opened, where the contact is open and what its pressure is; None if it is closed
     """
 
     friction: float | Array
@@ -34,6 +61,9 @@ class Load:
     load_pressure: float
     load_shear: float
     far_slip_rate: float | Array
+    resistance: float | Array | None = None
+    given_slope: Array | None = None
+    opened: Opened | None = None
 
     @property
     def critical(self) -> bool:
@@ -77,6 +107,8 @@ def _in_unit(
     scene: Scene, friction: float | Array, far_slip_rate: float | Array, unit: float
 ) -> Load:
     base, load, impedance = scene.base, scene.load, scene.material.shear_impedance
+    law = scene.friction_law
+    viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
     return Load(
         friction,
         base.pressure / unit,
@@ -84,6 +116,7 @@ def _in_unit(
         load.pressure / unit,
         load.shear / unit,
         far_slip_rate * impedance / (2 * unit),
+        2 * viscosity / impedance if viscosity else None,
     )
 
 

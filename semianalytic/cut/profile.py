@@ -42,11 +42,12 @@ class Profile:
 
     @property
     def _m_plus_at_zero(self) -> float:
-        return self.fields.factors.m_plus_at_zero["II"]
+        return self.fields.factors.m_plus_at_zero[self.fields.factors.mode]
 
     @cached_property
     def edge_intensity(self) -> Array:
-        """K_II over that of a unit shear step on a stuck interface, () or (k,); 0 if it slips."""
+        """K_II (K_III) over that of a unit shear step on a stuck interface, () or (k,); 0 if it
+        slips."""
         if self.edge_slips:
             return np.zeros(())
         return self.fields.stick_transform_at_edge * self._m_plus_at_zero
@@ -72,7 +73,7 @@ class Profile:
 
     @property
     def _shear(self) -> StuckTraction:
-        return stuck_traction(self.fields.factors.poisson_ratio, "II")
+        return stuck_traction(self.fields.factors.poisson_ratio, self.fields.factors.mode)
 
     def _edge_traction(self, panel: int, v: Array) -> Array | float:
         """The part of the traction that is unbounded at a stuck edge."""
@@ -238,9 +239,22 @@ class Profile:
         return self._load.load_pressure * mode_one(u)
 
     def strength(self, u: Array) -> Array:
-        """Friction bound f p at slownesses u."""
+        """Friction bound f p at slownesses u: all that a stuck interface can carry."""
         load = self._load
         return np.asarray(load.friction * (load.base_pressure + self.pressure_change(u)))
+
+    def carried(self, v: Array, speed: Array) -> Array:
+        """Traction in the sense of slip at slownesses v, f p + eta V; `speed` V in that sense."""
+        if self._load.resistance is None:
+            return self.strength(v)
+        return np.asarray(self.strength(v) + self._load.resistance * speed)
+
+    def _speed(self, panel: int, at: CutPoints) -> Array:
+        """V in the sense of a panel that slips, at points inside it, where traction depends on it;
+        else 0."""
+        if self._load.resistance is None:
+            return np.zeros(at.v.shape)
+        return np.asarray(self.panels.sense[panel] * self.slip_rate_inside(panel, at))
 
     def shear_change(self, u: Array) -> Array:
         """tau - Q_b at slownesses u."""
@@ -249,7 +263,7 @@ class Profile:
         def inside(i: int, at: CutPoints) -> Array:
             sense = self.panels.sense[i]
             if sense:
-                return sense * self.strength(at.v) - load.base_shear
+                return sense * self.carried(at.v, self._speed(i, at)) - load.base_shear
             bounded = self._starts[1][i] + self._traction(i, at) - load.base_shear
             return bounded + self._edge_traction(i, at.v)
 

@@ -32,8 +32,8 @@ def largest_slip_over_time(profile: Profile) -> float:
 
 
 def dissipation(profile: Profile, u: Array) -> Array:
-    """(2, m): `running_integrals` of what friction takes, |tau V|."""
-    return running_integrals(profile, u, profile.strength)
+    """(2, m): `running_integrals` of what the contact takes, |tau V|."""
+    return running_integrals(profile, u, profile.carried)
 
 
 def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) -> float:
@@ -48,21 +48,24 @@ def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) ->
     beyond = {0.0: total}
     ends = np.array([end for edges in against for end in edges if end])
     if len(ends):
-        inside = running_integrals(profile, 1 / ends, np.ones_like)[0]
+        inside = running_integrals(profile, 1 / ends, lambda v, _: np.ones_like(v))[0]
         beyond.update(zip(ends.tolist(), inside.tolist(), strict=True))
     return total - 2 * sum(beyond[inner] - beyond[outer] for inner, outer in against)
 
 
-def running_integrals(profile: Profile, u: Array, weight: Callable[[Array], Array]) -> Array:
+def running_integrals(
+    profile: Profile, u: Array, weight: Callable[[Array, Array], Array]
+) -> Array:
     """(2, m): integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
 
-    At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of slowness,
-    and |V| is V times the sense of its panel.  The first integral is negative where the interface
+    At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of slowness
+    and |V|, which is V times the sense of its panel.  The first integral is negative where the interface
     slips ahead of all waves and u is there.
     """
     panels = profile.panels
     front = panels.left[0].v[0]
-    ahead = panels.sense[0] * weight(np.zeros(1)) * profile.fields.load.far_slip_rate
+    speed = np.array([panels.sense[0] * float(profile.fields.load.far_slip_rate)])
+    ahead = weight(np.zeros(1), speed) * speed
     reached = np.minimum(u, front)
     result = ahead * np.stack([1 / front - 1 / np.maximum(reached, tuning.EARLIEST), reached])
     at = profile.fields.factors.cut(u)
@@ -97,7 +100,7 @@ def _density(
     panel: int,
     left: CutPoints,
     right: CutPoints,
-    weight: Callable[[Array], Array],
+    weight: Callable[[Array, Array], Array],
 ) -> Array:
     """(2, n): weight |V| / v^2 and weight |V| at the nodes of the rule between two points, times
     dv/dy."""
@@ -108,6 +111,6 @@ def _density(
             rule.y < 0, left.parts + width * rule.share, right.parts - width * rule.share[::-1]
         )
     )
-    signed = panels.sense[panel] * weight(at.v)
-    power = signed * profile.slip_rate_inside(panel, at) * width * rule.bell
+    speed = panels.sense[panel] * profile.slip_rate_inside(panel, at)
+    power = weight(at.v, speed) * speed * width * rule.bell
     return np.stack([power / np.square(at.v), power])

@@ -18,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 
 from semianalytic.cut.load import Load
-from semianalytic.halfplane.rayleigh import Array, gauss, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array, Mode, gauss, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
@@ -38,6 +38,8 @@ class SlipGrid:
         The same for a unit slip rate far ahead, V = 1 at the last node and beyond.
     weight, shear, pressure : (n,) arrays
         Tests of 1, q* and p*.
+    gram : (n, n + 1) array
+        Tests of the hat functions themselves.
     """
 
     xi: Array
@@ -46,6 +48,7 @@ class SlipGrid:
     weight: Array
     shear: Array
     pressure: Array
+    gram: Array
 
 
 @dataclass(frozen=True)
@@ -58,11 +61,13 @@ class GridSlip:
 
 
 @lru_cache(maxsize=32)
-def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
+def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
     """Grid of about `size` nodes and the operator on it, kept for recent Poisson ratios."""
-    factors = rayleigh_factors(poisson_ratio)
-    ends = np.array([0.0, 1 / factors.c, 1.0, 1 / factors.a])
-    counts = np.maximum(np.round(size * np.array([0.4, 0.25, 0.35])).astype(int), 4)
+    factors = rayleigh_factors(poisson_ratio, mode)
+    ends, shares = np.array([0.0, 1.0, 1 / factors.a]), np.array([0.65, 0.35])
+    if factors.has_rayleigh_wave:
+        ends, shares = np.insert(ends, 1, 1 / factors.c), np.array([0.4, 0.25, 0.35])
+    counts = np.maximum(np.round(size * shares).astype(int), 4)
     t, weight = gauss(tuning.GAUSS_PER_ELEMENT)
     nodes, points, weights = [np.zeros(1)], [], []
     for left, right, count in zip(ends[:-1], ends[1:], counts, strict=True):
@@ -94,7 +99,7 @@ def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
     by_node = np.zeros((len(own), n + 1))
     by_node[:, 1:] += gradient / width
     by_node[:, :-1] -= gradient / width
-    far = by_node[:, -1] + impedance.imag / (np.pi * density) * factors.m_plus_at_zero["II"]
+    far = by_node[:, -1] + impedance.imag / (np.pi * density) * factors.m_plus_at_zero[mode]
 
     # Test with hats: int hat tau dxi = tau(c_l) int hat - int (dtau/dxi) (int_0^xi hat) dxi.
     local = (point - xi[:-1, None]) / width[:, None]
@@ -115,12 +120,15 @@ def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
         -(test.T @ by_node)[:, :n],
         -test.T @ far - area[:n],
         area[:n],
-        sample.T @ stuck_traction(poisson_ratio, "II")(v),
+        sample.T @ stuck_traction(poisson_ratio, mode)(v),
         sample.T @ stuck_traction(poisson_ratio, "I")(v),
+        (np.diag(np.convolve(width, [2, 2])) + np.diag(width, 1) + np.diag(width, -1))[:n] / 6,
     )
 
 
-def slip_on_grid(poisson_ratio: float, load: Load, size: int = tuning.GRIDS[0]) -> GridSlip:
+def slip_on_grid(
+    poisson_ratio: float, load: Load, size: int = tuning.GRIDS[0], mode: Mode = "II"
+) -> GridSlip:
     """Solve Coulomb's law on the grid: |tau| <= f p, V (tau -+ f p) = 0.
 
     Parameters
@@ -128,16 +136,20 @@ def slip_on_grid(poisson_ratio: float, load: Load, size: int = tuning.GRIDS[0]) 
     poisson_ratio : float
     load : Load of one scene
     size : int, number of nodes, about
+    mode : "II", or "III" for antiplane shear
 
     Raises
     ------
     ComputationError
         If complementary pivoting fails.
     """
-    grid, far_slip_rate = slip_grid(poisson_ratio, size), float(load.far_slip_rate)
+    grid, far_slip_rate = slip_grid(poisson_ratio, size, mode), float(load.far_slip_rate)
     stuck = load.base_shear * grid.weight + load.load_shear * grid.shear + far_slip_rate * grid.far
     pressure = load.base_pressure * grid.weight + load.load_pressure * grid.pressure
     strength, stiffness = float(load.friction) * pressure, -grid.operator
+    if load.resistance is not None:
+        stiffness = stiffness + load.resistance * grid.gram[:, :-1]
+        stuck -= load.resistance * far_slip_rate * grid.gram[:, -1]
     # Most scenes slip one way only: half the unknowns, if the other inequality then holds.
     sense = float(np.sign(stuck[np.argmax(np.abs(stuck) - strength)])) or 1.0
     one_way = lemke(stiffness, strength - sense * stuck)

@@ -65,16 +65,29 @@ def guesses(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
 
 def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
     """Guesses that do not look for narrow zones at the longitudinal front."""
-    weak = weak_friction_zones(factors, load)
+    if factors.mode == "III" and not load.load_pressure:
+        yield Guess(antiplane_zones(factors, load))
+    weak = weak_friction_zones(factors, load) if factors.has_rayleigh_wave else None
     if weak is not None:
         yield Guess(weak)
     for size in tuning.GRIDS:
         try:
-            grid = slip_on_grid(factors.poisson_ratio, load, size)
+            grid = slip_on_grid(factors.poisson_ratio, load, size, factors.mode)
         except ComputationError:  # pivoting ended on a ray, by rounding
             continue
         zones = zones_on_grid(factors, grid, load.critical)
         yield Guess(zones, grid.pivots, size > tuning.GRIDS[0])
+
+
+def antiplane_zones(factors: RayleighFactors, load: Load) -> list[Zone]:
+    """The zone of antiplane shear under constant strength, u_s = b (1 + chi_b)^2; from the shear
+    front, or everywhere, where the base is at friction."""
+    sense = int(np.sign(load.far_slip_rate or load.load_shear))
+    strength = float(load.friction) * load.base_pressure - sense * load.base_shear
+    if load.far_slip_rate or strength <= 0:
+        return [Zone(None, None, sense)]
+    ratio = strength / abs(load.load_shear)
+    return [Zone(factors.beside("b", [ratio * (2 + ratio)]), None, sense)]
 
 
 def zones_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> list[Zone]:
@@ -249,7 +262,7 @@ def with_slip_at_front(
     at, nu = _behind_front(factors), factors.poisson_ratio
     at = at[at.from_a > tuning.NARROWEST_FRONT_ZONE]
     pressure = load.friction * load.load_pressure * stuck_traction(nu, "I")(at.v)
-    excess = sense * load.load_shear * stuck_traction(nu, "II")(at.v) - pressure
+    excess = sense * load.load_shear * stuck_traction(nu, factors.mode)(at.v) - pressure
     kept = np.flatnonzero(excess <= 0)
     if not len(kept) or not kept[0]:  # at nu = 0 pressure falls too late
         return zones

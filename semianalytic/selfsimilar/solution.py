@@ -15,7 +15,7 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
-from semianalytic.results.answer import SlipInterval, answer_dataset, sampled_history
+from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
@@ -38,6 +38,20 @@ class SlipZone:
     inner: float
     outer: float
     sense: int
+
+
+@dataclass(frozen=True)
+class OpenZone:
+    """Part of the interface that is open: inner * t < x < outer * t.
+
+    Attributes
+    ----------
+    inner, outer : float
+        Velocities of the edges [length / time]; inner 0 is the contact edge.
+    """
+
+    inner: float
+    outer: float
 
 
 @dataclass(frozen=True)
@@ -123,6 +137,11 @@ class Solution:
         return value.reshape((*value.shape[:-1], *x.shape))
 
     @property
+    def openings(self) -> tuple[OpenZone, ...]:
+        """What is open, from the contact edge outward."""
+        return ()
+
+    @property
     def _rate_unit(self) -> float:
         return 2 * self.stress / self.scene.material.shear_impedance
 
@@ -154,10 +173,15 @@ class Solution:
         change = self._evaluate(x, t, self.profile.pressure_change)
         return self.scene.base.pressure + self.stress * change
 
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
+        return self._evaluate(x, t, np.zeros_like)
+
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Friction bound less shear traction, f p - |tau| [stress]; 0 where it slips."""
-        bound = self.scene.friction * self.pressure(x, t)
-        return bound - np.abs(self.shear_traction(x, t))
+        """Strength less shear traction, f p - |tau| [stress] where it sticks; 0 where it slips."""
+        frictional = self.scene.friction * self.pressure(x, t)
+        strength = self.scene.friction_law.strength(frictional, self.slip_rate(x, t), 0.0)
+        return strength - np.abs(self.shear_traction(x, t))
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
@@ -301,10 +325,21 @@ class Solution:
             SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in self.zones
         )
 
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+        """What is open at a time [time], from the contact edge outward; raises as `zones_at`."""
+        t = checked_number("openings_at: t", t)
+        if t <= 0:
+            return ()
+        return tuple(OpenInterval(t * part.inner, t * part.outer) for part in self.openings)
+
     @cached_property
     def _whole_power(self) -> float:
         """Frictional power over time, in units of `profile`."""
-        return self.profile.contact_integral(self.profile.strength(self.profile.panels.at.v))
+        profile = self.profile
+        sense = np.array(profile.panels.sense)[:, None]
+        return profile.contact_integral(
+            profile.carried(profile.panels.at.v, sense * profile.slip_rate_at_nodes)
+        )
 
     @cached_property
     def _whole_rate(self) -> float:

@@ -61,7 +61,7 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     )
     load, stress = scaled_load(scene)
     check_pressure(scene)
-    factors = rayleigh_factors(scene.material.poisson_ratio)
+    factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
     clock = [perf_counter()]
     trial, pivots = _search(factors, load, rtol, loose_tolerance(rtol))
     clock.append(perf_counter())
@@ -234,7 +234,7 @@ def slip_zones(scene: Scene, profile: Profile) -> tuple[SlipZone, ...]:
     speed, fields = scene.material.shear_speed, profile.fields
     if fields.load.frictionless:
         return _zones_by_sense(profile, speed)
-    ahead = np.inf if scene.far_slip_rate else scene.material.longitudinal_speed
+    ahead = np.inf if scene.far_slip_rate else scene.fastest_speed
     return tuple(
         SlipZone(
             0.0 if zone.right is None else float(speed / zone.right.v[0]),
@@ -246,10 +246,11 @@ def slip_zones(scene: Scene, profile: Profile) -> tuple[SlipZone, ...]:
 
 
 def _zones_by_sense(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
-    """Zones of a frictionless interface: it slips behind the longitudinal front, either way."""
+    """Zones of a frictionless interface: it slips behind the first front of shear, either way."""
     senses, changes = slip_senses(profile)
     fields = profile.fields
-    front = np.inf if fields.load.far_slip_rate else speed / fields.factors.a
+    first = fields.factors.a if fields.factors.has_rayleigh_wave else 1.0
+    front = np.inf if fields.load.far_slip_rate else speed / first
     edges = [front, *(float(speed / change.v[0]) for change in changes), 0.0]
     zones = [
         SlipZone(inner, outer, sense)
