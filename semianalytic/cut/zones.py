@@ -29,7 +29,7 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.cut.canonical import CanonicalFunction, log_share
+from semianalytic.cut.canonical import CanonicalFunction
 from semianalytic.cut.layout import Layout, Zone, lies_between, outline
 from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.panels import Panels, lay_panels
@@ -236,7 +236,6 @@ class ZoneFields:
     @cached_property
     def stick_transform_excess(self) -> Array:
         """(..., n): T / M_+ less its limit at a stuck contact edge, last panel, without loss."""
-        at, factors = self.panels.at[-1], self.factors
         cauchy, growth = self._cauchy[-1], np.expm1(self.canonical.log_growth)
         for edge, amount in self._terms:
             cauchy = cauchy + amount * self._pole(edge)[-1]
@@ -244,10 +243,7 @@ class ZoneFields:
         pressure = self._pressure
         if not pressure.analytic:
             return excess
-        if factors.mode == "II":
-            ratio = np.expm1(0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a)))
-        else:
-            ratio = pressure.mode_ratio[0][-1] - 1
+        ratio = np.expm1(pressure.log_ratio_at_edge)
         if self.normal is None:
             return excess + pressure.amount * ratio
         gained = -pressure.sense * self.load.friction * self.normal.stick_transform_excess

@@ -144,8 +144,7 @@ def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules:
         placement = locate_edges(factors, zones, load, rules.locating, rules.shift)
         steps += placement.steps
         if not placement.converged:
-            opening = load.opened.zone if load.opened else None
-            others = rearranged(factors, placement.zones, opening)
+            others = rearranged(factors, placement.zones, load)
             if others is None:
                 break
             zones = others

@@ -155,3 +155,12 @@ AT_SHEAR_FRONT = 1e-4
 """Distance in slowness of an edge that ran into the shear front.  Not recorded."""
 BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 """Where such an edge starts on the other side, over the segment there.  Not recorded."""
+
+# Derivatives with respect to a parameter (variation, derivative)
+
+VARIED_STEP, COARSER_STEP = 3e-3, 1.6
+"""Of logits and logarithms between neighbours, and how much longer it is in the companion that
+shows the error: truncation is some 1e-11, rounding as much."""
+MOST_IMPROVEMENTS, IMPROVED_SHARE = 6, 1e-5
+"""Of the derivatives of edges, whose Jacobian has six digits: two are the rule.  Those that change
+less are right to the square of it."""
