@@ -124,7 +124,10 @@ class ZoneFields:
         opened = self.load.opened
         if opened is None:
             return None
-        factors, seen = rayleigh_factors(self.factors.poisson_ratio, "I"), self.factors.seen_in_plane
+        factors, seen = (
+            rayleigh_factors(self.factors.poisson_ratio, "I"),
+            self.factors.seen_in_plane,
+        )
         panels = self.panels
         if not self.factors.has_rayleigh_wave:
             panels = panels.seen_by(seen)
@@ -347,7 +350,11 @@ class ZoneFields:
         outward: Zone | None = None
         for zone in self.zones:
             if zone.left is not None:
-                rows.append(np.asarray(self._excess_at_opening(zone, outward, next(gains))))
+                excess = np.asarray(self._excess_at_opening(zone, outward, next(gains)))
+                with_opening = (
+                    self.load.opened is not None and zone.left is self.load.opened.zone.left
+                )
+                rows.append(np.zeros_like(excess) if with_opening else excess)
             if zone.right is not None:
                 ahead = per_set(load.far_slip_rate) if zone.left is None else 0.0
                 rate = next(gains) + ahead

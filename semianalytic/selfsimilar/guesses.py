@@ -158,7 +158,11 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
     elif inward == -held.sense:
         behind = zones.pop(index + 1)
         held = replace(held, right=behind.right, inward=inward)
-    zones[index] = _around(factors, held, opening, grid.xi, (int(last), int(first)))
+    undriven = not factors.has_rayleigh_wave and not (load.base_shear or load.far_slip_rate)
+    if undriven and opening.left is not None and opening.left.from_b[0] < 0:
+        zones[index] = replace(held, left=opening.left)  # nothing has arrived there
+    else:
+        zones[index] = _around(factors, held, opening, grid.xi, (int(last), int(first)))
     return zones
 
 

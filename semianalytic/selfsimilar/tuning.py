@@ -143,6 +143,9 @@ GAUSS_PER_ELEMENT = 6
 
 # Zones after a failure (corrections)
 
+NO_ZONE = 1e-9
+"""Width [c_t] of slip beside an opening that is none: out of the plane nothing drives it ahead of
+the shear front."""
 NARROW_GAP = 0.1
 """Gap over slowness between zones that may have met.  Not recorded."""
 NEAR_OPENING = 0.05
