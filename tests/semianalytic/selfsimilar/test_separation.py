@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from laws import check_invariants, inside, opening_scene
+from laws import check_invariants, opening_scene
 
 from semianalytic import Material, Scene, TensionError, Tractions, ViscousFriction, solve
 from semianalytic.cut.load import scaled_load
@@ -34,7 +34,7 @@ def test_laws_hold_in_scenes_that_open(seed):
 
 
 @pytest.mark.parametrize("law", [{"friction_law": ViscousFriction(0.25)}, {"mode": "antiplane"}])
-@pytest.mark.parametrize("scene", [lifted(), lifted(held=-0.2), tapped(held=0.003), tapped(2.0)])
+@pytest.mark.parametrize("scene", [lifted(), lifted(held=-0.2), tapped(held=0.003), tapped(0.5)])
 def test_laws_hold_with_viscosity_and_out_of_the_plane(scene, law):
     check_invariants(replace(scene, **law))
 
