@@ -270,7 +270,14 @@ class Profile:
         """Traction in the sense of slip at slownesses v, f p + eta V; `speed` V in that sense."""
         if self._load.resistance is None:
             return self.strength(v)
-        return np.asarray(self.strength(v) + self._load.resistance * speed)
+        resisted = self._load.resistance * speed
+        if self._load.opened is not None:
+            opening = self._load.opened.zone
+            closed = v <= opening.left.v[0] if opening.left is not None else np.zeros(v.shape, bool)
+            if opening.right is not None:
+                closed |= v >= opening.right.v[0]
+            resisted = resisted * closed
+        return np.asarray(self.strength(v) + resisted)
 
     def _speed(self, panel: int, at: CutPoints) -> Array:
         """V in the sense of a panel that slips, at points inside it, where traction depends on it;
@@ -313,7 +320,7 @@ class Profile:
 
     @cached_property
     def _slot_panels(self) -> Panels:
-        return lay_panels(self.fields.factors, (Zone(None, None, 1),), self.fields.rule)
+        return lay_panels(self.fields.factors.in_plane, (Zone(None, None, 1),), self.fields.rule)
 
     def _slot_transforms(self, k: Array) -> tuple[Array, Array]:
         """Transforms of shear traction and of pressure at k > 0."""
@@ -327,8 +334,9 @@ class Profile:
 
     @cached_property
     def _slot_direct(self) -> tuple[RunningIntegral, RunningIntegral]:
-        """Slopes in v = -t/x of v_x from shear and of v_y from pressure on the upper slot face."""
-        factors, panels = self.fields.factors, self._slot_panels
+        """Slopes in v = -t/x of v_x (v_z) from shear and of v_y from pressure on the upper slot
+        face."""
+        factors, panels = self.fields.factors.in_plane, self._slot_panels
         shear, pressure = self._slot_transforms(panels.at.v)
 
         def slope(transform: Array, mode: Mode) -> RunningIntegral:
@@ -336,7 +344,7 @@ class Profile:
             density = transform * impedance.imag / np.square(np.abs(impedance))
             return RunningIntegral(panels, density / (np.pi * panels.at.v), factors.c)
 
-        return slope(-shear, "II"), slope(pressure, "I")
+        return slope(-shear, self.fields.factors.mode), slope(pressure, "I")
 
     @cached_property
     def _slot_coupled(self) -> tuple[RunningIntegral, RunningIntegral]:
@@ -365,18 +373,26 @@ class Profile:
         return float((pressure * response)[0]), float((shear * response)[0])
 
     def slot_velocity(self, v: Array) -> tuple[Array, Array]:
-        """Tangential and normal velocity of the upper slot face at v = -t/x >= 0."""
-        load, factors = self._load, self.fields.factors
+        """Tangential and normal velocity of the upper slot face at v = -t/x >= 0.
+
+        Antiplane shear does not move it along the normal, nor pressure along z.
+        """
+        load, factors = self._load, self.fields.factors.in_plane
+        coupled = self.fields.factors.mode != "III"
         plane_waves = (load.load_shear, -load.load_pressure * factors.a)
         lefts = [left.v[0] for left in self._slot_panels.left]
         panel = np.searchsorted(lefts, v, "right") - 1
         result = []
         for axis, far in enumerate(plane_waves):
             value = np.full(v.shape, far)
-            for integral in (self._slot_direct[axis], self._slot_coupled[axis]):
+            integrals = [self._slot_direct[axis]]
+            if coupled:
+                integrals.append(self._slot_coupled[axis])
+                jump = self._slot_jumps[axis]
+            for integral in integrals:
                 for i in np.unique(panel[panel >= 0]):
                     here = panel == i
                     value[here] += integral.totals[:i].sum()
                     value[here] += integral(int(i), factors.cut(v[here]))
-            result.append(np.where(v > factors.c, value + self._slot_jumps[axis], value))
+            result.append(np.where(v > factors.c, value + jump, value) if coupled else value)
         return result[0], result[1]

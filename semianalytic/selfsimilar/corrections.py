@@ -19,15 +19,15 @@ from semianalytic.selfsimilar.coulomb import Violation
 
 
 def rearranged(
-    factors: RayleighFactors, zones: Sequence[Zone], opening: Zone | None = None
+    factors: RayleighFactors, zones: Sequence[Zone], load: Load
 ) -> list[Zone] | None:
     """What to try where Newton's method did not place the edges of zones; None if nothing."""
     other = _across_shear_front(factors, zones)
-    if other is None and opening is not None:
-        other = _turned_at_opening(zones, opening)
+    if other is None and load.opened is not None:
+        other = _turned_at_opening(zones, load.opened.zone)
     if other is None:
         other = _without_vanished(zones)
-    return _joined(zones) if other is None else other
+    return _joined(zones, load) if other is None else other
 
 
 def _across_shear_front(factors: RayleighFactors, zones: Sequence[Zone]) -> list[Zone] | None:
@@ -85,18 +85,20 @@ def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
     return None if len(kept) == len(zones) else kept
 
 
-def _joined(zones: Sequence[Zone]) -> list[Zone] | None:
+def _joined(zones: Sequence[Zone], load: Load) -> list[Zone] | None:
     """The zones with those two made one that slip alike on both sides of the narrowest stick gap;
-    None if no gap off c is narrow.
+    None if no gap is narrow that may close.
 
-    Newton's method closes a gap where the zones have just met.
+    Newton's method closes a gap where the zones have just met.  One around c stays open, for there
+    V has a logarithm, unless slip meets resistance.
     """
     gaps = {}
     for i, (outer, inner) in enumerate(pairwise(zones)):
         if outer.last_sense == inner.sense and outer.right is not None and inner.left is not None:
             off_c = bool(outer.right.from_c[0] * inner.left.from_c[0] > 0)
+            may_close = off_c or load.resistance is not None
             width = float(inner.left.minus(outer.right)[0] / outer.right.v[0])
-            if off_c and width < tuning.NARROW_GAP:
+            if may_close and width < tuning.NARROW_GAP:
                 gaps[i] = width
     if not gaps:
         return None

@@ -181,12 +181,14 @@ def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
 
 
 def _excess_intensity(profile: Profile) -> Array:
-    """K_II / (f K_I) - 1 at a stuck contact edge, () or (k,); where positive, it must slip."""
-    load = profile.fields.load
+    """K_II / (f K_I) - 1, or with K_III, at a stuck contact edge, () or (k,); where positive, it
+    must slip."""
+    load, factors = profile.fields.load, profile.fields.factors
     strength = np.asarray(per_set(load.friction) * load.load_pressure)
     if profile.normal is not None:
         strength = -per_set(load.friction) * profile.normal.edge_intensity
-    traction = np.abs(profile.edge_intensity) / np.sqrt(profile.fields.factors.a)
+    at_zero = factors.m_plus_at_zero  # intensities of unit steps are as one over it
+    traction = np.abs(profile.edge_intensity) * at_zero["I"] / at_zero[factors.mode]
     # Without strength nothing bounds the traction: seen at the nodes.
     return np.where(strength > 0, traction / np.where(strength > 0, strength, 1.0) - 1, 0.0)
 

@@ -276,7 +276,7 @@ def locate_edges(
     if not len(unknowns):
         return start
     for step in range(1, tuning.MOST_NEWTON_STEPS + 1):
-        values, jacobian = _linearised(edges, unknowns, load, rule)
+        values, jacobian = linearised(edges, unknowns, load, rule)
         try:
             inverse = np.asarray(np.linalg.inv(jacobian))
         except np.linalg.LinAlgError:
@@ -297,7 +297,7 @@ def locate_edges(
     return Placement(edges, unknowns, inverse, False, step)
 
 
-def _linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, Array]:
+def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, Array]:
     """Mismatch (e,) and its Jacobian (e, e) at unknowns (e,)."""
     nudges = edges.nudges(unknowns)
     beside = np.concatenate([np.zeros((len(unknowns), 1)), np.diag(nudges)], axis=1)

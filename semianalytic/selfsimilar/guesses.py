@@ -312,6 +312,9 @@ def with_slip_at_front(
     held = not (load.critical and sense and load.load_pressure) or bool(load.far_slip_rate)
     if held or (zones and zones[0].left is None):
         return zones
+    first = zones[0] if zones else None
+    if factors.mode == "III" and first and first.left is not None and first.left.from_b[0] < 0:
+        return [replace(first, left=None), *zones[1:]]  # no shear arrives that would hold it
     at, nu = _behind_front(factors), factors.poisson_ratio
     at = at[at.from_a > tuning.NARROWEST_FRONT_ZONE]
     if load.opened is None:

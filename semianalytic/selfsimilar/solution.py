@@ -218,18 +218,18 @@ class Solution:
         """(K_I, K_II) at the contact edge at times t [stress sqrt(length)] (3.13), (3.16).
 
         pressure ~ K_I / sqrt(2 pi x) and shear traction ~ K_II / sqrt(2 pi x) of the actual
-        state; a slipping edge has |K_II| = f K_I.
+        state; a slipping edge has |K_II| = f K_I.  In antiplane shear the second is K_III.
         """
         scene = self.scene
         unit = type(scene.load)(1.0, 1.0)
-        mode_one, mode_two = stress_intensity(scene.material, unit, t)
+        mode_one, sheared = stress_intensity(scene.material, unit, t, scene.shear_mode)
         pressure = scene.load.pressure
         if self.normal is not None:
             pressure = -self.stress * float(self.normal.profile.edge_intensity)
         mode_one = pressure * mode_one
         if self.profile.edge_slips:
             return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one
-        return mode_one, self.stress * self.profile.edge_intensity * mode_two
+        return mode_one, self.stress * self.profile.edge_intensity * sheared
 
     def path(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Accumulated |slip| [length], the time integral of |slip rate|; raises as `slip_rate`."""
@@ -377,7 +377,7 @@ class Solution:
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
 
-        Logarithmically infinite at the Rayleigh front.
+        Logarithmically infinite at the Rayleigh front.  In antiplane shear the first is v_z.
 
         Raises
         ------

@@ -63,9 +63,9 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     )
     load, stress = scaled_load(scene)
     check_pressure(scene)
-    load, normal = with_opening(load, scene.material.poisson_ratio, rtol)
-    wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
+    load, normal = with_opening(load, factors, rtol)
+    wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     clock = [perf_counter()]
     trial, pivots = _search(factors, load, rtol, loose_tolerance(rtol))
     clock.append(perf_counter())
@@ -144,8 +144,7 @@ def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules:
         placement = locate_edges(factors, zones, load, rules.locating, rules.shift)
         steps += placement.steps
         if not placement.converged:
-            opening = load.opened.zone if load.opened else None
-            others = rearranged(factors, placement.zones, opening)
+            others = rearranged(factors, placement.zones, load)
             if others is None:
                 break
             zones = others

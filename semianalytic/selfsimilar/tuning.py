@@ -62,6 +62,8 @@ SLIP_PER_EXCESS = 0.3
 LEAST_IMPEDANCE = 1e-3
 """Least impedance [rho c_t] that such slip is divided by, over `SLIP_PER_EXCESS`: it falls to 0 at
 the longitudinal front for nu near 0."""
+WORK_AHEAD = 3.0
+"""Power of its width that friction takes on the slip ahead of an opening, about."""
 GAP_LOGARITHM_SHARE = 0.1
 """What a change of the logarithm of an edge's distance from c counts as a shift: the slip rate
 beside a narrow stick gap follows that of its width."""
@@ -153,3 +155,12 @@ AT_SHEAR_FRONT = 1e-4
 """Distance in slowness of an edge that ran into the shear front.  Not recorded."""
 BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 """Where such an edge starts on the other side, over the segment there.  Not recorded."""
+
+# Derivatives with respect to a parameter (variation, derivative)
+
+VARIED_STEP, COARSER_STEP = 3e-3, 1.6
+"""Of logits and logarithms between neighbours, and how much longer it is in the companion that
+shows the error: truncation is some 1e-11, rounding as much."""
+MOST_IMPROVEMENTS, IMPROVED_SHARE = 6, 1e-5
+"""Of the derivatives of edges, whose Jacobian has six digits: two are the rule.  Those that change
+less are right to the square of it."""
