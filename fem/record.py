@@ -14,7 +14,6 @@ from fem.model import Model
 from fem.results import EnergyHistory, Opening, SlotHistory
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
-from semianalytic.scene.scene import Scene
 
 SEEN = slice(1, None)
 """Nodes of the contact whose histories are kept: all beyond the edge node."""
