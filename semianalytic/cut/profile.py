@@ -15,7 +15,6 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
 
-
 _LAWFUL = -1.0
 
 
