@@ -33,6 +33,8 @@ from semianalytic.scene.scene import Scene
 
 BLOCKS = ("upper", "lower")
 
+LEAST_GAP = 1e-9
+"""What is open less than that, over `displacement_scale`, is closed: rounding is 1e-16 of it."""
 RATE_WINDOW = 2.8
 """Elements that a shear wave crosses in the time over which a slip rate is the mean: the surface of
 a mesh rings about that slowly, and the error of slip rates is half of that of single steps
@@ -234,7 +236,9 @@ def build_model(plan: Plan, space: Space) -> Model:
         numbering=numbering,
         bodies=bodies,
         loads=slot_loads(plan.scene, bodies, step, steps + half_window),
-        interface=Interface(plan.scene, length, sliding, pressing),
+        interface=Interface(
+            plan.scene, length, sliding, pressing, LEAST_GAP * displacement_scale(plan)
+        ),
         contact_x=space.points[0, contact_nodes],
         slot_x=space.points[0, slot],
         slot=slot,
@@ -243,6 +247,13 @@ def build_model(plan: Plan, space: Space) -> Model:
         steps=steps,
         half_window=half_window,
     )
+
+
+def displacement_scale(plan: Plan) -> float:
+    """Displacement that the largest traction causes until the end [length]."""
+    tractions, material = (plan.scene.load, plan.scene.base), plan.scene.material
+    largest = max(max(abs(one.pressure), abs(one.shear)) for one in tractions)
+    return largest / material.shear_modulus * material.shear_speed * plan.end_time
 
 
 @dataclass(frozen=True)
@@ -258,12 +269,13 @@ class _Parts:
 
     def put_together(self, plan: Plan) -> tuple[list[Body], Faces | None, Faces | None]:
         """Bodies, and the faces that slide and that press, where symmetry allows them to."""
+        meeting: tuple[str, ...] = BLOCKS
         if plan.halves:
             halves = {i: self.half(i) for i in plan.halves}
             bodies, meeting = list(halves.values()), ("upper",)
         else:
             walls = plan.name == TWO_BLOCKS
-            bodies, meeting = [self.two_blocks(one, walls) for one in plan.bodies], BLOCKS
+            bodies = [self.two_blocks(one, walls) for one in plan.bodies]
             halves = {i: body for body in bodies for i in body.components}
         faces = {i: self.faces(body, i, meeting) for i, body in halves.items()}
         return bodies, faces.get(Z if plan.scene.antiplane else X), faces.get(Y)

@@ -37,7 +37,8 @@ class SlotHistory:
     t : (m,) array
         Times [time].
     velocity_x, velocity_y : (m, n) arrays
-        Velocity of the upper face [length / time]; in antiplane shear the first is along z.
+        Velocity of the upper face [length / time]; in antiplane shear the first is along z, and
+        that along x is left out.
     """
 
     x: NDArray[np.float64]
@@ -157,7 +158,7 @@ class Simulation(SampledAnswer):
         (+1) or BACKWARD (-1), or OPEN (2).
     final_path : (n,) array
         |slip| that each node of `interface` has accumulated by the end [length], summed over
-        every step, stored or not, and also while the node is open.
+        every step, stored or not, where the sides touched.
     final_work_density : (n,) array
         Work per area that friction has taken at each node by the end [stress length], likewise.
     totals : Totals

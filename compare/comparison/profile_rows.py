@@ -224,7 +224,7 @@ def _reach(case: Case) -> tuple[float, float]:
 
 
 def _disturbed(case: Case) -> tuple[float, float]:
-    return NEAREST * case.length, case.scene.material.longitudinal_speed * case.end_time
+    return NEAREST * case.length, case.scene.fastest_speed * case.end_time
 
 
 def _norm(case: Case, answer: Answers, reach: tuple[float, float], scale: float) -> float:

@@ -213,14 +213,15 @@ def lay_panels(
     sets: tuple[int, ...] = (),
     tail: bool = True,
     cuts: tuple[CutPoints, ...] = (),
+    opening: Zone | None = None,
 ) -> Panels:
     """Panels for a set of zones on a rule as fine and as long as they need.
 
     `sets` is (k, 1) if there are k sets of zones whatever the shape of their edges.  Without
-    `tail` an unbounded panel after others is left out.  `cuts` are more ends, such as where the
-    contact opens, or c where slip resists its rate.
+    `tail` an unbounded panel after others is left out.  `cuts` are more ends, such as c where
+    slip resists its rate; there are others where the contact opens and closes.
     """
-    points, layout = outline(factors, zones, tail, cuts)
+    points, layout = outline(factors, zones, tail, cuts, opening)
     ends = _aligned_ends(points, sets)
     rule = _fitted_rule(factors, layout, ends, rule)
     widths = _steps(ends, np.array([point.nearest for point in points]))

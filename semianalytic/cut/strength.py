@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.cut.canonical import CanonicalFunction
+from semianalytic.cut.canonical import CanonicalFunction, log_share
 from semianalytic.cut.load import Load
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.stuck import stuck_traction
@@ -100,6 +100,17 @@ class PressurePart:
         both = np.stack(normal.impedance_ahead(at[:ahead], "I")) / unit[:ahead]
         ratio[:ahead], imag = both / np.sqrt(-at.from_b[:ahead])
         return ratio, imag
+
+    @cached_property
+    def log_ratio_at_edge(self) -> Array:
+        """(..., n): ln of M_+^I / M_+ on the last panel, 0 at the contact edge, without loss."""
+        at, factors = self.canonical.panels.at[-1], self.canonical.factors
+        if factors.mode == "II":
+            return 0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a))
+        log = log_share(self._in_plane(at).from_c, at.v, np.array(factors.in_plane.c))
+        log = log - 0.5 * log_share(at.from_a, at.v, np.array(factors.a))
+        log = log - 0.5 * log_share(at.from_b, at.v, np.array(1.0))
+        return np.asarray(log + factors.log_s_plus_behind(at))
 
     def _in_plane(self, at: CutPoints) -> CutPoints:
         """Points with their distance from the Rayleigh front."""

@@ -177,19 +177,29 @@ class RayleighFactors:
         """Chebyshev series of ln S_+ over k >= 0 in (k - q)/(k + q), q^2 = a b."""
         if self.mode != "II":
             return self.in_plane._log_s_plus
-        # Nodes crowd at both ends exponentially: for nu -> 0.5 the pole at -k comes near a.
-        y = np.arange(-_REACH, _REACH + _SPACING, _SPACING)
-        from_a, from_b = ((1 - self.a) / (1 + np.exp(sign * y)) for sign in (-1, 1))
-        w = np.where(y < 0, self.a + from_a, 1 - from_b)
-        at = CutPoints(np.stack([w, from_a, -from_b, w - self.c]))
-        density = self.phase(at) * from_a * from_b / (1 - self.a) * _SPACING / np.pi
-        q = np.sqrt(self.a)
+        (at, density), q = self._phase_rule, np.sqrt(self.a)
+        w = at.v
 
         def log_s_plus(z: Array) -> Array:
             k_over = q * (1 + z)  # k = k_over / (1 - z)
             return -(((1 - z)[:, None] / (w * (1 - z)[:, None] + k_over[:, None])) @ density)
 
         return chebyshev_series(log_s_plus, _DEGREE)
+
+    @cached_property
+    def _phase_rule(self) -> tuple[CutPoints, Array]:
+        """Nodes and weights of (1/pi) int phi(w) ... dw over a < w < b (mode II)."""
+        # Nodes crowd at both ends exponentially: for nu -> 0.5 the pole at -k comes near a.
+        y = np.arange(-_REACH, _REACH + _SPACING, _SPACING)
+        from_a, from_b = ((1 - self.a) / (1 + np.exp(sign * y)) for sign in (-1, 1))
+        w = np.where(y < 0, self.a + from_a, 1 - from_b)
+        at = CutPoints(np.stack([w, from_a, -from_b, w - self.c]))
+        return at, self.phase(at) * from_a * from_b / (1 - self.a) * _SPACING / np.pi
+
+    def log_s_plus_behind(self, at: CutPoints) -> Array:
+        """ln S_+(-v) at v > b, where it is real; with all its digits however small it is."""
+        node, density = self.in_plane._phase_rule
+        return np.asarray((1 / (at.from_b[..., None] - node.from_b)) @ density)
 
     def s_plus(self, k: ArrayLike) -> Array:
         """Factor S_+(k) of the Rayleigh function for k >= 0 (3.12), (4.20)."""

@@ -159,9 +159,9 @@ class Scene:
     Raises
     ------
     SceneError
-        If friction is negative or not finite, if the mode is unknown, if the base presses the interface apart, if
-        neither the base nor the state before a remote shock (base - load) can be at rest, or if
-        friction falls with slip rate faster than radiation can balance under the base pressure.
+        If friction is negative or not finite, if the mode is unknown, if the base presses the
+        interface apart, if neither the base nor the state before a remote shock (base - load) can
+        be at rest, or if friction falls with slip rate faster than radiation can balance under the base pressure.
     """
 
     material: Material

@@ -24,3 +24,11 @@ SAFETY = 5.0
 """Error estimate over the difference of two rules."""
 LEAST_ERROR = 1e-14
 """Rounding, part of every estimate."""
+RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
+"""Tolerance of the rule of the normal problem over what is asked for, and at least: shear is to
+find nothing missing in it.  Finer by the same share where edges are not placed that well."""
+EDGE_SHARE = 0.2
+"""Error of edges over what is asked for, that is well enough."""
+AT_POLE = 6.0
+"""Error at points between nodes over the tolerance of a rule where the opening covers c; as of
+slip."""
