@@ -14,7 +14,8 @@ once; node arrays are then (p, n) or (p, k, n), panel first, node last.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -52,6 +53,12 @@ class Panels:
     at: CutPoints
     skew: Array
     rule: Rule
+
+    def seen_by(self, see: Callable[[CutPoints], CutPoints]) -> Panels:
+        """The panels with all points as a function of points gives them."""
+        left = tuple(see(end) for end in self.left)
+        right = tuple(end if end is None else see(end) for end in self.right)
+        return replace(self, left=left, right=right, ends=see(self.ends), at=see(self.at))
 
     @property
     def sense(self) -> tuple[int, ...]:

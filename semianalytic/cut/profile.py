@@ -269,7 +269,14 @@ class Profile:
         """Traction in the sense of slip at slownesses v, f p + eta V; `speed` V in that sense."""
         if self._load.resistance is None:
             return self.strength(v)
-        return np.asarray(self.strength(v) + self._load.resistance * speed)
+        resisted = self._load.resistance * speed
+        if self._load.opened is not None:
+            opening = self._load.opened.zone
+            closed = v <= opening.left.v[0] if opening.left is not None else np.zeros(v.shape, bool)
+            if opening.right is not None:
+                closed |= v >= opening.right.v[0]
+            resisted = resisted * closed
+        return np.asarray(self.strength(v) + resisted)
 
     def _speed(self, panel: int, at: CutPoints) -> Array:
         """V in the sense of a panel that slips, at points inside it, where traction depends on it;

@@ -81,10 +81,15 @@ class ZoneFields:
     @cached_property
     def _cuts(self) -> tuple[CutPoints, ...]:
         """Where fields change character within zones."""
-        factors, cuts = self.factors, []
+        factors, cuts, opened = self.factors, [], self.load.opened
+        if opened is not None:  # as the normal problem has them
+            cuts += [factors.of_in_plane(cut) for cut in factors.in_plane.cuts[:-1]]
         if self.load.resistance is not None and factors.has_rayleigh_wave:
-            covered = (lies_between(one.left, factors.front_c, one.right) for one in self.zones)
-            cuts += [factors.front_c] if any(covered) else []
+            front = factors.front_c
+            resists = any(lies_between(one.left, front, one.right) for one in self.zones)
+            if opened is not None:
+                resists &= not lies_between(opened.zone.left, front, opened.zone.right)
+            cuts += [front] if resists else []
         return tuple(cuts)
 
     @property
@@ -97,6 +102,9 @@ class ZoneFields:
         """X, real, on panels that slip; X / M_+, real, on panels that stick."""
         resistance = self.load.resistance
         given = None if resistance is None else np.asarray(resistance)
+        if given is not None and self.load.opened is not None:
+            closed = ~np.array(self.layout.open).reshape(-1, *[1] * (self.panels.jacobian.ndim - 1))
+            given = given * closed
         return CanonicalFunction(self.factors, self.panels, given)
 
     @cached_property
@@ -116,9 +124,18 @@ class ZoneFields:
         opened = self.load.opened
         if opened is None:
             return None
-        factors, load = rayleigh_factors(self.factors.poisson_ratio, "I"), opened.normal_load
+        factors, seen = rayleigh_factors(self.factors.poisson_ratio, "I"), self.factors.seen_in_plane
+        panels = self.panels
+        if not self.factors.has_rayleigh_wave:
+            panels = panels.seen_by(seen)
         return ZoneFields(
-            factors, load, (opened.zone,), self.rule, self.tail, opened.closing, self.panels
+            factors,
+            opened.normal_load,
+            (opened.zone.seen_by(seen),),
+            self.rule,
+            self.tail,
+            tuple((seen(edge), amount) for edge, amount in opened.closing),
+            panels,
         )
 
     @cached_property

@@ -172,6 +172,16 @@ class RayleighFactors:
         """Those of mode II, which hold the tables."""
         return self if self.mode == "II" else rayleigh_factors(self.poisson_ratio)
 
+    def seen_in_plane(self, at: CutPoints) -> CutPoints:
+        """Points with their distance from the Rayleigh front, which mode III does not know."""
+        if self.has_rayleigh_wave:
+            return at
+        return CutPoints(np.stack([*at.parts[:3], at.v - self.in_plane.c]))
+
+    def of_in_plane(self, at: CutPoints) -> CutPoints:
+        """Points of an in-plane problem as this mode sees them."""
+        return at if self.has_rayleigh_wave else CutPoints(at.parts[[0, 1, 2, 2]])
+
     @cached_property
     def _log_s_plus(self) -> Array:
         """Chebyshev series of ln S_+ over k >= 0 in (k - q)/(k + q), q^2 = a b."""

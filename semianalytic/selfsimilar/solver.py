@@ -63,9 +63,9 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     )
     load, stress = scaled_load(scene)
     check_pressure(scene)
-    load, normal = with_opening(load, scene.material.poisson_ratio, rtol)
-    wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
+    load, normal = with_opening(load, factors, rtol)
+    wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     clock = [perf_counter()]
     trial, pivots = _search(factors, load, rtol, loose_tolerance(rtol))
     clock.append(perf_counter())
