@@ -255,12 +255,12 @@ def _draw_predicted_tractions(panel: Axes, solution: Solution, time: float) -> A
     panel.plot(position, shear, color=PREDICTION)
     for sign in (1, -1):
         panel.plot(position, sign * bound, ":", color=PREDICTION)
-    return shear if shear.any() else np.concatenate([-bound, bound])
+    return shear if shear.any() else np.stack([-bound, bound])
 
 
 def _traction_limits(shear: Array) -> tuple[float, float]:
     """Limits that leave out what grows without bound towards the edge."""
-    beyond_edge = shear[len(shear) // 20 :]
+    beyond_edge = shear[..., shear.shape[-1] // 20 :]
     lowest, highest = float(beyond_edge.min()), float(beyond_edge.max())
     margin = 0.15 * max(highest - lowest, 1e-3)
     return lowest - margin, highest + margin

@@ -168,10 +168,13 @@ class ZoneFields:
 
     def _share(self, edge: CutPoints) -> Array:
         """(p, ..., n): 1 / (k + e) - 1 / e at k = -v, of a closing edge e that ends a panel."""
-        panels = self.panels
-        ends = (*panels.left, panels.right[-1])
+        return self.panels.at.v / edge.v * self._pole(edge)
+
+    def _pole(self, edge: CutPoints) -> Array:
+        """(p, ..., n): 1 / (k + e) at k = -v."""
+        ends = (*self.panels.left, self.panels.right[-1])
         index = next(i for i, end in enumerate(ends) if end and end.first == edge.first)
-        return -panels.at.v / (edge.v * panels.from_ends[index])
+        return -1 / self.panels.from_ends[index]
 
     @cached_property
     def _cauchy(self) -> Array:
@@ -235,7 +238,7 @@ class ZoneFields:
         """(..., n): T / M_+ less its limit at a stuck contact edge, last panel, without loss."""
         cauchy, growth = self._cauchy[-1], np.expm1(self.canonical.log_growth)
         for edge, amount in self._terms:
-            cauchy = cauchy + amount * (self._share(edge)[-1] + 1 / edge.v)
+            cauchy = cauchy + amount * self._pole(edge)[-1]
         excess = growth * (cauchy + self.constant) + cauchy
         pressure = self._pressure
         if not pressure.analytic:

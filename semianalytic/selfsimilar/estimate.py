@@ -82,7 +82,20 @@ def difference(
     if len(unknowns):
         by_width = _share_of_width(edges, unknowns, moved, fine, peaks) / scale
         rates = np.maximum(np.maximum(rates, by_width), edge_shift(edges, unknowns, moved))
+        rates = np.maximum(rates, _share_beside_opening(edges, unknowns, moved))
     return tuning.LEAST_ERROR + least + tuning.SAFETY * rates
+
+
+def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:
+    """How much of what friction takes ahead of an opening changes with the edge of that slip, ()
+    or (k,): pressure and slip rate rise with the distance from it."""
+    worst = np.zeros(unknowns.shape[1:])
+    if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
+        return worst
+    edge = len(edges.sides) - 1 - edges.sides[::-1].index(-1)  # the last ahead of the opening
+    point = edges.points(unknowns)[edge]
+    change = np.abs(edges.parts(moved)[0, edge] - edges.parts(unknowns)[0, edge])
+    return np.asarray(tuning.WORK_AHEAD * change / edges.opening.left.minus(point)[..., 0])
 
 
 def _share_of_width(

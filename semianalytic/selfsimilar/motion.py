@@ -10,7 +10,7 @@ import numpy as np
 
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
-from semianalytic.halfplane.rayleigh import CutPoints
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.guesses import slip_senses
 
@@ -108,16 +108,18 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
 
     points = _points_in_opening(profile)
     rate = profile.slip_rate_at(points)
-    moving = rate != 0
-    v, rate = points.v[moving], rate[moving]
-    if not len(v):
+    points, sense = points[rate != 0], np.sign(rate[rate != 0]).astype(int)
+    if not len(sense):
         return []
-    ends = [speed / opening.outer]
-    senses = [int(np.sign(rate[0]))]
-    for i in np.flatnonzero(np.sign(rate[1:]) != np.sign(rate[:-1])):
-        ends.append(brentq(lambda u: float(profile.slip_rate(np.array([u]))[0]), v[i], v[i + 1]))
-        senses.append(int(np.sign(rate[i + 1])))
-    outer = [speed / end for end in ends]
+    outer, senses = [opening.outer], [int(sense[0])]
+    for i in np.flatnonzero(sense[1:] != sense[:-1]):
+        start, step = points.parts[:, [i]], points.parts[:, [i + 1]] - points.parts[:, [i]]
+
+        def signed(share: float, start: Array = start, step: Array = step) -> float:
+            return float(profile.slip_rate_at(CutPoints(start + share * step))[0])
+
+        outer.append(float(speed / (start + brentq(signed, 0.0, 1.0) * step)[0, 0]))
+        senses.append(int(sense[i + 1]))
     inner = [*outer[1:], opening.inner]
     return [SlipZone(*part) for part in zip(inner, outer, senses, strict=True)]
 

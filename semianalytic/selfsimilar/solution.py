@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
@@ -159,15 +159,13 @@ class Solution:
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
         pressure = self.scene.base.pressure + self.stress * change
-        for part in self.openings:  # not even rounding is left of it there
-            velocity = np.asarray(x, dtype=float) / np.where(np.greater(t, 0), t, np.nan)
-            pressure = np.where((velocity > part.inner) & (velocity < part.outer), 0.0, pressure)
-        return pressure
+        return np.where(self._is_open(x, t), 0.0, pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
-        over_time = self._of_gap(Profile.slip_over_time)
-        return self._rate_unit * np.asarray(t, dtype=float) * self._evaluate(x, t, over_time)
+        over_time = self._evaluate(x, t, self._of_gap(Profile.slip_over_time))
+        gap = self._rate_unit * np.asarray(t, dtype=float) * over_time
+        return np.where(self._is_open(x, t), np.maximum(gap, 0.0), 0.0)
 
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """How fast it opens [length / time], 0 where closed; raises as `slip_rate`.
@@ -175,6 +173,14 @@ class Solution:
         Logarithmically infinite at the Rayleigh front where that is open.
         """
         return self._rate_unit * self._evaluate(x, t, self._of_gap(Profile.slip_rate))
+
+    def _is_open(self, x: ArrayLike, t: ArrayLike) -> NDArray[np.bool_]:
+        """Where and when the contact is open; not even rounding is left of pressure there, nor of
+        the gap elsewhere."""
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
+        parts = [(velocity > part.inner) & (velocity < part.outer) for part in self.openings]
+        return np.logical_or.reduce([np.zeros(x.shape, dtype=bool), *parts])
 
     def _of_gap(self, field: Callable[[Profile, Array], Array]) -> Callable[[Array], Array]:
         """A field of slip of the normal problem, over slowness; 0 where the contact is closed."""

@@ -62,6 +62,8 @@ SLIP_PER_EXCESS = 0.3
 LEAST_IMPEDANCE = 1e-3
 """Least impedance [rho c_t] that such slip is divided by, over `SLIP_PER_EXCESS`: it falls to 0 at
 the longitudinal front for nu near 0."""
+WORK_AHEAD = 3.0
+"""Power of its width that friction takes on the slip ahead of an opening, about."""
 GAP_LOGARITHM_SHARE = 0.1
 """What a change of the logarithm of an edge's distance from c counts as a shift: the slip rate
 beside a narrow stick gap follows that of its width."""

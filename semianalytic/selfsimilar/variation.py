@@ -18,7 +18,7 @@ import numpy as np
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.rules import Rule
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
@@ -34,6 +34,7 @@ class Rates:
     friction : of the coefficient
     base_pressure, base_shear, load_pressure, load_shear : of tractions [stress unit]
     far_slip_rate : of V(inf) [stress unit / (mu b)]
+    resistance : of eta [mu b]
     poisson_ratio : 1 for the Poisson ratio itself
     """
 
@@ -43,6 +44,7 @@ class Rates:
     load_pressure: float = 0.0
     load_shear: float = 0.0
     far_slip_rate: float = 0.0
+    resistance: float = 0.0
     poisson_ratio: float = 0.0
 
     def of_load(self, load: Load) -> Load | None:
@@ -50,10 +52,10 @@ class Rates:
 
         All are linear in shear tractions and in friction times pressure; None if none changes.
         """
-        if self.poisson_ratio:
+        if self.poisson_ratio or self.resistance:
             return None
         shear = {"base_shear": self.base_shear, "load_shear": self.load_shear}
-        rest = {**shear, "far_slip_rate": self.far_slip_rate}
+        rest = {**shear, "far_slip_rate": self.far_slip_rate, "given_slope": None}
         if self.friction:
             return replace(load, friction=self.friction, **rest)
         pressed = {"base_pressure": self.base_pressure, "load_pressure": self.load_pressure}
@@ -207,37 +209,32 @@ class Surroundings:
         _, jacobian = linearised(edges, unknowns, self._fields.load, self._rule)
         return np.asarray(np.linalg.inv(jacobian))
 
-    def _factors(self, rates: Rates, points: Array) -> list[RayleighFactors]:
-        """Those of neighbours, one for all if the Poisson ratio stays."""
-        own = self._fields.factors
-        if not rates.poisson_ratio:
-            return [own]
-        return [rayleigh_factors(float(own.poisson_ratio + point)) for point in points]
-
     def _neighbours(
         self, rates: Rates, moved: Array, points: Array, tail: bool
     ) -> list[ZoneFields]:
-        """Zones beside these: sets of one, or one by one if the Poisson ratio changes."""
-        edges, unknowns = self._placed
-        every = unknowns[:, None] + moved[:, None] * points
-        factors = self._factors(rates, points)
-        columns = [every] if len(factors) == 1 else list(every.T)
-        return [
-            replace(
-                self._fields,
-                factors=own,
-                zones=replace(edges, factors=own).zones(column),
-                rule=self._rule,
-                tail=tail,
-            )
-            for own, column in zip(factors, columns, strict=True)
-        ]
+        """Zones beside these: sets of one, or one by one if more than edges changes."""
+        (edges, unknowns), fields = self._placed, self._fields
+        every, rule, load = unknowns[:, None] + moved[:, None] * points, self._rule, fields.load
+        if not (rates.poisson_ratio or rates.resistance):
+            return [replace(fields, zones=edges.zones(every), rule=rule, tail=tail)]
+        result = []
+        for point, column in zip(points.tolist(), every.T, strict=True):
+            ratio = fields.factors.poisson_ratio + rates.poisson_ratio * point
+            own = rayleigh_factors(ratio, fields.factors.mode)
+            if rates.resistance:
+                load = replace(fields.load, resistance=fields.load.resistance + rates.resistance * point)
+            zones = replace(edges, factors=own).zones(column)
+            result.append(ZoneFields(own, load, zones, rule, tail))
+        return result
 
     def _stencil(self, rates: Rates, moved: Array) -> Stencil | None:
         """Points at which neighbours in a direction have the same panels; None if none moves."""
         largest, nu = float(np.abs(moved).max(initial=0.0)), self._fields.factors.poisson_ratio
         lengths = [self.step / largest] if largest else []
-        lengths += [self.step * min(0.5 - nu, 1 + nu)] if rates.poisson_ratio else []
+        if rates.poisson_ratio:
+            lengths.append(self.step * min(0.5 - nu, 1 + nu))
+        if rates.resistance:
+            lengths.append(self.step * float(np.max(self._fields.load.resistance)))
         if not lengths:
             return None
         for stencil in _stencils(min(lengths)):
