@@ -14,6 +14,7 @@ from fem.model import Model
 from fem.results import EnergyHistory, Opening, SlotHistory
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
+from semianalytic.scene.scene import Scene
 
 LEAST_GAP = 1e-9
 """What is open less than that, over c_t T times load or base over shear modulus, is closed:

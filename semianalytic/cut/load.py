@@ -153,8 +153,8 @@ def check_pressure(scene: Scene) -> None:
         )
     if scene.antiplane and contact_opens(scene):
         raise TensionError(
-            "scene: the contact opens, which solve knows in plane only; raise the base pressure, or "
-            "simulate the scene of antiplane shear with finite elements (docs/limits.md)."
+            "scene: the contact opens, which solve knows in plane only; raise the base pressure, "
+            "or simulate the scene of antiplane shear with finite elements (docs/limits.md)."
         )
 
 
