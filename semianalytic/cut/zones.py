@@ -71,7 +71,7 @@ class ZoneFields:
                 _, layout = outline(self.factors, self.zones, False, ends)
             return replace(self.shared, layout=layout)
         sets, load = np.shape(self.load.friction), self.load
-        by_slip = load.resistance is not None or load.given_slope is not None
+        by_slip = load.resists_rate or load.given_slope is not None
         tail = (
             self.tail or by_slip or self.factors.mode == "III"
         )  # slip behind the last edge counts
@@ -82,7 +82,7 @@ class ZoneFields:
     def _cuts(self) -> tuple[CutPoints, ...]:
         """Where fields change character within zones."""
         factors, cuts = self.factors, []
-        if self.load.resistance is not None and factors.has_rayleigh_wave:
+        if self.load.resists_rate and factors.has_rayleigh_wave:
             covered = (lies_between(one.left, factors.front_c, one.right) for one in self.zones)
             cuts += [factors.front_c] if any(covered) else []
         return tuple(cuts)
@@ -95,19 +95,29 @@ class ZoneFields:
     @cached_property
     def canonical(self) -> CanonicalFunction:
         """X, real, on panels that slip; X / M_+, real, on panels that stick."""
-        resistance = self.load.resistance
+        resistance = self._resolved.resistance
         given = None if resistance is None else np.asarray(resistance)
         return CanonicalFunction(self.factors, self.panels, given)
+
+    @cached_property
+    def _resolved(self) -> Load:
+        """The load, linearised strength put on the panels."""
+        load, panels = self.load, self.panels
+        if load.linearised is None:
+            return load
+        senses = np.array(panels.sense).reshape(-1, *[1] * (panels.jacobian.ndim - 1))
+        resistance, slope = load.linearised.at(panels.at, senses, panels.jacobian)
+        return replace(load, resistance=resistance, given_slope=slope)
 
     @cached_property
     def _pressure(self) -> PressurePart:
         sense = self.zones[-1].last_sense if self.zones else 0
         canonical, count = self.canonical, len(self.panels.sense)
         if self.normal is None:
-            return PressurePart(self.load, canonical, sense, None, np.zeros(count, dtype=bool))
+            return PressurePart(self._resolved, canonical, sense, None, np.zeros(count, dtype=bool))
         normal = self.normal
         opened, at_edge = -normal.stick_transform, -normal.constant
-        return PressurePart(self.load, canonical, sense, opened, normal.layout.slipping, at_edge)
+        return PressurePart(self._resolved, canonical, sense, opened, normal.layout.slipping, at_edge)
 
     @cached_property
     def normal(self) -> ZoneFields | None:
