@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -46,6 +47,21 @@ class Opened:
         return Load(0.0, 0.0, -self.base, 0.0, -self.step, 0.0)
 
 
+class LinearisedStrength(Protocol):
+    """Strength that depends on slip rate in any way, made linear about a slip rate."""
+
+    def at(self, points: CutPoints, senses: Array, jacobian: Array) -> tuple[Array, Array]:
+        """`resistance` and `given_slope` of a `Load` at the nodes (p, ..., n) of panels.
+
+        Their senses are (p, ..., 1), `jacobian` dv/dy.
+        """
+        ...
+
+    def carried(self, frictional: Array, speed: Array) -> Array:
+        """Strength itself [stress unit] under f p [stress unit] and one-sided |V|."""
+        ...
+
+
 @dataclass(frozen=True)
 class Load:
     """Friction and tractions in one unit of stress, slip rate far ahead in that unit / (mu b).
@@ -63,6 +79,7 @@ class Load:
     given_slope : dg/dv, a part of the slope of strength given at the nodes of panels (p, ..., n)
         [stress unit]; None without.  It goes with resistance: without it V would jump at c by
         -pi g'(c) / m'(c), m = M / i, where it slips.
+    linearised : LinearisedStrength, which gives both on whatever panels; None without
     opened : Opened, where the contact is open and what its pressure is; None if it is closed
     """
 
@@ -74,7 +91,13 @@ class Load:
     far_slip_rate: float | Array
     resistance: float | Array | None = None
     given_slope: Array | None = None
+    linearised: LinearisedStrength | None = None
     opened: Opened | None = None
+
+    @property
+    def resists_rate(self) -> bool:
+        """Whether strength depends on slip rate."""
+        return self.resistance is not None or self.linearised is not None
 
     @property
     def critical(self) -> bool:

@@ -267,6 +267,8 @@ class Profile:
 
     def carried(self, v: Array, speed: Array) -> Array:
         """Traction in the sense of slip at slownesses v, f p + eta V; `speed` V in that sense."""
+        if self._load.linearised is not None:
+            return self._load.linearised.carried(self.strength(v), speed)
         if self._load.resistance is None:
             return self.strength(v)
         resisted = self._load.resistance * speed
@@ -281,7 +283,7 @@ class Profile:
     def _speed(self, panel: int, at: CutPoints) -> Array:
         """V in the sense of a panel that slips, at points inside it, where traction depends on it;
         else 0."""
-        if self._load.resistance is None:
+        if not self._load.resists_rate:
             return np.zeros(at.v.shape)
         return np.asarray(self.panels.sense[panel] * self.slip_rate_inside(panel, at))
 

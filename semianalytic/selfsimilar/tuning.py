@@ -88,6 +88,17 @@ does not hide, but by no more than that share of itself."""
 LEAST_WIDTH = 1e-10
 """Of a zone, over its distance from a front; of a narrower one rounding leaves little."""
 
+# Strength that depends on slip rate (rated)
+
+MOST_RATE_STEPS, MOST_RATE_ITERATIONS = 12, 60
+"""Newton steps for the slip rate, of which four are the rule, and iterations of the term that holds
+the new one, which shrink it ten times or more unless strength nearly falls as radiation rises."""
+RATE_ROUNDING, RATE_SETTLED = 1e-13, 1e-11
+"""Change of the slip rate, over the largest, that ends these iterations, and the steps: the next
+step would be the square."""
+LEAST_RATE_EXPONENT = 0.1
+"""Of slip rates beside edges, down to which rules are made longer.  Not recorded."""
+
 # Coulomb's law at nodes and between them (coulomb)
 
 NARROWEST_GAP = 1e-14
