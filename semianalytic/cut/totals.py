@@ -53,9 +53,7 @@ def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) ->
     return total - 2 * sum(beyond[inner] - beyond[outer] for inner, outer in against)
 
 
-def running_integrals(
-    profile: Profile, u: Array, weight: Callable[[Array, Array], Array]
-) -> Array:
+def running_integrals(profile: Profile, u: Array, weight: Callable[[Array, Array], Array]) -> Array:
     """(2, m): integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
 
     At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of slowness

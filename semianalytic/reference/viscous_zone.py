@@ -18,7 +18,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, gauss, rayleigh_factors
+from semianalytic.halfplane.rayleigh import (
+    Array,
+    CutPoints,
+    RayleighFactors,
+    gauss,
+    rayleigh_factors,
+)
 from semianalytic.scene.scene import Material
 
 _STEP, _REACH = 0.1, 76.0
@@ -109,9 +115,9 @@ class ViscousZone:
         """dV/dy; principal values over nodes that straddle each y."""
         beyond = self.edge * np.exp(y)
         offset = _NODES
-        log = _STEP * (
-            self._angle(beyond[:, None] * np.exp(offset)) / -np.expm1(-offset)
-        ).sum(axis=-1)
+        log = _STEP * (self._angle(beyond[:, None] * np.exp(offset)) / -np.expm1(-offset)).sum(
+            axis=-1
+        )
         angle, v = self._angle(beyond), self.edge + beyond
         modulus = np.exp(-log / np.pi) / np.sqrt(beyond)  # |T| = R m / (kappa M_+) times this
         kappa = 1.0 if self.antiplane else self.factors.kappa
