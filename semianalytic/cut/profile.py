@@ -13,7 +13,7 @@ from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.panels import Panels, RunningIntegral, lay_panels
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
-from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
+from semianalytic.halfplane.stuck import StuckTraction, traction_of
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Profile:
         """K_II over that of a unit shear step on a stuck interface, () or (k,); 0 if it slips."""
         if self.edge_slips:
             return np.zeros(())
-        return self.fields.stick_transform_at_edge * self._m_plus_at_zero
+        return np.asarray(self.fields.stick_transform_at_edge * per_set(self._m_plus_at_zero))
 
     @cached_property
     def _slip_rate(self) -> RunningIntegral:
@@ -57,7 +57,7 @@ class Profile:
         tail = np.zeros(())
         if self.edge_slips:
             sign = np.sign(fields.canonical.values[-1, ..., -1])
-            tail = sign * fields.constant[..., 0] / (np.pi * fields.factors.kappa)
+            tail = sign * fields.constant[..., 0] / (np.pi * per_set(fields.factors.kappa))
         return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
 
     @cached_property
@@ -72,7 +72,7 @@ class Profile:
 
     @property
     def _shear(self) -> StuckTraction:
-        return stuck_traction(self.fields.factors.poisson_ratio, "II")
+        return traction_of(self.fields.factors, "II")
 
     def _edge_traction(self, panel: int, v: Array) -> Array | float:
         """The part of the traction that is unbounded at a stuck edge."""
@@ -234,7 +234,7 @@ class Profile:
         """P_0 p* at slownesses u."""
         if not self._load.load_pressure:
             return np.zeros(u.shape)
-        mode_one = stuck_traction(self.fields.factors.poisson_ratio, "I")
+        mode_one = traction_of(self.fields.factors, "I")
         return self._load.load_pressure * mode_one(u)
 
     def strength(self, u: Array) -> Array:

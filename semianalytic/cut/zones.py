@@ -30,7 +30,7 @@ from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.panels import Panels, lay_panels
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
-from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.halfplane.stuck import traction_of
 
 
 @dataclass(frozen=True)
@@ -224,7 +224,7 @@ class ZoneFields:
         load = self.load
         pressure = np.full(edge.v.shape, load.base_pressure)
         if load.load_pressure:
-            mode_one = stuck_traction(self.factors.poisson_ratio, "I")
+            mode_one = traction_of(self.factors, "I")
             pressure = pressure + load.load_pressure * mode_one(edge.v)
         return load.friction * pressure
 

@@ -111,6 +111,14 @@ class RayleighFactors:
 
     poisson_ratio: float
 
+    def chosen(self, which: np.ndarray) -> RayleighFactors:
+        """The factors of some of many sets of zones: themselves, for they know one ratio alone."""
+        return self
+
+    def single(self, index: int) -> RayleighFactors:
+        """The factors of one of many sets of zones: themselves."""
+        return self
+
     @cached_property
     def _unit_material(self) -> Material:
         return Material(1.0, 1.0, self.poisson_ratio)

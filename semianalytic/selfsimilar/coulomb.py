@@ -92,7 +92,7 @@ def _one_of(profile: Profile, j: int) -> Profile:
     zones = tuple(Zone(edge(one.left), edge(one.right), one.sense) for one in fields.zones)
     friction, far = (float(np.ravel(x)[j]) for x in (load.friction, load.far_slip_rate))
     load = replace(load, friction=friction, far_slip_rate=far)
-    return Profile(ZoneFields(fields.factors, load, zones, fields.rule))
+    return Profile(ZoneFields(fields.factors.single(j), load, zones, fields.rule))
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # answered by None
@@ -185,7 +185,7 @@ def _excess_intensity(profile: Profile) -> Array:
     """K_II / (f K_I) - 1 at a stuck contact edge, () or (k,); where positive, it must slip."""
     load = profile.fields.load
     strength = np.asarray(per_set(load.friction) * load.load_pressure)
-    traction = np.abs(profile.edge_intensity) / np.sqrt(profile.fields.factors.a)
+    traction = np.abs(profile.edge_intensity) / np.sqrt(per_set(profile.fields.factors.a))
     # Without strength nothing bounds the traction: seen at the nodes.
     return np.where(strength > 0, traction / np.where(strength > 0, strength, 1.0) - 1, 0.0)
 
