@@ -90,15 +90,16 @@ class RayleighFamily(RayleighFactors):
         return np.asarray(real + 1j * imag)
 
     @cached_property
-    def hides_root(self) -> np.ndarray:
-        """(k,) whether panels are cut beside the hidden root."""
+    def hiding(self) -> np.ndarray:
+        """(k,) 2 where panels are cut beside the hidden root, 1 where it is complex but lies ahead
+        of them, 0 elsewhere: what k sets of zones must have in common to share panels."""
         hidden = self.hidden_root
-        return np.asarray((hidden.imag > 0) & (hidden.real > self.a))[:, 0]
+        return np.asarray((hidden.imag > 0) * (1 + (hidden.real > self.a)))[:, 0]
 
     @cached_property
     def cuts(self) -> list[CutPoints]:
-        """Points at which fields change character; all ratios have a hidden root or none has."""
-        beside = [self.cut(self.hidden_root.real)] if self.hides_root[0] else []
+        """Points at which fields change character; `hiding` is the same for all ratios."""
+        beside = [self.cut(self.hidden_root.real)] if self.hiding[0] == 2 else []
         return [*beside, self.front_b]
 
     @cached_property
@@ -111,6 +112,11 @@ class _StuckFamily(StuckTraction):
     """Stuck tractions of a family, at u that broadcasts to (..., k, n)."""
 
     series: tuple[Array, Array]
+
+    @cached_property
+    def _scale(self) -> Any:
+        factors = self.factors
+        return 1 / (np.pi * factors.kappa * factors.m_plus_at_zero[self.mode])
 
     @property
     def _before_shear_front(self) -> Array:

@@ -66,3 +66,31 @@ DOUBT = 5.0
 INVERSION_STEPS, INVERSION_NUDGE = 4, 1e-4
 """Newton steps from a friction to the edge unknown there, and their nudge over its range.  Not
 recorded."""
+
+# Neighbours among friction and Poisson ratio (neighbours, plane)
+
+NEIGHBOURS = 32
+"""Known points that a polynomial is fitted to."""
+NEIGHBOURS_PER_TERM = 1.4
+"""At least, of a polynomial."""
+NEAREST_WEIGHT = 0.05
+"""Of distances squared over the farthest: neighbours nearer than its root weigh alike."""
+LEAST_PIVOT = 1e-14
+"""Added to pivots, for neighbours in a row."""
+CERTAIN_NEIGHBOURS = 8
+"""Nearest known points that have the same zones where these are not doubted."""
+PREDICTED_DOUBT = 1e-2
+"""Doubt of a prediction that is corrected on the loose rule alone."""
+CORRECTIONS = 2
+"""Chord steps of these."""
+FIRST_LATTICE = 6
+"""Points to a side of the first lattice, solved from scratch; each further one has twice as many
+spaces."""
+PATTERNS_TRIED = 2
+"""Patterns of zones of the nearest known points that are tried."""
+PLANE_BATCH = 32
+"""Points in one batch."""
+LOOSE_SHARE = 0.2
+"""Of rtol, in the error estimate, what the rule may lack on which edges are corrected."""
+RULE_STEP = 0.5
+"""Between such rules, in powers of ten."""
