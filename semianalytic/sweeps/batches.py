@@ -144,7 +144,7 @@ def _newton(sets: ZoneSets, start: Array, rule: Rule) -> tuple[Array, Array, Arr
     return unknowns, inverse, last, step
 
 
-def _approached(
+def approached(
     sets: ZoneSets, start: Array, neighbours: Array, rule: Rule
 ) -> tuple[Array, Array, Array, int]:
     """Broyden steps on a rule from neighbours' inverse Jacobians (k, e, e).
@@ -191,7 +191,7 @@ def _located(
     Where predictions (e, k) with little doubt (k,) lead nowhere there are other zones.
     """
     rule = rule_for(loose_tolerance(rtol))
-    unknowns, inverse, contraction, steps = _approached(sets, start, neighbours, rule)
+    unknowns, inverse, contraction, steps = approached(sets, start, neighbours, rule)
     arrived = contraction < np.inf
     misled = ~arrived & (doubt < tuning.LEADING_DOUBT)
     rest = np.flatnonzero(~misled & ~(arrived & (rtol >= tuning.LOOSE_RTOL)))

@@ -11,7 +11,6 @@ where it fails, the point is solved from scratch.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
@@ -21,40 +20,26 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
-from semianalytic.halfplane.rules import rule_for
+from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.coulomb import admissible
 from semianalytic.selfsimilar.edges import Edges, edges_of, moves
-from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip
+from semianalytic.selfsimilar.estimate import loose_tolerance, shift_error
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import slip_zones, solve
-from semianalytic.selfsimilar.tuning import FARTHEST, SAFETY
 from semianalytic.sweeps import tuning
-from semianalytic.sweeps.batches import Prediction, ZoneSets, continued, linearised
+from semianalytic.sweeps.batches import ZoneSets, continued, linearised
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
 from semianalytic.sweeps.interpolation import fits
 from semianalytic.sweeps.neighbours import Neighbourhood
-
-Pattern = tuple[tuple[int, ...], tuple[bool, bool], tuple[int, ...]]
-"""Senses, open ends and segments of `Edges`, whatever the Poisson ratio."""
-
-
-@dataclass(frozen=True)
-class Followed:
-    """Zones at one point: their pattern and unknowns (e,), the tolerance of their rule and the
-    error estimate.
-
-    Where others may rest on them also the inverse Jacobian (e, e) and the shift (e,) of the unknowns
-    from the fine rule to the loose one.
-    """
-
-    pattern: Pattern
-    unknowns: Array
-    tolerance: float
-    estimate: float
-    inverse: Array | None = None
-    shift: Array | None = None
+from semianalytic.sweeps.predictions import (
+    Followed,
+    Footing,
+    Pattern,
+    Predictions,
+    corrected,
+    predicted,
+)
 
 
 class Plane:
@@ -92,7 +77,7 @@ class Plane:
         """Points nearest to those of finer and finer lattices, and at last all that are left."""
         left, spaces = np.ones(len(self.scenes), dtype=bool), tuning.FIRST_LATTICE - 1
         everywhere = Neighbourhood(self.places)
-        while 2 * (spaces + 1) ** 2 < len(self.scenes):
+        while (spaces + 1) ** 2 < len(self.scenes):
             side = np.linspace(0, 1, spaces + 1)
             lattice = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
             nearest = np.unique(everywhere.nearest(lattice, 1))
@@ -111,8 +96,8 @@ class Plane:
         self._from_scratch([int(i) for i in targets if i not in self.origin])
 
     def _patterns(self, targets: list[int], rank: int) -> dict[tuple[Pattern, bool], list[int]]:
-        """Points by the pattern of zones they may have, and whether all known points around have it:
-        rank 0 the most likely one."""
+        """Points by the pattern of zones they may have, rank 0 the most likely one, and whether all
+        known points around have it."""
         if not targets:
             return {}
         known = np.array(list(self.zones))
@@ -135,21 +120,21 @@ class Plane:
         return ZoneSets(self._edges(pattern, which), load)
 
     def _batches(
-        self, pattern: Pattern, which: np.ndarray, unknowns: Array, apart: np.ndarray
+        self, pattern: Pattern, which: np.ndarray, unknowns: Array, kind: Array
     ) -> Iterator[np.ndarray]:
         """Points, as places in `which`, whose zones may share panels: edges on one side of every
-        cut, close to one front or to none; and of one kind in `apart`.
+        cut, close to one front or to none; and of one `kind` (t,).
 
         Those with narrow gaps, which need long panels, come together.
         """
         edges = self._edges(pattern, which)
-        parts, hides = edges.parts(unknowns.T), self.family.hiding[which]
-        beyond = (hides == 2) & (parts[0] > self.family.hidden_root.real[which, 0])
+        parts, hiding = edges.parts(unknowns.T), self.family.hiding[which]
+        beyond = (hiding == 2) & (parts[0] > self.family.hidden_root.real[which, 0])
         distances = np.abs(parts[1:])
-        close = np.where(
-            distances.min(axis=0) < tuning.CLOSE_TO_FRONT, distances.argmin(axis=0), -1
+        nearest = np.where(
+            distances.min(axis=0) < tuning.CLOSE_TO_FRONT, distances.argmin(axis=0), 3
         )
-        keys = np.concatenate([[hides, apart], beyond, close])
+        keys = np.concatenate([[hiding, kind], beyond, nearest])
         _, group = np.unique(keys, axis=1, return_inverse=True)
         from_c = distances[2].min(axis=0, initial=1.0)
         for one in range(group.max() + 1):
@@ -160,100 +145,44 @@ class Plane:
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
     def _follow(self, pattern: Pattern, certain: bool, targets: np.ndarray) -> None:
         """Try a pattern of zones at some points; keep what fulfils Coulomb's law."""
-        known = np.array([i for i, one in self.zones.items() if one.pattern == pattern])
-        every = [self.zones[i] for i in known]
-        stencils = Neighbourhood(self.places[known]).stencils(self.places[targets])
-        blends = stencils.best(values := np.array([one.unknowns for one in every]))
-        unknowns, other = blends(values)
-        unknowns = np.clip(unknowns, -FARTHEST, FARTHEST)
-        doubt = np.abs(unknowns - other).max(axis=1, initial=0.0)
-        doubt[np.isnan(doubt)] = np.inf
-        resting = [one for one in every if one.inverse is not None]
-        places = self.places[[i for i in known if self.zones[i].inverse is not None]]
-        base = _Base.of(resting, places, self.places[targets], self.rtol)
-        easy = doubt < tuning.PREDICTED_DOUBT
-        kind = np.where(easy, -np.log10(base.loosest if certain else base.tolerance), 0.0)
-        for batch in self._batches(pattern, targets, unknowns, kind):
-            if easy[batch[0]]:
-                sound = self._corrected(pattern, certain, targets, unknowns, base, batch)
-                batch = batch[~sound]
-            if len(batch):
-                off = np.maximum(doubt[batch], tuning.LEADING_DOUBT)
-                self._computed(pattern, targets[batch], unknowns[batch], base, batch, off)
+        known = [i for i, one in self.zones.items() if one.pattern == pattern]
+        parts = [self.zones[i] for i in known], self.places[known]
+        every = predicted(*parts, targets, self.places[targets], self.rtol)
+        rule = every.loose if certain else every.tolerance
+        led, near = every.doubt < tuning.LEADING_DOUBT, every.doubt < tuning.NEAR
+        kind = np.where(led, np.round(-np.log10(rule) / tuning.RULE_STEP) + near / 2, -1)
+        for batch in self._batches(pattern, targets, every.unknowns, kind):
+            some = every[batch]
+            if led[batch[0]]:
+                some = some[~self._correct(pattern, certain, some)]
+            if len(some):
+                self._compute(pattern, some)
 
-    def _corrected(
-        self,
-        pattern: Pattern,
-        certain: bool,
-        targets: np.ndarray,
-        unknowns: Array,
-        base: _Base,
-        batch: np.ndarray,
-    ) -> np.ndarray:
-        """Correct predictions on a loose rule, where the zones are not certain on the fine one;
-        which of the batch are sound."""
+    def _correct(self, pattern: Pattern, certain: bool, some: Predictions) -> np.ndarray:
+        """Keep predictions that can be corrected on a loose rule; which these are."""
         start = perf_counter()
-        rule = rule_for(float((base.loosest if certain else base.tolerance)[batch].min()))
-        law = tuning.LOOSE_CHECK * self.loose.tolerance
-        inverse, others = base.inverse[0][batch], base.inverse[1][batch]
-        sets, now = self._sets(pattern, targets[batch]), unknowns[batch].T
-        fields = sets.fields(now, rule)
-        profile, estimate = Profile(fields), base.estimate[batch]
-        if not certain:
-            law = min(self.rtol, tuning.LOOSEST_LAW)
-            estimate = estimate + missed_slip(profile)
-        sound = admissible(profile, law)
-        if pattern[2]:
-            values = fields.mismatch()
-            move = -moves(inverse, values)
-            size = np.abs(move).max(axis=0)
-            left = np.abs(move + moves(others, values)).max(axis=0) + np.square(size)
-            now = now + move
-            sound &= (size < tuning.PREDICTED_DOUBT) & sets.edges.admits(now)
-            again = np.flatnonzero(sound & ~(estimate + SAFETY * left <= self.rtol))
-            if len(again):
-                move = -moves(inverse[again], sets.chosen(again).mismatch(now[:, again], rule))
-                now[:, again] += move
-                second = np.abs(move).max(axis=0)
-                left[again] = second * np.minimum(1.0, second / size[again])
-                sound &= sets.edges.admits(now)
-            estimate = estimate + SAFETY * left
-        sound &= estimate <= self.rtol
-        seconds = (perf_counter() - start) / len(batch)
-        for j in np.flatnonzero(sound):
-            i = int(targets[batch[j]])
-            followed = Followed(pattern, now[:, j], base.tolerance[batch[j]], float(estimate[j]))
-            self._add(i, followed, INTERPOLATED, 1, fields.panels.jacobian[:, 0].size, seconds)
-        return sound
+        done = corrected(self._sets(pattern, some.points), some, certain, self.rtol)
+        seconds = (perf_counter() - start) / len(some)
+        for j in np.flatnonzero(done.sound):
+            parts = done.unknowns[:, j], float(some.tolerance[j]), float(done.estimate[j])
+            followed = Followed(pattern, *parts)
+            self._add(int(some.points[j]), followed, INTERPOLATED, 1, done.nodes, seconds)
+        return done.sound
 
-    def _computed(
-        self,
-        pattern: Pattern,
-        targets: np.ndarray,
-        unknowns: Array,
-        base: _Base,
-        batch: np.ndarray,
-        doubt: Array,
-    ) -> None:
-        """Correct predictions on the fine rule."""
-        start, sets = perf_counter(), self._sets(pattern, targets)
-        predictions = [
-            Prediction(one, inverse, float(off), tolerance)
-            for one, inverse, off, tolerance in zip(
-                unknowns, base.inverse[0][batch], doubt, base.tolerance[batch], strict=True
-            )
-        ]
-        done = continued(sets, predictions, self.rtol)
+    def _compute(self, pattern: Pattern, some: Predictions) -> None:
+        """Keep predictions that can be corrected on the fine rule."""
+        start, sets = perf_counter(), self._sets(pattern, some.points)
+        done = continued(sets, some.each(), self.rtol)
         sound = np.flatnonzero(done.sound)
         if not len(sound):
             return
         now, inverse = done.unknowns[:, sound], done.inverse[sound]
-        shift = -moves(inverse, sets.chosen(sound).mismatch(now, self.loose)) if len(now) else now
-        seconds = (perf_counter() - start) / len(targets)
+        footings = _footings(sets.chosen(sound), now, inverse, self.loose)
+        seconds = (perf_counter() - start) / len(some)
         for j, k in enumerate(sound):
             parts = now[:, j], float(done.tolerances[k]), float(done.estimate[k])
-            followed = Followed(pattern, *parts, inverse[j], shift[:, j])
-            self._add(int(targets[k]), followed, COMPUTED, done.steps, done.nodes, seconds)
+            followed = Followed(pattern, *parts, footings[j])
+            self._add(int(some.points[k]), followed, COMPUTED, done.steps, done.nodes, seconds)
 
     def _from_scratch(self, targets: list[int]) -> None:
         """Solve points without help; those with converged edges help others."""
@@ -268,17 +197,19 @@ class Plane:
                 one = (i, unknowns, fields.rule.tolerance, solution.error_estimate)
                 by_pattern.setdefault(pattern, []).append(one)
         for pattern, some in by_pattern.items():
-            which, columns, tolerance, estimate = zip(*some, strict=True)
-            which, unknowns = np.array(which), np.array(columns)
-            for batch in self._batches(pattern, which, unknowns, np.zeros(len(which), dtype=bool)):
+            which, unknowns = (
+                np.array([i for i, *_ in some]),
+                np.array([one for _, one, *_ in some]),
+            )
+            for batch in self._batches(pattern, which, unknowns, np.zeros(len(which))):
                 sets, now = self._sets(pattern, which[batch]), unknowns[batch].T
-                inverse, shift = np.zeros((len(batch), 0, 0)), now
+                inverse = np.zeros((len(batch), 0, 0))
                 if len(now):
-                    inverse, values = linearised(sets, now, self.loose)
-                    shift = -moves(inverse, values)
-                for j, k in enumerate(batch):
-                    parts = now[:, j], tolerance[k], estimate[k], inverse[j], shift[:, j]
-                    self.zones[int(which[k])] = Followed(pattern, *parts)
+                    inverse, _ = linearised(sets, now, self.loose)
+                footings = _footings(sets, now, inverse, self.loose)
+                for k, footing in zip(batch, footings, strict=True):
+                    i, one, tolerance, estimate = some[k]
+                    self.zones[i] = Followed(pattern, one, tolerance, estimate, footing)
 
     def _add(
         self, i: int, followed: Followed, origin: str, steps: int, nodes: int, seconds: float
@@ -303,35 +234,12 @@ class Plane:
         )
 
 
-@dataclass(frozen=True)
-class _Base:
-    """What t points take from neighbours on the fine rule.
-
-    Attributes
-    ----------
-    inverse : (t, e, e) inverse Jacobians, from two polynomials
-    tolerance : (t,), of the fine rule
-    loosest : (t,), of the rule that is fine enough to correct edges on
-    estimate : (t,), error estimate there, and what that rule may lack
-    """
-
-    inverse: tuple[Array, Array]
-    tolerance: Array
-    loosest: Array
-    estimate: Array
-
-    @classmethod
-    def of(cls, known: list[Followed], places: Array, to: Array, rtol: float) -> _Base:
-        stencils = Neighbourhood(places).stencils(to)
-        blends = stencils.best(np.array([one.unknowns for one in known]))
-        inverse = blends(np.array([one.inverse for one in known]))
-        near = stencils.near[:, : tuning.CERTAIN_NEIGHBOURS]
-        tolerance = np.array([one.tolerance for one in known])[near].min(axis=1)
-        estimate = np.array([one.estimate for one in known])[near].max(axis=1)
-        shift = np.array([np.abs(one.shift).max(initial=0.0) for one in known])[near].max(axis=1)
-        loose = loose_tolerance(rtol)
-        share = tuning.LOOSE_SHARE * rtol / np.maximum(SAFETY * shift, tuning.LOOSE_SHARE * rtol)
-        steps = np.ceil(-np.log10(share) / tuning.RULE_STEP)
-        loosest = np.maximum(loose * 10 ** (-tuning.RULE_STEP * steps), tolerance)
-        lacking = np.where(loosest > tolerance, SAFETY * shift * loosest / loose, 0.0)
-        return cls(inverse, tolerance, loosest, estimate + lacking)
+def _footings(sets: ZoneSets, unknowns: Array, inverse: Array, loose: Rule) -> list[Footing]:
+    """What others may rest on, from unknowns (e, k) that are right on the fine rule and inverse
+    Jacobians (k, e, e)."""
+    if not len(unknowns):
+        return [Footing(one, 0.0) for one in inverse]
+    fields = sets.fields(unknowns, loose)
+    moved = unknowns - moves(inverse, fields.mismatch())
+    shift = shift_error(sets.edges, unknowns, moved, fields)
+    return [Footing(one, float(size)) for one, size in zip(inverse, shift, strict=True)]

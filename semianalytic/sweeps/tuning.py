@@ -79,10 +79,15 @@ LEAST_PIVOT = 1e-14
 """Added to pivots, for neighbours in a row."""
 CERTAIN_NEIGHBOURS = 8
 """Nearest known points that have the same zones where these are not doubted."""
-PREDICTED_DOUBT = 1e-2
-"""Doubt of a prediction that is corrected on the loose rule alone."""
-CORRECTIONS = 2
-"""Chord steps of these."""
+NEAREST_ESTIMATES = 4
+"""Nearest known points whose largest error estimate is taken over."""
+FARTHEST_STEP = 1e-2
+"""Of a chord step on the rule that decides: longer ones tell little of what is left."""
+LOOSE_SHARE, LEAST_ROOM = 0.5, 0.05
+"""Share of the room that neighbours' error estimates leave below rtol which the rule takes that
+edges are corrected on, and that room over rtol at least."""
+RULE_STEP = 0.25
+"""Between such rules, in powers of ten."""
 FIRST_LATTICE = 6
 """Points to a side of the first lattice, solved from scratch; each further one has twice as many
 spaces."""
@@ -90,7 +95,3 @@ PATTERNS_TRIED = 2
 """Patterns of zones of the nearest known points that are tried."""
 PLANE_BATCH = 32
 """Points in one batch."""
-LOOSE_SHARE = 0.2
-"""Of rtol, in the error estimate, what the rule may lack on which edges are corrected."""
-RULE_STEP = 0.5
-"""Between such rules, in powers of ten."""
