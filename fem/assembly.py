@@ -1,10 +1,14 @@
-"""Plane-strain stiffness and lumped mass of several elements, assembled by scikit-fem."""
+"""Stiffness in plane strain and antiplane shear, and lumped mass, of several elements.
+
+Assembled by scikit-fem.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +86,9 @@ FAMILIES: Mapping[str, Family] = {
 }
 """Linear triangles, bilinear and biquadratic quadrilaterals, the last with Gauss-Lobatto mass."""
 
+
+ROUNDED = 1e-13
+"""Entries of a stiffness matrix less than that, over the stiffest modulus, are zero."""
 
 SAME_SHAPE = 1e-12
 """By which corners of elements of one shape may differ, over the largest element."""
@@ -231,26 +238,63 @@ def stiffness(
         node a.  Entries that cancel between neighbouring elements are left out.
     """
     local = np.concatenate([_element_stiffness(space, one) for one in materials.values()])
+    count, assembled = space.points.shape[1], _assembler(space, materials, place)
+    # two matrices at a time, as real and imaginary part
+    along = assembled(local[..., 0, 0] + 1j * local[..., 1, 1])
+    across = assembled(local[..., 0, 1] + 1j * local[..., 1, 0])
+    entries = np.array([[along.data.real, across.data.real], [across.data.imag, along.data.imag]])
+    least = ROUNDED * min(_moduli(material)[1] for material in materials.values())
+    entries[np.abs(entries) < least] = 0.0
+    blocks = (np.ascontiguousarray(entries.transpose(2, 0, 1)), along.indices, along.indptr)
+    total = sparse.bsr_array(blocks, shape=(2 * count, 2 * count)).tocsr()
+    total.eliminate_zeros()
+    return total
+
+
+def antiplane_stiffness(
+    space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None = None
+) -> sparse.csr_array:
+    """Stiffness of displacement along z, mu (D_xx + D_yy), as `stiffness`; unknown a is node a.
+
+    Returns
+    -------
+    (n, n) CSR array
+    """
+    sample = Basis(space.shapes.samples, space.family.kind, intorder=space.family.order)
+    unit = sum(form.elemental(sample).tolocal() for form in (_xx, _yy))
+    local = np.concatenate([material.shear_modulus * unit for material in materials.values()])
+    total = _assembler(space, materials, place)(local)
+    least = ROUNDED * min(material.shear_modulus for material in materials.values())
+    total.data[np.abs(total.data) < least] = 0.0
+    total.eliminate_zeros()
+    return total
+
+
+X, Y, Z = range(3)
+IN_PLANE, OUT_OF_PLANE = (X, Y), (Z,)
+"""Displacement components that a body moves in, one unknown of a node after the other."""
+
+STIFFNESS: Mapping[tuple[int, ...], Callable[..., sparse.csr_array]] = {
+    IN_PLANE: stiffness,
+    OUT_OF_PLANE: antiplane_stiffness,
+}
+
+
+def _assembler(
+    space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None
+) -> Callable[[NDArray[Any]], sparse.csr_array]:
+    """What puts scalar matrices together from local ones, (shapes of all materials, k, k)."""
     kind, nodes = _kinds(space, materials), space.element_nodes.T
     nodes = nodes if place is None else place[nodes]
     count, corners = space.points.shape[1], nodes.shape[1]
     rows = np.repeat(nodes, corners, axis=1).astype(np.int32).ravel()
     columns = np.tile(nodes, corners).astype(np.int32).ravel()
 
-    def assembled(one: NDArray[np.float64], other: NDArray[np.float64]) -> sparse.csr_array:
-        """Scalar matrices of two local ones, as real and imaginary part: one pass for both."""
-        values = (one + 1j * other)[kind].ravel()
+    def assembled(local: NDArray[Any]) -> sparse.csr_array:
+        values = local[kind].ravel()
         return sparse.coo_array((values, (rows, columns)), shape=(count, count)).tocsr()
 
-    along = assembled(local[..., 0, 0], local[..., 1, 1])
-    across = assembled(local[..., 0, 1], local[..., 1, 0])
-    entries = np.array([[along.data.real, across.data.real], [across.data.imag, along.data.imag]])
-    least = 1e-13 * min(_moduli(material)[1] for material in materials.values())
-    entries[np.abs(entries) < least] = 0.0
-    blocks = (np.ascontiguousarray(entries.transpose(2, 0, 1)), along.indices, along.indptr)
-    total = sparse.bsr_array(blocks, shape=(2 * count, 2 * count)).tocsr()
-    total.eliminate_zeros()
-    return total
+    return assembled
 
 
 def lumped_mass(space: Space, materials: Mapping[str, Material]) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from fem.plan import ANTISYMMETRIC, LEAST_RESOLUTION, Plan, Settings, make_plan
+from fem.plan import ANTIPLANE, ANTISYMMETRIC, LEAST_RESOLUTION, Plan, Settings, make_plan
 from semianalytic.results.files import make_folder, refusal, remove_empty
 from semianalytic.results.memory import check_memory, memory_limit
 from semianalytic.scene.errors import DataFileError
@@ -158,13 +158,13 @@ def predict_cost(plan: Plan, *, checkpoints: bool = False) -> Cost:
 
 def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
     element, frames = plan.settings.element, plan.settings.frames if plan.full else 0
-    mesh = 2 * plan.nodes
-    unknowns = mesh * plan.bodies
+    mesh = max(map(len, plan.bodies)) * plan.nodes
+    unknowns = sum(map(len, plan.bodies)) * plan.nodes
     shown = plan.nodes * (1 if plan.blocks.lower else 2)
     contact = plan.blocks.right * plan.family.spacing + 1
     slot = min(round(plan.slot_length / plan.size), plan.blocks.left * plan.family.spacing)
     levels = math.ceil(steps / every) + 1
-    fields = 33 if plan.name == ANTISYMMETRIC else 41  # with a gap where it may open
+    fields = 33 if plan.name in (ANTISYMMETRIC, ANTIPLANE) else 41  # with a gap where it may open
     record = levels * (fields * contact + 16 * slot) + 72 * steps
     checkpoint = 16 * unknowns + record
     least, growing = FRAME_SIZE[element]

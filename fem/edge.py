@@ -4,13 +4,17 @@ Displacement is held at the nodes n >= 0 of the interface and tractions are give
 from the edge, the fields are those of a body whose edge is a fraction of h beside node 0.
 That is a Wiener-Hopf problem with the static surface stiffness of the meshed half-plane,
 
-    k(theta) = mu / (1 - nu) 2 sin(theta/2) g(theta),    theta = wave number times h,  g(0) = 1.
+    k(theta) = mu / (1 - nu) 2 sin(theta/2) g(theta),    theta = wave number times h,  g(0) = 1,
 
-The first factor splits into (1 - z)^(1/2) (1 - 1/z)^(1/2), z = exp(i theta), whose coefficients
-Gamma(n + 1/2) / Gamma(n + 1) = (n + 1/4)^(-1/2) (1 + O(n^-2)) are a square root that begins at
-n = -1/4; the factors of g move its beginning by the slope of their logarithm.  In all
+in antiplane shear without 1 - nu.  The first factor splits into (1 - z)^(1/2) (1 - 1/z)^(1/2),
+z = exp(i theta), whose coefficients Gamma(n + 1/2) / Gamma(n + 1) = (n + 1/4)^(-1/2) (1 + O(n^-2))
+are a square root that begins at n = -1/4; the factors of g move its beginning by the slope of
+their logarithm.  In all
 
     x / h = -1/4 - (1 / 4 pi) int_0^pi ln g(theta) / sin^2(theta/2) d theta.
+
+In antiplane shear g is sqrt(1 - sin^2(theta/2) / 3) for Q1 and sqrt(1 + sin^2(theta/2)) for P1,
+which makes that -sqrt(2/3)/4 and -sqrt(2)/4 (docs/antiplane.md).
 
 So node 0 is laid at minus that, and x = 0 is where the edge belongs.  Where tractions are given on
 both sides, at a slipping or open contact, the edge is where their shares of node 0 meet (see
@@ -25,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import MeshQuad
 
-from fem.assembly import Family, make_space, stiffness
+from fem.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Family, make_space
 from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32
@@ -52,25 +56,38 @@ def edge_offset(materials: Iterable[Material], family: Family, held: int = 1) ->
         With nodes at the corners only.
     held : int
         Component that the contact holds: 1 where it is closed, 0 where it is stuck, whose edge
-        is elsewhere (0.40 h for Q1 at nu = 1/3).
+        is elsewhere (0.40 h for Q1 at nu = 1/3), 2 where it is stuck in antiplane shear (0.20 h).
     """
     bodies = list(materials)
-    compliance = [(1 - body.poisson_ratio) / body.shear_modulus for body in bodies]
+    compliance = [1 / _static_modulus(body, held) for body in bodies]
     offsets = [_offset(body, family, held) for body in bodies]
     return min(round(float(np.average(offsets, weights=compliance)), 6), FARTHEST)
 
 
 def _offset(material: Material, family: Family, held: int) -> float:
-    ahead = material.shear_modulus / (1 - material.poisson_ratio) * 2 * np.sin(ANGLES / 2)
+    ahead = _static_modulus(material, held) * 2 * np.sin(ANGLES / 2)
+    components = next(one for one in (IN_PLANE, OUT_OF_PLANE) if held in one)
+    own = components.index(held)
     # the other component is free: one over its compliance
-    compliance = np.linalg.inv(surface_stiffness(material, family, ANGLES))[:, held, held].real
+    stiffness = surface_stiffness(material, family, ANGLES, components)
+    compliance = np.linalg.inv(stiffness)[:, own, own].real
     return float(0.25 - np.mean(np.log(compliance * ahead) / np.sin(ANGLES / 2) ** 2) / 4)
 
 
+def _static_modulus(material: Material, held: int) -> float:
+    """Stiffness of a half-plane's surface over the wave number of what is held [stress]."""
+    if held in OUT_OF_PLANE:
+        return material.shear_modulus
+    return material.shear_modulus / (1 - material.poisson_ratio)
+
+
 def surface_stiffness(
-    material: Material, family: Family, angles: NDArray[np.float64]
+    material: Material,
+    family: Family,
+    angles: NDArray[np.float64],
+    components: tuple[int, ...] = IN_PLANE,
 ) -> NDArray[np.complex128]:
-    """Static stiffness of the surface of a half-plane of unit squares [stress], (n, 2, 2).
+    """Static stiffness of the surface of a half-plane of unit squares [stress], (n, m, m).
 
     Force on each node of the surface y = 0 of y > 0 per displacement of it, both times
     exp(i theta x).  Rows are eliminated by cyclic reduction, every other one at a time.
@@ -82,10 +99,14 @@ def surface_stiffness(
         With nodes at the corners only.
     angles : (n,) array
         theta, above 0.
+    components : (m,) tuple of int
+        `IN_PLANE` or `OUT_OF_PLANE`.
     """
     patch = MeshQuad.init_tensor(np.arange(3.0), np.arange(4.0))
     space = make_space(patch.with_subdomains({"upper": np.arange(patch.nelements)}), family)
-    blocks = stiffness(space, {"upper": material}).toarray().reshape(12, 2, 12, 2)
+    count = len(components)
+    matrix = STIFFNESS[components](space, {"upper": material})
+    blocks = matrix.toarray().reshape(12, count, 12, count)
     x, y = np.rint(space.points)
 
     def coupling(row: int, other: int) -> NDArray[np.complex128]:

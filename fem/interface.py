@@ -142,7 +142,7 @@ def coulomb_traction(
 
 def strength(
     law: FrictionLaw,
-    static: NDArray[np.float64],
+    frictional: NDArray[np.float64],
     path: NDArray[np.float64],
     stopping: NDArray[np.float64],
     impedance: NDArray[np.float64],
@@ -155,7 +155,7 @@ def strength(
     Parameters
     ----------
     law : FrictionLaw
-    static : (n,) array
+    frictional : (n,) array
         The scene's friction times pressure [stress].
     path : (n,) array
         Accumulated |slip| [length].
@@ -169,7 +169,7 @@ def strength(
     SceneError
         If friction falls with slip rate faster than a pair of nodes can radiate.
     """
-    slope = static * law.fall_with_rate
+    slope = frictional * law.fall_with_rate
     worst = int(np.argmax(slope / impedance))
     if slope[worst] >= impedance[worst]:
         raise SceneError(
@@ -178,7 +178,8 @@ def strength(
             f"impedance is {impedance[worst]:.4g}); raise the rate or lower the reduction of the "
             "friction law, or lower `step_ratio` (docs/limits.md)."
         )
-    return static * law.factor(law.slip_speed(np.abs(stopping), static, impedance, path), path)
+    speed = law.slip_speed(np.abs(stopping), frictional, impedance, path)
+    return law.strength(frictional, speed, path)
 
 
 STICK = 0
@@ -222,18 +223,20 @@ class Interface:
         Motion along x; None where symmetry forbids slip.
     pressing : Faces or None
         Motion along y; None where antisymmetry keeps the gap closed and the pressure as it was.
+    least_gap : float
+        What is open less than that is closed: rounding [length].
 
     Attributes
     ----------
     pressure, shear : (n,) arrays
         Total tractions of the last kick, base included [stress].
     strength : (n,) array
-        Largest shear traction at the last kick: pressure times friction under the scene's law
-        [stress].
+        Largest shear traction at the last kick, under the scene's law [stress]; 0 where open.
     path : (n,) array
-        |slip| accumulated up to the time level of the last kick, also while open [length].
-    offset : (n,) array
-        Opening at the time level of the last kick, zero to rounding where closed [length].
+        |slip| accumulated up to the time level of the last kick where the sides touch, half of that
+        of a step in which they part or meet [length].
+    gap : (n,) array
+        Opening at the time level of the last kick, 0 where closed [length].
     work : InterfaceWork
         Up to the middle of the step before the last kick, as in `Body.energy`.
     """
@@ -244,14 +247,16 @@ class Interface:
         length: NDArray[np.float64],
         sliding: Faces | None,
         pressing: Faces | None,
+        least_gap: float,
     ) -> None:
-        self.scene, self.length = scene, length
+        self.scene, self.length, self.least_gap = scene, length, least_gap
         self.sliding, self.pressing = sliding, pressing
         self.pressure = np.full(len(length), float(scene.base.pressure))
         self.shear = np.full(len(length), float(scene.base.shear))
         self.strength = scene.friction * self.pressure
         self.path = np.zeros(len(length))
-        self.offset = np.zeros(len(length))
+        self.gap = np.zeros(len(length))
+        self._touching = np.ones(len(length))
         self.work = InterfaceWork(0.0, 0.0, 0.0)
         self._friction = self._impact = self._external = 0.0
         self._rubbed = np.zeros(len(length))
@@ -304,10 +309,11 @@ class Interface:
 
     def _press(self, faces: Faces, part: float) -> None:
         base = self.scene.base.pressure
-        self.offset = faces.offset()
-        self.pressure = contact_pressure(
-            self.offset, faces.increment(), base, part * faces.compliance
-        )
+        offset = faces.offset()
+        self.gap = np.where(offset > self.least_gap, offset, 0.0)
+        closed_before = offset - faces.past_increment() <= self.least_gap
+        self._touching = (closed_before + (self.gap == 0.0)) / 2
+        self.pressure = contact_pressure(offset, faces.increment(), base, part * faces.compliance)
         faces.push(self.pressure - base, part)
         work = part * self.length * faces.mean_increment()
         self._impact -= float(work @ self.pressure)
@@ -316,10 +322,12 @@ class Interface:
     def _slide(self, faces: Faces, part: float) -> None:
         base, law = self.scene.base.shear, self.scene.friction_law
         increment, compliance = faces.increment(), part * faces.compliance
-        self.path += np.abs(faces.past_increment())
-        static = self.scene.friction * self.pressure
+        self.path += self._touching * np.abs(faces.past_increment())
+        frictional = self.scene.friction * self.pressure
         stopping = base + increment / compliance
-        self.strength = strength(law, static, self.path, stopping, faces.step / compliance)
+        self.strength = strength(law, frictional, self.path, stopping, faces.step / compliance)
+        if self.pressing is not None:
+            self.strength[self.pressure == 0] = 0.0  # open: nothing rubs, whatever the law
         self.shear = coulomb_traction(increment, base, self.strength, compliance)
         faces.push(base - self.shear, part)
         slip = part * faces.mean_increment()

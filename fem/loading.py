@@ -36,7 +36,7 @@ def kick_means(history: LoadHistory, step: float, steps: int) -> NDArray[np.floa
 
 @dataclass(frozen=True)
 class SlotLoad:
-    """The load on a body as a function of time.
+    """The load on a body as a function of time, that of shear along x or z, of pressure along y.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class SlotLoad:
     amplitude : (k,) array
         dt^2 F / s on its loaded unknowns where f = 1.
     means : (2, m) array
-        What multiplies loads along x and along y at each time level.
+        What multiplies shear and pressure at each time level.
     """
 
     body: Body
@@ -53,8 +53,8 @@ class SlotLoad:
 
     def set(self, level: int) -> None:
         """Let the body's load be that of a time level."""
-        component = self.body.loaded % 2
-        self.body.load = self.amplitude * self.means[component, level]
+        pressed = self.body.loaded % len(self.body.components)
+        self.body.load = self.amplitude * self.means[pressed, level]
 
 
 def slot_loads(scene: Scene, bodies: list[Body], step: float, steps: int) -> list[SlotLoad]:

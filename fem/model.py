@@ -12,7 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from fem.assembly import Space, lumped_mass, make_space, stiffness, tributary_length
+from fem.assembly import (
+    IN_PLANE,
+    OUT_OF_PLANE,
+    STIFFNESS,
+    Space,
+    X,
+    Y,
+    Z,
+    lumped_mass,
+    make_space,
+    tributary_length,
+)
 from fem.interface import Faces, Interface
 from fem.loading import SlotLoad, slot_loads
 from fem.plan import TWO_BLOCKS, Plan, Settings, make_plan
@@ -20,6 +31,10 @@ from fem.stepping import Body, critical_step, highest_frequency, normalised
 from meshes import cached_mesh
 from semianalytic.scene.scene import Scene
 
+BLOCKS = ("upper", "lower")
+
+LEAST_GAP = 1e-9
+"""What is open less than that, over `displacement_scale`, is closed: rounding is 1e-16 of it."""
 RATE_WINDOW = 2.8
 """Elements that a shear wave crosses in the time over which a slip rate is the mean: the surface of
 a mesh rings about that slowly, and the error of slip rates is half of that of single steps
@@ -46,12 +61,13 @@ class Numbering:
     distance: NDArray[np.float64]
 
     def unknowns(self, nodes: NDArray[np.int64], component: int) -> NDArray[np.int64]:
-        """Unknowns of one component (0: x, 1: y) at mesh nodes."""
-        return 2 * self.place[nodes] + component
+        """Unknowns of one component at mesh nodes, in bodies that move along x and y, or z."""
+        components = OUT_OF_PLANE if component == Z else IN_PLANE
+        return len(components) * self.place[nodes] + components.index(component)
 
     def reached(self, distance: float) -> int:
-        """Number of leading unknowns within a distance."""
-        return 2 * int(np.searchsorted(self.distance, distance, side="right"))
+        """Number of leading nodes within a distance."""
+        return int(np.searchsorted(self.distance, distance, side="right"))
 
 
 def number_by_arrival(space: Space, scene: Scene, size: float) -> Numbering:
@@ -92,12 +108,10 @@ class Model:
     loads : list of SlotLoad
         Of bodies whose load changes with time.
     interface : Interface
-    root : (2 n,) array
-        Square roots of the masses of the unknowns.
     contact_x, slot_x : arrays
         Positions of the nodes [length]; the edge node, at `Plan.edge`, belongs to the contact.
-    slot : (2, k) array
-        Unknowns of the upper slot face, x and y.
+    slot : (k,) array
+        Mesh nodes of the upper slot face.
     critical_step, time_step : float
         Largest stable step and the one taken [time].
     steps : int
@@ -114,7 +128,6 @@ class Model:
     bodies: list[Body]
     loads: list[SlotLoad]
     interface: Interface
-    root: NDArray[np.float64]
     contact_x: NDArray[np.float64]
     slot_x: NDArray[np.float64]
     slot: NDArray[np.int64]
@@ -132,7 +145,7 @@ class Model:
     @property
     def unknowns(self) -> int:
         """Number of unknowns of all bodies."""
-        return len(self.root) * len(self.bodies)
+        return sum(len(body.root) for body in self.bodies)
 
 
 def prepare(
@@ -196,18 +209,23 @@ def build_model(plan: Plan, space: Space) -> Model:
     numbering = number_by_arrival(space, plan.scene, plan.size)
     in_mesh = {block: plan.materials[block] for block in space.mesh.subdomains}
     mass = lumped_mass(space, in_mesh)[numbering.order]
-    matrix, root = normalised(stiffness(space, in_mesh, numbering.place), mass)
+    matrices = {
+        components: normalised(STIFFNESS[components](space, in_mesh, numbering.place), mass)
+        for components in dict.fromkeys(plan.bodies)
+    }
     critical = plan.critical_step
     if plan.blocks.pattern == "triangles":  # no patch has their fastest mode
-        critical = critical_step(highest_frequency(matrix), plan.damping_time)
+        highest = max(highest_frequency(matrix) for matrix, _ in matrices.values())
+        critical = critical_step(highest, plan.damping_time)
     steps = plan.steps(critical)
     step = plan.end_time / steps
-    matrix.data *= step**2
+    for matrix, _ in matrices.values():
+        matrix.data *= step**2
 
     crossing = plan.size / plan.scene.material.shear_speed
     half_window = max(1, round(RATE_WINDOW / 2 * crossing / step))
 
-    parts = _Parts(plan.scene, space, numbering, matrix, root, step, plan.damping_time)
+    parts = _Parts(plan.scene, space, numbering, matrices, step, plan.damping_time)
     bodies, sliding, pressing = parts.put_together(plan)
     slot_nodes, _ = tributary_length(space, "upper_slot")
     contact_nodes, length = tributary_length(space, "upper_contact")
@@ -218,16 +236,24 @@ def build_model(plan: Plan, space: Space) -> Model:
         numbering=numbering,
         bodies=bodies,
         loads=slot_loads(plan.scene, bodies, step, steps + half_window),
-        interface=Interface(plan.scene, length, sliding, pressing),
-        root=root,
+        interface=Interface(
+            plan.scene, length, sliding, pressing, LEAST_GAP * displacement_scale(plan)
+        ),
         contact_x=space.points[0, contact_nodes],
         slot_x=space.points[0, slot],
-        slot=np.array([numbering.unknowns(slot, i) for i in (0, 1)]),
+        slot=slot,
         critical_step=critical,
         time_step=step,
         steps=steps,
         half_window=half_window,
     )
+
+
+def displacement_scale(plan: Plan) -> float:
+    """Displacement that the largest traction causes until the end [length]."""
+    tractions, material = (plan.scene.load, plan.scene.base), plan.scene.material
+    largest = max(max(abs(one.pressure), abs(one.shear)) for one in tractions)
+    return largest / material.shear_modulus * material.shear_speed * plan.end_time
 
 
 @dataclass(frozen=True)
@@ -237,44 +263,52 @@ class _Parts:
     scene: Scene
     space: Space
     numbering: Numbering
-    matrix: sparse.csr_array
-    root: NDArray[np.float64]
+    matrices: dict[tuple[int, ...], tuple[sparse.csr_array, NDArray[np.float64]]]
     step: float
     damping_time: float
 
     def put_together(self, plan: Plan) -> tuple[list[Body], Faces | None, Faces | None]:
         """Bodies, and the faces that slide and that press, where symmetry allows them to."""
-        if not plan.halves:
-            body = self.two_blocks(walls=plan.name == TWO_BLOCKS)
-            sliding, pressing = (self.faces(body, i, ("upper", "lower")) for i in (0, 1))
-            return [body], sliding, pressing
-        bodies = {i: self.half(i) for i in plan.halves}
-        faces = {i: self.faces(body, i, ("upper",)) for i, body in bodies.items()}
-        return list(bodies.values()), faces.get(0), faces.get(1)
+        meeting: tuple[str, ...] = BLOCKS
+        if plan.halves:
+            halves = {i: self.half(i) for i in plan.halves}
+            bodies, meeting = list(halves.values()), ("upper",)
+        else:
+            walls = plan.name == TWO_BLOCKS
+            bodies = [self.two_blocks(one, walls) for one in plan.bodies]
+            halves = {i: body for body in bodies for i in body.components}
+        faces = {i: self.faces(body, i, meeting) for i, body in halves.items()}
+        return bodies, faces.get(Z if plan.scene.antiplane else X), faces.get(Y)
 
     def half(self, component: int) -> Body:
-        """Upper block moved by slot tractions along one component; walls hold the other one."""
+        """Upper block moved by slot tractions along one component; walls hold the other one.
+
+        Nothing holds walls in antiplane shear, whose plane waves pass along free ones.
+        """
         loaded, load = self._slot_load("upper", component)
+        if component == Z:
+            return self._body(OUT_OF_PLANE, loaded, load)
         walls = np.concatenate([self._wall("upper", side) for side in ("left", "right")])
         held = self.numbering.unknowns(walls, 1 - component)
-        return self._body(loaded, load, held=held)
+        return self._body(IN_PLANE, loaded, load, held=held)
 
-    def two_blocks(self, walls: bool) -> Body:
+    def two_blocks(self, components: tuple[int, ...], walls: bool) -> Body:
         """Both blocks, whose walls are free, or where the materials are equal as in the halves.
 
         There mirror nodes of the walls move oppositely: that is u_y = 0 for the antisymmetric
         part of the motion and u_x = 0 for the symmetric one.
         """
-        loads = [self._slot_load(block, i) for block in ("upper", "lower") for i in (0, 1)]
+        loads = [self._slot_load(block, i) for block in BLOCKS for i in components]
         mirrored = [
-            [self.numbering.unknowns(self._wall(block, side), i) for block in ("upper", "lower")]
+            [self.numbering.unknowns(self._wall(block, side), i) for block in BLOCKS]
             for side in ("left", "right")
-            for i in (0, 1)
+            for i in components
         ]
         return self._body(
+            components,
             np.concatenate([unknowns for unknowns, _ in loads]),
             np.concatenate([load for _, load in loads]),
-            mirrored=np.concatenate(mirrored, axis=1) if walls else None,
+            mirrored=np.concatenate(mirrored, axis=1) if walls and components == IN_PLANE else None,
         )
 
     def faces(self, body: Body, component: int, blocks: tuple[str, ...]) -> Faces:
@@ -285,7 +319,7 @@ class _Parts:
             body=body,
             upper=unknowns[0],
             lower=unknowns[1] if len(blocks) == 2 else None,
-            root=[self.root[face] for face in unknowns],
+            root=[body.root[face] for face in unknowns],
             length=sides[0][1],
             step=self.step,
         )
@@ -294,12 +328,13 @@ class _Parts:
         self, block: str, component: int
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Unknowns on a slot face and the forces on them at f = 1: (Q_0, -P_0) on the upper
-        block."""
+        block, Q_0 along x or z."""
         nodes, length = tributary_length(self.space, f"{block}_slot")
-        step = self.scene.load
-        traction = (step.shear, -step.pressure)[component]
+        load = self.scene.load
+        tractions = {Z if self.scene.antiplane else X: load.shear, Y: -load.pressure}
         sign = 1 if block == "upper" else -1
-        return self.numbering.unknowns(nodes, component), sign * traction * length
+        force = sign * tractions.get(component, 0.0) * length
+        return self.numbering.unknowns(nodes, component), force
 
     def _wall(self, block: str, side: str) -> NDArray[np.int64]:
         """Nodes of a side wall, from the interface outwards."""
@@ -307,16 +342,20 @@ class _Parts:
 
     def _body(
         self,
+        components: tuple[int, ...],
         loaded: NDArray[np.int64],
         load: NDArray[np.float64],
         held: NDArray[np.int64] | None = None,
         mirrored: NDArray[np.int64] | None = None,
     ) -> Body:
+        matrix, root = self.matrices[components]
         return Body(
-            matrix=self.matrix,
+            components=components,
+            matrix=matrix,
+            root=root,
             damping=self.damping_time / self.step,
             loaded=loaded,
-            load=self.step**2 * load / self.root[loaded],
+            load=self.step**2 * load / root[loaded],
             held=np.empty(0, dtype=np.int64) if held is None else held,
             mirrored=np.empty((2, 0), dtype=np.int64) if mirrored is None else mirrored,
         )

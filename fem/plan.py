@@ -6,12 +6,24 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
 from skfem import MeshQuad
 
-from fem.assembly import Family, find_family, lumped_mass, make_space, stiffness
+from fem.assembly import (
+    IN_PLANE,
+    OUT_OF_PLANE,
+    STIFFNESS,
+    Family,
+    X,
+    Y,
+    Z,
+    find_family,
+    lumped_mass,
+    make_space,
+)
 from fem.edge import edge_offset
 from fem.resolution import check_resolved, mesh_caution
 from fem.stepping import critical_step, highest_frequency, normalised
@@ -37,10 +49,18 @@ TRIANGLES = 1.156
 ANTISYMMETRIC = "antisymmetric half"
 SYMMETRIC = "symmetric half"
 LOCKSTEP = "antisymmetric and symmetric halves in lockstep"
+ANTIPLANE = "antiplane half"
+ANTIPLANE_LOCKSTEP = "antiplane and symmetric halves in lockstep"
 TWO_BLOCKS = "two blocks"
 TWO_MATERIALS = "two blocks of different materials, to which the theory does not apply"
 
-HALVES: Mapping[str, tuple[int, ...]] = {ANTISYMMETRIC: (0,), SYMMETRIC: (1,), LOCKSTEP: (0, 1)}
+HALVES: Mapping[str, tuple[int, ...]] = {
+    ANTISYMMETRIC: (X,),
+    SYMMETRIC: (Y,),
+    LOCKSTEP: (X, Y),
+    ANTIPLANE: (Z,),
+    ANTIPLANE_LOCKSTEP: (Z, Y),
+}
 """For each half of a model, the displacement component that changes sign from the upper block to
 the lower one, the other being the same in both."""
 
@@ -145,7 +165,8 @@ def choose_model(scene: Scene, model: str, lower_material: Material | None = Non
 
     Under shear alone the motion is antisymmetric in y (u_x odd, u_y even) and does not touch
     the pressure; under pressure alone it is symmetric.  Two identical blocks under both are
-    the sum of the two: slip feels the pressure, the pressure does not feel the slip.
+    the sum of the two: slip feels the pressure, the pressure does not feel the slip.  Antiplane
+    shear moves along z alone, oppositely in the two blocks.
 
     Parameters
     ----------
@@ -160,8 +181,10 @@ def choose_model(scene: Scene, model: str, lower_material: Material | None = Non
     if model == "two-blocks":
         return TWO_BLOCKS
     if scene.load.pressure == 0:
-        return ANTISYMMETRIC
-    return SYMMETRIC if scene.load.shear == 0 == scene.base.shear else LOCKSTEP
+        return ANTIPLANE if scene.antiplane else ANTISYMMETRIC
+    if scene.load.shear == 0 == scene.base.shear:
+        return SYMMETRIC
+    return ANTIPLANE_LOCKSTEP if scene.antiplane else LOCKSTEP
 
 
 @dataclass(frozen=True)
@@ -184,7 +207,7 @@ class Plan:
     SceneError
         If the end time is out of range, a load swings faster than the mesh can follow, the mesh
         would be too large, the element does not fit the mesh, or different materials slide ahead
-        of all waves.
+        of all waves, or slip along z while pressure makes them slip along x.
     """
 
     scene: Scene
@@ -201,6 +224,12 @@ class Plan:
             raise SceneError(
                 "simulate: blocks of different materials cannot slide ahead of all waves; "
                 "raise friction or lower the base shear (docs/limits.md)."
+            )
+        if self.name == TWO_MATERIALS and self.scene.antiplane and self.scene.load.pressure:
+            raise SceneError(
+                "simulate: blocks of different materials slip along x as well where their "
+                "pressure changes; keep the pressure of antiplane shear constant "
+                "(docs/limits.md)."
             )
 
     @property
@@ -224,14 +253,18 @@ class Plan:
         return HALVES.get(self.name, ())
 
     @property
-    def bodies(self) -> int:
-        """How many bodies march on the mesh."""
-        return len(self.halves) or 1
+    def bodies(self) -> tuple[tuple[int, ...], ...]:
+        """Displacement components of each body that marches on the mesh."""
+        if self.halves:
+            return tuple(OUT_OF_PLANE if one == Z else IN_PLANE for one in self.halves)
+        if not self.scene.antiplane:
+            return (IN_PLANE,)
+        return (OUT_OF_PLANE, IN_PLANE) if self.scene.load.pressure else (OUT_OF_PLANE,)
 
     @property
-    def fastest(self) -> Material:
-        """The material whose waves are faster."""
-        return max(self.materials.values(), key=lambda material: material.longitudinal_speed)
+    def fastest_speed(self) -> float:
+        """Speed of the first wave in the faster block [length / time]."""
+        return max(map(self.scene.fastest_in, self.materials.values()))
 
     @property
     def size(self) -> float:
@@ -258,7 +291,7 @@ class Plan:
     @property
     def forerun(self) -> float:
         """How far beyond the fastest front nodes may move already [length]."""
-        return causal_margin(self.fastest, self.end_time, self.size, self.damping_time)
+        return causal_margin(self.fastest_speed, self.end_time, self.size, self.damping_time)
 
     @property
     def family(self) -> Family:
@@ -268,13 +301,13 @@ class Plan:
     @property
     def slot_length(self) -> float:
         """Length of slot next to the edge that is stored [length]."""
-        return observed_slot(self.fastest, self.end_time, full=self.full)
+        return observed_slot(self.fastest_speed, self.end_time, full=self.full)
 
     @property
     def blocks(self) -> Blocks:
         """What is meshed."""
         return causal_blocks(
-            self.fastest,
+            self.fastest_speed,
             self.end_time,
             self.size * self.family.spacing,
             damping_time=self.damping_time,
@@ -309,9 +342,10 @@ class Plan:
         x = blocks.size * np.arange(PATCH + 1.0)
         space = make_space(MeshQuad.init_tensor(x, rows), family)
         step = math.inf
-        for material in dict.fromkeys(self.materials.values()):
+        kinds = product(dict.fromkeys(self.materials.values()), dict.fromkeys(self.bodies))
+        for material, components in kinds:
             one = {"upper": material}
-            matrix, _ = normalised(stiffness(space, one), lumped_mass(space, one))
+            matrix, _ = normalised(STIFFNESS[components](space, one), lumped_mass(space, one))
             step = min(step, critical_step(highest_frequency(matrix, tol=1e-7), self.damping_time))
         return step
 

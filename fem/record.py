@@ -9,15 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.assembly import X, Y, Z
 from fem.model import Model
 from fem.results import EnergyHistory, Opening, SlotHistory
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.scene import Scene
-
-LEAST_GAP = 1e-9
-"""What is open less than that, over c_t T times load or base over shear modulus, is closed:
-rounding is 1e-16 of it."""
 
 SEEN = slice(1, None)
 """Nodes of the contact whose histories are kept: all beyond the edge node."""
@@ -40,10 +37,16 @@ class Record:
         plan, steps, nodes = model.plan, model.steps, len(model.contact_x) - 1
         self._levels = np.union1d(np.arange(0, steps + 1, plan.settings.every), steps)
         self._row = self._level = 0
-        self._least_gap = LEAST_GAP * displacement_scale(plan.scene, plan.end_time)
         rows = len(self._levels)
         stored = model.slot_x >= -plan.slot_length
-        self._slot, self._slot_x = model.slot[:, stored], model.slot_x[stored]
+        self._slot_x, nodes_on_slot = model.slot_x[stored], model.slot[stored]
+        rows_of = {Z if plan.scene.antiplane else X: 0, Y: 1}
+        self._slot = [
+            (body, rows_of[component], model.numbering.unknowns(nodes_on_slot, component))
+            for body in model.bodies
+            for component in body.components
+            if component in rows_of
+        ]
         self._interface = np.zeros((4, rows, nodes))
         self._gap = np.zeros((rows, nodes))  # takes no memory until something opens
         self._state = np.zeros((rows, nodes), dtype=np.int8)
@@ -66,8 +69,7 @@ class Record:
         if step:
             self._energy[:, step] = self._energies()
             self._totals[:, step] = self._sums()
-        offset = self.model.interface.offset[SEEN]
-        gap = np.where(offset > self._least_gap, offset, 0.0)
+        gap = self.model.interface.gap[SEEN]
         if gap.any():
             self._note_opening(step, gap)
         if step == self._levels[self._row]:
@@ -86,9 +88,9 @@ class Record:
         if step:
             if interface.sliding is not None:
                 slip[:] = interface.sliding.offset()[SEEN]
-            for body in self.model.bodies:
-                increments = body.before[self._slot] + body.increment[self._slot]
-                self._velocity[:, row] += increments / (2 * dt * self.model.root[self._slot])
+            for body, along, slot in self._slot:
+                increments = body.before[slot] + body.increment[slot]
+                self._velocity[along, row] += increments / (2 * dt * body.root[slot])
         self._row += 1
 
     def _add_slip(self, step: int) -> None:
@@ -176,10 +178,10 @@ class Record:
         dt, steps = self.model.time_step, self.model.steps
         t = self._levels * dt
         first, place, largest, length = self._opened.tolist()
+        fields = [*self._interface, self._gap]
         return {
-            "interface": InterfaceHistory(self.model.contact_x[SEEN], t, *self._interface),
+            "interface": InterfaceHistory(self.model.contact_x[SEEN], t, *fields),
             "state": self._state,
-            "gap": self._gap,
             "final_path": self._final[0],
             "final_work_density": self._final[1],
             "slot": SlotHistory(self._slot_x, t, *self._velocity),
@@ -187,10 +189,3 @@ class Record:
             "energy": EnergyHistory(np.arange(0.5, steps) * dt, *self._energy[:, 1:]),
             "opened": None if math.isinf(first) else Opening(first, place, largest, length),
         }
-
-
-def displacement_scale(scene: Scene, end_time: float) -> float:
-    """Displacement that the largest traction causes within a time [length]."""
-    tractions = (scene.load, scene.base)
-    largest = max(max(abs(one.pressure), abs(one.shear)) for one in tractions)
-    return largest / scene.material.shear_modulus * scene.material.shear_speed * end_time

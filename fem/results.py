@@ -19,9 +19,9 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Material, Scene, scene_document, scene_from_document
 from semianalytic.scene.units import SI, unit
 
-FORMAT = "slipfront simulation 6"
+FORMAT = "slipfront simulation 7"
 FILE_NAME = "simulation.h5"
-ARRAYS = ("state", "gap", "final_path", "final_work_density")
+ARRAYS = ("state", "final_path", "final_work_density")
 HISTORIES = ("interface", "slot", "energy", "totals")
 COMPANION = "companion"
 
@@ -37,7 +37,8 @@ class SlotHistory:
     t : (m,) array
         Times [time].
     velocity_x, velocity_y : (m, n) arrays
-        Velocity of the upper face [length / time].
+        Velocity of the upper face [length / time]; in antiplane shear the first is along z, and
+        that along x is left out.
     """
 
     x: NDArray[np.float64]
@@ -114,9 +115,10 @@ class Opening:
 class Simulation(SampledAnswer):
     """Result of one finite-element simulation.
 
-    It answers what every solver does: `slip_rate(x, t)`, `slip(x, t)`, `shear_traction(x, t)` and
-    `pressure(x, t)` between the stored nodes and levels, `max_slip(t)`, `accumulated_slip(t)` and
-    `frictional_work(t)` between steps, `zones_at(t)`, `history(x, t)`, `to_xarray(x, t)`.
+    It answers what every solver does: `slip_rate(x, t)`, `slip(x, t)`, `shear_traction(x, t)`,
+    `pressure(x, t)` and `gap(x, t)` between the stored nodes and levels, `max_slip(t)`,
+    `accumulated_slip(t)` and `frictional_work(t)` between steps, `zones_at(t)`, `openings_at(t)`,
+    `history(x, t)`, `to_xarray(x, t)`.
 
     Attributes
     ----------
@@ -154,11 +156,9 @@ class Simulation(SampledAnswer):
     state : (m, n) array of int8
         What each node of `interface` does in the step after each time: STICK (0), slip FORWARD
         (+1) or BACKWARD (-1), or OPEN (2).
-    gap : (m, n) array
-        How far each node of `interface` is open at each time [length], 0 where closed.
     final_path : (n,) array
         |slip| that each node of `interface` has accumulated by the end [length], summed over
-        every step, stored or not, and also while the node is open.
+        every step, stored or not, where the sides touched.
     final_work_density : (n,) array
         Work per area that friction has taken at each node by the end [stress length], likewise.
     totals : Totals
@@ -201,7 +201,6 @@ class Simulation(SampledAnswer):
     unknowns: int
     interface: InterfaceHistory
     state: NDArray[np.int8]
-    gap: NDArray[np.float64]
     final_path: NDArray[np.float64]
     final_work_density: NDArray[np.float64]
     totals: Totals

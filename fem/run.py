@@ -238,13 +238,13 @@ def levels(model: Model, started: int = 0, last: int | None = None) -> Iterator[
     last : int, optional
         Last time level, that of the end time unless given.
     """
-    speed, work = model.plan.fastest.longitudinal_speed, 0.0
+    speed, work = model.plan.fastest_speed, 0.0
     for step in range(started, (model.steps if last is None else last) + 1):
         reach = speed * (step + 1) * model.time_step + model.plan.forerun
         for load in model.loads:
             load.set(step)
         for body in model.bodies:
-            body.activate(model.numbering.reached(reach))
+            body.activate(len(body.components) * model.numbering.reached(reach))
             body.kick(_part(step))
         work = _check_stable(model, step, work)
         model.interface.act(_part(step))

@@ -11,6 +11,7 @@ import meshio
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.assembly import X, Y, Z
 from fem.budget import free_space
 from fem.model import Model
 from semianalytic.results.files import Seal, new_file, write_bytes
@@ -31,10 +32,11 @@ class Snapshots:
 
     A run that is interrupted leaves a valid index of the frames written so far.
 
-    Point data: `displacement` since t = 0 and `velocity`, padded to three components.
-    Cell data: `sigma_xx`, `sigma_yy`, `sigma_xy` at the centre of each element, tension
-    positive.  The base tractions are part of sigma_yy and sigma_xy; they do not determine the
-    initial sigma_xx, so that one is the change since t = 0.
+    Point data: `displacement` since t = 0 and `velocity`, three components each.
+    Cell data: `sigma_xx`, `sigma_yy`, `sigma_xy` at the centre of each element, in antiplane shear
+    `sigma_xz` and `sigma_yz` too, tension positive.  The base tractions are part of sigma_yy and
+    sigma_xy, or sigma_yz; they do not determine the initial sigma_xx, so that one is the change
+    since t = 0.
 
     Parameters
     ----------
@@ -125,20 +127,17 @@ class Snapshots:
         bodies, step = self.model.bodies, self.model.time_step
         displacement = spread(self.model, [body.displacement for body in bodies])
         velocity = spread(self.model, [(b.before + b.increment) / (2 * step) for b in bodies])
-        sxx, syy, sxy = self._stress(displacement)
         return meshio.Mesh(
             self._points,
             self._cells,
-            point_data={
-                "displacement": np.pad(displacement, ((0, 0), (0, 1))),
-                "velocity": np.pad(velocity, ((0, 0), (0, 1))),
-            },
-            cell_data={"sigma_xx": [sxx], "sigma_yy": [syy], "sigma_xy": [sxy]},
+            point_data={"displacement": displacement, "velocity": velocity},
+            cell_data={name: [field] for name, field in self._stress(displacement).items()},
         )
 
-    def _stress(self, displacement: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        materials, base = self.model.plan.materials, self.model.plan.scene.base
-        (uxx, uxy), (uyx, uyy) = self._gradient(displacement)
+    def _stress(self, displacement: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        materials, scene = self.model.plan.materials, self.model.plan.scene
+        base, antiplane = scene.base, scene.antiplane
+        (uxx, uxy), (uyx, uyy), (uzx, uzy) = self._gradient(displacement)
         lower = self._points[self._cells[0][1], 1].mean(axis=1) < 0
         mu, bulk = (
             np.where(lower, *(value(materials[name]) for name in ("lower", "upper")))
@@ -147,14 +146,17 @@ class Snapshots:
                 lambda material: material.density * material.longitudinal_speed**2,
             )
         )
-        return (
-            bulk * uxx + (bulk - 2 * mu) * uyy,
-            bulk * uyy + (bulk - 2 * mu) * uxx - base.pressure,
-            mu * (uxy + uyx) + base.shear,
-        )
+        stress = {
+            "sigma_xx": bulk * uxx + (bulk - 2 * mu) * uyy,
+            "sigma_yy": bulk * uyy + (bulk - 2 * mu) * uxx - base.pressure,
+            "sigma_xy": mu * (uxy + uyx) + (0.0 if antiplane else base.shear),
+        }
+        if antiplane:
+            stress |= {"sigma_xz": mu * uzx, "sigma_yz": mu * uzy + base.shear}
+        return stress
 
     def _gradient(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Gradient d_j u_i in the middle of each element, (2, 2, elements), index i first."""
+        """Gradient d_j u_i in the middle of each element, (3, 2, elements), index i first."""
         basis = self.model.space.basis
         gradients = [
             [basis.interpolate(component.copy()).grad[..., 0] for component in part.T]
@@ -265,18 +267,23 @@ def spread(model: Model, unknowns: list[NDArray[np.float64]]) -> NDArray[np.floa
     Parameters
     ----------
     model : Model
-    unknowns : list of (2 n,) arrays
+    unknowns : list of arrays
         Mass-normalised, one per body.
 
     Returns
     -------
-    (n or 2 n, 2) array
+    (n or 2 n, 3) array
     """
-    fields = [(u / model.root).reshape(-1, 2)[model.numbering.place] for u in unknowns]
+    fields = []
+    for body, values in zip(model.bodies, unknowns, strict=True):
+        vectors = np.zeros((len(model.numbering.place), 3))
+        own = (values / body.root).reshape(-1, len(body.components))
+        vectors[:, body.components] = own[model.numbering.place]
+        fields.append(vectors)
     upper = np.sum(fields, axis=0)
     if not model.plan.halves:
         return upper
     lower = np.zeros_like(upper)
     for odd, vectors in zip(model.plan.halves, fields, strict=True):
-        lower += vectors * [-1 if i == odd else 1 for i in (0, 1)]
+        lower += vectors * [-1 if i == odd else 1 for i in (X, Y, Z)]
     return np.concatenate([upper, lower])

@@ -35,18 +35,21 @@ def normalised(
 
     Parameters
     ----------
-    stiffness : (2 n, 2 n) CSR array
+    stiffness : (m n, m n) CSR array
+        Of m components per node.
     mass : (n,) array
         Lumped masses.
 
     Returns
     -------
-    matrix : (2 n, 2 n) CSR array
+    matrix : (m n, m n) CSR array
         K_ij / sqrt(m_i m_j) [1 / time^2].
-    root : (2 n,) array
-        sqrt(m) of every unknown.
+    root : (m n,) array
+        Square root of the mass of every unknown.
     """
-    root, indices, indptr = np.sqrt(np.repeat(mass, 2)), stiffness.indices, stiffness.indptr
+    components = stiffness.shape[0] // len(mass)
+    root = np.sqrt(np.repeat(mass, components))
+    indices, indptr = stiffness.indices, stiffness.indptr
     data = stiffness.data / root[indices]
     data /= np.repeat(root, np.diff(indptr))
     return sparse.csr_array((data, indices, indptr), shape=stiffness.shape), root
@@ -112,8 +115,12 @@ class Body:
 
     Parameters
     ----------
+    components : tuple of int
+        Of the displacement of a node, one unknown after the other: (0, 1) for x and y, (2,) for z.
     matrix : (n, n) CSR array
         A = dt^2 K / (s s^T); may be shared between bodies.
+    root : (n,) array
+        s, square roots of the masses of the unknowns.
     damping : float
         eta / dt.
     loaded : (k,) array
@@ -137,7 +144,9 @@ class Body:
         How many leading unknowns move.
     """
 
+    components: tuple[int, ...]
     matrix: sparse.csr_array
+    root: NDArray[np.float64]
     damping: float
     loaded: NDArray[np.int64]
     load: NDArray[np.float64]

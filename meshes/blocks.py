@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Material
 
 PATTERNS = ("squares", "graded", "triangles")
 """Squares; rows of rectangles that grow away from the interface; unstructured triangles."""
@@ -112,9 +111,7 @@ class Blocks:
         }
 
 
-def causal_margin(
-    material: Material, end_time: float, size: float, damping_time: float = 0.0
-) -> float:
+def causal_margin(speed: float, end_time: float, size: float, damping_time: float = 0.0) -> float:
     """How far numerical forerunners run ahead of the pressure front [length].
 
     A wave of a mesh has no sharp front: dispersion smears it over a few elements, and the
@@ -123,7 +120,8 @@ def causal_margin(
 
     Parameters
     ----------
-    material : Material
+    speed : float
+        Of the fastest wave, c_l [length / time].
     end_time : float
         T [time].
     size : float
@@ -131,11 +129,11 @@ def causal_margin(
     damping_time : float
         eta [time].
     """
-    return 8 * size + 3 * material.longitudinal_speed * math.sqrt(damping_time * end_time)
+    return 8 * size + 3 * speed * math.sqrt(damping_time * end_time)
 
 
 def causal_blocks(
-    material: Material,
+    speed: float,
     end_time: float,
     size: float,
     *,
@@ -162,7 +160,9 @@ def causal_blocks(
 
     Parameters
     ----------
-    material : Material
+    speed : float
+        Of the fastest wave, c_l; c_t under antiplane shear alone, whose plane waves free side walls
+        let pass [length / time].
     end_time : float
         T [time], positive.
     size : float
@@ -188,8 +188,8 @@ def causal_blocks(
     SceneError
         If the mesh would be too large.
     """
-    reach = material.longitudinal_speed * end_time
-    margin = causal_margin(material, end_time, size, damping_time)
+    reach = speed * end_time
+    margin = causal_margin(speed, end_time, size, damping_time)
 
     def elements(length: float) -> int:
         return math.ceil(length / size)
@@ -199,22 +199,23 @@ def causal_blocks(
             return elements(length)
         return math.ceil(math.log1p((GROWTH - 1) * length / size) / math.log(GROWTH))
 
-    far, slot = reach + margin, observed_slot(material, end_time, full)
+    far, slot = reach + margin, observed_slot(speed, end_time, full)
     there_and_back = far + (far if full else slot)
     left = far + slot if free_walls else there_and_back / 2
     height = far if full else far / 2
     return Blocks(size, elements(left), elements(far), rows(height), lower, pattern)
 
 
-def observed_slot(material: Material, end_time: float, full: bool = False) -> float:
+def observed_slot(speed: float, end_time: float, full: bool = False) -> float:
     """Length of slot next to the edge that no reflection reaches by the end time [length].
 
     Parameters
     ----------
-    material : Material
+    speed : float
+        Of the fastest wave [length / time].
     end_time : float
         [time].
     full : bool
         Whether the blocks are the full ones of `causal_blocks`.
     """
-    return material.longitudinal_speed * end_time / (1 if full else 2)
+    return speed * end_time / (1 if full else 2)

@@ -1,7 +1,7 @@
 """Slip on a frictional interface after a sudden load: exact where self-similar, else marched."""
 
 from semianalytic.prediction import predict
-from semianalytic.results.answer import Answer, SlipInterval
+from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import (
     ComputationError,
@@ -11,11 +11,18 @@ from semianalytic.scene.errors import (
     SlipfrontError,
     TensionError,
 )
-from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
+from semianalytic.scene.friction import (
+    CoulombFriction,
+    FrictionLaw,
+    RateWeakening,
+    SlipWeakening,
+    ViscousFriction,
+)
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
-from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone
+from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
 from semianalytic.spacetime.march import march, march_on
 from semianalytic.spacetime.marched import Marched
@@ -33,6 +40,8 @@ __all__ = [
     "Marched",
     "Material",
     "MissingLibraryError",
+    "OpenInterval",
+    "OpenZone",
     "Pulse",
     "Ramp",
     "RateWeakening",
@@ -49,6 +58,7 @@ __all__ = [
     "Tabulated",
     "TensionError",
     "Tractions",
+    "ViscousFriction",
     "find_scene",
     "march",
     "march_on",

@@ -74,9 +74,9 @@ def sampled_run(
             slip_rate=gain * seen.slip_rate,
             shear_traction=gain * seen.shear_traction,
             pressure=gain * seen.pressure,
+            gap=gain * seen.gap,
         ),
         state=np.zeros(seen.slip.shape, dtype=np.int8),
-        gap=np.zeros(seen.slip.shape),
         final_path=path,
         final_work_density=work,
         totals=Totals(

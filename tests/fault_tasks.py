@@ -11,7 +11,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 
 def history():
     """Always the same, of 64 kB."""
-    values = np.random.default_rng(1).normal(size=(4, 40, 50))
+    values = np.random.default_rng(1).normal(size=(5, 40, 50))
     return InterfaceHistory(np.linspace(0, 1, 50), np.linspace(0, 1, 40), *values)
 
 

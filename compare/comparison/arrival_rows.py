@@ -25,7 +25,7 @@ from compare.comparison.arrivals import (
 from compare.comparison.bars import error_bar, observed_order
 from compare.comparison.case import Case, mesh_changes
 from compare.comparison.rows import Row
-from compare.comparison.scales import wave_speeds
+from compare.comparison.scales import front_speeds
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
@@ -73,13 +73,11 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     """
     if not _reaches(case):
         return
-    fronts = wave_speeds(case.prediction.scene.material)
-    edges = [
-        edge / case.end_time
-        for zone in case.prediction.zones_at(case.end_time)
-        for edge in (zone.start, zone.end)
-        if 0 < edge < math.inf
-    ]
+    fronts = front_speeds(case.prediction.scene)
+    end, prediction = case.end_time, case.prediction
+    ends = [(zone.start, zone.end) for zone in prediction.zones_at(end)]
+    ends += [(opening.start, opening.end) for opening in prediction.openings_at(end)]
+    edges = [edge / end for both in ends for edge in both if 0 < edge < math.inf]
     faces = [("interface", edges, _interface_fields(case))]
     slot_velocity = getattr(case.prediction, "slot_velocity", None)
     if slot_velocity is not None:
@@ -94,7 +92,7 @@ def arrival_rows(case: Case) -> Iterator[Row]:
 
 def _reaches(case: Case) -> bool:
     """Whether a prediction answers beyond all fronts at the end."""
-    speed = case.scene.material.longitudinal_speed
+    speed = case.scene.fastest_speed
     try:
         case.prediction.slip_rate(np.array([FARTHEST * speed * case.end_time]), case.end_time)
     except SceneError:

@@ -14,8 +14,10 @@ from collections.abc import Mapping, Sequence
 SAFETY: Mapping[str, float] = {
     "arrival": 1.0,
     "zone edge": 0.7,
+    "opening edge": 0.7,
     "slip rate": 1.2,
     "slip": 0.7,
+    "gap": 0.7,
     "work": 1.0,
     "shear traction": 0.9,
     "pressure": 0.5,

@@ -121,6 +121,17 @@ class Case:
         seen = float(np.abs(self.seen.slip_rate[:, shown]).max(initial=0.0))
         return max(seen, LEAST_PEAK * self.rate)
 
+    @cached_property
+    def largest_gap(self) -> float:
+        """Largest gap of the simulation, that thresholds are parts of; never as small as rounding
+        [length]."""
+        return max(float(self.seen.gap.max()), LEAST_PEAK * self.rate * self.end_time)
+
+    @cached_property
+    def opens(self) -> bool:
+        """Whether the contact opens anywhere, predicted or simulated."""
+        return bool(self.at_nodes.gap.any() or self.seen.gap.any())
+
     @property
     def slips(self) -> bool:
         """Whether any slip is predicted at the nodes."""
@@ -232,6 +243,7 @@ class Case:
         exact: float | None = None,
         unseen: float = 0.0,
         scale: tuple[float, str],
+        smooth: bool = False,
     ) -> Row:
         """A row of the L1 norms of a field along the contact; its relative error and bar.
 
@@ -253,6 +265,9 @@ class Case:
             Norm of what is too narrow for the mesh in the prediction, over the scale.
         scale : float and str
             What values are divided by, and its name.
+        smooth : bool
+            Whether the field has no fronts, and meshes are compared at the nodes of the coarser:
+            between those a straight line is further off than its ends.
         """
         low, high = reach
         value, unit = scale
@@ -269,10 +284,11 @@ class Case:
             return norm(field, at / self.length, 1)
 
         changes = []
-        for level, run in enumerate(runs[1:]):
-            at = runs[level].interface.x[places[level]]
-            coarse = np.interp(at, run.interface.x, fields[level + 1])
-            changes.append(size(fields[level][places[level]] - coarse, at))
+        for pair in pairwise(range(len(runs))):
+            of, to = pair[::-1] if smooth else pair
+            at = runs[of].interface.x[places[of]]
+            other = np.interp(at, runs[to].interface.x, fields[to])
+            changes.append(size(fields[of][places[of]] - other, at))
         whole = size(expected[shown], x[shown])
         per = 1.0 if nothing else whole
         bar = (error_bar(kind, changes) + unseen) / per if changes else None

@@ -1,9 +1,10 @@
-"""Where slip zones end in a self-similar scene: predicted, as the mesh would see it, simulated."""
+"""Where slip zones and openings end in a self-similar scene: predicted, as the mesh would see it,
+simulated."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -15,13 +16,21 @@ from compare.comparison.measures import NOTHING
 from compare.comparison.rows import Row
 from compare.comparison.scales import speed_regime
 from semianalytic import InterfaceHistory
-from semianalytic.results.answer import SlipInterval
-from semianalytic.results.sampled import slip_intervals
+from semianalytic.results.answer import OpenInterval, SlipInterval
+from semianalytic.results.sampled import open_intervals, slip_intervals
 
 Array = NDArray[np.float64]
+Part = SlipInterval | OpenInterval
+"""A slip zone or an opening."""
+Seen = Callable[[InterfaceHistory, int], tuple[Part, ...]]
+"""The parts that a history shows at a level, in velocities x/t."""
 
 READ_FROM = 0.01
 """Part of the largest slip rate from which on slip counts: less runs ahead of the fronts."""
+OPEN_FROM = 1e-4
+"""The same of the largest gap."""
+SHARED = 1e-6
+"""Relative difference below which two edges are one."""
 LEVELS = 24
 """Times in the last third of the run at which edges are read; of self-similar zones the median."""
 EDGE_FLOOR = 0.6
@@ -37,32 +46,60 @@ class Obstacle:
 
 
 def zone_rows(case: Case) -> Iterator[Row]:
-    """Velocities in c_t of all zone edges, except 0, infinity and the P front, an arrival.
+    """Velocities in c_t of all zone edges, except 0, infinity, the P front, an arrival, and where
+    an opening begins.
 
     Then the zones of the simulation that are not predicted.
     """
     zones = case.prediction.zones_at(case.end_time)
-    material = case.prediction.scene.material
-    for number, zone in enumerate(zones):
-        for end in ("start", "end"):
-            edge = getattr(zone, end)
-            if not 0 < edge < math.inf or (
-                speed_regime(edge / case.end_time, material) == "at c_l"
-            ):
+    openings = case.prediction.openings_at(case.end_time)
+    seen = partial(_zones, case)
+    yield from _edge_rows(case, zones, seen, {end for part in openings for end in _ends(part)})
+    yield from _unpredicted_rows(case, zones, seen)
+
+
+def opening_rows(case: Case) -> Iterator[Row]:
+    """The same of all openings, and how much of the contact is open; nothing if none is."""
+    if not case.opens:
+        return
+    openings, seen = case.prediction.openings_at(case.end_time), partial(_openings, case)
+    yield from _edge_rows(case, openings, seen, set())
+    yield from _unpredicted_rows(case, openings, seen)
+    cell = case.simulation.element_size / case.length
+    row = case.value_row(
+        "length open",
+        "opening edge",
+        partial(_length_open, case),
+        exact=sum(part.end - part.start for part in openings) / case.length,
+        floor=2 * max(1, len(openings)) * EDGE_FLOOR * cell,
+        unit="c_t T",
+    )
+    if row is not None:
+        yield row
+
+
+def _edge_rows(
+    case: Case, parts: tuple[Part, ...], seen: Seen, elsewhere: set[float]
+) -> Iterator[Row]:
+    """Of the ends of parts of one kind that are not ends of another kind as well."""
+    scene = case.prediction.scene
+    for number, part in enumerate(parts):
+        for end, edge in zip(("start", "end"), _ends(part), strict=True):
+            if not 0 < edge < math.inf or (speed_regime(edge / case.end_time, scene) == "at c_l"):
                 continue
-            name = f"zone {number + 1}, {'inner' if end == 'start' else 'outer'} edge"
-            yield _edge_row(case, name, zones, number, end)
-    yield from _unpredicted_rows(case, zones)
+            if any(math.isclose(edge, other, rel_tol=SHARED) for other in elsewhere):
+                continue
+            yield _edge_row(case, parts, number, end, seen)
 
 
 def narrow_obstacle(
-    zones: tuple[SlipInterval, ...], number: int, end: str, least: float
+    parts: tuple[Part, ...], number: int, end: str, least: float
 ) -> Obstacle | None:
     """Why nodes cannot show an edge: its zone, or what lies beyond it, is narrower than `least`.
 
     Parameters
     ----------
-    zones : tuple of SlipInterval
+    parts : tuple of SlipInterval, or of OpenInterval
         From the edge outward, at one time.
     number : int
         Of the zone.
@@ -71,39 +108,55 @@ def narrow_obstacle(
     least : float
         [length].
     """
-    zone = zones[number]
-    if zone.end - zone.start < least:
-        return Obstacle("the zone is {width} c_t T wide", zone.end - zone.start)
+    part = parts[number]
+    name = _name(part)
+    if part.end - part.start < least:
+        return Obstacle(f"the {name} is {{width}} c_t T wide", part.end - part.start)
     beyond = number + (1 if end == "end" else -1)
-    if not 0 <= beyond < len(zones):
+    if not 0 <= beyond < len(parts):
         return None
-    other = zones[beyond]
-    gap = other.start - zone.end if end == "end" else zone.start - other.end
+    other = parts[beyond]
+    gap = other.start - part.end if end == "end" else part.start - other.end
     if gap >= least:
         return None
-    if other.sense != zone.sense and other.end - other.start >= least:
+    if _sense(other) != _sense(part) and other.end - other.start >= least:
         return None
-    if other.sense != zone.sense:
+    if _sense(other) != _sense(part):
         return Obstacle("the zone next to it is {width} c_t T wide", other.end - other.start)
-    return Obstacle("the gap to the next zone is {width} c_t T wide", gap)
+    return Obstacle(f"the gap to the next {name} is {{width}} c_t T wide", gap)
 
 
-def _edge_row(case: Case, name: str, zones: tuple[SlipInterval, ...], number: int, end: str) -> Row:
-    zone = zones[number]
-    read = partial(_edge_velocity, case, zone, end)
+def _sense(part: Part) -> int:
+    """Of a slip zone; 0 of an opening."""
+    return part.sense if isinstance(part, SlipInterval) else 0
+
+
+def _name(part: Part) -> str:
+    return "zone" if isinstance(part, SlipInterval) else "opening"
+
+
+def _ends(part: Part) -> tuple[float, float]:
+    return part.start, part.end
+
+
+def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: Seen) -> Row:
+    part = parts[number]
+    name = f"{_name(part)} {number + 1}, {'inner' if end == 'start' else 'outer'} edge"
+    kind = f"{_name(part)} edge"
+    read = partial(_edge_velocity, case, part, end, seen)
     cell = case.simulation.element_size / case.length
-    exact = getattr(zone, end) / case.length
-    row = case.value_row(
-        name, "zone edge", read, exact=exact, floor=EDGE_FLOOR * cell, unit="c_t"
-    ) or Row(name, "zone edge", exact, None, None, None, None, "c_t")
-    obstacle = narrow_obstacle(zones, number, end, NARROW * case.simulation.element_size)
+    exact = getattr(part, end) / case.length
+    row = case.value_row(name, kind, read, exact=exact, floor=EDGE_FLOOR * cell, unit="c_t") or Row(
+        name, kind, exact, None, None, None, None, "c_t"
+    )
+    obstacle = narrow_obstacle(parts, number, end, NARROW * case.simulation.element_size)
     if obstacle is not None:
         width = obstacle.width / case.length
         reason = f"{obstacle.reason.format(width=f'{width:.2g}')}, {width / cell:.2g} elements"
         enough = case.resolution_for(obstacle.width) if obstacle.width > 0 else None
         return replace(row, obstacle=reason, resolution=enough)
-    if row.verdict == "differs":
-        return replace(row, obstacle=_weakness(case, zone))
+    if row.verdict == "differs" and isinstance(part, SlipInterval):
+        return replace(row, obstacle=_weakness(case, part))
     return row
 
 
@@ -123,21 +176,24 @@ def _weakness(case: Case, zone: SlipInterval) -> str:
     )
 
 
-def _unpredicted_rows(case: Case, zones: tuple[SlipInterval, ...]) -> Iterator[Row]:
-    """Zones of the simulation that overlap none of the prediction of their sense."""
+def _unpredicted_rows(case: Case, parts: tuple[Part, ...], seen: Seen) -> Iterator[Row]:
+    """Zones or openings of the simulation that overlap none of the prediction of their sense."""
     least = NARROW * case.simulation.element_size
-    for zone in _intervals(case, case.seen, -1):
-        start, end = zone.start * case.end_time, zone.end * case.end_time
+    for part in seen(case.seen, -1):
+        start, end = part.start * case.end_time, part.end * case.end_time
         end = min(end, float(case.seen.x[-1]))
         margin = EDGE_FLOOR * case.simulation.element_size
         if any(
-            other.sense == zone.sense and other.start < end + margin and start < other.end + margin
-            for other in zones
+            _sense(other) == _sense(part)
+            and other.start < end + margin
+            and start < other.end + margin
+            for other in parts
         ):
             continue
+        what = "slip" if isinstance(part, SlipInterval) else "opening"
         row = Row(
-            f"unpredicted slip at {start / case.length:.3f} c_t",
-            "zone edge",
+            f"unpredicted {what} at {start / case.length:.3f} c_t",
+            f"{_name(part)} edge",
             None,
             None,
             (end - start) / case.length,
@@ -147,34 +203,38 @@ def _unpredicted_rows(case: Case, zones: tuple[SlipInterval, ...]) -> Iterator[R
         )
         if end - start < least:
             row = replace(row, obstacle=f"it is narrower than {NARROW} elements")
-        elif not any(_shows(case, run.interface, zone) for run in case.coarser[:1]):
+        elif not any(_shows(seen(run.interface, -1), part) for run in case.coarser[:1]):
             row = replace(row, obstacle="the coarser mesh does not show it")
         yield case.judged(row, None)
 
 
-def _shows(case: Case, history: InterfaceHistory, zone: SlipInterval) -> bool:
-    """Whether a history has slip of the same sense where a zone is."""
+def _shows(seen: tuple[Part, ...], part: Part) -> bool:
+    """Whether there is slip of the same sense, or an opening, where a part is."""
     return any(
-        other.sense == zone.sense and other.start < zone.end and zone.start < other.end
-        for other in _intervals(case, history, -1)
+        _sense(other) == _sense(part) and other.start < part.end and part.start < other.end
+        for other in seen
     )
 
 
-def _edge_velocity(
-    case: Case, zone: SlipInterval, end: str, history: InterfaceHistory
-) -> float | None:
-    """Velocity in c_t of an edge in a history; None unless most of the times show the zone."""
-    at = getattr(zone, end) / case.end_time
+def _late_levels(case: Case, history: InterfaceHistory) -> NDArray[np.intp]:
     late = np.flatnonzero(history.t > 2 / 3 * case.end_time)
-    levels = late[np.unique(np.linspace(0, len(late) - 1, LEVELS).round().astype(int))]
+    return late[np.unique(np.linspace(0, len(late) - 1, LEVELS).round().astype(int))]
+
+
+def _edge_velocity(
+    case: Case, part: Part, end: str, seen: Seen, history: InterfaceHistory
+) -> float | None:
+    """Velocity in c_t of an edge in a history; None unless most of the times show its part."""
+    at = getattr(part, end) / case.end_time
+    levels = _late_levels(case, history)
     edges = []
     for level in levels:
         rivals = [
             getattr(other, end)
-            for other in _intervals(case, history, level)
-            if other.sense == zone.sense
-            and other.start * case.end_time < zone.end
-            and zone.start < other.end * case.end_time
+            for other in seen(history, int(level))
+            if _sense(other) == _sense(part)
+            and other.start * case.end_time < part.end
+            and part.start < other.end * case.end_time
         ]
         if rivals:
             edges.append(min(rivals, key=lambda edge: abs(edge - at)))
@@ -184,8 +244,25 @@ def _edge_velocity(
     return middle / case.scene.material.shear_speed if math.isfinite(middle) else None
 
 
-def _intervals(case: Case, history: InterfaceHistory, level: int) -> tuple[SlipInterval, ...]:
+def _length_open(case: Case, history: InterfaceHistory) -> float:
+    """What of the contact is open in a history, over c_t and the time; the median of late times."""
+    lengths = []
+    for level in _late_levels(case, history):
+        reach = history.x[-1] / history.t[level]
+        openings = _openings(case, history, int(level))
+        lengths.append(sum(min(part.end, reach) - part.start for part in openings))
+    return float(np.median(lengths)) / case.scene.material.shear_speed
+
+
+def _zones(case: Case, history: InterfaceHistory, level: int) -> tuple[SlipInterval, ...]:
     """Slip zones that a history shows at a level, in velocities x/t."""
     velocity = history.x / history.t[level]
     least = max(READ_FROM * case.largest_rate, NOTHING * case.rate)
-    return slip_intervals(velocity, history.slip_rate[level], least)
+    return slip_intervals(velocity, history.rubbing_rate[level], least)
+
+
+def _openings(case: Case, history: InterfaceHistory, level: int) -> tuple[OpenInterval, ...]:
+    """Openings that a history shows at a level, in velocities x/t."""
+    time = float(history.t[level])
+    least = OPEN_FROM * case.largest_gap * time / case.end_time
+    return open_intervals(history.x / time, history.gap[level], least)

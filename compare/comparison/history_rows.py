@@ -1,4 +1,4 @@
-"""Comparison over space and time: slip rate, sense of slip, onset, reversal; for any history."""
+"""Comparison over space and time: slip rate, gap, sense of slip, onset, reversal."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import binary_dilation, binary_opening
 
 from compare.comparison.bars import error_bar, observed_order
 from compare.comparison.case import EDGE_CELLS, LEAST_ERROR, NARROW, Case
@@ -20,6 +20,8 @@ from semianalytic.results.sampled import interpolated
 Array = NDArray[np.float64]
 Senses = NDArray[np.int8]
 
+APART = 2
+"""What stands in a map of senses where the contact is open."""
 SENSE_THRESHOLD = 0.01
 REVERSAL_THRESHOLD = 0.05
 """Parts of the largest slip rate from which on slip has a sense, and counts as a reversal."""
@@ -39,13 +41,22 @@ def slip_sense(slip_rate: Array, largest: float) -> Senses:
 
 
 def sense_maps(case: Case) -> tuple[Senses, Senses, NDArray[np.bool_]]:
-    """Predicted and simulated sense of slip, and what the waves have reached, (m, n) each."""
+    """Predicted and simulated sense of slip, `APART` where the contact is open, and what the waves
+    have reached, (m, n) each."""
     seen = case.seen
-    reached = seen.x <= case.scene.material.longitudinal_speed * seen.t[:, None]
-    predicted, simulated = (
-        slip_sense(field, case.largest_rate) for field in (case.at_nodes.slip_rate, seen.slip_rate)
-    )
-    return predicted, simulated, reached
+    reached = seen.x <= case.scene.fastest_speed * seen.t[:, None]
+    return _senses(case, case.at_nodes), _senses(case, seen), reached
+
+
+def _senses(case: Case, history: InterfaceHistory) -> Senses:
+    """Of a history, at its nodes and times."""
+    return _sense_or_apart(case, history.slip_rate, history.gap)
+
+
+def _sense_or_apart(case: Case, slip_rate: Array, gap: Array) -> Senses:
+    senses = slip_sense(slip_rate, case.largest_rate)
+    senses[gap > SENSE_THRESHOLD * case.largest_gap] = APART
+    return senses
 
 
 def beside_edges(sense: Senses) -> NDArray[np.bool_]:
@@ -60,49 +71,74 @@ def rate_row(case: Case) -> Row:
     """Relative L1 error of the slip rate over space and time, the four elements at the edge left
     out; the largest value where none is predicted."""
     start = EDGE_CELLS * case.simulation.element_size
-    unit = case.rate
+    unseen = np.where(case.narrow(start), case.at_nodes.slip_rate, 0.0)
+    return _map_row(case, "slip rate", case.rate, ("V₀", "V₀ c_t T²"), unseen)
+
+
+def gap_row(case: Case) -> Row:
+    """The same of the gap."""
+    opens = case.at_nodes.gap > 0
+    narrow = opens & ~binary_opening(opens, np.ones((1, NARROW), dtype=bool))
+    unseen = np.where(narrow, case.at_nodes.gap, 0.0)
+    return _map_row(case, "gap", case.rate * case.end_time, ("V₀ T", "V₀ c_t T³"), unseen)
+
+
+def _map_row(case: Case, name: str, unit: float, units: tuple[str, str], unseen: Array) -> Row:
+    """Of a field over space and time: relative L1 error, or largest value.
+
+    Parameters
+    ----------
+    name : str
+        Of the field and of its kind.
+    unit : float
+        That values are divided by.
+    units : (str, str)
+        Its name, and that of the norm.
+    unseen : (m, n) array
+        What of the prediction at the nodes is too narrow for them.
+    """
+    start, field = EDGE_CELLS * case.simulation.element_size, name.replace(" ", "_")
 
     def shown(history: InterfaceHistory) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         return history.t > EARLY * case.end_time, history.x > start
 
     part = np.ix_(*shown(case.seen))
     predicted, simulated = (
-        history.slip_rate[part] / unit for history in (case.at_nodes, case.seen)
+        getattr(history, field)[part] / unit for history in (case.at_nodes, case.seen)
     )
     nothing = float(np.abs(predicted).max(initial=0.0)) <= NOTHING
 
-    def size(field: Array, history: InterfaceHistory) -> float:
+    def size(values: Array, history: InterfaceHistory) -> float:
         if nothing:
-            return float(np.abs(field).max(initial=0.0))
+            return float(np.abs(values).max(initial=0.0))
         late, far = shown(history)
         place = history.x[far] / case.length
-        return norm(field, place, 1, history.t[late] / case.end_time)
+        return norm(values, place, 1, history.t[late] / case.end_time)
 
     changes = []
-    for fine, coarse in case.pairs:
-        late, far = shown(fine)
-        x, t = np.broadcast_arrays(fine.x[far], fine.t[late][:, None])
-        there = fine.slip_rate[np.ix_(late, far)] - interpolated(coarse, "slip_rate", x, t)
-        changes.append(size(there / unit, fine))
+    for pair in case.pairs:
+        of, to = pair[::-1] if field == "gap" else pair  # smooth: at the nodes of the coarser
+        late, far = shown(of)
+        x, t = np.broadcast_arrays(of.x[far], of.t[late][:, None])
+        there = getattr(of, field)[np.ix_(late, far)] - interpolated(to, field, x, t)
+        changes.append(size(there / unit, of))
     whole = size(predicted, case.seen)
     per = 1.0 if nothing else whole
-    unseen = np.where(case.narrow(start), case.at_nodes.slip_rate, 0.0)[part] / unit
     bar = None
     if changes:
-        bar = (error_bar("slip rate", changes) + size(unseen, case.seen)) / per
+        bar = (error_bar(name, changes) + size(unseen[part] / unit, case.seen)) / per
         bar += NOTHING + (0.0 if nothing else LEAST_ERROR + case.error_estimate)
         if case.doubted is not None:
-            bar += size(case.doubted.slip_rate[part] / unit - predicted, case.seen) / per
-    name = "slip rate over (x, t)"
+            bar += size(getattr(case.doubted, field)[part] / unit - predicted, case.seen) / per
     row = Row(
-        f"{name}, largest" if nothing else f"{name}, L1",
-        "slip rate",
+        f"{name} over (x, t), {'largest' if nothing else 'L1'}",
+        name,
         None,
         whole,
         size(simulated, case.seen),
         size(simulated - predicted, case.seen) / per,
         bar,
-        "V₀" if nothing else "V₀ c_t T²",
+        units[0] if nothing else units[1],
         relative=not nothing,
         order=observed_order(changes),
     )
@@ -115,9 +151,11 @@ def sense_rows(case: Case) -> Iterator[Row]:
     area = float(reached.sum())
     edges = max(float((beside_edges(sense) & reached).sum()) for sense in (predicted, simulated))
     floor = edges / area / 2 + 1 / area
-    for name, sense in (("forward", 1), ("reverse", -1)):
+    for name, sense in (("forward slip", 1), ("reverse slip", -1), ("open", APART)):
+        if sense == APART and not case.opens:
+            continue
         row = case.value_row(
-            f"{name} slip, part of map",
+            f"{name}, part of map",
             "sense",
             partial(_part, case, sense),
             floor=floor,
@@ -127,16 +165,14 @@ def sense_rows(case: Case) -> Iterator[Row]:
     changes = []
     for fine, coarse in case.pairs:
         x, t = np.broadcast_arrays(coarse.x, coarse.t[:, None])
-        behind = x <= case.scene.material.longitudinal_speed * t
-        senses = [
-            slip_sense(field, case.largest_rate)
-            for field in (interpolated(fine, "slip_rate", x, t), coarse.slip_rate)
-        ]
+        behind = x <= case.scene.fastest_speed * t
+        between = (interpolated(fine, field, x, t) for field in ("slip_rate", "gap"))
+        senses = [_sense_or_apart(case, *between), _senses(case, coarse)]
         changes.append(float((senses[0] != senses[1])[behind].sum() / behind.sum()))
     differing = float((predicted != simulated)[reached].sum()) / area
     bar = error_bar("sense", changes) + floor if changes else None
     if bar is not None and case.doubted is not None:
-        doubted = slip_sense(case.doubted.slip_rate, case.largest_rate)
+        doubted = _senses(case, case.doubted)
         bar += float((doubted != predicted)[reached].sum()) / area
     yield case.judged(
         Row(
@@ -154,9 +190,9 @@ def sense_rows(case: Case) -> Iterator[Row]:
 
 
 def _part(case: Case, sense: int, history: InterfaceHistory) -> float:
-    """Part of the area behind the first wave that slips one way."""
-    reached = history.x <= case.scene.material.longitudinal_speed * history.t[:, None]
-    slips = slip_sense(history.slip_rate, case.largest_rate) == sense
+    """Part of the area behind the first wave that slips one way, or is open."""
+    reached = history.x <= case.scene.fastest_speed * history.t[:, None]
+    slips = _senses(case, history) == sense
     return float(slips[reached].sum() / reached.sum())
 
 

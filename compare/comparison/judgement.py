@@ -9,11 +9,17 @@ from typing import TYPE_CHECKING
 
 from compare.comparison.arrival_rows import arrival_rows
 from compare.comparison.case import Case
-from compare.comparison.edge_rows import zone_rows
-from compare.comparison.history_rows import cycle_rows, event_rows, rate_row, sense_rows
+from compare.comparison.edge_rows import opening_rows, zone_rows
+from compare.comparison.history_rows import cycle_rows, event_rows, gap_row, rate_row, sense_rows
 from compare.comparison.measures import is_nothing
 from compare.comparison.mesh_choice import Feature, Prices
-from compare.comparison.profile_rows import slip_rate_rows, snapshot_row, traction_rows, wear_rows
+from compare.comparison.profile_rows import (
+    gap_rows,
+    slip_rate_rows,
+    snapshot_row,
+    traction_rows,
+    wear_rows,
+)
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall
 from compare.comparison.snapshots import SlipRateProfile
 from semianalytic.results.answer import Answer
@@ -23,7 +29,7 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 
-SLIP = ("slip rate", "slip")
+MOTION = ("slip rate", "slip", "gap")
 """Kinds of rows without which nothing is said of a scene."""
 
 
@@ -53,9 +59,9 @@ class Judgement:
 
     @cached_property
     def verdict(self) -> str:
-        """ "differs" if one row does; else "agrees" if one does of slip or slip rate, stuck or not;
-        else "unresolved", whatever fronts and pressure do."""
-        telling = (row for row in self.rows if row.kind in SLIP or row.verdict == DIFFERS)
+        """ "differs" if one row does; else "agrees" if one does of slip, slip rate or gap, stuck or
+        not; else "unresolved", whatever fronts and pressure do."""
+        telling = (row for row in self.rows if row.kind in MOTION or row.verdict == DIFFERS)
         return overall(row.verdict for row in telling)
 
     def having(self, verdict: str) -> tuple[Row, ...]:
@@ -141,12 +147,16 @@ def _rows(case: Case, snapshot: SlipRateProfile | None) -> Iterator[Row]:
     if case.scene.is_self_similar:
         yield from arrival_rows(case)
         yield from zone_rows(case)
+        yield from opening_rows(case)
     yield from slip_rate_rows(case)
+    yield from gap_rows(case)
     yield from traction_rows(case)
     if snapshot is not None:
         yield snapshot_row(case, snapshot)
     yield rate_row(case)
-    if not case.slips and is_nothing(case.seen.slip_rate, case.rate):
+    if case.opens:
+        yield gap_row(case)
+    if not (case.slips or case.opens) and is_nothing(case.seen.slip_rate, case.rate):
         return
     yield from sense_rows(case)
     yield from event_rows(case)

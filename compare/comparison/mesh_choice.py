@@ -178,9 +178,9 @@ def choose_mesh(
 ) -> MeshChoice:
     """The mesh to compare a prediction on, before anything is simulated.
 
-    It is as fine as the narrowest slip zone, gap or weakening front that the budget reaches, and
-    no finer; if it reaches none of them, as fine as a budget that was given allows; and not
-    coarser than a resolution of 100 if it can be.
+    It is as fine as the narrowest slip zone, opening, gap or weakening front that the budget
+    reaches, and no finer; if it reaches none of them, as fine as a budget that was given allows;
+    and not coarser than a resolution of 100 if it can be.
 
     Parameters
     ----------
@@ -251,19 +251,21 @@ def duration(seconds: float) -> str:
 
 
 def _narrow(prediction: Answer | None, end_time: float) -> Iterator[Feature]:
-    """Slip zones of a self-similar prediction, and gaps between two of one sense.
+    """Slip zones, openings and gaps between two zones of one sense of a self-similar prediction.
 
-    Where the sense changes, that is seen without a gap.
+    Where the sense changes, or the contact is open in between, that is seen without a gap.
     """
     if prediction is None or not prediction.scene.is_self_similar:
         return
     length = prediction.scene.material.shear_speed * end_time
-    zones = prediction.zones_at(end_time)
+    zones, openings = prediction.zones_at(end_time), prediction.openings_at(end_time)
     parts = [("zone", zone.start, zone.end) for zone in zones]
+    parts += [("opening", part.start, part.end) for part in openings]
     parts += [
         ("gap", zone.end, other.start)
         for zone, other in pairwise(zones)
         if zone.sense == other.sense
+        and not any(zone.start < part.start < other.start for part in openings)
     ]
     for kind, start, end in parts:
         width = (end - start) / length

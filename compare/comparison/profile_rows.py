@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import binary_closing
+from scipy.ndimage import binary_closing, binary_opening
 
 from compare.comparison.case import EDGE_CELLS, NARROW, Case, own_wear, worn_by
 from compare.comparison.measures import NOTHING, norm
@@ -34,6 +34,40 @@ def slip_rate_rows(case: Case) -> Iterator[Row]:
     """Relative errors of slip rate and slip at the end."""
     yield _slip_row(case, "slip rate", "slip_rate", case.rate, "V₀")
     yield _slip_row(case, "slip", "slip", case.rate * case.end_time, "V₀ T")
+
+
+def gap_rows(case: Case) -> Iterator[Row]:
+    """Relative error of the gap at the end, and the largest gap; nothing where none opens."""
+    if not case.opens:
+        return
+    scale, reach = case.rate * case.end_time, _disturbed(case)
+    opens = case.at_nodes.gap[-1] > 0
+    narrow = opens & ~binary_opening(opens, np.ones(NARROW, dtype=bool))
+    yield case.profile_row(
+        "gap",
+        "gap",
+        at_nodes(case, "gap"),
+        partial(_last, "gap"),
+        reach,
+        exact=_norm(case, case.prediction.gap, reach, scale),
+        unseen=case.unseen_norm(np.where(narrow, case.at_nodes.gap[-1], 0.0) / scale, reach),
+        scale=(scale, "V₀ T"),
+        smooth=True,
+    )
+    coarsest = (*case.coarser, case.simulation)[-1]
+    start = max(reach[0], coarsest.interface.x[0])
+    places = np.append(start, case.seen.x[case.seen.x > start])
+    row = case.value_row(
+        "largest gap",
+        "gap",
+        lambda history: float(np.interp(places, history.x, history.gap[-1]).max() / scale),
+        exact=float(case.prediction.gap(_between(case, (start, reach[1])), case.end_time).max())
+        / scale,
+        floor=NOTHING,
+        unit="V₀ T",
+    )
+    if row is not None:
+        yield row
 
 
 def wear_rows(case: Case) -> Iterator[Row]:
@@ -107,7 +141,7 @@ def traction_rows(case: Case) -> Iterator[Row]:
     start = _beside_edge(case)
     for name in ("shear_traction", "pressure"):
         words = name.replace("_", " ")
-        reach = start, case.scene.material.longitudinal_speed * case.end_time
+        reach = start, _disturbed(case)[1]
         answer = getattr(case.prediction, name)
         yield case.profile_row(
             words,
@@ -187,6 +221,10 @@ def _beside_edge(case: Case) -> float:
 
 def _reach(case: Case) -> tuple[float, float]:
     return NEAREST * case.length, FARTHEST * case.length
+
+
+def _disturbed(case: Case) -> tuple[float, float]:
+    return NEAREST * case.length, case.scene.fastest_speed * case.end_time
 
 
 def _norm(case: Case, answer: Answers, reach: tuple[float, float], scale: float) -> float:

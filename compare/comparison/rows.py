@@ -40,8 +40,8 @@ class Row:
     name : str
         What is compared.
     kind : str
-        Of which there is one factor of safety: "arrival", "zone edge", "slip rate", "slip",
-        "work", "shear traction", "pressure", "onset" or "sense".
+        Of which there is one factor of safety: "arrival", "zone edge", "opening edge", "slip rate",
+        "slip", "gap", "work", "shear traction", "pressure", "onset" or "sense".
     exact : float or None
         By the prediction itself; None where it has no value apart from that at the nodes.
     at_nodes : float or None

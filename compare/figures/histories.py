@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from compare.comparison.case import Case
 from compare.comparison.history_rows import sense_maps
 from compare.comparison.prediction import method_of
-from compare.comparison.scales import slip_rate_scale
+from compare.comparison.scales import front_speeds, slip_rate_scale
 from compare.figures.interface import (
     POINTS,
     Array,
@@ -21,9 +21,12 @@ from compare.figures.interface import (
     tractions_figure,
 )
 from compare.figures.style import (
+    GAP_LABEL,
+    OPEN_SHADE,
     PATH_LABEL,
     PLACE_LABEL,
     PREDICTION,
+    PRESSURE_LABEL,
     RATE_LABEL,
     SENSE_COLOURS,
     SIMULATION,
@@ -54,28 +57,33 @@ def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
             "tractions.png": lambda one: tractions_figure(solution, one.seen),
             "fronts.png": lambda one: fronts_figure(solution, one.seen),
         }
+    if case.slips or case.opens:
+        figures |= {"sense.png": sense_figure}
     if case.slips:
-        figures |= {"sense.png": sense_figure, "history.png": history_figure}
-        figures |= {"wear.png": wear_figure}
+        figures |= {"history.png": history_figure, "wear.png": wear_figure}
+    if case.opens:
+        figures |= {"gap.png": gap_figure}
     return figures
 
 
 def sense_figure(case: Case) -> Figure:
-    """Maps of slip sense over (x, t): predicted, simulated, and where the two differ."""
+    """Maps of slip sense and of what is open over (x, t): predicted, simulated, and where the two
+    differ."""
     predicted, seen, reached = sense_maps(case)
     history, material, end = case.seen, case.scene.material, case.end_time
     length = material.shear_speed * end
-    slipping = np.flatnonzero((predicted != 0).any(axis=0))
-    right = min(1.15 * history.x[slipping[-1]] / length + 0.05, history.x[-1] / length)
+    moving = np.flatnonzero(((predicted != 0) | (seen != 0)).any(axis=0))
+    right = min(1.15 * history.x[moving[-1]] / length + 0.05, history.x[-1] / length)
     differs = np.where((predicted != seen) & reached, 1, 0)
     share = differs.sum() / reached.sum()
-    kinds = ListedColormap(list(SENSE_COLOURS.values()))
+    shown = list(SENSE_COLOURS.items())[: None if case.opens else -1]
+    kinds, most = ListedColormap([colour for _, colour in shown]), len(shown) - 2
     figure = describe(new_figure(10.5, 4.6), case.scene)
     panels = figure.subplots(1, 3, sharex=True, sharey=True)
-    for panel, title, values, colours, low in (
-        (panels[0], f"semi-analytic ({method_of(case.prediction)})", predicted, kinds, -1),
-        (panels[1], "finite elements", seen, kinds, -1),
-        (panels[2], f"differ in {100 * share:.2g} % of the reached area", differs, "Greys", 0),
+    for panel, title, values, colours, low, high in (
+        (panels[0], f"semi-analytic ({method_of(case.prediction)})", predicted, kinds, -1, most),
+        (panels[1], "finite elements", seen, kinds, -1, most),
+        (panels[2], f"differ in {100 * share:.2g} % of the reached area", differs, "Greys", 0, 1),
     ):
         panel.pcolormesh(
             history.x / length,
@@ -84,15 +92,19 @@ def sense_figure(case: Case) -> Figure:
             shading="nearest",
             cmap=colours,
             vmin=low,
-            vmax=1,
+            vmax=high,
             rasterized=True,
         )
         panel.set(xlabel=PLACE_LABEL, xlim=(0, right), ylim=(0, 1))
         panel.set_title(title, pad=16)
-        mark_waves(panel, material, material.shear_speed, "rays")
+        mark_waves(panel, front_speeds(case.scene), material.shear_speed, "rays")
     panels[0].set_ylabel(TIME_LABEL)
-    handles = [Patch(color=colour, label=kind) for kind, colour in SENSE_COLOURS.items()]
-    panels[1].legend(handles=[*handles, waves_handle()], loc="lower right", fontsize=SMALL)
+    handles = [Patch(color=colour, label=kind) for kind, colour in shown]
+    panels[1].legend(
+        handles=[*handles, waves_handle(front_speeds(case.scene))],
+        loc="lower right",
+        fontsize=SMALL,
+    )
     return figure
 
 
@@ -139,6 +151,39 @@ def wear_figure(case: Case) -> Figure:
     return figure
 
 
+def gap_figure(case: Case) -> Figure:
+    """The gap at four moments, and the pressure at the end, by both methods."""
+    seen, length, end = case.seen, case.length, case.end_time
+    figure = describe(new_figure(7, 5.7), case.scene)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    x = np.linspace(seen.x[-1] / POINTS, seen.x[-1], POINTS)
+    for moment in MOMENTS:
+        level = int(np.argmin(np.abs(seen.t - moment * end)))
+        gap = case.prediction.gap(x, float(seen.t[level])) / (case.rate * end)
+        upper.plot(x / length, gap, color=PREDICTION, linewidth=1.2)
+        upper.plot(
+            seen.x / length,
+            seen.gap[level] / (case.rate * end),
+            ".",
+            color=SIMULATION,
+            markersize=2.5,
+        )
+    lower.plot(x / length, case.prediction.pressure(x, end) / case.stress, color=PREDICTION)
+    lower.plot(seen.x / length, seen.pressure[-1] / case.stress, ".", color=SIMULATION, ms=2.5)
+    upper.set_ylabel(GAP_LABEL)
+    upper.set_title("gap at t = T/4, T/2, 3 T/4 and T, pressure at T", fontsize=SMALL)
+    upper.legend(handles=method_handles(), loc="upper right", fontsize=SMALL)
+    opened = np.flatnonzero((case.at_nodes.gap + seen.gap).max(axis=0))
+    right = min(2 * seen.x[opened[-1]], seen.x[-1]) / length
+    calm = 2 * case.scene.base.pressure / case.stress
+    lower.set(xlabel=PLACE_LABEL, ylabel=PRESSURE_LABEL, xlim=(0, right), ylim=(-0.05 * calm, calm))
+    for opening in case.prediction.openings_at(end):
+        for panel in (upper, lower):
+            place = opening.start / length, opening.end / length
+            panel.axvspan(*place, color=OPEN_SHADE, linewidth=0, zorder=0)
+    return figure
+
+
 def curve(prediction: Answer, reach: float, time: float) -> tuple[Array, Array]:
     """Positions up to a reach and slip rates there (n,), as fine as the answer itself is known."""
     x = np.linspace(reach / POINTS, reach, POINTS)
@@ -169,7 +214,7 @@ def march_figure(marched: Marched) -> Figure:
     )
     figure.colorbar(image, ax=upper, label=RATE_LABEL)
     upper.set(ylabel=TIME_LABEL, xlim=(0, fields.x[-1] / length), ylim=(0, 1))
-    mark_waves(upper, scene.material, scene.material.shear_speed, "rays")
+    mark_waves(upper, front_speeds(scene), scene.material.shear_speed, "rays")
     lower.plot(fields.x / length, marched.final_path / (scale * marched.end_time), color=PREDICTION)
     lower.set(xlabel=PLACE_LABEL, ylabel=PATH_LABEL)
     return figure

@@ -17,9 +17,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from compare.comparison.scales import slip_rate_scale, stress_scale
+from compare.comparison.scales import front_speeds, slip_rate_scale, stress_scale
 from compare.figures.style import (
     BLACK,
+    GAP_LABEL,
+    OPEN_SHADE,
     ORANGE,
     PLACE_LABEL,
     PREDICTION,
@@ -32,6 +34,7 @@ from compare.figures.style import (
     STICK_SHADE,
     TIME_LABEL,
     TRACTION_LABEL,
+    LineStyle,
     describe,
     line_handle,
     mark_waves,
@@ -40,12 +43,17 @@ from compare.figures.style import (
     new_figure,
     waves_handle,
 )
-from semianalytic import Scene, SlipZone, Solution
+from semianalytic import OpenZone, Scene, SlipZone, Solution
 from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
 
-ZONE_COLOURS = {"slip": SLIP_SHADE, "stick": STICK_SHADE, "reverse slip": REVERSE_SHADE}
+ZONE_COLOURS = {
+    "slip": SLIP_SHADE,
+    "stick": STICK_SHADE,
+    "reverse slip": REVERSE_SHADE,
+    "open": OPEN_SHADE,
+}
 POINTS = 1500
 
 
@@ -54,19 +62,19 @@ def slip_rate_figure(
 ) -> Figure:
     """Slip rate against ξ/c_t at the last time of the history, with the difference below."""
     scene, scale, time = solution.scene, slip_rate_scale(solution.scene), history.t[-1]
-    upper, lower = axes or _new_pair(scene)
+    upper, lower = axes or _new_panels(scene, (3, 1))
     unit, dense = scene.material.shear_speed, _speeds(scene)
     shown = history.x <= _speed_limit(scene) * time
     velocity, seen = history.x[shown] / time / unit, history.slip_rate[-1, shown] / scale
     difference = seen - solution.slip_rate(history.x[shown], time) / scale
 
-    _shade_zones(upper, solution.zones, scene)
+    _shade_zones(upper, solution)
     upper.plot(dense / unit, solution.slip_rate(dense * time, time) / scale, color=PREDICTION)
     upper.plot(velocity, seen, ".", color=SIMULATION, markersize=3)
     lower.plot(velocity, difference, color=SIMULATION, linewidth=1)
     lower.axhline(0, color=PREDICTION, linewidth=0.8)
     for panel in (upper, lower):
-        mark_waves(panel, scene.material, unit, labels=panel is upper)
+        mark_waves(panel, front_speeds(scene), unit, labels=panel is upper)
     if not solution.zones:
         _widen(upper, 0.1)
         _widen(lower, 0.01)
@@ -88,12 +96,12 @@ def tractions_figure(
     shear = history.shear_traction[-1, shown] / scale
     bound = scene.friction * history.pressure[-1, shown] / scale
 
-    _shade_zones(panel, solution.zones, scene)
+    _shade_zones(panel, solution)
     predicted = _draw_predicted_tractions(panel, solution, time)
     panel.plot(velocity, shear, ".", color=SIMULATION, markersize=3)
     for sign in (1, -1):
         panel.plot(velocity, sign * bound, "_", color=SIMULATION, markersize=3, alpha=0.6)
-    mark_waves(panel, scene.material, unit)
+    mark_waves(panel, front_speeds(scene), unit)
     handles = (
         line_handle("shear traction, semi-analytic", PREDICTION),
         marker_handle("shear traction, finite elements", SIMULATION),
@@ -132,27 +140,36 @@ def fronts_figure(
     panel.set(xlabel=PLACE_LABEL, ylabel=TIME_LABEL, facecolor="0.9")
     panel.set(xlim=(0, _right_end(scene)), ylim=(0, 1))
     waves, edges = ("0.35", BLACK) if signed else ("white", ORANGE)
-    mark_waves(panel, scene.material, scene.material.shear_speed, "rays", colour=waves)
-    for edge in _finite_edges(solution.zones):
-        slope = edge / scene.material.shear_speed
-        panel.plot([0, slope], [0, 1], "-", color=edges, linewidth=1.1)
-    handles = [waves_handle(waves)]
-    if solution.zones:
-        handles.append(line_handle("predicted zone edges", edges))
+    mark_waves(panel, front_speeds(scene), scene.material.shear_speed, "rays", colour=waves)
+    handles = [waves_handle(front_speeds(scene), waves)]
+    lines: tuple[tuple[Iterable[SlipZone | OpenZone], str, LineStyle], ...] = (
+        (solution.zones, "predicted zone edges", "-"),
+        (solution.openings, "predicted ends of the opening", ":"),
+    )
+    for parts, words, line in lines:
+        for edge in _finite_edges(parts):
+            slope = edge / scene.material.shear_speed
+            panel.plot([0, slope], [0, 1], line, color=edges, linewidth=1.1)
+        if parts:
+            handles.append(line_handle(words, edges, line))
     panel.legend(
         handles=handles, loc="lower right", fontsize=SMALL, facecolor="0.85" if signed else "0.45"
     )
     return _figure(panel)
 
 
-def prediction_figure(solution: Solution, *, axes: tuple[Axes, Axes] | None = None) -> Figure:
-    """The semi-analytic answer alone: slip rate above, tractions and friction bound below."""
+def prediction_figure(solution: Solution, *, axes: tuple[Axes, ...] | None = None) -> Figure:
+    """The semi-analytic answer alone: slip rate above, tractions and friction bound below.
+
+    Under them the gap, where the contact opens.
+    """
     scene = solution.scene
-    upper, lower = axes or _new_pair(scene, ratios=(1, 1))
+    panels = axes or _new_panels(scene, (1, 1, *(1 for _ in solution.openings[:1])))
+    upper, lower = panels[:2]
     unit, dense = scene.material.shear_speed, _speeds(scene)
-    for panel in (upper, lower):
-        _shade_zones(panel, solution.zones, scene)
-        mark_waves(panel, scene.material, unit, labels=panel is upper)
+    for panel in panels:
+        _shade_zones(panel, solution)
+        mark_waves(panel, front_speeds(scene), unit, labels=panel is upper)
     rate = solution.slip_rate(dense, 1.0) / slip_rate_scale(scene)
     upper.plot(dense / unit, rate, color=PREDICTION)
     upper.set_ylabel(RATE_LABEL)
@@ -161,8 +178,13 @@ def prediction_figure(solution: Solution, *, axes: tuple[Axes, Axes] | None = No
     bound = line_handle(r"bound $\pm f p$", PREDICTION, ":")
     handles = [line_handle("shear traction", PREDICTION), bound]
     lower.legend(handles=handles, loc="best", fontsize=SMALL)
-    lower.set(xlabel=SPEED_LABEL, ylabel=TRACTION_LABEL, xlim=(0, _right_end(scene)))
+    lower.set(ylabel=TRACTION_LABEL, xlim=(0, _right_end(scene)))
     lower.set_ylim(_traction_limits(shear))
+    for panel in panels[2:]:
+        gap = solution.gap(dense, 1.0) / slip_rate_scale(scene)
+        panel.plot(dense / unit, gap, color=PREDICTION)
+        panel.set_ylabel(GAP_LABEL)
+    panels[-1].set_xlabel(SPEED_LABEL)
     return _figure(upper)
 
 
@@ -170,10 +192,10 @@ def _new_axes(scene: Scene) -> Axes:
     return describe(new_figure(7, 4.7), scene).subplots()
 
 
-def _new_pair(scene: Scene, ratios: tuple[int, int] = (3, 1)) -> tuple[Axes, Axes]:
-    figure = describe(new_figure(7, 5.7), scene)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=ratios)
-    return upper, lower
+def _new_panels(scene: Scene, ratios: tuple[int, ...]) -> tuple[Axes, ...]:
+    """One above the other, of these heights."""
+    figure = describe(new_figure(7, 1.9 + 1.9 * len(ratios)), scene)
+    return tuple(figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios))
 
 
 def _figure(panel: Axes) -> Figure:
@@ -183,7 +205,7 @@ def _figure(panel: Axes) -> Figure:
 
 
 def _speed_limit(scene: Scene) -> float:
-    return 1.05 * scene.material.longitudinal_speed
+    return 1.05 * scene.fastest_speed
 
 
 def _right_end(scene: Scene) -> float:
@@ -196,18 +218,26 @@ def _speeds(scene: Scene) -> Array:
     return np.linspace(limit / POINTS, limit, POINTS)
 
 
-def _finite_edges(zones: Iterable[SlipZone]) -> Iterator[float]:
+def _finite_edges(zones: Iterable[SlipZone | OpenZone]) -> Iterator[float]:
     for zone in zones:
         yield from (edge for edge in (zone.inner, zone.outer) if 0 < edge < np.inf)
 
 
-def _zone_kind(zone: SlipZone) -> str:
+def _parts(solution: Solution) -> list[SlipZone | OpenZone]:
+    """What slips and what is open."""
+    return [*solution.zones, *solution.openings]
+
+
+def _zone_kind(zone: SlipZone | OpenZone) -> str:
+    if isinstance(zone, OpenZone):
+        return "open"
     return "slip" if zone.sense > 0 else "reverse slip"
 
 
-def _shade_zones(panel: Axes, zones: tuple[SlipZone, ...], scene: Scene) -> None:
-    """Shade slip, reverse slip and what sticks between them."""
-    limit, unit = _speed_limit(scene), scene.material.shear_speed
+def _shade_zones(panel: Axes, solution: Solution) -> None:
+    """Shade slip, reverse slip, what is open and what sticks between them."""
+    limit, unit = _speed_limit(solution.scene), solution.scene.material.shear_speed
+    zones = sorted(_parts(solution), key=lambda zone: zone.inner)
     ends = [0.0, *(min(e, limit) for zone in zones for e in (zone.inner, zone.outer)), limit]
     for number, (start, stop) in enumerate(pairwise(ends)):
         kind = _zone_kind(zones[number // 2]) if number % 2 else "stick"
@@ -215,7 +245,8 @@ def _shade_zones(panel: Axes, zones: tuple[SlipZone, ...], scene: Scene) -> None
 
 
 def _draw_predicted_tractions(panel: Axes, solution: Solution, time: float) -> Array:
-    """Draw predicted shear traction and bound; return the shear traction / τ₀ beside ξ."""
+    """Draw predicted shear traction and bound; return the shear traction / τ₀ beside ξ, or the
+    bound where there is none."""
     scene, scale = solution.scene, stress_scale(solution.scene)
     dense = _speeds(scene)
     shear = solution.shear_traction(dense * time, time) / scale
@@ -224,7 +255,7 @@ def _draw_predicted_tractions(panel: Axes, solution: Solution, time: float) -> A
     panel.plot(position, shear, color=PREDICTION)
     for sign in (1, -1):
         panel.plot(position, sign * bound, ":", color=PREDICTION)
-    return shear
+    return shear if shear.any() else np.concatenate([-bound, bound])
 
 
 def _traction_limits(shear: Array) -> tuple[float, float]:
@@ -243,6 +274,6 @@ def _widen(panel: Axes, least: float) -> None:
 
 def _legend(panel: Axes, solution: Solution, *handles: Artist) -> None:
     """A legend of these entries and of the shades of the zones."""
-    kinds = dict.fromkeys(["stick", *(_zone_kind(zone) for zone in solution.zones)])
+    kinds = dict.fromkeys(["stick", *(_zone_kind(zone) for zone in _parts(solution))])
     shades = [Patch(color=ZONE_COLOURS[kind], label=kind) for kind in kinds]
     panel.legend(handles=[*handles, *shades], loc="best", fontsize=SMALL)

@@ -1,4 +1,6 @@
-"""The canonical function X of slip zones: real on slip, of the phase of M_+ on stick.
+"""The canonical function X of slip zones: on stick of the phase of M_+, on slip real.
+
+Where slip of rate V meets the resistance eta V, X has the phase of M / (M + eta) instead.
 
 It carries the behaviour at each edge.  The edge that opens ahead of slip has |v - edge|^(-1/2) in
 dV/dv when it runs slower than c_R, |v - edge|^(-phi/pi) between c_t and c_l; an edge that heals
@@ -66,10 +68,20 @@ class Phase:
 
 @dataclass(frozen=True)
 class CanonicalFunction:
-    """X on the panels of slip zones, and the impedance there, b = mu = 1."""
+    """X on the panels of slip zones, and the impedance there, b = mu = 1.
+
+    Attributes
+    ----------
+    factors : RayleighFactors
+    panels : Panels
+    resistance : array that broadcasts to (p, ..., n), or None
+        eta = dtau/d|V| at the nodes [mu b], of the one-sided slip rate; None if strength does not
+        depend on slip rate.  Slip that covers c is then to be cut there.
+    """
 
     factors: RayleighFactors
     panels: Panels
+    resistance: Array | None = None
 
     @property
     def layout(self) -> Layout:
@@ -98,21 +110,106 @@ class CanonicalFunction:
         phi = self.factors.phase(ends)
         start, stop = phi[:-1], phi[1:]
         chord = start + (stop - start) * panels.rule.share
-        rest = (np.arctan2(imag[:ahead], real) - chord) * panels.jacobian[:ahead]
+        whole = np.arctan2(imag[:ahead], real)
+        if self.factors.mode == "I":
+            whole += np.pi / 2  # that of the root at a
+        rest = (whole - chord) * panels.jacobian[:ahead]
         return Phase(ends.v[:-1], ends.v[1:], panels.widths[:ahead], start, stop, rest)
 
     @cached_property
     def _log_of_phase(self) -> Array:
         """(p, ..., n): what the phase adds to ln X, (1/pi) int phi(w) / (w - v) dw."""
         panels, pairs = self.panels, self.layout.phase_pairs
+        if not self.factors.has_rayleigh_wave:
+            return np.zeros_like(panels.jacobian)
         phase, distances = self._phase[pairs.source], panels.from_ends
         to_left = distances[pairs.source, pairs.target]
         to_right = distances[pairs.source + 1, pairs.target]
         chord = phase.chord_integral(to_left, to_right)
         return pairs.collect(panels.cauchy(pairs, phase.rest) + chord) / np.pi
 
+    @cached_property
+    def excess_impedance(self) -> tuple[Array, Array]:
+        """|M + eta| / |M| and the phase of (M + eta) / M at the nodes of panels that slip."""
+        slip, ahead, eta = self.layout.slip, len(self.layout.slip_ahead), self.eta
+        real, imag = np.zeros((2, *eta.shape))
+        real[:ahead] = self.impedance[0][self.layout.slip_ahead]
+        imag = self.impedance[1][slip]
+        modulus = np.hypot(real + eta, imag) / np.hypot(real, imag)
+        phase = np.arctan2(-eta * imag, real * (real + eta) + np.square(imag))
+        return modulus, phase
+
+    @cached_property
+    def eta(self) -> Array:
+        """Resistance at the nodes of panels that slip."""
+        shape = self.panels.jacobian.shape
+        assert self.resistance is not None
+        resistance = np.asarray(self.resistance)
+        if resistance.ndim == len(shape):
+            resistance = resistance[: shape[0]]  # the tail may be left out
+        return np.broadcast_to(resistance, shape)[self.layout.slip]
+
+    @cached_property
+    def _turn(self) -> Phase:
+        """The phase of (M + eta) / M on panels that slip: chord and rest.
+
+        On the unbounded panel the chord is what falls like 1 / v from its start.
+        """
+        panels, slip = self.panels, self.layout.slip
+        _, turn = self.excess_impedance
+        start, stop = turn[..., :1], turn[..., -1:].copy()
+        ends, widths = panels.ends.v, panels.widths
+        unbounded = panels.right[slip[-1]] is None if len(slip) else False
+        chord = start + (stop - start) * panels.rule.share
+        left = ends[slip]
+        right, width = np.full_like(left, np.inf), np.full_like(left, np.inf)
+        bounded = slip[:-1] if unbounded else slip
+        right[: len(bounded)], width[: len(bounded)] = ends[bounded + 1], widths[bounded]
+        if unbounded:
+            stop[-1] = 0.0
+            chord[-1] = start[-1] * left[-1] / panels.at.v[slip[-1]]
+        return Phase(left, right, width, start, stop, (turn - chord) * panels.jacobian[slip])
+
+    @cached_property
+    def _log_of_resistance(self) -> Array:
+        """(p, ..., n): what resistance adds to ln X, the phase of (M + eta) / M over w - v."""
+        panels, layout, turn = self.panels, self.layout, self._turn
+        if not len(layout.slip):
+            return np.zeros_like(panels.jacobian)
+        pairs = layout.pairs_from_slip
+        sources = np.searchsorted(layout.slip, pairs.source)
+        total = pairs.collect(panels.cauchy(pairs, turn.rest[sources]))
+        total[layout.slip] += panels.principal_values(layout.slip, turn.rest)
+        distances = panels.from_ends
+        for row, panel in enumerate(layout.slip):
+            if panels.right[panel] is None:
+                to_left, left = distances[panel], turn.left[row]
+                total -= turn.start[row] * left / panels.at.v * np.log(np.abs(to_left) / left)
+            else:
+                total += turn[np.array(row)].chord_integral(distances[panel], distances[panel + 1])
+        return total / np.pi
+
+    def _resistance_integral_off_cut(self, k: Array) -> Array:
+        """The same at k >= 0 of shape (m,): (1/pi) times the phase over w + k, (..., m)."""
+        panels, slip, turn = self.panels, self.layout.slip, self._turn
+        if not len(slip):
+            return np.zeros((*panels.jacobian.shape[1:-1], len(k)))
+        w = panels.at.v[slip]
+        kernel = 1 / (w[..., None, :] + k[:, None])
+        total = panels.rule.spacing * np.sum(turn.rest[..., None, :] * kernel, axis=(0, -1))
+        for row, panel in enumerate(slip):
+            left = turn.left[row]
+            if panels.right[panel] is None:
+                over = np.where(k > 0, np.log1p(k / left) / np.where(k > 0, k / left, 1.0), 1.0)
+                total = total + turn.start[row] * over
+            else:
+                total = total + turn[np.array(row)].chord_integral(-left - k, -turn.right[row] - k)
+        return total / np.pi
+
     def _phase_integral_off_cut(self, sources: np.ndarray, k: Array) -> Array:
         """(1/pi) int phi(w) / (w + k) dw over panels, at k >= 0 of shape (m,); (..., m)."""
+        if not self.factors.has_rayleigh_wave:
+            return np.zeros((*self.panels.jacobian.shape[1:-1], len(k)))
         phase, w = self._phase[sources], self.panels.at.v[sources]
         rest = np.sum(phase.rest[..., None, :] / (w[..., None, :] + k[:, None]), axis=-1)
         chord = phase.chord_integral(-phase.left - k, -phase.right - k)
@@ -120,46 +217,58 @@ class CanonicalFunction:
 
     @cached_property
     def values(self) -> Array:
-        """(p, ..., n): X, real, on panels that slip; X / M_+, real, on panels that stick."""
-        panels, layout = self.panels, self.layout
-        from_b, from_c = np.abs(panels.at.from_b), panels.at.from_c
-        square = np.ones_like(from_b)  # of what has the exponent 1/2
+        """(p, ..., n): X without the phase of M / (M + eta) on panels that slip, X / M_+ on panels
+        that stick: real."""
+        panels, layout, factors = self.panels, self.layout, self.factors
+        from_root, from_c = np.abs(panels.at.parts[factors.root]), panels.at.from_c
+        square = np.ones_like(from_root)  # of what has the exponent 1/2
         for end, exponent in layout.roots:
             distance = np.abs(panels.from_ends[end])
             square = square * distance if exponent > 0 else square / distance
-        if layout.slips_at_b:
-            square[layout.stick] *= from_b[layout.stick]
+        rooted = layout.stick if layout.slips_at_root else layout.slip
+        if layout.slips_at_root == factors.has_rayleigh_wave:
+            square[rooted] *= from_root[rooted]
         else:
-            square[layout.slip] /= from_b[layout.slip]
+            square[rooted] /= from_root[rooted]
         product = np.sqrt(square)
         if layout.slips_at_c:
             product[layout.stick] /= -from_c[layout.stick]
-        else:
+        elif factors.has_rayleigh_wave:
             product[layout.slip] *= -from_c[layout.slip]
-        product *= np.exp(self._log_of_phase)
-        direct = layout.slip_behind  # with |S_+(-v)| on the cut
-        if len(direct) and not layout.slips_at_b:
-            modulus = np.abs(self.impedance[1][direct]) / (self.factors.kappa * self.m_plus[direct])
-            product[direct] *= modulus * np.sqrt(from_b[direct]) / np.abs(from_c[direct])
+        if factors.has_rayleigh_wave:
+            product *= np.exp(self._log_of_phase)
+            direct = layout.slip_behind  # with |S_+(-v)| on the cut
+            if len(direct) and not layout.slips_at_b:
+                modulus = np.abs(self.impedance[1][direct]) / (factors.kappa * self.m_plus[direct])
+                product[direct] *= modulus * np.sqrt(from_root[direct]) / np.abs(from_c[direct])
+        if self.resistance is not None:
+            product *= np.exp(self._log_of_resistance)
         return product * layout.sign.reshape(-1, *[1] * (product.ndim - 1))
 
     @cached_property
     def at_zero(self) -> Array:
         """X(0), (1,) or (k, 1)."""
         value = np.exp(-self._phase_integral_off_cut(self.layout.stick_ahead, np.zeros(1)))
+        if self.resistance is not None:
+            value = value * np.exp(self._resistance_integral_off_cut(np.zeros(1)))
         if not self.layout.slips_at_c:
             value = value * self.factors.c
+        if not self.layout.slips_at_root and self.factors.root == 1:
+            value = value * self.factors.a**self.factors.root_exponent
         for end, exponent in self.layout.roots:
             value = value * self.panels.ends.v[end] ** exponent
         return value
 
     def reciprocal_off_cut(self, k: Array) -> Array:
         """X / M_+ at k >= 0, (m,), off the cut (one set of zones)."""
+        factors = self.factors
         value = np.exp(self._phase_integral_off_cut(self.layout.slip_ahead, k))
+        if self.resistance is not None:
+            value *= np.exp(self._resistance_integral_off_cut(k))
         if self.layout.slips_at_c:
-            value /= self.factors.c + k
-        if self.layout.slips_at_b:
-            value *= np.sqrt(1 + k)
+            value /= factors.c + k
+        if self.layout.slips_at_root:
+            value *= ((factors.a if factors.root == 1 else 1) + k) ** -factors.root_exponent
         for end, exponent in self.layout.roots:
             value *= (self.panels.ends.v[end] + k) ** exponent
         return value
@@ -171,8 +280,12 @@ class CanonicalFunction:
         at, log = panels.at[-1], self._log_of_phase[-1]
         if layout.slips_at_c:
             log = log - log_share(at.from_c, at.v, np.array(self.factors.c))
-        if layout.slips_at_b:
-            log = log + 0.5 * log_share(at.from_b, at.v, np.array(1.0))
+        if layout.slips_at_root:
+            root, front = self.factors.root, self.factors.a if self.factors.root == 1 else 1.0
+            share = log_share(at.parts[root], at.v, np.array(front))
+            log = log - self.factors.root_exponent * share
+        if self.resistance is not None:
+            log = log + self._log_of_resistance[-1]
         for end, exponent in layout.roots:
             log = log + exponent * log_share(panels.from_ends[end, -1], at.v, panels.ends.v[end])
         return log

@@ -6,7 +6,7 @@ function.  What follows from their order alone is worked out once per layout.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import groupby
@@ -21,12 +21,20 @@ class Zone:
     """A slip zone in slowness: left < v < right, sense +1 or -1.
 
     left None: slip from the longitudinal front on, or ahead of all waves; right None: slip up to
-    the contact edge.
+    the contact edge.  A zone may hold an opening; `inward` is then its sense behind that, 0 for the
+    same.  `held`: it ends where the opening closes.
     """
 
     left: CutPoints | None
     right: CutPoints | None
     sense: int
+    inward: int = 0
+    held: bool = False
+
+    @property
+    def last_sense(self) -> int:
+        """Its sense at its inner end."""
+        return self.inward or self.sense
 
 
 @dataclass(frozen=True)
@@ -73,24 +81,33 @@ class Layout:
     sense : per panel, 0 where the interface sticks
     zone : per panel, index of the slip zone, on stick of the one that follows inward
     ahead : int, number of panels ahead of the shear front
-    slips_at_b, slips_at_c : bool, whether a zone covers the shear front, the Rayleigh front
+    behind_root : int, the first panel behind the root r of M_+
+    slips_at_root, slips_at_b, slips_at_c : bool, whether a zone covers that root, the shear front,
+        the Rayleigh front; the last is False where there is no Rayleigh wave
     over_c : int, the panel that covers c; -1 if it is left out
     gap : bool, whether that panel sticks between two zones
-    roots : (end, exponent) of the zone edges slower than c_t, with the exponent X has there
+    roots : (end, exponent) of the zone edges behind the root of M_+, with the exponent of X there
+    root_exponent : float, of r + k in M_+
+    open : per panel, whether the contact is open
     """
 
     sense: tuple[int, ...]
     zone: tuple[int, ...]
     ahead: int
+    behind_root: int
+    slips_at_root: bool
     slips_at_b: bool
     slips_at_c: bool
     over_c: int
     gap: bool
     roots: tuple[tuple[int, float], ...]
+    root_exponent: float
+    open: tuple[bool, ...]
 
     @property
     def pole(self) -> int:
-        """The panel that slips across c, where dV/dv has a pole; -1 if there is none."""
+        """The panel that slips across c, where dV/dv has a pole; -1 if there is none, as where
+        resistance to slip rate leaves none and the panels are cut at c."""
         return self.over_c if self.slips_at_c else -1
 
     @cached_property
@@ -136,8 +153,9 @@ class Layout:
         phase = np.zeros(len(panels))  # over pi
         for end, exponent in self.roots:
             phase += exponent * (panels >= end)
-        at_b = 0.5 * (~self.slipping if self.slips_at_b else -1.0 * self.slipping)
-        return np.asarray(np.cos(np.pi * (phase + at_b * (panels >= self.ahead))).round())
+        exponent = self.root_exponent
+        of_root = -exponent * ~self.slipping if self.slips_at_root else exponent * self.slipping
+        return np.asarray(np.cos(np.pi * (phase + of_root * (panels >= self.behind_root))).round())
 
     @cached_property
     def phase_pairs(self) -> Pairs:
@@ -156,6 +174,11 @@ class Layout:
         }
         return _paired(count, weights)
 
+    @cached_property
+    def pairs_from_slip(self) -> Pairs:
+        """From the panels that slip to all others."""
+        return self.pairs_from(tuple(self.slip.tolist()))
+
     def pairs_from(self, sources: tuple[int, ...]) -> Pairs:
         """From some panels to all others."""
         return _pairs_from(len(self.sense), sources)
@@ -163,9 +186,23 @@ class Layout:
     @cached_property
     def regions(self) -> list[list[int]]:
         """Panels of each stretch of stick and of each zone, from the front inward."""
-        keys = zip(self.slipping, self.zone, strict=True)
+        return self._grouped(zip(self.slipping, self.zone, strict=True))
+
+    @cached_property
+    def closed_regions(self) -> list[list[int]]:
+        """The same without what is open, of a zone on either side of that."""
+        parts = self._grouped(zip(self.slipping, self.zone, self.open, strict=True))
+        return [part for part in parts if not self.open[part[0]]]
+
+    @staticmethod
+    def _grouped(keys: Iterable[tuple[object, ...]]) -> list[list[int]]:
         groups = groupby(enumerate(keys), key=lambda item: item[1])
         return [[index for index, _ in group] for _, group in groups]
+
+    @cached_property
+    def closed_slip(self) -> np.ndarray:
+        """Panels that slip where the contact is closed."""
+        return np.array([i for i in self.slip if not self.open[i]], dtype=int)
 
 
 @lru_cache(maxsize=64)
@@ -177,52 +214,88 @@ _layout = lru_cache(maxsize=256)(Layout)
 
 
 def outline(
-    factors: RayleighFactors, zones: tuple[Zone, ...], tail: bool
+    factors: RayleighFactors,
+    zones: tuple[Zone, ...],
+    tail: bool,
+    cuts: tuple[CutPoints, ...] = (),
+    opening: Zone | None = None,
 ) -> tuple[list[CutPoints], Layout]:
-    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root.
+    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root, at
+    more `cuts`, and where the contact opens and closes.
 
     Without `tail` the unbounded panel after others is left out.
     """
     ends, stretches = [factors.front_a], []
-    for right, sense, zone in _stretches(zones):
-        for end in (*factors.cuts, right):
-            if end is right or (end and lies_between(ends[-1], end, right)):
-                stretches.append((sense, zone))
-                if end:
-                    ends.append(end)
+    edges = () if opening is None else (opening.left, opening.right)
+    every = [*factors.cuts, *cuts, *(edge for edge in edges if edge is not None)]
+    every.sort(key=lambda cut: cut.first[0])
+    for right, zone, index in _stretches(zones):
+        for cut in every:
+            if lies_between(ends[-1], cut, right):
+                stretches.append((*_state(zone, ends[-1], opening), index))
+                ends.append(cut)
+        stretches.append((*_state(zone, ends[-1], opening), index))
+        if right is not None:
+            ends.append(right)
     if not tail and len(stretches) > 1:
         del stretches[-1]
-    senses, owners = zip(*stretches, strict=True)
+    senses, opens, owners = zip(*stretches, strict=True)
     before_b, before_c = (sum(end.first[front] < 0 for end in ends) for front in (2, 3))
-    over_c = before_c - 1 if before_c <= len(senses) else -1
+    cut_at_c = any(end.first[3] == 0 for end in ends)
+    over_c = before_c - 1 if before_c <= len(senses) and not cut_at_c else -1
     slips_at_b, slips_at_c = (
         any(lies_between(zone.left, front, zone.right) for zone in zones)
         for front in (factors.front_b, factors.front_c)
     )
     gap = not slips_at_c and over_c >= 0 and 0 < owners[over_c] < len(zones)
-    ahead, roots = min(before_b, len(senses)), _roots(zones, ends)
-    return ends, _layout(senses, owners, ahead, slips_at_b, slips_at_c, over_c, gap, roots)
+    ahead, roots = min(before_b, len(senses)), _roots(zones, ends, factors.root)
+    from_front = factors.root == 1
+    layout = _layout(
+        senses,
+        owners,
+        ahead,
+        0 if from_front else ahead,
+        zones[0].left is None if from_front and zones else slips_at_b and not from_front,
+        slips_at_b,
+        slips_at_c and factors.has_rayleigh_wave,
+        over_c,
+        gap,
+        roots,
+        factors.root_exponent,
+        opens,
+    )
+    return ends, layout
 
 
-def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, int, int]]:
-    """Stretches of slip and stick from the front inward: where they end, their sense, and the zone
-    they are or, of stick, that follows."""
+def _state(zone: Zone | None, left: CutPoints, opening: Zone | None) -> tuple[int, bool]:
+    """Sense, and whether it is open, of what begins at `left` in a zone, or in stick (None)."""
+    if opening is None or opening.left is None or left.first_below(opening.left):
+        return (zone.sense if zone else 0), False
+    is_open = opening.right is None or left.first_below(opening.right)
+    return (zone.last_sense if zone else 0), is_open
+
+
+def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, Zone | None, int]]:
+    """Stretches of slip and stick from the front inward: where they end, their zone (None where
+    the interface sticks), and the number of that or, of stick, of the zone that follows."""
     for index, zone in enumerate(zones):
         if zone.left is not None:
-            yield zone.left, 0, index
-        yield zone.right, zone.sense, index
+            yield zone.left, None, index
+        yield zone.right, zone, index
     if not zones or zones[-1].right is not None:
-        yield None, 0, len(zones)
+        yield None, None, len(zones)
 
 
-def _roots(zones: tuple[Zone, ...], ends: list[CutPoints]) -> tuple[tuple[int, float], ...]:
-    """(end, exponent) of X at the zone edges slower than c_t: 1/2 where an edge opens ahead of the
-    Rayleigh front or heals behind it, -1/2 elsewhere."""
+def _roots(
+    zones: tuple[Zone, ...], ends: list[CutPoints], root: int
+) -> tuple[tuple[int, float], ...]:
+    """(end, exponent) of X at the zone edges behind the root of M_+: 1/2 where an edge opens ahead
+    of the Rayleigh front or heals behind it, -1/2 elsewhere."""
     place = {id(end): index for index, end in enumerate(ends)}
     roots = []
     for zone in zones:
         for edge, opening in ((zone.left, True), (zone.right, False)):
-            if edge is not None and edge.first[2] > 0:
+            if edge is not None and edge.first[root] > 0:
                 smooth = opening == (edge.first[3] < 0)
                 roots.append((place[id(edge)], 0.5 if smooth else -0.5))
     return tuple(roots)

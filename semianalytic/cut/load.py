@@ -2,16 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from semianalytic.cut import tuning
-from semianalytic.halfplane.rayleigh import Array
-from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.cut.layout import Zone
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.scene.errors import TensionError
+from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Opened:
+    """Where a contact is open: the normal problem, solved.
+
+    Attributes
+    ----------
+    zone : Zone, the open part, its sense 1; right None is the contact edge
+    closing : tuple of (edge, r), terms r / (k + edge) of the normal problem, where it closes
+    base, step : P_b, P_0 [stress unit]
+    pressure : function of points on the cut, any shape: the contact pressure there [stress unit]
+    known : (2, n) array, increasing slownesses and pressures there, dense enough to show its course
+    """
+
+    zone: Zone
+    closing: tuple[tuple[CutPoints, float], ...]
+    base: float
+    step: float
+    pressure: Callable[[CutPoints], Array]
+    known: Array
+
+    def near_pressure(self, v: Array) -> Array:
+        """About the contact pressure at slownesses v."""
+        return np.interp(v, *self.known)
+
+    @property
+    def normal_load(self) -> Load:
+        """That of the normal problem: minus pressure for traction, and nothing that resists."""
+        return Load(0.0, 0.0, -self.base, 0.0, -self.step, 0.0)
 
 
 @dataclass(frozen=True)
@@ -26,6 +58,12 @@ class Load:
     base_pressure, base_shear : P_b, Q_b [stress unit]; compression and sigma_xy positive
     load_pressure, load_shear : P_0, Q_0 [stress unit]
     far_slip_rate : V(inf), one-sided [stress unit / (mu b)]
+    resistance : eta = dtau/d|V|, of the one-sided slip rate [mu b]: a number, (k, 1), or
+        (p, ..., n) at the nodes of panels; None if strength does not depend on slip rate
+    given_slope : dg/dv, a part of the slope of strength given at the nodes of panels (p, ..., n)
+        [stress unit]; None without.  It goes with resistance: without it V would jump at c by
+        -pi g'(c) / m'(c), m = M / i, where it slips.
+    opened : Opened, where the contact is open and what its pressure is; None if it is closed
     """
 
     friction: float | Array
@@ -34,6 +72,9 @@ class Load:
     load_pressure: float
     load_shear: float
     far_slip_rate: float | Array
+    resistance: float | Array | None = None
+    given_slope: Array | None = None
+    opened: Opened | None = None
 
     @property
     def critical(self) -> bool:
@@ -49,8 +90,19 @@ class Load:
 
     @property
     def rests(self) -> bool:
-        """Whether nothing happens, though the base may be at friction (one set)."""
-        return not (self.load_shear or self.load_pressure or self.far_slip_rate)
+        """Whether nothing slips, though the base may be at friction, or the contact open (one set).
+        """
+        drives = self.load_pressure if self.base_shear else 0.0
+        return not (self.load_shear or drives or self.far_slip_rate)
+
+    def pressure(self, factors: RayleighFactors, at: CutPoints) -> Array:
+        """Contact pressure at points on the cut, any shape [stress unit]; 0 where it is open."""
+        if self.opened is not None:
+            return self.opened.pressure(at)
+        result = np.full(at.v.shape, self.base_pressure)
+        if self.load_pressure:
+            result = result + self.load_pressure * traction_of(factors, "I")(at.v)
+        return result
 
 
 def per_set(value: float | Array) -> float | Array:
@@ -77,6 +129,8 @@ def _in_unit(
     scene: Scene, friction: float | Array, far_slip_rate: float | Array, unit: float
 ) -> Load:
     base, load, impedance = scene.base, scene.load, scene.material.shear_impedance
+    law = scene.friction_law
+    viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
     return Load(
         friction,
         base.pressure / unit,
@@ -84,25 +138,23 @@ def _in_unit(
         load.pressure / unit,
         load.shear / unit,
         far_slip_rate * impedance / (2 * unit),
+        2 * viscosity / impedance if viscosity else None,
     )
 
 
 def check_pressure(scene: Scene) -> None:
-    """Raise TensionError where the contact pressure of a scene would turn tensile.
+    """Raise TensionError where the contact of a scene would open all the way to infinity."""
+    base, step = scene.base.pressure, scene.load.pressure
+    if base < 0 or (base == 0 and step != 0):
+        raise TensionError(
+            f"scene: under a base pressure of {base:.4g} nothing holds the contact together far "
+            "ahead; make the base pressure positive, however small (docs/limits.md)."
+        )
 
-    It is least at the Rayleigh front, P_b + P_0 p*(c), and at once at x = 0 if P_0 < 0.
-    """
-    base, load = scene.base.pressure, scene.load.pressure
-    if load < 0:
-        raise TensionError(
-            "scene: a negative pressure step opens the contact at its edge x = 0; "
-            "make load pressure positive, or simulate the scene with finite elements "
-            "(docs/limits.md)."
-        )
-    least = base + load * stuck_traction(scene.material.poisson_ratio, "I").at_rayleigh_front
-    if least < 0:
-        raise TensionError(
-            f"scene: the contact pressure would fall to {least:.4g} at the Rayleigh front "
-            f"x/t = {scene.material.rayleigh_speed:.6g}; raise base pressure to at least "
-            f"{base - least:.4g}, or simulate the scene with finite elements (docs/limits.md)."
-        )
+
+def contact_opens(scene: Scene) -> bool:
+    """Whether the contact opens: at its edge for P_0 < 0, else where a closed one would pull, at
+    the Rayleigh front first, P_b + P_0 p*(c) < 0."""
+    base, step = scene.base.pressure, scene.load.pressure
+    stuck = stuck_traction(scene.material.poisson_ratio, "I")
+    return step < 0 or base + step * stuck.at_rayleigh_front < 0

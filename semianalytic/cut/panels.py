@@ -201,6 +201,8 @@ def _fitted_rule(factors: RayleighFactors, layout: Layout, ends: Array, rule: Ru
                 further = max(further, -float(np.log((before + after[0]).min())))
         elif layout.gap:
             further = max(0.0, -float(np.log((before + after[0]).min())))
+    elif layout.slips_at_c:
+        strip = min(strip, tuning.STRIP_AT_CUT_C)
     return finer_rule(rule, strip, further)
 
 
@@ -210,13 +212,16 @@ def lay_panels(
     rule: Rule,
     sets: tuple[int, ...] = (),
     tail: bool = True,
+    cuts: tuple[CutPoints, ...] = (),
+    opening: Zone | None = None,
 ) -> Panels:
     """Panels for a set of zones on a rule as fine and as long as they need.
 
     `sets` is (k, 1) if there are k sets of zones whatever the shape of their edges.  Without
-    `tail` an unbounded panel after others is left out.
+    `tail` an unbounded panel after others is left out.  `cuts` are more ends, such as c where
+    slip resists its rate; there are others where the contact opens and closes.
     """
-    points, layout = outline(factors, zones, tail)
+    points, layout = outline(factors, zones, tail, cuts, opening)
     ends = _aligned_ends(points, sets)
     rule = _fitted_rule(factors, layout, ends, rule)
     widths = _steps(ends, np.array([point.nearest for point in points]))

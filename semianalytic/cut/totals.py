@@ -32,37 +32,51 @@ def largest_slip_over_time(profile: Profile) -> float:
 
 
 def dissipation(profile: Profile, u: Array) -> Array:
-    """(2, m): `running_integrals` of what friction takes, |tau V|."""
-    return running_integrals(profile, u, profile.strength)
+    """(2, m): `running_integrals` of what the contact takes, |tau V|."""
+    return running_integrals(profile, u, profile.carried)
 
 
 def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) -> float:
     """Integral of |V| over velocities, one-sided and b = mu = 1, of slip behind the first wave.
 
-    Zones are (inner, outer, sense), in velocities over c_t.  Without friction a profile slips in
-    one sense by name, and its zones say where V is against it.
+    Zones are (inner, outer, sense), in velocities over c_t.  Without friction, or where the contact
+    is open, a profile slips in one sense by name, and its zones say where V is against it.
     """
     unit = np.ones_like(profile.panels.at.v)
     total = profile.contact_integral(unit)
-    against = [(inner, outer) for inner, outer, sense in zones if sense not in profile.panels.sense]
+    against = [
+        (inner, outer)
+        for inner, outer, sense in zones
+        if sense != _named_sense(profile, inner, outer)
+    ]
     beyond = {0.0: total}
     ends = np.array([end for edges in against for end in edges if end])
     if len(ends):
-        inside = running_integrals(profile, 1 / ends, np.ones_like)[0]
+        inside = running_integrals(profile, 1 / ends, lambda v, _: np.ones_like(v))[0]
         beyond.update(zip(ends.tolist(), inside.tolist(), strict=True))
     return total - 2 * sum(beyond[inner] - beyond[outer] for inner, outer in against)
 
 
-def running_integrals(profile: Profile, u: Array, weight: Callable[[Array], Array]) -> Array:
+def _named_sense(profile: Profile, inner: float, outer: float) -> int:
+    """The sense of the panel between two velocities over c_t; outer inf is ahead of all waves."""
+    between = 0.5 / max(inner, tuning.EARLIEST) if np.isinf(outer) else 2 / (inner + outer)
+    lefts = [left.v[0] for left in profile.panels.left]
+    return profile.panels.sense[max(int(np.searchsorted(lefts, between)) - 1, 0)]
+
+
+def running_integrals(
+    profile: Profile, u: Array, weight: Callable[[Array, Array], Array]
+) -> Array:
     """(2, m): integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
 
-    At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of slowness,
-    and |V| is V times the sense of its panel.  The first integral is negative where the interface
+    At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of slowness
+    and |V|, which is V times the sense of its panel.  The first integral is negative where the interface
     slips ahead of all waves and u is there.
     """
     panels = profile.panels
     front = panels.left[0].v[0]
-    ahead = panels.sense[0] * weight(np.zeros(1)) * profile.fields.load.far_slip_rate
+    speed = np.array([panels.sense[0] * float(profile.fields.load.far_slip_rate)])
+    ahead = weight(np.zeros(1), speed) * speed
     reached = np.minimum(u, front)
     result = ahead * np.stack([1 / front - 1 / np.maximum(reached, tuning.EARLIEST), reached])
     at = profile.fields.factors.cut(u)
@@ -97,7 +111,7 @@ def _density(
     panel: int,
     left: CutPoints,
     right: CutPoints,
-    weight: Callable[[Array], Array],
+    weight: Callable[[Array, Array], Array],
 ) -> Array:
     """(2, n): weight |V| / v^2 and weight |V| at the nodes of the rule between two points, times
     dv/dy."""
@@ -108,6 +122,6 @@ def _density(
             rule.y < 0, left.parts + width * rule.share, right.parts - width * rule.share[::-1]
         )
     )
-    signed = panels.sense[panel] * weight(at.v)
-    power = signed * profile.slip_rate_inside(panel, at) * width * rule.bell
+    speed = panels.sense[panel] * profile.slip_rate_inside(panel, at)
+    power = weight(at.v, speed) * speed * width * rule.bell
     return np.stack([power / np.square(at.v), power])

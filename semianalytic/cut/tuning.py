@@ -13,6 +13,9 @@ CACHED_KERNEL = 50_000
 """Kernel values formed at once, so that they stay in the processor's cache."""
 NARROW_STRIP = 0.01
 """Width in slowness of a zone around c that is narrow.  Not recorded."""
+STRIP_AT_CUT_C = 0.5
+"""Strip of analyticity, over pi, beside c where slip resists its rate: M + eta vanishes at c + i
+eta / m'(c), at right angles from c, however small eta is."""
 MANY_NODES = 100
 """Nodes per panel from which it pays to leave some out."""
 NEGLIGIBLE_WEIGHT = 1e-6

@@ -7,89 +7,40 @@ on slip and has the phase of M_+ on stick,
     T = s f P + X (C + R),   P = P_0 M_+^I / M_+^I(0),
 
 where C is a Cauchy integral over the parts of the cut on which s f P misses its condition and R
-is a constant fixed by T(0).  Slip rate and traction follow from
+is a constant fixed by T(0).  Where slip meets the resistance eta V, Im (1 + eta / M) T is known
+instead, and X has the phase of M / (M + eta) there.  Slip rate and traction follow from
 
     dV/dv = -Im(T / M_+) / (pi kappa v M_+(v)),    dtau/dv = Im T / (pi v).
 
-X carries the behaviour at each edge (`canonical`).  The parts follow one another here: what
-pressure takes, s f P and the sources of C (`PressurePart`); the transform and the slopes of slip
-rate and traction (`ZoneFields`); what is left at the edges (`ZoneFields.mismatch`), whose Jacobian
-Newton's method forms from neighbouring zones (`edges`).  b = mu = 1; V is one-sided.
+X carries the behaviour at each edge (`canonical`), strength the sources of C (`strength`).  The
+parts follow one another here: the transform and the slopes of slip rate and traction
+(`ZoneFields`); what is left at the edges (`ZoneFields.mismatch`), whose Jacobian Newton's method
+forms from neighbouring zones (`edges`).  b = mu = 1; V is one-sided.
+
+The normal problem is the same in mode I, with opening for slip, no friction and minus the
+pressure for traction.  Where a gap closes behind its opening it does so smoothly, which one term
+more allows for each closing edge e, T = X (C + R + r / (k + e)).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from semianalytic.cut.canonical import CanonicalFunction, log_share
-from semianalytic.cut.layout import Layout, Zone
+from semianalytic.cut.canonical import CanonicalFunction
+from semianalytic.cut.layout import Layout, Zone, lies_between, outline
 from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.panels import Panels, lay_panels
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.cut.strength import PressurePart
+from semianalytic.halfplane.rayleigh import (
+    Array,
+    CutPoints,
+    RayleighFactors,
+    rayleigh_factors,
+)
 from semianalytic.halfplane.rules import Rule
-from semianalytic.halfplane.stuck import traction_of
-
-
-@dataclass(frozen=True)
-class PressurePart:
-    """The part s f P of the transform of slip zones, and where on the cut it misses its condition.
-
-    Attributes
-    ----------
-    load : Load
-    canonical : CanonicalFunction
-    sense : int, s, that of the zone next to the contact edge; 0 without zones
-    """
-
-    load: Load
-    canonical: CanonicalFunction
-    sense: int
-
-    @cached_property
-    def amount(self) -> float | Array:
-        """s f P_0 / M_+^I(0)."""
-        product = self.sense * self.load.friction * self.load.load_pressure
-        return product / self.canonical.factors.m_plus_at_zero["I"]
-
-    @cached_property
-    def mode_ratio(self) -> Array:
-        """|M_+^I / M_+| = sqrt(|b - v| / (v - a)) at the nodes.
-
-        M_+^I / M_+ is -i times that ahead of the shear front, and that behind it.
-        """
-        at = self.canonical.panels.at
-        return np.sqrt(np.abs(at.from_b / at.from_a))
-
-    @cached_property
-    def slope(self) -> Array:
-        """d(P_0 p*)/dv = Im P(-v + i0) / (pi v) at the nodes, (p, ..., n)."""
-        canonical, factors = self.canonical, self.canonical.factors
-        (real, imag), ahead = canonical.impedance, canonical.layout.ahead
-        slope = imag * self.mode_ratio
-        slope[:ahead] = -real * self.mode_ratio[:ahead]
-        slope *= self.load.load_pressure / (np.pi * factors.kappa * factors.m_plus_at_zero["I"])
-        return slope / (canonical.m_plus * canonical.panels.at.v)
-
-    @cached_property
-    def sources(self) -> tuple[np.ndarray, Array]:
-        """Panels on which C has an imaginary part, and Im C at all nodes, (p, ..., n).
-
-        Stick ahead of the shear front, and zones of the other sense.
-        """
-        canonical, panels, layout = self.canonical, self.canonical.panels, self.canonical.layout
-        stick, imag = layout.stick_ahead, np.zeros_like(panels.jacobian)
-        if self.load.load_pressure == 0 or not self.sense:
-            return stick[:0], imag
-        imag[stick] = self.amount * self.mode_ratio[stick] / canonical.values[stick]
-        other = np.array([i for i in layout.slip if panels.sense[i] != self.sense])
-        if len(other):
-            factor = -2 * np.pi * self.sense * self.load.friction
-            miss = factor * panels.at.v[other] * self.slope[other]
-            imag[other] = miss / canonical.values[other]
-        return np.append(stick, other.astype(int)), imag
 
 
 @dataclass(frozen=True)
@@ -98,7 +49,8 @@ class ZoneFields:
 
     `zones` run from the longitudinal front inward, in slowness; their edges may hold several
     neighbouring sets at once (see `panels`).  Without `tail` the fields behind the last edge are
-    left out.
+    left out.  `closing` are terms (edge, r) of edges that close a gap.  `shared` are panels to be
+    used, with ends at all edges of these zones, laid for others.
     """
 
     factors: RayleighFactors
@@ -106,12 +58,34 @@ class ZoneFields:
     zones: tuple[Zone, ...]
     rule: Rule
     tail: bool = True
+    closing: tuple[tuple[CutPoints, float | Array], ...] = ()
+    shared: Panels | None = None
 
     @cached_property
     def panels(self) -> Panels:
         """Panels on a rule as fine and as long as these zones need."""
-        sets = np.shape(self.load.friction)
-        return lay_panels(self.factors, self.zones, self.rule, sets, self.tail)
+        if self.shared is not None:
+            ends, count = tuple(self.shared.left[1:]), len(self.shared.left)
+            _, layout = outline(self.factors, self.zones, True, ends)
+            if len(layout.sense) > count:
+                _, layout = outline(self.factors, self.zones, False, ends)
+            return replace(self.shared, layout=layout)
+        sets, load = np.shape(self.load.friction), self.load
+        by_slip = load.resistance is not None or load.given_slope is not None
+        tail = (
+            self.tail or by_slip or self.factors.mode == "III"
+        )  # slip behind the last edge counts
+        opening = load.opened.zone if load.opened else None
+        return lay_panels(self.factors, self.zones, self.rule, sets, tail, self._cuts, opening)
+
+    @cached_property
+    def _cuts(self) -> tuple[CutPoints, ...]:
+        """Where fields change character within zones."""
+        factors, cuts = self.factors, []
+        if self.load.resistance is not None and factors.has_rayleigh_wave:
+            covered = (lies_between(one.left, factors.front_c, one.right) for one in self.zones)
+            cuts += [factors.front_c] if any(covered) else []
+        return tuple(cuts)
 
     @property
     def layout(self) -> Layout:
@@ -121,16 +95,35 @@ class ZoneFields:
     @cached_property
     def canonical(self) -> CanonicalFunction:
         """X, real, on panels that slip; X / M_+, real, on panels that stick."""
-        return CanonicalFunction(self.factors, self.panels)
+        resistance = self.load.resistance
+        given = None if resistance is None else np.asarray(resistance)
+        return CanonicalFunction(self.factors, self.panels, given)
 
     @cached_property
     def _pressure(self) -> PressurePart:
-        sense = self.zones[-1].sense if self.zones else 0
-        return PressurePart(self.load, self.canonical, sense)
+        sense = self.zones[-1].last_sense if self.zones else 0
+        canonical, count = self.canonical, len(self.panels.sense)
+        if self.normal is None:
+            return PressurePart(self.load, canonical, sense, None, np.zeros(count, dtype=bool))
+        normal = self.normal
+        opened, at_edge = -normal.stick_transform, -normal.constant
+        return PressurePart(self.load, canonical, sense, opened, normal.layout.slipping, at_edge)
 
     @cached_property
-    def constant(self) -> Array:
-        """R, from T(0) = Q_0 - mu b V(inf), (1,) or (k, 1)."""
+    def normal(self) -> ZoneFields | None:
+        """The normal problem on these panels, minus pressure for traction; None if the contact
+        is closed."""
+        opened = self.load.opened
+        if opened is None:
+            return None
+        factors, load = rayleigh_factors(self.factors.poisson_ratio, "I"), opened.normal_load
+        return ZoneFields(
+            factors, load, (opened.zone,), self.rule, self.tail, opened.closing, self.panels
+        )
+
+    @cached_property
+    def _first_constant(self) -> Array:
+        """R without the terms of closing edges, from T(0) = Q_0 - mu b V(inf), (1,) or (k, 1)."""
         load, panels = self.load, self.panels
         at_zero = load.load_shear - load.far_slip_rate
         at_zero -= self._pressure.sense * load.friction * load.load_pressure
@@ -140,6 +133,45 @@ class ZoneFields:
             integrals = panels.integrals(imag / panels.at.v)
             value = value + integrals[sources].sum(axis=0)[..., None] / np.pi
         return value
+
+    @cached_property
+    def constant(self) -> Array:
+        """R, (1,) or (k, 1)."""
+        return self._first_constant - sum(amount / edge.v for edge, amount in self._terms)
+
+    @cached_property
+    def transform_at_edge(self) -> Array:
+        """Limit of T at a contact edge that slips, (1,) or (k, 1); what pressure adds only where
+        the contact is open there."""
+        value = np.sign(self.canonical.values[-1, ..., -1:]) * self.constant
+        if self.normal is not None and self.layout.open[-1]:
+            weight = self._pressure.sense * self.load.friction
+            value = value - weight * self.normal.transform_at_edge
+        return np.asarray(value)
+
+    @cached_property
+    def _terms(self) -> tuple[tuple[CutPoints, float | Array], ...]:
+        """All terms (edge, r): those given, and of the zone that ends where an opening closes."""
+        held = [(index, zone.right) for index, zone in enumerate(self.zones) if zone.held]
+        return (*self.closing, *((e, self._held_term(i, e)) for i, e in held if e is not None))
+
+    def _held_term(self, index: int, edge: CutPoints) -> Array:
+        """r by which the slip rate of a zone vanishes at a given edge, (1,) or (k, 1)."""
+        panels, layout, values = self.panels, self.layout, self.canonical.values
+        here = np.flatnonzero(layout.slipping & (np.array(layout.zone) == index))
+        plain = self._slope_of(values * (self._cauchy + self._first_constant))
+        sharp = self._by_impedance(values * self._share(edge)) / (np.pi * panels.at.v)
+        rate = panels.integrals(plain)[here].sum(axis=0)
+        if self.zones[index].left is None:
+            rate = rate + per_set(self.load.far_slip_rate)
+        return np.asarray(-rate / panels.integrals(sharp)[here].sum(axis=0))[..., None]
+
+    def _share(self, edge: CutPoints) -> Array:
+        """(p, ..., n): 1 / (k + e) - 1 / e at k = -v, of a closing edge e that ends a panel."""
+        panels = self.panels
+        ends = (*panels.left, panels.right[-1])
+        index = next(i for i, end in enumerate(ends) if end and end.first == edge.first)
+        return -panels.at.v / (edge.v * panels.from_ends[index])
 
     @cached_property
     def _cauchy(self) -> Array:
@@ -155,14 +187,18 @@ class ZoneFields:
     @cached_property
     def _reduced(self) -> Array:
         """(p, ..., n): X (Re C + R); over M_+ on panels that stick."""
-        return self.canonical.values * (self._cauchy + self.constant)
+        driven = self._cauchy + self._first_constant
+        for edge, amount in self._terms:
+            driven = driven + amount * self._share(edge)
+        return self.canonical.values * driven
 
     @cached_property
     def stick_transform(self) -> Array:
-        """(p, ..., n): T / M_+ where the interface sticks (meaningless elsewhere)."""
-        result, ahead = self._reduced.copy(), self.layout.ahead
-        if self.load.load_pressure:
-            result[ahead:] += self._pressure.amount * self._pressure.mode_ratio[ahead:]
+        """(p, ..., n): T / M_+ where the interface sticks; T itself where it slips freely."""
+        result, pressure = self._reduced.copy(), self._pressure
+        if pressure.analytic:
+            first = self.layout.ahead if self.factors.mode == "II" else 0
+            result[first:] += pressure.on_stick(slice(first, None))
         return result
 
     def stick_transform_off_cut(self, k: Array) -> Array:
@@ -174,8 +210,17 @@ class ZoneFields:
             kernel = 1 / (panels.at.v[source] + flat[:, None])
             weights = panels.jacobian[source] * imag[source]
             cauchy -= panels.rule.spacing / np.pi * (kernel @ weights)
-        ratio = np.sqrt((1 + flat) / (self.factors.a + flat)) * self._pressure.amount
-        return (self.canonical.reciprocal_off_cut(flat) * cauchy + ratio).reshape(np.shape(k))
+        for edge, amount in self._terms:
+            cauchy += np.ravel(amount) / (edge.v + flat)
+        result = self.canonical.reciprocal_off_cut(flat) * cauchy
+        if self._pressure.analytic:
+            ratio = self.factors.m_plus(flat, "I") / self.factors.m_plus(flat)
+            amount = self._pressure.amount
+            if self.normal is not None:
+                weight = self._pressure.sense * self.load.friction
+                amount = -weight * self.normal.stick_transform_off_cut(flat)
+            result = result + ratio * amount
+        return np.asarray(result).reshape(np.shape(k))
 
     @cached_property
     def stick_transform_at_edge(self) -> Array:
@@ -183,33 +228,68 @@ class ZoneFields:
 
         () or (k,).
         """
-        return np.asarray((self.constant + self._pressure.amount)[..., 0])
+        return np.asarray((self.constant + self._pressure.amount_at_edge)[..., 0])
 
     @cached_property
     def stick_transform_excess(self) -> Array:
         """(..., n): T / M_+ less its limit at a stuck contact edge, last panel, without loss."""
-        at, factors = self.panels.at[-1], self.factors
-        ratio = np.expm1(0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a)))
         cauchy, growth = self._cauchy[-1], np.expm1(self.canonical.log_growth)
-        return growth * (cauchy + self.constant) + cauchy + self._pressure.amount * ratio
+        for edge, amount in self._terms:
+            cauchy = cauchy + amount * (self._share(edge)[-1] + 1 / edge.v)
+        excess = growth * (cauchy + self.constant) + cauchy
+        pressure = self._pressure
+        if not pressure.analytic:
+            return excess
+        ratio = np.expm1(pressure.log_ratio_at_edge)
+        if self.normal is None:
+            return excess + pressure.amount * ratio
+        gained = -pressure.sense * self.load.friction * self.normal.stick_transform_excess
+        return excess + pressure.amount_on(-1) * ratio + gained
 
     @cached_property
     def slip_rate_slope(self) -> Array:
         """(p, ..., n): dV/dv on panels that slip, 0 on panels that stick."""
-        load, layout, (real, imag) = self.load, self.layout, self.canonical.impedance
+        return self._slope_of(self._reduced)
+
+    def _slope_of(self, reduced: Array) -> Array:
+        """The same from X (Re C + R)."""
+        canonical, layout, pressure = self.canonical, self.layout, self._pressure
+        real, imag = canonical.impedance
+        ahead, slip = layout.slip_ahead, layout.slip
+        sources, missed = pressure.sources
+        slope = self._by_impedance(reduced)
+        if len(ahead) and len(sources):
+            product = canonical.values[ahead] * missed[ahead] * real[ahead]
+            size = np.square(real[ahead]) + np.square(imag[ahead])
+            slope[ahead] -= product / (size * self._modulus[: len(ahead)])
+        if canonical.resistance is not None and len(slip):
+            size = np.abs(imag[slip])
+            size[: len(ahead)] = np.hypot(real[ahead], imag[ahead])
+            product = canonical.values[slip] * missed[slip] * canonical.eta
+            slope[slip] -= product / (np.square(size) * self._modulus)
+        if pressure.analytic:
+            slope[slip] -= pressure.over_impedance[slip]
+        return slope / (np.pi * self.panels.at.v)
+
+    @property
+    def _modulus(self) -> Array:
+        """|M + eta| / |M| at the nodes of panels that slip; 1 without resistance."""
+        if self.canonical.resistance is None:
+            return np.ones((len(self.layout.slip), *[1] * (self.panels.jacobian.ndim - 1)))
+        return self.canonical.excess_impedance[0]
+
+    def _by_impedance(self, reduced: Array) -> Array:
+        """(p, ..., n): -Im (reduced / M) on panels that slip, 0 on panels that stick."""
+        layout, (real, imag) = self.layout, self.canonical.impedance
         slope = np.zeros_like(imag)
         behind, ahead = layout.slip_behind, layout.slip_ahead
-        slope[behind] = self._reduced[behind] / imag[behind]
+        slope[behind] = reduced[behind] / imag[behind]
         if len(ahead):
-            product = self._reduced[ahead] * imag[ahead]
-            if load.load_pressure:
-                _, imag_cauchy = self._pressure.sources
-                product -= self.canonical.values[ahead] * imag_cauchy[ahead] * real[ahead]
-            slope[ahead] = product / (np.square(real[ahead]) + np.square(imag[ahead]))
-            if load.load_pressure:
-                by_pressure = self._pressure.amount * self._pressure.mode_ratio[ahead]
-                slope[ahead] += by_pressure / (self.factors.kappa * self.canonical.m_plus[ahead])
-        return slope / (np.pi * self.panels.at.v)
+            size = np.square(real[ahead]) + np.square(imag[ahead])
+            slope[ahead] = reduced[ahead] * imag[ahead] / size
+        if self.canonical.resistance is not None and len(layout.slip):
+            slope[layout.slip] /= self._modulus
+        return slope
 
     @cached_property
     def traction_slope(self) -> Array:
@@ -221,12 +301,7 @@ class ZoneFields:
 
     def strength(self, edge: CutPoints) -> Array:
         """Friction bound f p at an edge."""
-        load = self.load
-        pressure = np.full(edge.v.shape, load.base_pressure)
-        if load.load_pressure:
-            mode_one = traction_of(self.factors, "I")
-            pressure = pressure + load.load_pressure * mode_one(edge.v)
-        return load.friction * pressure
+        return self.load.friction * self.load.pressure(self.factors, edge)
 
     @cached_property
     def _excess_slope(self) -> Array:
@@ -255,7 +330,8 @@ class ZoneFields:
                 rows.append(np.asarray(self._excess_at_opening(zone, outward, next(gains))))
             if zone.right is not None:
                 ahead = per_set(load.far_slip_rate) if zone.left is None else 0.0
-                rows.append(next(gains) + ahead)
+                rate = next(gains) + ahead
+                rows.append(np.zeros_like(rate) if zone.held else rate)
             outward = zone
         return np.stack(rows) if rows else np.zeros(0)
 
@@ -268,6 +344,6 @@ class ZoneFields:
             return gain + load.base_shear - per_set(load.far_slip_rate) - zone.sense * strength
         if zone.left is None or outward.right is None:
             return gain
-        if outward.sense != zone.sense:
-            gain = gain + (outward.sense - zone.sense) * self.strength(outward.right)[..., 0]
+        if outward.last_sense != zone.sense:
+            gain = gain + (outward.last_sense - zone.sense) * self.strength(outward.right)[..., 0]
         return np.asarray(gain / np.minimum(1.0, zone.left.minus(outward.right)[..., 0]))

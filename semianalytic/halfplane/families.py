@@ -55,14 +55,18 @@ class RayleighFamily(RayleighFactors):
     """
 
     poisson_ratio: Any  # (k, 1)
-    a: Any = field(repr=False)
-    c: Any = field(repr=False)
-    tables: _Tables = field(repr=False)
+    a: Any = field(kw_only=True, repr=False)
+    c: Any = field(kw_only=True, repr=False)
+    tables: _Tables = field(kw_only=True, repr=False)
 
     def chosen(self, which: np.ndarray) -> RayleighFamily:
         """The factors of some of the ratios."""
-        parts = (self.poisson_ratio[which], self.a[which], self.c[which])
-        return RayleighFamily(*parts, self.tables.mapped(lambda series: series[:, which]))
+        return RayleighFamily(
+            self.poisson_ratio[which],
+            a=self.a[which],
+            c=self.c[which],
+            tables=self.tables.mapped(lambda series: series[:, which]),
+        )
 
     def single(self, index: int) -> RayleighFactors:
         """The factors of one of the ratios."""
@@ -74,7 +78,8 @@ class RayleighFamily(RayleighFactors):
 
     @cached_property
     def m_plus_at_zero(self) -> dict[Mode, Any]:
-        return {"I": self.m_plus(0.0, "I"), "II": self.m_plus(0.0, "II")}
+        modes: tuple[Mode, ...] = ("I", "II", "III")
+        return {mode: self.m_plus(0.0, mode) for mode in modes}
 
     @cached_property
     def hidden_root(self) -> Any:
@@ -82,7 +87,7 @@ class RayleighFamily(RayleighFactors):
         root = np.sqrt((-e1 + np.sqrt(np.asarray(e1 * e1 - 4 * e0, dtype=complex))) / 2)
         return root.real + 1j * np.abs(root.imag)
 
-    def impedance_on_cut(self, at: CutPoints, mode: Mode = "II") -> NDArray[np.complex128]:
+    def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:
         """Impedance M(-v + i0) on the cut, all points on one side of the shear front."""
         if at.from_b.flat[0] > 0:
             return np.asarray(1j * self.impedance_behind(at, mode))
@@ -156,7 +161,7 @@ def rayleigh_family(ratios: Array) -> RayleighFamily:
         parts.append(_interpolated(int(i), some) if inside and len(some) > _NODES else _each(some))
     tables = _joined(parts)
     a = np.sqrt((1 - 2 * different) / (2 * (1 - different)))[:, None]
-    family = RayleighFamily(different[:, None], a, _rayleigh_slowness(a), tables)
+    family = RayleighFamily(different[:, None], a=a, c=_rayleigh_slowness(a), tables=tables)
     return family.chosen(place)
 
 

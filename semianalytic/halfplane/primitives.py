@@ -79,13 +79,29 @@ class StuckPrimitive:
         return result
 
 
+class AntiplanePrimitive(StuckPrimitive):
+    """That of q* in mode III, (2/pi) (2 r^3/3 + r - (r^2 + 1) arctan r) with r^2 = u/b - 1."""
+
+    def __call__(self, u: ArrayLike) -> Array:
+        """Primitive at slowness u [1/b], any shape; 0 ahead of the shear front."""
+        root = np.sqrt(np.maximum(np.asarray(u, dtype=float) - 1, 0.0))
+        z = np.square(root)
+        series = z * z * root * (2 / 15 - z * (2 / 35 - z * (2 / 63)))
+        whole = (2 * z / 3 + 1) * root - (z + 1) * np.arctan(root)
+        return np.asarray(2 / np.pi * np.where(root < _SMALL, series, whole))
+
+
+_SMALL = 1e-2
+
+
 @lru_cache(maxsize=64)
 def stuck_primitive(poisson_ratio: float, mode: Mode) -> StuckPrimitive:
-    """Primitive of p* (mode I) or q* (mode II) for a Poisson ratio, tables kept.
+    """Primitive of p* (mode I) or q* (modes II and III) for a Poisson ratio, tables kept.
 
     Raises
     ------
     SceneError
         If the Poisson ratio is not in (-1, 0.5).
     """
-    return StuckPrimitive(rayleigh_factors(poisson_ratio), mode)
+    kind = AntiplanePrimitive if mode == "III" else StuckPrimitive
+    return kind(rayleigh_factors(poisson_ratio), mode)

@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 from semianalytic.scene.scene import Material
 
 Array = NDArray[np.float64]
-Mode = Literal["I", "II"]
+Mode = Literal["I", "II", "III"]
+"""Opening, sliding across the edge, sliding along it (antiplane)."""
 
 _REACH, _SPACING = 80.0, 0.08  # of y in v = a + (b - a) / (1 + exp(-y))
 _DEGREE = 256
@@ -117,9 +118,17 @@ class RayleighFactors:
     """Rayleigh function and Wiener-Hopf factors for one Poisson ratio, b = mu = 1.
 
     Use `rayleigh_factors(poisson_ratio)`, which keeps the tables of recent Poisson ratios.
+
+    Attributes
+    ----------
+    poisson_ratio : float
+    mode : "I", "II" or "III"
+        That of the impedance M meant where none is named.  M_+(k) is (c + k) S_+(k) / (r + k)^1/2
+        with r = a in mode I, b in mode II; in mode III, which has no Rayleigh wave, (b + k)^1/2.
     """
 
     poisson_ratio: float
+    mode: Mode = "II"
 
     def chosen(self, which: np.ndarray) -> RayleighFactors:
         """The factors of some of many sets of zones: themselves, for they know one ratio alone."""
@@ -140,13 +149,28 @@ class RayleighFactors:
 
     @cached_property
     def c(self) -> float:
-        """Rayleigh slowness 1/c_R in units of b."""
-        return 1.0 / self._unit_material.rayleigh_speed
+        """Rayleigh slowness 1/c_R in units of b; in mode III the shear slowness, the last front."""
+        return 1.0 / self._unit_material.rayleigh_speed if self.has_rayleigh_wave else 1.0
+
+    @property
+    def has_rayleigh_wave(self) -> bool:
+        """Whether M vanishes at c and has the phase phi ahead of the shear front."""
+        return self.mode != "III"
+
+    @property
+    def root(self) -> int:
+        """Where M_+ has its root: the front r, as a part of `CutPoints` (1 for a, 2 for b)."""
+        return 1 if self.mode == "I" else 2
+
+    @property
+    def root_exponent(self) -> float:
+        """Exponent of r + k in M_+."""
+        return -0.5 if self.has_rayleigh_wave else 0.5
 
     @cached_property
     def kappa(self) -> float:
-        """Constant kappa = 2 mu (b^2 - a^2) / b^2 of M = kappa M_+ M_-, in units of mu b / b."""
-        return 2.0 * (1.0 - self.a**2)
+        """Constant kappa of M = kappa M_+ M_- [mu]: 2 (b^2 - a^2) / b^2; 1 in mode III."""
+        return 2.0 * (1.0 - self.a**2) if self.has_rayleigh_wave else 1.0
 
     def phase(self, at: CutPoints) -> Array:
         """Phase phi(v) of the Rayleigh function on a < v < b (the arctan of (3.12)); 0 outside."""
@@ -157,19 +181,22 @@ class RayleighFactors:
 
     @cached_property
     def m_plus_at_zero(self) -> dict[Mode, float]:
-        """M_+(0) of both modes."""
-        return {"I": float(self.m_plus(0.0, "I")), "II": float(self.m_plus(0.0, "II"))}
+        """M_+(0) of all modes."""
+        modes: tuple[Mode, ...] = ("I", "II", "III")
+        return {mode: float(self.m_plus(0.0, mode)) for mode in modes}
+
+    @cached_property
+    def in_plane(self) -> RayleighFactors:
+        """Those of mode II, which hold the tables."""
+        return self if self.mode == "II" else rayleigh_factors(self.poisson_ratio)
 
     @cached_property
     def _log_s_plus(self) -> Array:
         """Chebyshev series of ln S_+ over k >= 0 in (k - q)/(k + q), q^2 = a b."""
-        # Nodes crowd at both ends exponentially: for nu -> 0.5 the pole at -k comes near a.
-        y = np.arange(-_REACH, _REACH + _SPACING, _SPACING)
-        from_a, from_b = ((1 - self.a) / (1 + np.exp(sign * y)) for sign in (-1, 1))
-        w = np.where(y < 0, self.a + from_a, 1 - from_b)
-        at = CutPoints(np.stack([w, from_a, -from_b, w - self.c]))
-        density = self.phase(at) * from_a * from_b / (1 - self.a) * _SPACING / np.pi
-        q = np.sqrt(self.a)
+        if self.mode != "II":
+            return self.in_plane._log_s_plus
+        (at, density), q = self._phase_rule, np.sqrt(self.a)
+        w = at.v
 
         def log_s_plus(z: Array) -> Array:
             k_over = q * (1 + z)  # k = k_over / (1 - z)
@@ -177,19 +204,37 @@ class RayleighFactors:
 
         return chebyshev_series(log_s_plus, _DEGREE)
 
+    @cached_property
+    def _phase_rule(self) -> tuple[CutPoints, Array]:
+        """Nodes and weights of (1/pi) int phi(w) ... dw over a < w < b (mode II)."""
+        # Nodes crowd at both ends exponentially: for nu -> 0.5 the pole at -k comes near a.
+        y = np.arange(-_REACH, _REACH + _SPACING, _SPACING)
+        from_a, from_b = ((1 - self.a) / (1 + np.exp(sign * y)) for sign in (-1, 1))
+        w = np.where(y < 0, self.a + from_a, 1 - from_b)
+        at = CutPoints(np.stack([w, from_a, -from_b, w - self.c]))
+        return at, self.phase(at) * from_a * from_b / (1 - self.a) * _SPACING / np.pi
+
+    def log_s_plus_behind(self, at: CutPoints) -> Array:
+        """ln S_+(-v) at v > b, where it is real; with all its digits however small it is."""
+        node, density = self.in_plane._phase_rule
+        return np.asarray((1 / (at.from_b[..., None] - node.from_b)) @ density)
+
     def s_plus(self, k: ArrayLike) -> Array:
         """Factor S_+(k) of the Rayleigh function for k >= 0 (3.12), (4.20)."""
         k = np.asarray(k, dtype=float)
         q = np.sqrt(self.a)
         return np.exp(chebyshev.chebval((k - q) / (k + q), self._log_s_plus))
 
-    def m_plus(self, k: ArrayLike, mode: Mode = "II") -> Array:
-        """Impedance factor M_+(k) = (c + k) S_+(k) / sqrt(b + k) (mode I: sqrt(a + k)), k >= 0.
+    def m_plus(self, k: ArrayLike, mode: Mode | None = None) -> Array:
+        """Impedance factor M_+(k), k >= 0: (c + k) S_+(k) / sqrt(b + k) in mode II.
 
         The reciprocal of the article's F_+ (3.11) and G_+ (3.15).
         """
-        k = np.asarray(k, dtype=float)
-        return (self.c + k) * self.s_plus(k) / np.sqrt((1.0 if mode == "II" else self.a) + k)
+        k, mode = np.asarray(k, dtype=float), mode or self.mode
+        if mode == "III":
+            return np.sqrt(1.0 + k)
+        c, root = self.in_plane.c, 1.0 if mode == "II" else self.a
+        return (c + k) * self.s_plus(k) / np.sqrt(root + k)
 
     @cached_property
     def _spurious_roots(self) -> tuple[float, float]:
@@ -201,8 +246,10 @@ class RayleighFactors:
     def hidden_root(self) -> complex:
         """The slowness, Im >= 0, at which the phase phi, continued off a < v < b, is singular.
 
-        A root of the Rayleigh function on its other sheet; complex for nu > 0.263.
+        A root of the Rayleigh function on its other sheet; complex for nu > 0.263; 0 in mode III.
         """
+        if not self.has_rayleigh_wave:
+            return 0j
         e1, e0 = self._spurious_roots
         root = complex(np.sqrt((-e1 + np.sqrt(complex(e1 * e1 - 4 * e0))) / 2))
         return complex(root.real, abs(root.imag))
@@ -218,27 +265,33 @@ class RayleighFactors:
 
     def _reduced_rayleigh(self, z: Array, root: Array) -> Array:
         """The same from z = v^2 and sqrt((v^2 - a^2)(v^2 - b^2))."""
-        e1, e0 = self._spurious_roots
+        e1, e0 = self.in_plane._spurious_roots
         conjugate = np.square(1 - 2 * z) + 4 * z * root
         return np.asarray(16 * (1 - self.a**2) * (z * (z + e1) + e0) / conjugate)
 
-    def impedance_ahead(self, at: CutPoints, mode: Mode = "II") -> tuple[Array, Array]:
+    def impedance_ahead(self, at: CutPoints, mode: Mode | None = None) -> tuple[Array, Array]:
         """Real and imaginary part of the impedance M(-v + i0) where a < v < b (4.17)."""
-        v, z = at.v, np.square(at.v)
+        v, z, mode = at.v, np.square(at.v), mode or self.mode
         alpha, beta = np.sqrt(at.from_a * (v + self.a)), np.sqrt(-at.from_b * (v + 1))
+        if mode == "III":
+            return beta, np.zeros_like(beta)
         polynomial = np.square(1 - 2 * z)
         if mode == "II":
             return polynomial / beta, 4 * z * alpha
         return 4 * z * beta, -polynomial / alpha
 
-    def impedance_behind(self, at: CutPoints, mode: Mode = "II") -> Array:
+    def impedance_behind(self, at: CutPoints, mode: Mode | None = None) -> Array:
         """The impedance M(-v + i0) / i where v > b; it is imaginary there (4.17)."""
-        v = at.v
+        v, mode = at.v, mode or self.mode
         z, alpha2, beta2 = np.square(v), at.from_a * (v + self.a), at.from_b * (v + 1)
-        rayleigh = self._reduced_rayleigh(z, np.sqrt(alpha2 * beta2)) * at.from_c * (v + self.c)
+        if mode == "III":
+            return np.asarray(np.sqrt(beta2))
+        c = self.in_plane.c
+        from_c = at.from_c if self.has_rayleigh_wave else v - c
+        rayleigh = self._reduced_rayleigh(z, np.sqrt(alpha2 * beta2)) * from_c * (v + c)
         return np.asarray(rayleigh / np.sqrt(beta2 if mode == "II" else alpha2))
 
-    def impedance_on_cut(self, at: CutPoints, mode: Mode = "II") -> NDArray[np.complex128]:
+    def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:
         """Impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.17)."""
         ahead = at.from_b < 0
         result = np.empty(at.v.shape, dtype=complex)
@@ -287,7 +340,7 @@ class RayleighFactors:
 
 
 @lru_cache(maxsize=64)
-def rayleigh_factors(poisson_ratio: float) -> RayleighFactors:
+def rayleigh_factors(poisson_ratio: float, mode: Mode = "II") -> RayleighFactors:
     """Factors for one Poisson ratio; the tables of the 64 most recent ones are kept.
 
     Raises
@@ -296,4 +349,4 @@ def rayleigh_factors(poisson_ratio: float) -> RayleighFactors:
         If the Poisson ratio is not in (-1, 0.5).
     """
     Material(1.0, 1.0, poisson_ratio)
-    return RayleighFactors(poisson_ratio)
+    return RayleighFactors(poisson_ratio, mode)

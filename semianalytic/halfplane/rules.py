@@ -19,11 +19,16 @@ _STEPS = 32  # per power of two: finer rules come in steps, so that their tables
 
 @dataclass(frozen=True)
 class Rule:
-    """Uniform grid in y: spacing h, from -reach to reach, and `further` on either side."""
+    """Uniform grid in y: spacing h, from -reach to reach, and `further` on either side.
+
+    A rule that is `held` stays as it is where panels would ask for a finer or longer one: so have
+    neighbouring zones the same nodes.
+    """
 
     spacing: float
     reach: float
     further: int = 0
+    held: bool = False
 
     @cached_property
     def y(self) -> Array:
@@ -113,5 +118,7 @@ def _finer(rule: Rule, refinements: int, further: int) -> Rule:
 
 def finer_rule(rule: Rule, strip: float, further: float) -> Rule:
     """A rule for functions analytic in |Im y| < pi `strip`, that goes `further` on either side."""
+    if rule.held:
+        return rule
     beyond = int(np.ceil(min(further, _FARTHEST))) if further > 0 else 0
     return _finer(rule, int(np.ceil(-_STEPS * np.log2(strip))), beyond)

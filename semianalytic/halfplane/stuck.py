@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, singledispatch
+from typing import Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -121,15 +122,31 @@ class StuckTraction:
         return result
 
 
+class AntiplaneTraction(StuckTraction):
+    """q* in mode III, (2/pi) (r - arctan r) with r^2 = u/b - 1; the same for every solid."""
+
+    def __call__(self, u: ArrayLike) -> Array:
+        """Traction at slowness u = t/x [1/b], any shape; 0 ahead of the shear front."""
+        root = np.sqrt(np.maximum(np.asarray(u, dtype=float) - 1, 0.0))
+        series = np.square(root) * root * (1 / 3 - np.square(root) * (1 / 5 - np.square(root) / 7))
+        small = root < _SMALL
+        return np.asarray(2 / np.pi * np.where(small, series, root - np.arctan(root)))
+
+
+_SMALL = 1e-3
+
+
 @lru_cache(maxsize=64)
 def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
-    """p* (mode I) or q* (mode II) for a Poisson ratio, tables kept.
+    """p* (mode I) or q* (modes II and III) for a Poisson ratio, tables kept.
 
     Raises
     ------
     SceneError
         If the Poisson ratio is not in (-1, 0.5).
     """
+    if mode == "III":
+        return AntiplaneTraction(rayleigh_factors(poisson_ratio, mode), mode)
     return StuckTraction(rayleigh_factors(poisson_ratio), mode)
 
 
@@ -140,15 +157,17 @@ def traction_of(factors: RayleighFactors, mode: Mode) -> StuckTraction:
 
 
 def stress_intensity(
-    material: Material, load: Tractions, t: ArrayLike
+    material: Material, load: Tractions, t: ArrayLike, shear_mode: Literal["II", "III"] = "II"
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Stress intensity factors (K_I, K_II) of a stuck interface at times t (3.13), (3.16).
 
     Near the edge pressure ~ K_I / sqrt(2 pi x) and shear ~ K_II / sqrt(2 pi x)
-    [stress sqrt(length)]; K_I > 0 is compression.  Times before 0 give 0.
+    [stress sqrt(length)]; K_I > 0 is compression.  Times before 0 give 0.  In mode III the second
+    is K_III = 2 Q_0 sqrt(2 c_t t / pi), that of mode II at nu = 0.
     """
     root = np.sqrt(np.maximum(np.asarray(t, dtype=float), 0.0) / np.pi)
     nu = material.poisson_ratio
     mode_one = 2 * load.pressure * np.sqrt((1 - 2 * nu) * material.longitudinal_speed) / (1 - nu)
-    mode_two = 2 * load.shear * np.sqrt(2 * material.shear_speed / (1 - nu))
-    return mode_one * root, mode_two * root
+    yielding = 1 - nu if shear_mode == "II" else 1.0
+    sheared = 2 * load.shear * np.sqrt(2 * material.shear_speed / yielding)
+    return mode_one * root, sheared * root

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -136,13 +137,18 @@ def stuck_pressure(
 
 
 def stuck_shear(
-    history: LoadHistory, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
+    history: LoadHistory,
+    amplitude: float,
+    material: Material,
+    x: ArrayLike,
+    t: ArrayLike,
+    shear_mode: Literal["II", "III"] = "II",
 ) -> StuckHistory:
     """Shear traction a slot load Q_0 f(t) adds to a stuck interface, (3.14) with (3.20).
 
-    Parameters and errors as `stuck_pressure`.
+    Parameters and errors as `stuck_pressure`; `shear_mode` "III" for antiplane shear.
     """
-    return _stuck(history, amplitude, material, x, t, "II")
+    return _stuck(history, amplitude, material, x, t, shear_mode)
 
 
 def _root_response(history: LoadHistory, t: Array) -> Array:
@@ -166,7 +172,11 @@ def _root_response(history: LoadHistory, t: Array) -> Array:
 
 
 def intensity_history(
-    history: LoadHistory, load: Tractions, material: Material, t: ArrayLike
+    history: LoadHistory,
+    load: Tractions,
+    material: Material,
+    t: ArrayLike,
+    shear_mode: Literal["II", "III"] = "II",
 ) -> tuple[Array, Array]:
     """(K_I, K_II) of a stuck interface under the loads P_0 f(t), Q_0 f(t), (3.13), (3.16), (3.20).
 
@@ -179,10 +189,11 @@ def intensity_history(
         Amplitudes (P_0, Q_0).
     material : Material
     t : times [time], any shape.
+    shear_mode : "III" for K_III in place of K_II.
     """
     response = _root_response(history, np.asarray(t, dtype=float))
-    mode_one, mode_two = stress_intensity(material, load, 1.0)
-    return mode_one * response, mode_two * response
+    mode_one, sheared = stress_intensity(material, load, 1.0, shear_mode)
+    return mode_one * response, sheared * response
 
 
 def near_field(intensity: ArrayLike, x: ArrayLike) -> Array:

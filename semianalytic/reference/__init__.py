@@ -10,7 +10,15 @@ Closed forms, at velocities x/t (chi = f P / Q_0):
   edge under a step of shear, large chi;
 - `slip_rate_under_remote_shock`: slip everywhere under a sudden remote load, chi <= 1;
 - `slip_rate_without_friction`: Lamb's surface velocity under a step of shear, chi = 0;
-- `static_zone`: the slip zone of a slot that is loaded slowly, a `StaticZone`.
+- `antiplane_edge_speed`, `antiplane_slip_rate`, `antiplane_slip`, `antiplane_traction`,
+  `antiplane_edge_intensity`: the zone under a step of antiplane shear, at every chi;
+- `viscous_antiplane_edge_speed`, `viscous_antiplane_slip_rate`: the same where strength grows with
+  slip rate;
+- `static_zone`: the slip zone of a slot that is loaded slowly, a `StaticZone`;
+- `edge_speed_of_opening`, `gap_rate_of_opening`: the contact opens from its edge, under an extra
+  pressure on the slot faces;
+- `detached_opening`: it opens around the Rayleigh front, under a sudden pressure on a small base, a
+  `DetachedOpening`.
 
 The algorithm of section 5 and Appendix B, in every reading its text allows:
 
@@ -21,11 +29,26 @@ The algorithm of section 5 and Appendix B, in every reading its text allows:
   says, `REVERSE_LIMIT` among it, at `ARTICLE_POISSON_RATIO` and `ARTICLE_SHEAR_SLOWNESS`.
 """
 
+from semianalytic.reference.antiplane import (
+    antiplane_edge_intensity,
+    antiplane_edge_speed,
+    antiplane_slip,
+    antiplane_slip_rate,
+    antiplane_traction,
+    viscous_antiplane_edge_speed,
+    viscous_antiplane_slip_rate,
+)
 from semianalytic.reference.closed_forms import (
     edge_speed_under_shear_step,
     slip_rate_under_remote_shock,
     slip_rate_under_shear_step,
     slip_rate_without_friction,
+)
+from semianalytic.reference.openings import (
+    DetachedOpening,
+    detached_opening,
+    edge_speed_of_opening,
+    gap_rate_of_opening,
 )
 from semianalytic.reference.published import (
     ARTICLE_POISSON_RATIO,
@@ -51,14 +74,23 @@ __all__ = [
     "ARTICLE_SHEAR_SLOWNESS",
     "DEFAULT_READING",
     "REVERSE_LIMIT",
+    "DetachedOpening",
     "PublishedGrid",
     "PublishedSlip",
     "Reading",
     "ReadingResult",
     "StaticZone",
+    "antiplane_edge_intensity",
+    "antiplane_edge_speed",
+    "antiplane_slip",
+    "antiplane_slip_rate",
+    "antiplane_traction",
+    "detached_opening",
+    "edge_speed_of_opening",
     "edge_speed_under_shear_step",
     "examine_all",
     "examine_reading",
+    "gap_rate_of_opening",
     "kernel_primitives",
     "published_grid",
     "published_slip",
@@ -68,4 +100,6 @@ __all__ = [
     "slip_rate_under_shear_step",
     "slip_rate_without_friction",
     "static_zone",
+    "viscous_antiplane_edge_speed",
+    "viscous_antiplane_slip_rate",
 ]

@@ -16,7 +16,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
 
-def _over_shear_speed(material: Material, velocity: ArrayLike, *, edge: bool = False) -> Array:
+def over_shear_speed(material: Material, velocity: ArrayLike, *, edge: bool = False) -> Array:
     """Velocities over c_t, checked: positive, or 0 as well where the contact edge is included."""
     xi = np.asarray(velocity, dtype=float) / material.shear_speed
     if not np.all(xi >= 0 if edge else xi > 0):
@@ -79,7 +79,7 @@ def slip_rate_under_shear_step(
 
     unit = 2 * load_shear / material.shear_impedance
     scale = unit * np.sqrt(start) / (np.pi * factors.kappa * factors.m_plus_at_zero["II"])
-    xi = _over_shear_speed(material, velocity, edge=True)
+    xi = over_shear_speed(material, velocity, edge=True)
     result = np.zeros(xi.shape)
     for index in np.ndindex(xi.shape):
         place = float(xi[index])
@@ -126,7 +126,7 @@ def slip_rate_under_remote_shock(
         root = np.sqrt((1 + w) * (1 - w))
         return float(2 * np.sqrt(1 - a) * np.cos(theta) * root / (w * (c + w) * factors.s_plus(w)))
 
-    xi = _over_shear_speed(material, velocity)
+    xi = over_shear_speed(material, velocity)
     result = np.zeros(xi.shape)
     for index in np.ndindex(xi.shape):
         u = min(1 / float(xi[index]), 1.0)
@@ -175,7 +175,7 @@ def slip_rate_without_friction(material: Material, load_shear: float, velocity: 
         w = 1 + s * s
         return 2 * s * (regular(w) - regular(c)) / (w - c)
 
-    xi = _over_shear_speed(material, velocity)
+    xi = over_shear_speed(material, velocity)
     result = np.zeros(xi.shape)
     for index in np.ndindex(xi.shape):
         u = 1 / float(xi[index])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.reference.antiplane import antiplane_edge_speed, antiplane_slip_rate
 from semianalytic.reference.closed_forms import (
     edge_speed_under_shear_step,
     slip_rate_under_remote_shock,
@@ -16,6 +18,7 @@ from semianalytic.reference.closed_forms import (
 )
 from semianalytic.reference.published import PublishedSlip, published_slip
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -40,8 +43,8 @@ class KnownAnswer:
 def closed_form(scene: Scene) -> KnownAnswer:
     """The closed form of a scene under a step: shear on constant pressure, or all of it at once.
 
-    A remote load must make all slip, f P_0 <= Q_0; that a shear step makes one slip zone slower
-    than c_R is not looked at.
+    A remote load must make all slip, f P_0 <= Q_0; that a shear step in plane makes one slip zone
+    slower than c_R is not looked at.
 
     Raises
     ------
@@ -50,12 +53,16 @@ def closed_form(scene: Scene) -> KnownAnswer:
     """
     material, friction, load = scene.material, scene.friction, scene.load
     pressure, shear = load.pressure, load.shear
-    if scene.is_self_similar and scene.base == load and friction * pressure <= shear:
+    if not (scene.is_step and scene.friction_law == CoulombFriction()):
+        raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
+    if scene.antiplane:
+        return _antiplane_form(scene)
+    if scene.base == load and friction * pressure <= shear:
         return KnownAnswer(
             lambda speed: slip_rate_under_remote_shock(material, pressure, shear, friction, speed),
             None,
         )
-    if not scene.is_self_similar or pressure or scene.base.shear or not shear:
+    if pressure or scene.base.shear or not shear:
         raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
     if friction == 0:
         return KnownAnswer(lambda speed: slip_rate_without_friction(material, shear, speed), None)
@@ -66,13 +73,30 @@ def closed_form(scene: Scene) -> KnownAnswer:
     )
 
 
+def _antiplane_form(scene: Scene) -> KnownAnswer:
+    """The closed form of a step of antiplane shear under constant pressure."""
+    material, shear = scene.material, scene.load.shear
+    if scene.load.pressure or not shear or scene.far_slip_rate:
+        raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
+    along = math.copysign(1, shear) * scene.base.shear
+    ratio = max(scene.friction * scene.base.pressure - along, 0.0) / abs(shear)
+    return KnownAnswer(
+        lambda speed: antiplane_slip_rate(material, shear, ratio, speed),
+        antiplane_edge_speed(material, ratio),
+    )
+
+
 def published_obstacle(scene: Scene) -> str:
     """Why the published algorithm does not apply, or nothing.
 
     It knows one load, a sudden remote one, and divides by f P_0.
     """
-    if not scene.is_self_similar:
+    if not scene.is_step:
         return "its loads are not steps"
+    if scene.friction_law != CoulombFriction():
+        return "its strength depends on slip"
+    if scene.antiplane:
+        return "its shear is in plane"
     if scene.base != scene.load:
         return "its only load is a sudden remote one, base and load equal"
     return "" if scene.friction * scene.load.pressure * scene.load.shear > 0 else "f P_0 is zero"

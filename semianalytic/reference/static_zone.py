@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.halfplane.stuck_histories import intensity_history
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ class StaticZone:
     """Slip zone beside the contact edge under a constant strength.
 
     The stress intensity of the zone's own traction at its far end cancels that of the load,
-    2 strength sqrt(2 length / pi) = K_II (Dugdale; Barenblatt).
+    2 strength sqrt(2 length / pi) = K_II or K_III (Dugdale; Barenblatt).
 
     Attributes
     ----------
@@ -26,26 +26,28 @@ class StaticZone:
         Friction bound less shear traction of the slot [stress].
     length : float
         [length].
-    material : Material
+    modulus : float
+        mu / (1 - nu), in antiplane shear mu [stress].
     """
 
     strength: float
     length: float
-    material: Material
+    modulus: float
 
     def slip(self, x: Array) -> Array:
         """Relative slip at x > 0, (n,) [length]."""
         share = np.clip(x / self.length, 1e-300, 1.0)
         root = np.sqrt(1 - share)
         shape = root - share / 2 * np.log((1 + root) / (1 - root + 1e-300))
-        unit = 4 * (1 - self.material.poisson_ratio) / (np.pi * self.material.shear_modulus)
-        return unit * self.strength * self.length * shape
+        return 4 / (np.pi * self.modulus) * self.strength * self.length * shape
 
 
 def static_zone(scene: Scene, t: float) -> StaticZone:
     """The static zone at a time of a scene with slow shear under constant pressure."""
     load = scene.load.shear * float(scene.shear_history.value(t))
     strength = scene.friction * scene.base.pressure - scene.base.shear + load
-    _, intensity = intensity_history(scene.shear_history, scene.load, scene.material, t)
+    _, intensity = intensity_history(
+        scene.shear_history, scene.load, scene.material, t, scene.shear_mode
+    )
     length = np.pi / 8 * (float(intensity) / strength) ** 2
-    return StaticZone(strength, float(length), scene.material)
+    return StaticZone(strength, float(length), scene.static_modulus)

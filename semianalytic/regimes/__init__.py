@@ -10,6 +10,7 @@ Thresholds are values of the friction coefficient chi, which is dimensionless in
   stuck interface, sqrt(b/a) (3.17)-(3.19);
 - `nucleation`: below it the interface slips at the shear front, `front_threshold_stuck` on an
   otherwise stuck one (remote); `crossing_poisson_ratio` is where that comes first;
+- `opening_threshold`: base over step of pressure below which the contact opens ahead of the step;
 - `stuck_threshold`: above both the interface is fully stuck (remote);
 - `gap_threshold`: below it the stick gap at c_R is narrower than double precision resolves;
 - `reverse_threshold`: below it some of the interface slips backward (preload),
@@ -37,6 +38,7 @@ from semianalytic.regimes.thresholds import (
     gap_threshold,
     nucleation,
     one_zone,
+    opening_threshold,
     past_rayleigh,
     rayleigh_logarithm,
     scene_of,
@@ -56,6 +58,7 @@ __all__ = [
     "log_narrow_reverse_threshold",
     "nucleation",
     "one_zone",
+    "opening_threshold",
     "past_rayleigh",
     "rayleigh_logarithm",
     "regime",

@@ -138,6 +138,18 @@ def front_threshold_stuck(poisson_ratio: float) -> float:
     return float((1 + shear(1.0)) / (1 + pressure(1.0)))
 
 
+def opening_threshold(poisson_ratio: float) -> float:
+    """Base pressure over a sudden pressure, P_b / P_0, below which the contact opens ahead of it.
+
+    -p*(c): the pressure of a closed contact is least at the Rayleigh front, where it falls by
+    that much of the step.  Under pressure put on the slot, P_0 < 0, the contact edge opens at once
+    whatever the base.
+
+    Raises as `edge_threshold_alone`.
+    """
+    return -float(stuck_traction(poisson_ratio, "I").at_rayleigh_front)
+
+
 def crossing_poisson_ratio() -> float:
     """Poisson ratio below which a remote load breaks the shear front before the contact edge."""
     return float(brentq(lambda nu: edge_threshold_alone(nu) - front_threshold_stuck(nu), -0.6, 0.0))

@@ -14,7 +14,7 @@ from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
+FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
 """Methods of positions and times."""
 TOTALS = ("max_slip", "accumulated_slip", "frictional_work")
 """Methods of times alone."""
@@ -36,6 +36,20 @@ class SlipInterval:
     start: float
     end: float
     sense: int
+
+
+@dataclass(frozen=True)
+class OpenInterval:
+    """Part of the contact whose sides do not touch at one time: start < x < end.
+
+    Attributes
+    ----------
+    start, end : float
+        Positions [length]; 0 is the contact edge.
+    """
+
+    start: float
+    end: float
 
 
 class Answer(Protocol):
@@ -65,7 +79,11 @@ class Answer(Protocol):
         ...
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Contact pressure [stress]."""
+        """Contact pressure [stress], 0 where the contact is open."""
+        ...
+
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How far the contact is open [length], 0 where it is closed."""
         ...
 
     def max_slip(self, t: ArrayLike) -> Array:
@@ -81,7 +99,14 @@ class Answer(Protocol):
         ...
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """What slips at a time, from the contact edge outward; nothing until the load comes."""
+        """What slips at a time, from the contact edge outward; nothing until the load comes.
+
+        What is open moves without friction, and is not among it.
+        """
+        ...
+
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+        """What is open at a time, from the contact edge outward; nothing until the load comes."""
         ...
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:

@@ -16,6 +16,7 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
     "slip_rate": ("length / time", "relative slip rate, upper minus lower side"),
     "shear_traction": ("stress", "shear traction, base included"),
     "pressure": ("stress", "contact pressure, base included, compression positive"),
+    "gap": ("length", "how far the contact is open"),
     "max_slip": ("length", "largest |slip| on the contact"),
     "accumulated_slip": ("length^2", "integral of accumulated |slip| over the contact"),
     "frictional_work": ("stress length^2", "energy turned to heat per unit depth"),

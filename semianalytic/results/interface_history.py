@@ -13,7 +13,7 @@ from semianalytic.results.datasets import dataset
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.scene.errors import DataFileError
 
-FORMAT = "slipfront interface history 1"
+FORMAT = "slipfront interface history 2"
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +30,8 @@ class InterfaceHistory:
         Relative slip [length] and slip rate [length / time], upper minus lower face.
     shear_traction, pressure : (m, n) arrays
         Total tractions, base included [stress], compressive pressure positive.
+    gap : (m, n) array
+        How far the contact is open [length], 0 where it is closed.
     """
 
     x: NDArray[np.float64]
@@ -38,12 +40,18 @@ class InterfaceHistory:
     slip_rate: NDArray[np.float64]
     shear_traction: NDArray[np.float64]
     pressure: NDArray[np.float64]
+    gap: NDArray[np.float64]
 
     def __post_init__(self) -> None:
         shape = (len(self.t), len(self.x))
-        for name in ("slip", "slip_rate", "shear_traction", "pressure"):
+        for name in ("slip", "slip_rate", "shear_traction", "pressure", "gap"):
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} has shape {getattr(self, name).shape}, expected {shape}.")
+
+    @property
+    def rubbing_rate(self) -> NDArray[np.float64]:
+        """Slip rate where the sides touch, 0 where the contact is open [length / time], (m, n)."""
+        return np.where(self.gap > 0, 0.0, self.slip_rate)
 
     def save(self, path: str | Path) -> None:
         """Write the history as HDF5; a file appears under its name only when complete."""

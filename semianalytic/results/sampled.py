@@ -7,13 +7,19 @@ A solver that steps through time keeps an `InterfaceHistory` of the levels it st
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic.results.answer import SlipInterval, answer_dataset, sampled_history
+from semianalytic.results.answer import (
+    OpenInterval,
+    SlipInterval,
+    answer_dataset,
+    sampled_history,
+)
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
@@ -99,6 +105,10 @@ class SampledAnswer:
         """Contact pressure [stress], base included, compression positive; raises as `slip_rate`."""
         return self._field("pressure", x, t, self.scene.base.pressure)
 
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
+        return self._field("gap", x, t)
+
     def max_slip(self, t: ArrayLike) -> Array:
         """Largest |slip| on the recorded contact at times t [length].
 
@@ -126,7 +136,7 @@ class SampledAnswer:
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
         """What slips at a time, from the contact edge outward, as `slip_intervals` finds it.
 
-        Between two stored levels that is what slips at either.
+        Between two stored levels that is what slips at either.  What is open at both is not in it.
 
         Raises
         ------
@@ -138,7 +148,17 @@ class SampledAnswer:
             return ()
         seen = self.interface
         least = _NO_SLIP * float(np.abs(seen.slip_rate).max(initial=0.0))
-        return slip_intervals(seen.x, self.slip_rate(seen.x, t), least)
+        rubbing = np.where(self.gap(seen.x, t) > 0, 0.0, self.slip_rate(seen.x, t))
+        openings = self.openings_at(t)
+        return tuple(_clipped(zone, openings) for zone in slip_intervals(seen.x, rubbing, least))
+
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+        """What is open at a time, from the contact edge outward, as `open_intervals` finds it.
+
+        Raises as `zones_at`.
+        """
+        t = checked_number("openings_at: t", t)
+        return () if t <= 0 else open_intervals(self.interface.x, self.gap(self.interface.x, t))
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
@@ -214,21 +234,64 @@ def slip_intervals(x: Array, slip_rate: Array, least: float) -> tuple[SlipInterv
         sample ends at infinity.
     """
     sense = np.where(np.abs(slip_rate) > least, np.sign(slip_rate), 0.0)
-    runs = np.split(np.arange(len(sense)), np.flatnonzero(np.diff(sense)) + 1)
-    intervals = []
-    for run in runs:
-        if len(run) < 2 or sense[run[0]] == 0:
-            continue
-        inward = run[::-1]
-        start = _edge(x[run], slip_rate[run]) if run[0] else 0.0
-        end = _edge(x[inward], slip_rate[inward]) if run[-1] < len(sense) - 1 else math.inf
-        intervals.append(SlipInterval(start, end, int(sense[run[0]])))
-    return tuple(intervals)
+    return tuple(
+        SlipInterval(*_ends(x, slip_rate**2, run), int(sense[run[0]])) for run in _runs(sense)
+    )
 
 
-def _edge(x: Array, slip_rate: Array) -> float:
-    """Where the square of the slip rate falls to zero, samples given from the edge inward."""
-    first, second = (slip_rate[:2] ** 2).tolist()
+def open_intervals(x: Array, gap: Array, least: float = 0.0) -> tuple[OpenInterval, ...]:
+    """What is open, from a sampled gap; as `slip_intervals`, by the law of a smooth end.
+
+    There the gap grows like the distance to the power 3/2.
+
+    Parameters
+    ----------
+    x : (n,) array
+        Positions [length], increasing, all positive; velocities x/t do as well.
+    gap : (n,) array
+        How far the contact is open [length], >= 0.
+    least : float
+        Largest gap that counts as none [length].
+
+    Returns
+    -------
+    tuple of OpenInterval
+        From the edge outward.  One that holds the first sample starts at 0, one that holds the last
+        sample ends at infinity.
+    """
+    return tuple(OpenInterval(*_ends(x, gap ** (2 / 3), run)) for run in _runs(gap > least))
+
+
+def _runs(kind: NDArray[Any]) -> Iterator[NDArray[np.intp]]:
+    """Indices of samples in a row that are of one kind, two or more, but not of none."""
+    for run in np.split(np.arange(len(kind)), np.flatnonzero(kind[1:] != kind[:-1]) + 1):
+        if len(run) > 1 and kind[run[0]]:
+            yield run
+
+
+def _ends(x: Array, straight: Array, run: NDArray[np.intp]) -> tuple[float, float]:
+    """Ends of a run of samples of what falls to zero there along a straight line."""
+    inward = run[::-1]
+    start = _edge(x[run], straight[run]) if run[0] else 0.0
+    end = _edge(x[inward], straight[inward]) if run[-1] < len(x) - 1 else math.inf
+    return start, end
+
+
+def _clipped(zone: SlipInterval, openings: Iterable[OpenInterval]) -> SlipInterval:
+    """What of a zone is closed: next to an opening it slips at full speed, and no law of an edge
+    says where it ends."""
+    start, end = zone.start, zone.end
+    for opening in openings:
+        if opening.start < start < opening.end:
+            start = opening.end
+        if opening.start < end < opening.end:
+            end = opening.start
+    return SlipInterval(start, end, zone.sense)
+
+
+def _edge(x: Array, straight: Array) -> float:
+    """Where a straight line through samples falls to zero, given from the edge inward."""
+    first, second = straight[:2].tolist()
     step = float(x[1] - x[0])
     steps = first / (second - first) if second > first else 0.0
     return float(x[0]) - min(steps, _EDGE_STEPS) * step

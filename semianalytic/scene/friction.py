@@ -1,7 +1,6 @@
-"""Friction laws: what multiplies a scene's friction coefficient while the interface slips.
+"""Friction laws: how much shear traction the interface carries while it slips.
 
-The article knows Coulomb's law with a constant coefficient only; the other two go beyond it, and
-only the space-time solver and the finite elements know them.
+The article knows Coulomb's law with a constant coefficient only; the others go beyond it.
 """
 
 from __future__ import annotations
@@ -20,34 +19,36 @@ Array = NDArray[np.float64]
 class FrictionLaw(ABC):
     """What a solver asks a friction law; one that leaves an answer out cannot be made.
 
-    Strength is the scene's friction coefficient times pressure; a law multiplies it by a factor
-    that may depend on the relative slip rate and on the path, the |slip| accumulated so far.
+    Strength is what the interface carries where it slips, and at most where it sticks.  It depends
+    on the scene's friction coefficient times pressure, f p, on the relative slip rate, and on the
+    path, the |slip| accumulated so far.
     """
 
     @abstractmethod
-    def factor(self, slip_rate: ArrayLike, path: ArrayLike) -> Array:
-        """Friction over the scene's coefficient; shapes broadcast.
+    def strength(self, frictional: ArrayLike, slip_rate: ArrayLike, path: ArrayLike) -> Array:
+        """Strength [stress]; shapes broadcast.
 
         Parameters
         ----------
+        frictional : the scene's friction coefficient times pressure [stress].
         slip_rate : relative slip rate [length / time], either sign.
         path : accumulated |slip| [length].
         """
 
     @abstractmethod
     def slip_speed(
-        self, stopping: Array, strength: Array, impedance: ArrayLike, path: ArrayLike
+        self, stopping: Array, frictional: Array, impedance: ArrayLike, path: ArrayLike
     ) -> Array:
-        """|V| at which friction and radiation balance, 0 where it sticks [length / time].
+        """|V| at which strength and radiation balance, 0 where it sticks [length / time].
 
-        The root V >= 0 of impedance V = stopping - strength factor(V, path), with the path as it is
-        before this slip.
+        The root V >= 0 of impedance V = stopping - strength(frictional, V, path), with the path as
+        it is before this slip.
 
         Parameters
         ----------
         stopping : (n,) array
             |traction| that would stop the interface [stress].
-        strength : (n,) array
+        frictional : (n,) array
             Friction coefficient times pressure [stress].
         impedance : float or (n,) array
             Traction that slip takes off per slip rate [stress time / length].
@@ -58,12 +59,18 @@ class FrictionLaw(ABC):
     @property
     @abstractmethod
     def fall_with_rate(self) -> float:
-        """Largest fall of the factor per slip rate [time / length]; 0 if it does not matter."""
+        """Largest fall of strength per slip rate, over f p [time / length]; 0 if it never falls."""
 
     @property
     @abstractmethod
     def fall_with_slip(self) -> float:
-        """Largest fall of the factor per accumulated slip [1 / length]; 0 if it does not matter."""
+        """Largest fall of strength per accumulated slip, over f p [1 / length]; 0 if it never
+        falls."""
+
+
+def _spread(*given: ArrayLike) -> list[Array]:
+    """Arguments of one law at one shape."""
+    return list(np.broadcast_arrays(*(np.asarray(one, dtype=float) for one in given)))
 
 
 def _check(owner: str, law: RateWeakening | SlipWeakening, scale_name: str) -> None:
@@ -81,17 +88,56 @@ def _check(owner: str, law: RateWeakening | SlipWeakening, scale_name: str) -> N
 
 @dataclass(frozen=True)
 class CoulombFriction(FrictionLaw):
-    """Constant friction: the factor is 1."""
+    """Constant friction: strength f p."""
 
-    def factor(self, slip_rate: ArrayLike, path: ArrayLike) -> Array:
-        """See `FrictionLaw.factor`."""
-        return np.ones(np.broadcast_shapes(np.shape(slip_rate), np.shape(path)))
+    def strength(self, frictional: ArrayLike, slip_rate: ArrayLike, path: ArrayLike) -> Array:
+        """See `FrictionLaw.strength`."""
+        return _spread(frictional, slip_rate, path)[0].copy()
 
     def slip_speed(
-        self, stopping: Array, strength: Array, impedance: ArrayLike, path: ArrayLike
+        self, stopping: Array, frictional: Array, impedance: ArrayLike, path: ArrayLike
     ) -> Array:
         """See `FrictionLaw.slip_speed`."""
-        return np.asarray(np.maximum(stopping - strength, 0.0) / impedance)
+        return np.asarray(np.maximum(stopping - frictional, 0.0) / impedance)
+
+    fall_with_rate = 0.0
+    fall_with_slip = 0.0
+
+
+@dataclass(frozen=True)
+class ViscousFriction(FrictionLaw):
+    """A viscous film beside friction: strength f p + viscosity |V|.
+
+    Parameters
+    ----------
+    viscosity : traction per relative slip rate [stress time / length], >= 0; over rho c_t / 2 it is
+        what the film takes for what a plane shear wave takes.
+
+    Raises
+    ------
+    SceneError
+        If the viscosity is negative or not finite.
+    """
+
+    viscosity: float
+
+    def __post_init__(self) -> None:
+        viscosity = checked_number(
+            "viscous friction: viscosity", self.viscosity, "not be negative", lambda given: given >= 0
+        )
+        object.__setattr__(self, "viscosity", viscosity)
+
+    def strength(self, frictional: ArrayLike, slip_rate: ArrayLike, path: ArrayLike) -> Array:
+        """See `FrictionLaw.strength`."""
+        dry, speed, _ = _spread(frictional, slip_rate, path)
+        return np.asarray(dry + self.viscosity * np.abs(speed))
+
+    def slip_speed(
+        self, stopping: Array, frictional: Array, impedance: ArrayLike, path: ArrayLike
+    ) -> Array:
+        """See `FrictionLaw.slip_speed`."""
+        resistance = np.asarray(impedance) + self.viscosity
+        return np.asarray(np.maximum(stopping - frictional, 0.0) / resistance)
 
     fall_with_rate = 0.0
     fall_with_slip = 0.0
@@ -99,7 +145,7 @@ class CoulombFriction(FrictionLaw):
 
 @dataclass(frozen=True)
 class RateWeakening(FrictionLaw):
-    """Friction falling with slip rate: factor 1 - reduction |V| / (|V| + rate).
+    """Friction falling with slip rate: strength f p (1 - reduction |V| / (|V| + rate)).
 
     Well posed only while the strength falls more slowly than the radiated traction rises,
     f p reduction / rate < rho c_t / 2; solvers refuse anything steeper.
@@ -121,18 +167,19 @@ class RateWeakening(FrictionLaw):
     def __post_init__(self) -> None:
         _check("rate weakening", self, "rate")
 
-    def factor(self, slip_rate: ArrayLike, path: ArrayLike) -> Array:
-        """See `FrictionLaw.factor`."""
-        speed = np.abs(np.asarray(slip_rate, dtype=float)) + 0 * np.asarray(path, dtype=float)
-        return 1 - self.reduction * speed / (speed + self.rate)
+    def strength(self, frictional: ArrayLike, slip_rate: ArrayLike, path: ArrayLike) -> Array:
+        """See `FrictionLaw.strength`."""
+        dry, slip_rate, _ = _spread(frictional, slip_rate, path)
+        speed = np.abs(slip_rate)
+        return np.asarray(dry * (1 - self.reduction * speed / (speed + self.rate)))
 
     def slip_speed(
-        self, stopping: Array, strength: Array, impedance: ArrayLike, path: ArrayLike
+        self, stopping: Array, frictional: Array, impedance: ArrayLike, path: ArrayLike
     ) -> Array:
         """See `FrictionLaw.slip_speed`; the root of a quadratic."""
-        excess = stopping - strength
+        excess = stopping - frictional
         knee = np.asarray(impedance) * self.rate
-        linear = excess + self.reduction * strength - knee
+        linear = excess + self.reduction * frictional - knee
         root = np.sqrt(np.maximum(linear**2 + 4 * knee * excess, 0.0))
         return np.asarray(np.where(excess > 0, (linear + root) / 2, 0.0) / impedance)
 
@@ -146,7 +193,7 @@ class RateWeakening(FrictionLaw):
 
 @dataclass(frozen=True)
 class SlipWeakening(FrictionLaw):
-    """Friction falling linearly with accumulated slip: factor 1 - reduction min(path/distance, 1).
+    """Friction falling linearly with accumulated slip: f p (1 - reduction min(path/distance, 1)).
 
     Slip localises within about G distance / ((1 - nu) f p reduction): a grid has to resolve it.
 
@@ -167,16 +214,16 @@ class SlipWeakening(FrictionLaw):
     def __post_init__(self) -> None:
         _check("slip weakening", self, "distance")
 
-    def factor(self, slip_rate: ArrayLike, path: ArrayLike) -> Array:
-        """See `FrictionLaw.factor`."""
-        share = np.asarray(path, dtype=float) / self.distance + 0 * np.asarray(slip_rate, float)
-        return 1 - self.reduction * np.minimum(share, 1.0)
+    def strength(self, frictional: ArrayLike, slip_rate: ArrayLike, path: ArrayLike) -> Array:
+        """See `FrictionLaw.strength`."""
+        dry, _, path = _spread(frictional, slip_rate, path)
+        return np.asarray(dry * (1 - self.reduction * np.minimum(path / self.distance, 1.0)))
 
     def slip_speed(
-        self, stopping: Array, strength: Array, impedance: ArrayLike, path: ArrayLike
+        self, stopping: Array, frictional: Array, impedance: ArrayLike, path: ArrayLike
     ) -> Array:
         """See `FrictionLaw.slip_speed`."""
-        weakened = strength * self.factor(0.0, path)
+        weakened = self.strength(frictional, 0.0, path)
         return np.asarray(np.maximum(stopping - weakened, 0.0) / impedance)
 
     fall_with_rate = 0.0

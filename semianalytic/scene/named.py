@@ -21,8 +21,8 @@ TABLES = {
 }
 LOWER_MATERIAL = "lower_material"
 OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
-UNITS = "units"
-"""Optional key; what it may be is for the scene to judge."""
+WORDS = ("mode", "units")
+"""Optional keys that are no numbers; what they may be is for the scene to judge."""
 
 
 @dataclass(frozen=True)
@@ -75,9 +75,21 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
         Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.295), load=Tractions(1.0, 0.0)),
         "constant shear, sudden loss of pressure on the slot: slip ahead of the shear wave",
     ),
+    "antiplane": NamedScene(
+        Scene(_UNIT_SOLID, 0.5, _PRELOAD, _SHEAR, mode="antiplane"),
+        "constant pressure, sudden antiplane shear: one slip zone, all of it in closed form",
+    ),
     "lift-off": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, load=Tractions(-1.0, 0.0)),
-        "pressure put on the slot: the contact opens at its edge (finite elements only)",
+        "pressure put on the slot: the contact opens from its edge",
+    ),
+    "lift-off-shear": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, load=Tractions(-1.0, 1.0)),
+        "pressure and shear put on the slot: slip runs ahead of the opening",
+    ),
+    "tap": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, base=Tractions(0.02, 0.0), load=Tractions(1.0, 0.0)),
+        "sudden pressure on a base of a fiftieth of it: the contact opens ahead and closes again",
     ),
 }
 
@@ -116,7 +128,7 @@ def scene_label(source: str) -> str:
     return source if source in NAMED_SCENES else Path(source).stem
 
 
-def scene_folder(source: str, overrides: Mapping[str, float]) -> Path:
+def scene_folder(source: str, overrides: Mapping[str, float | str]) -> Path:
     """Folder for the results of a scene, as results/preloaded or results/preloaded-friction-0.31.
 
     Parameters
@@ -140,7 +152,8 @@ def read_scene(path: str | Path) -> Scene:
     ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units; and if
     wanted ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
     ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).
-    ``units = "SI"`` before the tables makes all output say m, s and Pa.
+    Before the tables, ``mode = "antiplane"`` turns shear and slip along z, and ``units = "SI"``
+    makes all output say m, s and Pa.
 
     Raises
     ------
@@ -176,7 +189,7 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
         raise SceneError(f"{path} is not a valid TOML file: {error}.") from error
     except RecursionError as error:
         raise SceneError(f"{path} nests brackets too deeply; give a scene file.") from error
-    _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, UNITS))
+    _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
     for table, keys in TABLES.items():
         _check_keys(path, f"{table}.", document[table], keys)
     lower = document.get(LOWER_MATERIAL)
@@ -200,6 +213,7 @@ def override_scene(
     base_shear: float | None = None,
     load_pressure: float | None = None,
     load_shear: float | None = None,
+    mode: str | None = None,
 ) -> Scene:
     """The scene with every parameter that is not None replaced.
 
@@ -219,6 +233,7 @@ def override_scene(
         base=_replace_given(scene.base, pressure=base_pressure, shear=base_shear),
         load=_replace_given(scene.load, pressure=load_pressure, shear=load_shear),
         friction=scene.friction if friction is None else friction,
+        mode=scene.mode if mode is None else mode,
     )
 
 
@@ -248,7 +263,7 @@ def _check_keys(
         if key in (*TABLES, *OPTIONAL_TABLES):
             if not isinstance(value, dict):
                 raise SceneError(f"{path}: {key} must be a table, [{key}], got {shown(value)}.")
-        elif key != UNITS and finite(value) is None:
+        elif key not in WORDS and finite(value) is None:
             raise SceneError(f"{path}: {prefix}{key} must be a number, got {shown(value)}.")
     for key in expected:
         if key not in table:

@@ -1,9 +1,9 @@
 """What is loaded, by what, and with which friction: the description every solver shares.
 
-Conventions (all modules): plane strain, interface y = 0, contact on x > 0, open slot on
-x < 0.  Compressive pressure is positive.  Shear traction is sigma_xy on y = 0.  Slip and
-slip rate are relative (upper face minus lower face), positive towards +x.  Any consistent
-set of units will do.
+Conventions (all modules): interface y = 0, contact on x > 0, open slot on x < 0.  Compressive
+pressure is positive.  Shear traction is sigma_xy on y = 0, in plane strain, or sigma_yz in
+antiplane shear, where nothing depends on z.  Slip and slip rate are relative (upper face minus
+lower face), positive towards +x, or +z.  Any consistent set of units will do.
 """
 
 from __future__ import annotations
@@ -13,11 +13,19 @@ import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, asdict, dataclass, field, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
+
+import numpy as np
 
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import CoulombFriction, FrictionLaw, RateWeakening, SlipWeakening
+from semianalytic.scene.friction import (
+    CoulombFriction,
+    FrictionLaw,
+    RateWeakening,
+    SlipWeakening,
+    ViscousFriction,
+)
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.units import SI
 
@@ -28,8 +36,13 @@ HISTORY_KINDS: Mapping[str, type] = {
     "harmonic": Harmonic,
     "tabulated": Tabulated,
 }
+IN_PLANE, ANTIPLANE = "in-plane", "antiplane"
+MODES = (IN_PLANE, ANTIPLANE)
+"""Which way shear acts: along x, across the edge of the contact, or along z, along that edge."""
+
 FRICTION_LAWS: Mapping[str, type[FrictionLaw]] = {
     "coulomb": CoulombFriction,
+    "viscous": ViscousFriction,
     "rate-weakening": RateWeakening,
     "slip-weakening": SlipWeakening,
 }
@@ -135,7 +148,10 @@ class Scene:
     pressure_history, shear_history : LoadHistory
         How P_0 and Q_0 rise and fall, f(t); steps unless given.
     friction_law : FrictionLaw
-        What multiplies friction during slip; nothing unless given.
+        How strength depends on slip rate and slip; not at all unless given.
+    mode : str
+        "in-plane": shear and slip along x, plane strain; "antiplane": shear and slip along z.
+        Pressure acts in plane strain in both.
     units : str
         "SI" if all numbers are in metres, seconds, kilograms and pascals, which tables then say;
         "" for any consistent set.  Scenes that differ in it alone are equal.
@@ -143,9 +159,9 @@ class Scene:
     Raises
     ------
     SceneError
-        If friction is negative or not finite, if the base presses the interface apart, if
-        neither the base nor the state before a remote shock (base - load) can be at rest, or if
-        friction falls with slip rate faster than radiation can balance under the base pressure.
+        If friction is negative or not finite, if the mode is unknown, if the base presses the
+        interface apart, if neither the base nor the state before a remote shock (base - load) can
+        be at rest, or if friction falls with slip rate faster than radiation can balance under the base pressure.
     """
 
     material: Material
@@ -155,6 +171,7 @@ class Scene:
     pressure_history: LoadHistory = field(default_factory=Step)
     shear_history: LoadHistory = field(default_factory=Step)
     friction_law: FrictionLaw = field(default_factory=CoulombFriction)
+    mode: str = IN_PLANE
     units: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
@@ -173,6 +190,8 @@ class Scene:
             if type(part) not in kinds.values():
                 known = ", ".join(kind.__name__ for kind in kinds.values())
                 raise SceneError(f"scene: {name} must be one of {known}, got {shown(part)}.")
+        if self.mode not in MODES:
+            raise SceneError(f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)}.")
         if self.units not in ("", SI):
             raise SceneError(f'scene: units must be "SI" or left out, got {shown(self.units)}.')
         if self.friction < 0:
@@ -196,12 +215,12 @@ class Scene:
 
     def __repr__(self) -> str:
         """As it is made, without what is left at its default."""
-        parts = [(part, getattr(self, part.name)) for part in fields(self)]
-        given = (
-            f"{part.name}={value!r}"
-            for part, value in parts
-            if part.default_factory is MISSING or value != part.default_factory()
-        )
+        values = {part.name: getattr(self, part.name) for part in fields(self)}
+        defaults = {
+            part.name: part.default if part.default_factory is MISSING else part.default_factory()
+            for part in fields(self)
+        }
+        given = (f"{name}={value!r}" for name, value in values.items() if value != defaults[name])
         return f"Scene({', '.join(given)})"
 
     def check_weakening(self, pressure: float) -> None:
@@ -221,6 +240,35 @@ class Scene:
         return tractions.pressure >= 0 and abs(tractions.shear) <= strength * (1 + 1e-12)
 
     @property
+    def antiplane(self) -> bool:
+        """Whether shear and slip are along z."""
+        return self.mode == ANTIPLANE
+
+    @property
+    def shear_mode(self) -> Literal["II", "III"]:
+        """Mode of fracture that shear loads the edge in."""
+        return "III" if self.antiplane else "II"
+
+    @property
+    def static_modulus(self) -> float:
+        """Shear traction of standing slip over its wave number and half of it [stress].
+
+        mu / (1 - nu) in plane, mu in antiplane shear.
+        """
+        material = self.material
+        return material.shear_modulus / (1 if self.antiplane else 1 - material.poisson_ratio)
+
+    @property
+    def fastest_speed(self) -> float:
+        """Speed of the first wave [length / time]: c_l, or c_t where only antiplane shear acts."""
+        return self.fastest_in(self.material)
+
+    def fastest_in(self, material: Material) -> float:
+        """The same in another solid, as it may be on the lower side [length / time]."""
+        alone = self.antiplane and not self.load.pressure
+        return material.shear_speed if alone else material.longitudinal_speed
+
+    @property
     def acting_histories(self) -> dict[str, LoadHistory]:
         """Histories of the loads that are not zero, by name: pressure, shear."""
         histories = {"pressure": self.pressure_history, "shear": self.shear_history}
@@ -233,36 +281,40 @@ class Scene:
 
     @property
     def is_self_similar(self) -> bool:
-        """Whether all fields depend on x/t alone: step loads and constant friction."""
-        return self.is_step and self.friction_law == CoulombFriction()
+        """Whether all fields depend on x/t alone: step loads, constant or viscous friction."""
+        return self.is_step and isinstance(self.friction_law, CoulombFriction | ViscousFriction)
 
     def check_self_similar(self) -> None:
         """Raise SceneError unless all fields depend on x/t alone."""
         if not self.is_self_similar:
             raise SceneError(
-                "the self-similar solver takes step loads and constant friction only; use the "
-                "space-time solver for this scene, `march` or `method` space-time "
+                "the self-similar solver takes step loads and constant or viscous friction only; "
+                "use the space-time solver for this scene, `march` or `method` space-time "
                 "(docs/limits.md)."
             )
 
     @property
     def far_slip_rate(self) -> float:
-        """Relative slip rate far ahead of all waves [length / time], 2 V(inf).
+        """Relative slip rate far ahead of all waves [length / time], 2 V(inf), before any slip.
 
-        Zero unless a sudden remote load exceeds friction everywhere, by more than rounding.
+        Zero unless a sudden remote load exceeds friction everywhere, by more than rounding; then
+        strength and radiation balance.
         """
-        strength = self.friction * self.base.pressure
-        excess = abs(self.base.shear) - strength
-        if excess <= 4 * sys.float_info.epsilon * strength:
+        shear, frictional = abs(self.base.shear), self.friction * self.base.pressure
+        if shear - frictional <= 4 * sys.float_info.epsilon * frictional:
             return 0.0
-        return 2 * math.copysign(max(excess, 0.0), self.base.shear) / self.material.shear_impedance
+        radiated = self.material.shear_impedance / 2
+        speed = self.friction_law.slip_speed(
+            np.array(shear), np.array(frictional), radiated, np.array(0.0)
+        )
+        return math.copysign(float(speed), self.base.shear)
 
 
 def scene_document(scene: Scene) -> dict[str, Any]:
     """A scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
 
-    Histories and friction law are named by `kind`; they and the units are left out where they are
-    the default.
+    Histories and friction law are named by `kind`; they, the mode and the units are left out where
+    they are the default.
     """
     document: dict[str, Any] = {
         "friction": scene.friction,
@@ -280,6 +332,8 @@ def scene_document(scene: Scene) -> dict[str, Any]:
         if part != default:
             kind = next(key for key, value in kinds.items() if value is type(part))
             document[name] = {"kind": kind, **asdict(part)}
+    if scene.antiplane:
+        document["mode"] = scene.mode
     if scene.units:
         document["units"] = scene.units
     return document
@@ -308,6 +362,7 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
         friction=document["friction"],
         base=Tractions(**document["base"]),
         load=Tractions(**document["load"]),
+        mode=document.get("mode", IN_PLANE),
         units=document.get("units", ""),
         **parts,
     )

@@ -17,8 +17,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load
-from semianalytic.halfplane.rayleigh import Array, gauss, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array, Mode, gauss, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
@@ -38,6 +39,10 @@ class SlipGrid:
         The same for a unit slip rate far ahead, V = 1 at the last node and beyond.
     weight, shear, pressure : (n,) arrays
         Tests of 1, q* and p*.
+    gram : (n, n + 1) array
+        Tests of the hat functions themselves.
+    sample : (n, m) array
+        Takes values at the slownesses of `points` (m,) to their tests.
     """
 
     xi: Array
@@ -46,6 +51,9 @@ class SlipGrid:
     weight: Array
     shear: Array
     pressure: Array
+    gram: Array
+    sample: Array
+    points: Array
 
 
 @dataclass(frozen=True)
@@ -58,11 +66,13 @@ class GridSlip:
 
 
 @lru_cache(maxsize=32)
-def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
+def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
     """Grid of about `size` nodes and the operator on it, kept for recent Poisson ratios."""
-    factors = rayleigh_factors(poisson_ratio)
-    ends = np.array([0.0, 1 / factors.c, 1.0, 1 / factors.a])
-    counts = np.maximum(np.round(size * np.array([0.4, 0.25, 0.35])).astype(int), 4)
+    factors = rayleigh_factors(poisson_ratio, mode)
+    ends, shares = np.array([0.0, 1.0, 1 / factors.a]), np.array([0.65, 0.35])
+    if factors.has_rayleigh_wave:
+        ends, shares = np.insert(ends, 1, 1 / factors.c), np.array([0.4, 0.25, 0.35])
+    counts = np.maximum(np.round(size * shares).astype(int), 4)
     t, weight = gauss(tuning.GAUSS_PER_ELEMENT)
     nodes, points, weights = [np.zeros(1)], [], []
     for left, right, count in zip(ends[:-1], ends[1:], counts, strict=True):
@@ -94,7 +104,7 @@ def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
     by_node = np.zeros((len(own), n + 1))
     by_node[:, 1:] += gradient / width
     by_node[:, :-1] -= gradient / width
-    far = by_node[:, -1] + impedance.imag / (np.pi * density) * factors.m_plus_at_zero["II"]
+    far = by_node[:, -1] + impedance.imag / (np.pi * density) * factors.m_plus_at_zero[mode]
 
     # Test with hats: int hat tau dxi = tau(c_l) int hat - int (dtau/dxi) (int_0^xi hat) dxi.
     local = (point - xi[:-1, None]) / width[:, None]
@@ -115,29 +125,77 @@ def slip_grid(poisson_ratio: float, size: int) -> SlipGrid:
         -(test.T @ by_node)[:, :n],
         -test.T @ far - area[:n],
         area[:n],
-        sample.T @ stuck_traction(poisson_ratio, "II")(v),
+        sample.T @ stuck_traction(poisson_ratio, mode)(v),
         sample.T @ stuck_traction(poisson_ratio, "I")(v),
+        (np.diag(np.convolve(width, [2, 2])) + np.diag(width, 1) + np.diag(width, -1))[:n] / 6,
+        sample.T,
+        v,
     )
 
 
-def slip_on_grid(poisson_ratio: float, load: Load, size: int = tuning.GRIDS[0]) -> GridSlip:
-    """Solve Coulomb's law on the grid: |tau| <= f p, V (tau -+ f p) = 0.
+def slip_on_grid(
+    poisson_ratio: float, load: Load, size: int = tuning.GRIDS[0], mode: Mode = "II"
+) -> GridSlip:
+    """Solve Coulomb's law on the grid: |tau| <= f p, V (tau -+ f p) = 0; tau = 0 where it is open.
 
     Parameters
     ----------
     poisson_ratio : float
     load : Load of one scene
     size : int, number of nodes, about
+    mode : "II", or "III" for antiplane shear
 
     Raises
     ------
     ComputationError
         If complementary pivoting fails.
     """
-    grid, far_slip_rate = slip_grid(poisson_ratio, size), float(load.far_slip_rate)
+    grid, far_slip_rate = slip_grid(poisson_ratio, size, mode), float(load.far_slip_rate)
     stuck = load.base_shear * grid.weight + load.load_shear * grid.shear + far_slip_rate * grid.far
     pressure = load.base_pressure * grid.weight + load.load_pressure * grid.pressure
-    strength, stiffness = float(load.friction) * pressure, -grid.operator
+    friction, stiffness = float(load.friction), -grid.operator
+    if load.resistance is not None:
+        eta = np.full(len(stiffness), load.resistance)
+        if load.opened is not None:
+            eta[is_open(load.opened.zone, grid.xi[:-1])] = 0.0
+        stiffness = stiffness + eta[:, None] * grid.gram[:, :-1]
+        stuck -= eta * far_slip_rate * grid.gram[:, -1]
+    if load.opened is None:
+        rate, pivots = _complementary(stuck, friction * pressure, stiffness)
+    else:
+        strength = friction * (grid.sample @ load.opened.near_pressure(grid.points))
+        rate, pivots = _slip_beside(load.opened.zone, grid.xi[:-1], stuck, strength, stiffness)
+    return GridSlip(grid.xi, np.append(rate, far_slip_rate), pivots)
+
+
+def is_open(opening: Zone, xi: Array) -> np.ndarray:
+    """Which velocities xi >= 0 [c_t] an opening covers, (n,)."""
+    assert opening.left is not None
+    inner = 0.0 if opening.right is None else 1 / opening.right.v[0]
+    return (xi < 1 / opening.left.v[0]) & ((xi > inner) | (inner == 0))
+
+
+def _slip_beside(
+    opening: Zone, xi: Array, stuck: Array, strength: Array, stiffness: Array
+) -> tuple[Array, int]:
+    """Slip rates of all nodes, and the pivots it took, where those of an opening move freely."""
+    free = is_open(opening, xi)
+    bound = ~free
+    inner = np.linalg.solve(
+        stiffness[np.ix_(free, free)], np.column_stack([stiffness[np.ix_(free, bound)], stuck[free]])
+    )
+    across = stiffness[np.ix_(bound, free)]
+    reduced = stiffness[np.ix_(bound, bound)] - across @ inner[:, :-1]
+    rate = np.zeros(len(xi))
+    rate[bound], pivots = _complementary(
+        stuck[bound] - across @ inner[:, -1], strength[bound], reduced
+    )
+    rate[free] = inner[:, -1] - inner[:, :-1] @ rate[bound]
+    return rate, pivots
+
+
+def _complementary(stuck: Array, strength: Array, stiffness: Array) -> tuple[Array, int]:
+    """Slip rates by which |stuck - stiffness rate| <= strength, and the pivots it took."""
     # Most scenes slip one way only: half the unknowns, if the other inequality then holds.
     sense = float(np.sign(stuck[np.argmax(np.abs(stuck) - strength)])) or 1.0
     one_way = lemke(stiffness, strength - sense * stuck)
@@ -148,7 +206,7 @@ def slip_on_grid(poisson_ratio: float, load: Load, size: int = tuning.GRIDS[0]) 
         both_ways = lemke(matrix, np.concatenate([strength - stuck, strength + stuck]))
         forward, backward = np.split(both_ways.z, 2)
         rate, pivots = forward - backward, pivots + both_ways.pivots
-    return GridSlip(grid.xi, np.append(rate, far_slip_rate), pivots)
+    return rate, pivots
 
 
 @dataclass(frozen=True)

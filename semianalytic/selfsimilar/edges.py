@@ -24,16 +24,22 @@ class Edges:
     Attributes
     ----------
     factors : RayleighFactors
-    senses : tuple of int, one per zone, from the longitudinal front inward
+    kinds : tuple of Zone, from the longitudinal front inward, whatever their edges
     open_ends : (bool, bool), whether the first zone starts ahead of all waves and whether the
         last one reaches the contact edge
     segments : tuple of int, per edge: 0 for (a, b), 1 for (b, c), 2 for (c, inf)
+    opening : Zone or None, where the contact is open: edges stay on their side of it
+    sides : tuple of int, per edge: -1 ahead of the opening, 1 behind it, 0 held where it closes
+    held_at : float, the unknown of the edge that is held
     """
 
     factors: RayleighFactors
-    senses: tuple[int, ...]
+    kinds: tuple[Zone, ...]
     open_ends: tuple[bool, bool]
     segments: tuple[int, ...]
+    opening: Zone | None = None
+    sides: tuple[int, ...] = ()
+    held_at: float = 0.0
 
     @cached_property
     def _bounded(self) -> np.ndarray:
@@ -92,8 +98,10 @@ class Edges:
             points.insert(0, None)
         if self.open_ends[1]:
             points.append(None)
+        closing = None if self.opening is None else self.opening.right
         return tuple(
-            Zone(points[2 * i], points[2 * i + 1], sense) for i, sense in enumerate(self.senses)
+            replace(kind, left=left, right=closing if kind.held else right)
+            for kind, left, right in zip(self.kinds, points[::2], points[1::2], strict=True)
         )
 
     def admits(self, unknowns: Array) -> np.ndarray:
@@ -107,7 +115,18 @@ class Edges:
             inside = (index % 2 == 0) != opens  # between the edges of one zone
             least = tuning.LEAST_WIDTH * np.abs(p.parts[p.nearest]) if inside else np.zeros(1)
             near &= (q.minus(p) > least)[..., 0]
-        return near
+        return near & self._keeps_off_opening(np.where(near, unknowns, 0.0))
+
+    def _keeps_off_opening(self, unknowns: Array) -> Array | bool:
+        """Whether edges stay on their side of the opening, () or (k,)."""
+        if self.opening is None:
+            return True
+        keeps = np.ones(unknowns.shape[1:], dtype=bool)
+        for side, point in zip(self.sides, self.points(unknowns), strict=True):
+            bound = self.opening.left if side < 0 else self.opening.right
+            if side and bound is not None:
+                keeps &= (side * point.minus(bound) > 0)[..., 0]
+        return keeps
 
     def nudges(self, unknowns: Array) -> Array:
         """Changes of the unknowns, (e,) or (e, k), that show how the mismatch depends on them.
@@ -131,16 +150,22 @@ class Edges:
 
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
         """What the edges leave unfulfilled, (e,) or (e, k) as `unknowns`."""
-        return ZoneFields(self.factors, load, self.zones(unknowns), rule, False).mismatch()
+        return self.left_by(ZoneFields(self.factors, load, self.zones(unknowns), rule, False), unknowns)
+
+    def left_by(self, fields: ZoneFields, unknowns: Array) -> Array:
+        """The same of fields of these edges; that of a held one is how far it is off."""
+        result = fields.mismatch()
+        for edge in (i for i, side in enumerate(self.sides) if not side):
+            result[edge] = unknowns[edge] - self.held_at
+        return result
 
 
-def place_edges(
-    factors: RayleighFactors,
-    senses: tuple[int, ...],
-    open_ends: tuple[bool, bool],
-    points: list[CutPoints],
+def edges_of(
+    factors: RayleighFactors, zones: Sequence[Zone], opening: Zone | None = None
 ) -> tuple[Edges, Array]:
-    """Edges and unknowns from points (1,) on the cut."""
+    """Edges and unknowns of given zones, from the longitudinal front inward."""
+    points = [p for zone in zones for p in (zone.left, zone.right) if p is not None]
+    open_ends = (bool(zones) and zones[0].left is None, bool(zones) and zones[-1].right is None)
     segments = tuple(int(p.parts[3, 0] > 0) + int(p.parts[2, 0] > 0) for p in points)
     unknowns = np.empty(len(points))
     for edge, behind_gap in enumerate(_closing_gaps(segments, open_ends[0])):
@@ -152,7 +177,19 @@ def place_edges(
         if behind_gap and segment == 2:
             size = start / points[edge - 1].from_c
         unknowns[edge] = np.log(size[0])
-    return Edges(factors, senses, open_ends, segments), unknowns
+    kinds = tuple(replace(zone, left=None, right=None) for zone in zones)
+    if opening is None:
+        return Edges(factors, kinds, open_ends, segments), unknowns
+    held = {id(zone.right) for zone in zones if zone.held}
+    sides = tuple(0 if id(p) in held else _side(p, opening) for p in points)
+    held_at = float(unknowns[sides.index(0)]) if 0 in sides else 0.0
+    return Edges(factors, kinds, open_ends, segments, opening, sides, held_at), unknowns
+
+
+def _side(point: CutPoints, opening: Zone) -> int:
+    """-1 ahead of where the contact opens, 1 behind."""
+    assert opening.left is not None
+    return -1 if point.first_below(opening.left) else 1
 
 
 def _far_front(segment: int) -> int:
@@ -169,13 +206,6 @@ def _closing_gaps(segments: Sequence[int], opens: bool) -> tuple[bool, ...]:
         edge > 0 and (edge % 2 == 0) != opens and segments[edge] == segments[edge - 1]
         for edge in range(len(segments))
     )
-
-
-def edges_of(factors: RayleighFactors, zones: Sequence[Zone]) -> tuple[Edges, Array]:
-    """Edges and unknowns of given zones, from the longitudinal front inward."""
-    points = [p for zone in zones for p in (zone.left, zone.right) if p is not None]
-    open_ends = (bool(zones) and zones[0].left is None, bool(zones) and zones[-1].right is None)
-    return place_edges(factors, tuple(zone.sense for zone in zones), open_ends, points)
 
 
 def moves(inverse: Array, values: Array) -> Array:
@@ -236,9 +266,9 @@ class Placement:
         return self.edges.zones(self.unknowns)
 
 
-def placement_of(factors: RayleighFactors, zones: Sequence[Zone]) -> Placement:
+def placement_of(factors: RayleighFactors, zones: Sequence[Zone], load: Load) -> Placement:
     """Zones as they are, before any step."""
-    edges, unknowns = edges_of(factors, zones)
+    edges, unknowns = edges_of(factors, zones, load.opened.zone if load.opened else None)
     return Placement(edges, unknowns, np.zeros((len(unknowns), len(unknowns))))
 
 
@@ -250,12 +280,12 @@ def locate_edges(
 
     The Jacobian is formed from neighbouring sets of zones in one sweep with the first set.
     """
-    start = placement_of(factors, zones)
+    start = placement_of(factors, zones, load)
     edges, unknowns, inverse = start.edges, start.unknowns, start.inverse
     if not len(unknowns):
         return start
     for step in range(1, tuning.MOST_NEWTON_STEPS + 1):
-        values, jacobian = _linearised(edges, unknowns, load, rule)
+        values, jacobian = linearised(edges, unknowns, load, rule)
         try:
             inverse = np.asarray(np.linalg.inv(jacobian))
         except np.linalg.LinAlgError:
@@ -276,7 +306,7 @@ def locate_edges(
     return Placement(edges, unknowns, inverse, False, step)
 
 
-def _linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, Array]:
+def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, Array]:
     """Mismatch (e,) and its Jacobian (e, e) at unknowns (e,)."""
     nudges = edges.nudges(unknowns)
     beside = np.concatenate([np.zeros((len(unknowns), 1)), np.diag(nudges)], axis=1)
@@ -322,7 +352,7 @@ def polish_edges(
         return replace(placement, steps=0), fields, 0.0
     steps, before, move, shift = 0, None, np.zeros(len(unknowns)), np.inf
     while True:
-        value = fields.mismatch()
+        value = edges.left_by(fields, unknowns)
         if before is not None:
             inverse = broyden(inverse, move, value - before)
         move = -inverse @ value

@@ -15,29 +15,13 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
-from semianalytic.results.answer import SlipInterval, answer_dataset, sampled_history
+from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-
-
-@dataclass(frozen=True)
-class SlipZone:
-    """Part of the interface that slips: inner * t < x < outer * t.
-
-    Attributes
-    ----------
-    inner, outer : float
-        Velocities of the edges [length / time]; inner 0 is the contact edge, outer inf is slip
-        ahead of all waves.
-    sense : int
-        +1 where the upper side slips towards +x, -1 towards -x.
-    """
-
-    inner: float
-    outer: float
-    sense: int
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion
+from semianalytic.separation.normal import Normal
 
 
 @dataclass(frozen=True)
@@ -95,6 +79,8 @@ class Solution:
         The fields over slowness, in units b = mu = 1 and `stress`.
     stress : float
         Unit of stress of `profile`.
+    normal : Normal or None
+        Pressure and gap over slowness, in the same units, where the contact opens.
     """
 
     scene: Scene
@@ -104,6 +90,7 @@ class Solution:
     statistics: Statistics
     profile: Profile
     stress: float
+    normal: Normal | None = None
 
     def __repr__(self) -> str:
         speeds = [(f"{zone.inner:.4g}", f"{zone.outer:.4g}", zone.sense) for zone in self.zones]
@@ -121,6 +108,25 @@ class Solution:
         u = (t * self.scene.material.shear_speed / x).ravel()
         value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
         return value.reshape((*value.shape[:-1], *x.shape))
+
+    @property
+    def openings(self) -> tuple[OpenZone, ...]:
+        """What is open, from the contact edge outward; there is one opening at most."""
+        if self.normal is None:
+            return ()
+        zone, speed = self.normal.opening.zone, self.scene.material.shear_speed
+        assert zone.left is not None
+        inner = 0.0 if zone.right is None else float(speed / zone.right.v[0])
+        return (OpenZone(inner, float(speed / zone.left.v[0])),)
+
+    @cached_property
+    def _motion(self) -> tuple[SlipZone, ...]:
+        """Where the sides move along one another, in contact or open."""
+        speed = self.scene.material.shear_speed
+        moving = self.zones
+        for opening in self.openings:
+            moving = motion(self.profile, moving, opening, speed)
+        return moving
 
     @property
     def _rate_unit(self) -> float:
@@ -147,17 +153,39 @@ class Solution:
         return self.scene.base.shear + self.stress * change
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Contact pressure [stress], base included; slip does not change it.
+        """Contact pressure [stress], base included, 0 where open; slip does not change it.
 
         Raises as `slip_rate`.
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
-        return self.scene.base.pressure + self.stress * change
+        pressure = self.scene.base.pressure + self.stress * change
+        for part in self.openings:  # not even rounding is left of it there
+            velocity = np.asarray(x, dtype=float) / np.where(np.greater(t, 0), t, np.nan)
+            pressure = np.where((velocity > part.inner) & (velocity < part.outer), 0.0, pressure)
+        return pressure
+
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
+        over_time = self._of_gap(Profile.slip_over_time)
+        return self._rate_unit * np.asarray(t, dtype=float) * self._evaluate(x, t, over_time)
+
+    def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How fast it opens [length / time], 0 where closed; raises as `slip_rate`.
+
+        Logarithmically infinite at the Rayleigh front where that is open.
+        """
+        return self._rate_unit * self._evaluate(x, t, self._of_gap(Profile.slip_rate))
+
+    def _of_gap(self, field: Callable[[Profile, Array], Array]) -> Callable[[Array], Array]:
+        """A field of slip of the normal problem, over slowness; 0 where the contact is closed."""
+        normal = self.normal
+        return np.zeros_like if normal is None else lambda u: field(normal.profile, u)
 
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Friction bound less shear traction, f p - |tau| [stress]; 0 where it slips."""
-        bound = self.scene.friction * self.pressure(x, t)
-        return bound - np.abs(self.shear_traction(x, t))
+        """Strength less shear traction, f p - |tau| [stress] where it sticks; 0 where it slips."""
+        frictional = self.scene.friction * self.pressure(x, t)
+        strength = self.scene.friction_law.strength(frictional, self.slip_rate(x, t), 0.0)
+        return strength - np.abs(self.shear_traction(x, t))
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
@@ -184,21 +212,24 @@ class Solution:
         """(K_I, K_II) at the contact edge at times t [stress sqrt(length)] (3.13), (3.16).
 
         pressure ~ K_I / sqrt(2 pi x) and shear traction ~ K_II / sqrt(2 pi x) of the actual
-        state; a slipping edge has |K_II| = f K_I.
+        state; a slipping edge has |K_II| = f K_I.  In antiplane shear the second is K_III.
         """
         scene = self.scene
         unit = type(scene.load)(1.0, 1.0)
-        mode_one, mode_two = stress_intensity(scene.material, unit, t)
-        mode_one = scene.load.pressure * mode_one
+        mode_one, sheared = stress_intensity(scene.material, unit, t, scene.shear_mode)
+        pressure = scene.load.pressure
+        if self.normal is not None:
+            pressure = -self.stress * float(self.normal.profile.edge_intensity)
+        mode_one = pressure * mode_one
         if self.profile.edge_slips:
             return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one
-        return mode_one, self.stress * self.profile.edge_intensity * mode_two
+        return mode_one, self.stress * self.profile.edge_intensity * sheared
 
     def path(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Accumulated |slip| [length], the time integral of |slip rate|; raises as `slip_rate`."""
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         total = np.abs(self.slip(x, np.minimum(t, 0.0)))
-        for zone in self.zones:
+        for zone in self._motion:
             starts = np.minimum(t, x / zone.outer)
             stops = np.minimum(t, x / zone.inner) if zone.inner else t
             total = total + np.abs(self.slip(x, stops) - self.slip(x, starts))
@@ -301,16 +332,27 @@ class Solution:
             SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in self.zones
         )
 
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+        """What is open at a time [time], from the contact edge outward; raises as `zones_at`."""
+        t = checked_number("openings_at: t", t)
+        if t <= 0:
+            return ()
+        return tuple(OpenInterval(t * part.inner, t * part.outer) for part in self.openings)
+
     @cached_property
     def _whole_power(self) -> float:
         """Frictional power over time, in units of `profile`."""
-        return self.profile.contact_integral(self.profile.strength(self.profile.panels.at.v))
+        profile = self.profile
+        sense = np.array(profile.panels.sense)[:, None]
+        return profile.contact_integral(
+            profile.carried(profile.panels.at.v, sense * profile.slip_rate_at_nodes)
+        )
 
     @cached_property
     def _whole_rate(self) -> float:
         """Integral of |slip rate| over the contact, over time, in units of `profile`."""
         speed = self.scene.material.shear_speed
-        zones = [(zone.inner / speed, zone.outer / speed, zone.sense) for zone in self.zones]
+        zones = [(zone.inner / speed, zone.outer / speed, zone.sense) for zone in self._motion]
         return slipped_rate(self.profile, zones)
 
     @cached_property
@@ -329,7 +371,7 @@ class Solution:
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
 
-        Logarithmically infinite at the Rayleigh front.
+        Logarithmically infinite at the Rayleigh front.  In antiplane shear the first is v_z.
 
         Raises
         ------

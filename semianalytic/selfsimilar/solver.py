@@ -27,8 +27,10 @@ from semianalytic.selfsimilar.corrections import corrected, rearranged
 from semianalytic.selfsimilar.coulomb import violations
 from semianalytic.selfsimilar.edges import Placement, locate_edges, placement_of, polish_edges
 from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, numerical_error
-from semianalytic.selfsimilar.guesses import guesses, slip_senses
-from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
+from semianalytic.selfsimilar.guesses import guesses
+from semianalytic.selfsimilar.motion import slip_zones
+from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.separation.normal import with_opening
 
 
 def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
@@ -61,7 +63,9 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     )
     load, stress = scaled_load(scene)
     check_pressure(scene)
-    factors = rayleigh_factors(scene.material.poisson_ratio)
+    load, normal = with_opening(load, scene.material.poisson_ratio, rtol)
+    wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
+    factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
     clock = [perf_counter()]
     trial, pivots = _search(factors, load, rtol, loose_tolerance(rtol))
     clock.append(perf_counter())
@@ -80,8 +84,10 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
         nodes=int(best.profile.panels.jacobian.size),
         seconds=dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True)),
     )
-    status, zones = _status(best, estimate, rtol), slip_zones(scene, best.profile)
-    return Solution(scene, zones, status, estimate, statistics, best.profile, stress)
+    estimate += normal.error if normal else 0.0
+    status = _status(best, estimate, wanted)
+    zones = slip_zones(best.profile, scene.material.shear_speed)
+    return Solution(scene, zones, status, estimate, statistics, best.profile, stress, normal)
 
 
 @dataclass(frozen=True)
@@ -119,7 +125,7 @@ def _search(
     took."""
     checking = rule_for(tolerance)
     shift = max(tuning.LOCATED_SHIFT * rtol, tuning.LEAST_LOCATED_SHIFT)
-    trial = _unlawful(placement_of(factors, ()), load, checking)
+    trial = _unlawful(placement_of(factors, (), load), load, checking)
     pivots = steps = sets = 0
     for guess in guesses(factors, load):
         locating = checking if guess.doubtful else rule_for(tuning.COARSER_LOCATING * tolerance)
@@ -138,7 +144,7 @@ def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules:
         placement = locate_edges(factors, zones, load, rules.locating, rules.shift)
         steps += placement.steps
         if not placement.converged:
-            others = rearranged(factors, placement.zones)
+            others = rearranged(factors, placement.zones, load)
             if others is None:
                 break
             zones = others
@@ -226,33 +232,3 @@ def _status(best: _Trial, estimate: float, rtol: float) -> str:
     if estimate > rtol:
         return f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
     return "converged"
-
-
-def slip_zones(scene: Scene, profile: Profile) -> tuple[SlipZone, ...]:
-    """Zones in velocity [length / time], from the contact edge outward; without friction cut by
-    sense of slip."""
-    speed, fields = scene.material.shear_speed, profile.fields
-    if fields.load.frictionless:
-        return _zones_by_sense(profile, speed)
-    ahead = np.inf if scene.far_slip_rate else scene.material.longitudinal_speed
-    return tuple(
-        SlipZone(
-            0.0 if zone.right is None else float(speed / zone.right.v[0]),
-            ahead if zone.left is None else float(speed / zone.left.v[0]),
-            zone.sense,
-        )
-        for zone in reversed(fields.zones)
-    )
-
-
-def _zones_by_sense(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
-    """Zones of a frictionless interface: it slips behind the longitudinal front, either way."""
-    senses, changes = slip_senses(profile)
-    fields = profile.fields
-    front = np.inf if fields.load.far_slip_rate else speed / fields.factors.a
-    edges = [front, *(float(speed / change.v[0]) for change in changes), 0.0]
-    zones = [
-        SlipZone(inner, outer, sense)
-        for (outer, inner), sense in zip(pairwise(edges), senses, strict=False)
-    ]
-    return tuple(reversed(zones))

@@ -107,6 +107,9 @@ CLOSER_POINTS = 8
 EDGE_SHARE, EDGE_SHARE_SLOPE = 0.25, 0.75
 """Place of an edge between two nodes of a grid, from the ratio r of the two outermost slip rates:
 0.25 + 0.75 r.  Measured: median error of the unknowns 0.02 over a hundred random scenes."""
+BESIDE_OPENING = 0.3
+"""Place of an edge that a grid puts within an opening, from there to the next node.  Not
+recorded."""
 EDGE_SHARE_UNKNOWN = 0.5
 """That ratio where there is but one node.  Not recorded."""
 FARTHEST_SHARE, SHARE_BEFORE_NODE, SHARE_TO_OTHER_SENSE = 1.25, 0.95, 0.4
@@ -140,9 +143,22 @@ GAUSS_PER_ELEMENT = 6
 
 NARROW_GAP = 0.1
 """Gap over slowness between zones that may have met.  Not recorded."""
+NEAR_OPENING = 0.05
+"""Distance in slowness, relative, of an edge that ran into an opening.  Not recorded."""
+AT_OPENING = 1e-6
+"""The same of slip that begins where the opening closes.  Not recorded."""
 VANISHED_ZONE = 1e-4
 """Width over slowness of a zone that Newton's method has all but closed.  Not recorded."""
 AT_SHEAR_FRONT = 1e-4
 """Distance in slowness of an edge that ran into the shear front.  Not recorded."""
 BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 """Where such an edge starts on the other side, over the segment there.  Not recorded."""
+
+# Derivatives with respect to a parameter (variation, derivative)
+
+VARIED_STEP, COARSER_STEP = 3e-3, 1.6
+"""Of logits and logarithms between neighbours, and how much longer it is in the companion that
+shows the error: truncation is some 1e-11, rounding as much."""
+MOST_IMPROVEMENTS, IMPROVED_SHARE = 6, 1e-5
+"""Of the derivatives of edges, whose Jacobian has six digits: two are the rule.  Those that change
+less are right to the square of it."""

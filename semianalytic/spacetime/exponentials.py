@@ -1,15 +1,18 @@
 """What the interface remembers of past slip, as a short sum of exponentials.
 
 A slip rate of wavenumber q leaves the traction -(rho c_t / 2) [V + int h(q c_t (t - s)) q c_t V ds]
-behind (Geubelle & Rice 1995); h has the Laplace transform G(s) - 1,
+behind (Geubelle & Rice 1995); h has the Laplace transform G(s) - 1, and G is the impedance of a
+half-plane (theory (4.40) in mode II) at slowness i/s.  With A = sqrt(g^2 s^2 + 1),
+B = sqrt(s^2 + 1), g = c_t/c_l, it is
 
-    G = [(s^2 + 2)^2 - 4 A B] / (s^3 B),   A = sqrt(g^2 s^2 + 1),  B = sqrt(s^2 + 1),  g = c_t/c_l,
+    G = [(s^2 + 2)^2 - 4 A B] / (s^3 B)   in plane (`InPlane`),
+    G = B / s                             in antiplane shear (`Antiplane`), h = int J_1(x) / x dx.
 
-the mode II impedance of theory (4.40) at slowness i/s.  G is 2 (1 - g^2)/s near s = 0, the static
-stiffness; the rest is approximated by poles in the left half-plane, which turns the convolution
-over all the past into one recursion per pole (as for non-reflecting boundaries: Alpert, Greengard
-& Hagstrom 2000).  The poles come from the AAA algorithm (Nakatsukasa, Sete & Trefethen 2018) with
-support points in conjugate pairs, their residues from least squares.
+Near s = 0 that is 2 (1 - g^2)/s and 1/s, the static stiffness; the rest is approximated by poles
+in the left half-plane, which turns the convolution over all the past into one recursion per pole
+(as for non-reflecting boundaries: Alpert, Greengard & Hagstrom 2000).  The poles come from the AAA
+algorithm (Nakatsukasa, Sete & Trefethen 2018) with support points in conjugate pairs, their
+residues from least squares.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import ComputationError
+from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.tuning import (
     FAR_SAMPLE,
     MOST_PAIRS,
@@ -41,7 +45,7 @@ class Memory:
     poles, residues : (m,) complex arrays
         One of each conjugate pair, with twice its residue.
     static : float
-        2 (1 - c_t^2/c_l^2) = 1/(1 - nu): traction of lasting slip over G q / 2.
+        1/(1 - nu) in plane, 1 in antiplane shear: traction of lasting slip over mu q / 2.
     horizon : float
         Largest q c_t t the sum is made for.
     error : float
@@ -59,26 +63,65 @@ class Memory:
         return self.static + (np.exp(np.multiply.outer(x, self.poles)) @ self.residues).real
 
 
-def impedance_transform(s: Complex, speed_ratio: float) -> Complex:
-    """G(s) for Re s > 0, any shape; speed_ratio = c_t/c_l.  The numerator keeps all its digits."""
-    g2 = speed_ratio**2
+@dataclass(frozen=True)
+class InPlane:
+    """G of shear along x; speed_ratio = c_t/c_l, between 0 and sqrt(3)/2."""
 
-    def root(branch: float) -> Complex:
-        return np.sqrt(s - 1j * branch) * np.sqrt(s + 1j * branch)
+    speed_ratio: float
 
-    a, b, s2 = speed_ratio * root(1 / speed_ratio), root(1.0), s * s
-    numerator = ((s2 + 8) * s2 + 24 - 16 * g2) * s2 + 16 * (1 - g2)
-    return numerator / (s * b * ((s2 + 2) ** 2 + 4 * a * b))
+    @property
+    def static(self) -> float:
+        """s G at s = 0, 2 (1 - c_t^2/c_l^2) = 1/(1 - nu)."""
+        return 2 * (1 - self.speed_ratio**2)
+
+    @property
+    def branches(self) -> tuple[float, ...]:
+        """Branch points of G over i, the shear wave and the pressure wave."""
+        return 1.0, 1 / self.speed_ratio
+
+    def __call__(self, s: Complex) -> Complex:
+        """G(s) for Re s > 0, any shape; the numerator keeps all its digits."""
+        g2, s2 = self.speed_ratio**2, s * s
+        a, b = self.speed_ratio * _root(s, 1 / self.speed_ratio), _root(s, 1.0)
+        numerator = ((s2 + 8) * s2 + 24 - 16 * g2) * s2 + 16 * (1 - g2)
+        return numerator / (s * b * ((s2 + 2) ** 2 + 4 * a * b))
+
+
+@dataclass(frozen=True)
+class Antiplane:
+    """G of shear along z, the same for every solid."""
+
+    static = 1.0
+    branches = (1.0,)
+
+    def __call__(self, s: Complex) -> Complex:
+        """G(s) for Re s > 0, any shape."""
+        return _root(s, 1.0) / s
+
+
+Impedance = InPlane | Antiplane
+
+
+def impedance_of(scene: Scene) -> Impedance:
+    """What the shear of a scene meets."""
+    material = scene.material
+    if scene.antiplane:
+        return Antiplane()
+    return InPlane(material.shear_speed / material.longitudinal_speed)
+
+
+def _root(s: Complex, branch: float) -> Complex:
+    """sqrt(s^2 + branch^2), Re > 0."""
+    return np.asarray(np.sqrt(s - 1j * branch) * np.sqrt(s + 1j * branch))
 
 
 @lru_cache(maxsize=32)
-def fit_memory(speed_ratio: float, horizon: float, tolerance: float) -> Memory:
-    """Poles and residues for a speed ratio c_t/c_l, kept.
+def fit_memory(impedance: Impedance, horizon: float, tolerance: float) -> Memory:
+    """Poles and residues for an impedance, kept.
 
     Parameters
     ----------
-    speed_ratio : float
-        c_t/c_l, between 0 and sqrt(3)/2.
+    impedance : Impedance
     horizon : float
         Largest q c_t t that will be asked for.
     tolerance : float
@@ -89,15 +132,15 @@ def fit_memory(speed_ratio: float, horizon: float, tolerance: float) -> Memory:
     ComputationError
         If the tolerance is not met.
     """
-    static = 2 * (1 - speed_ratio**2)
+    static = impedance.static
 
     def remainder(s: Complex) -> Complex:
-        return impedance_transform(s, speed_ratio) - 1 - static / s
+        return impedance(s) - 1 - static / s
 
-    s = _samples(speed_ratio, horizon, SAMPLES)
+    s = _samples(impedance.branches, horizon, SAMPLES)
     poles = _poles(s, remainder(s), tolerance)
     residues = _residues(s, remainder(s), poles)
-    check = _samples(speed_ratio, horizon, 4 * SAMPLES + 1)
+    check = _samples(impedance.branches, horizon, 4 * SAMPLES + 1)
     exact = remainder(check)
     error = float(np.abs(_columns(check, poles) @ residues - exact).max() / np.abs(exact).max())
     if not error < 10 * tolerance:
@@ -117,12 +160,12 @@ def fit_memory(speed_ratio: float, horizon: float, tolerance: float) -> Memory:
     )
 
 
-def _samples(speed_ratio: float, horizon: float, count: int) -> Complex:
-    """Points on Re s = 1/horizon, dense beside the branch points at i and i c_l/c_t, (n,)."""
-    near, longitudinal = SHORTEST_SAMPLE / horizon, 1 / speed_ratio
-    spread = np.geomspace(near, longitudinal, count)
-    parts = [np.geomspace(near, max(FAR_SAMPLE, 3 * longitudinal), count)]
-    parts += [branch + sign * spread for branch in (1.0, longitudinal) for sign in (1, -1)]
+def _samples(branches: tuple[float, ...], horizon: float, count: int) -> Complex:
+    """Points on Re s = 1/horizon, dense beside the branch points over i, (n,)."""
+    near, last = SHORTEST_SAMPLE / horizon, max(branches)
+    spread = np.geomspace(near, last, count)
+    parts = [np.geomspace(near, max(FAR_SAMPLE, 3 * last), count)]
+    parts += [branch + sign * spread for branch in branches for sign in (1, -1)]
     return 1 / horizon + 1j * np.unique(np.maximum(np.abs(np.concatenate(parts)), near))
 
 

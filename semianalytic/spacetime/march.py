@@ -31,7 +31,7 @@ from semianalytic.scene.checks import LARGEST, checked_count, checked_number, ch
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.advancing import advance
-from semianalytic.spacetime.exponentials import Memory, fit_memory
+from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
 from semianalytic.spacetime.march_memory import check_size
 from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
 from semianalytic.spacetime.resolution import (
@@ -61,7 +61,7 @@ def causal_grid(scene: Scene, latest: float, length: float, nodes: int) -> Grid:
     from scipy.fft import next_fast_len
 
     spacing = length / nodes
-    reach = scene.material.longitudinal_speed * latest
+    reach = scene.fastest_speed * latest
     contact = math.ceil(max(length, (reach + length) / 2) / spacing) + MARGIN_NODES
     slot = math.ceil(reach / 2 / spacing) + MARGIN_NODES
     size = next_fast_len(contact + slot, real=True)
@@ -102,7 +102,8 @@ def march(
         Largest `Marched.error_estimate`, in place of `nodes`: marches on more and more nodes until
         it is met, the last returned.  With 8000 the last in any case, "unresolved" then.
     length : float, optional
-        Length of the contact that is observed [length]; c_l T unless given.
+        Length of the contact that is observed [length]; what waves reach, c_l T (c_t T under
+        antiplane shear alone), unless given.
     latest : float, optional
         Time to which `march_on` may be asked to go on [time]; end_time unless given.  The grid is
         made for it.
@@ -140,7 +141,7 @@ def march(
     material = scene.material
     end_time = 1 / material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")
-    length = material.longitudinal_speed * end_time if length is None else length
+    length = scene.fastest_speed * end_time if length is None else length
     length = checked_size("march: length", length, "be above 0")
     latest = end_time if latest is None else latest
     latest = _check_range("latest", latest, math.nextafter(end_time, 0.0))
@@ -238,8 +239,7 @@ class _Plan:
         check_size(self.scene, self.latest, self.length, nodes, memory, self.companion)
         check_weakening_seen(self.scene, grid.spacing)
         horizon = grid.wavenumbers[-1] * material.shear_speed * self.latest
-        speed_ratio = material.shear_speed / material.longitudinal_speed
-        past = fit_memory(speed_ratio, horizon, self.tolerance)
+        past = fit_memory(impedance_of(self.scene), horizon, self.tolerance)
         at_rest = self._at_rest(grid, past)
         if self.companion:
             coarse = math.ceil(nodes / 2)
@@ -255,7 +255,7 @@ class _Plan:
         no_times, no_levels = np.zeros(0), np.zeros((0, grid.observed))
         return Marched(
             scene=self.scene,
-            interface=InterfaceHistory(grid.x, no_times, *[no_levels] * 4),
+            interface=InterfaceHistory(grid.x, no_times, *[no_levels] * 5),
             totals=Totals(*[no_times] * 4),
             latest=self.latest,
             step_ratio=self.step_ratio,

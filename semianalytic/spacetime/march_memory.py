@@ -33,7 +33,7 @@ def check_size(
     scene: Scene, latest: float, length: float, nodes: int, memory: float | None, companion: bool
 ) -> None:
     """Refuse a grid whose state, and that of its companion, do not fit into the memory."""
-    reach = scene.material.longitudinal_speed * latest / length
+    reach = scene.fastest_speed * latest / length
     share = max(1.0, (reach + 1) / 2) + reach / 2
     size = int(min(share, _HUGE) * min(nodes, _HUGE))
     check_memory(

@@ -8,12 +8,14 @@ from dataclasses import fields
 import numpy as np
 from numpy.typing import NDArray
 
-from semianalytic.results.answer import FIELDS
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.spacetime.marched import Marched, MarchState
 
 Array = NDArray[np.float64]
+
+_FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
+"""What is stored of each level; a march ends where the contact would open."""
 
 
 class MarchRecord:
@@ -46,7 +48,7 @@ class MarchRecord:
         whole = (before + steps) // every - before // every
         levels = self._stored + (not self._stored) + whole + bool((before + steps) % every) + 1
         self._times = _extended(earlier.t, levels)
-        self._fields = [_extended(getattr(earlier, name), levels) for name in FIELDS]
+        self._fields = [_extended(getattr(earlier, name), levels) for name in _FIELDS]
         self._summed = len(marched.totals.t)
         self._totals = [
             _extended(getattr(marched.totals, field.name), self._summed + (not before) + steps)
@@ -108,9 +110,9 @@ class MarchRecord:
     def interface(self) -> InterfaceHistory:
         """What was stored."""
         kept = slice(0, self._stored)
-        return InterfaceHistory(
-            self._marched.grid.x, self._times[kept], *(field[kept] for field in self._fields)
-        )
+        fields = [field[kept] for field in self._fields]
+        closed = np.broadcast_to(0.0, (self._stored, self._observed))
+        return InterfaceHistory(self._marched.grid.x, self._times[kept], *[*fields, closed])
 
     def totals(self) -> Totals:
         """Of every step."""

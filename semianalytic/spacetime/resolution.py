@@ -129,7 +129,9 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     times = np.concatenate([times, [at for at in breaks[:count] if at < end_time]])
     mode_one, mode_two = np.zeros(times.shape), np.zeros(times.shape)
     for name, history in scene.acting_histories.items():
-        intensities = intensity_history(history, scene.load, scene.material, times)
+        intensities = intensity_history(
+            history, scene.load, scene.material, times, scene.shear_mode
+        )
         if name == "pressure":
             mode_one = intensities[0]
         else:
@@ -143,7 +145,7 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     bounded = strength > 0
     ratio = np.where(slips, excess, 0.0) / np.where(bounded, strength, 1.0)
     zone = np.where(slips & ~bounded, np.inf, np.pi / 8 * ratio**2)
-    return float(np.minimum(zone, scene.material.longitudinal_speed * times).max())
+    return float(np.minimum(zone, scene.fastest_speed * times).max())
 
 
 def nodes_for_zone(scene: Scene, end_time: float, length: float) -> int:

@@ -25,8 +25,9 @@ from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.edges import Edges, edges_of, moves
 from semianalytic.selfsimilar.estimate import loose_tolerance
+from semianalytic.selfsimilar.motion import slip_zones
 from semianalytic.selfsimilar.solution import Solution, Statistics
-from semianalytic.selfsimilar.solver import slip_zones, solve
+from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.tuning import FARTHEST, NUDGE
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import Prediction, ZoneSets, batches, continued, linearised
@@ -148,7 +149,8 @@ class Continuation:
         self.origin[i] = FROM_SCRATCH
         self.solutions[i] = solution
         fields = solution.profile.fields
-        if solution.status == "converged" and not fields.load.frictionless:
+        load = fields.load
+        if solution.status == "converged" and not (load.frictionless or load.opened):
             edges, unknowns = edges_of(fields.factors, fields.zones)
             tolerance, estimate = fields.rule.tolerance, solution.error_estimate
             self.zones[i] = KnownZones(edges, unknowns, None, tolerance, estimate)
@@ -236,7 +238,7 @@ class Continuation:
         profile = Profile(ZoneFields(edges.factors, load, zones, rule_for(known.tolerance)))
         stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
         statistics = Statistics(0, steps, 1, len(known.unknowns), nodes, stages)
-        zones_in_velocity = slip_zones(scene, profile)
+        zones_in_velocity = slip_zones(profile, scene.material.shear_speed)
         self.solutions[i] = Solution(
             scene, zones_in_velocity, "converged", known.estimate, statistics, profile, stress
         )

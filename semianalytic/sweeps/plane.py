@@ -25,8 +25,9 @@ from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.edges import Edges, edges_of, moves
 from semianalytic.selfsimilar.estimate import loose_tolerance, shift_error
+from semianalytic.selfsimilar.motion import slip_zones
 from semianalytic.selfsimilar.solution import Solution, Statistics
-from semianalytic.selfsimilar.solver import slip_zones, solve
+from semianalytic.selfsimilar.solver import solve
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import ZoneSets, continued, linearised
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
@@ -193,7 +194,7 @@ class Plane:
             fields = solution.profile.fields
             if solution.status == "converged" and not fields.load.frictionless:
                 edges, unknowns = edges_of(fields.factors, fields.zones)
-                pattern = (edges.senses, edges.open_ends, edges.segments)
+                pattern = (edges.kinds, edges.open_ends, edges.segments)
                 one = (i, unknowns, fields.rule.tolerance, solution.error_estimate)
                 by_pattern.setdefault(pattern, []).append(one)
         for pattern, some in by_pattern.items():
@@ -225,7 +226,7 @@ class Plane:
         statistics = Statistics(0, steps, 1, len(followed.unknowns), nodes, stages)
         self.solutions[i] = Solution(
             scene,
-            slip_zones(scene, profile),
+            slip_zones(profile, scene.material.shear_speed),
             "converged",
             followed.estimate,
             statistics,

@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
@@ -22,8 +23,8 @@ from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import Prediction, ZoneSets, approached
 from semianalytic.sweeps.neighbours import Neighbourhood
 
-Pattern = tuple[tuple[int, ...], tuple[bool, bool], tuple[int, ...]]
-"""Senses, open ends and segments of `Edges`, whatever the Poisson ratio."""
+Pattern = tuple[tuple[Zone, ...], tuple[bool, bool], tuple[int, ...]]
+"""Kinds, open ends and segments of `Edges`, whatever the Poisson ratio."""
 
 
 @dataclass(frozen=True)

@@ -162,7 +162,7 @@ def test_result_leaves_out_the_edge_node_alone():
     assert model.contact_x[0] == 0
     np.testing.assert_array_equal(sim.interface.x, model.contact_x[1:])
     nodes = len(sim.interface.x)
-    assert sim.state.shape == sim.gap.shape == sim.interface.slip.shape
+    assert sim.state.shape == sim.interface.gap.shape == sim.interface.slip.shape
     assert sim.final_path.shape == sim.final_work_density.shape == (nodes,)
 
 
@@ -189,7 +189,7 @@ def test_states_are_named():
 
 def test_opening_is_told_with_its_place_time_width_and_length():
     sim = run("lift-off")
-    opened, gap = sim.opened, sim.gap
+    opened, gap = sim.opened, sim.interface.gap
     level, node = np.argwhere(gap > 0)[0]
     assert opened.time == sim.interface.t[level]
     assert node == 0  # next to the edge
@@ -209,10 +209,11 @@ def test_opening_is_told_with_its_place_time_width_and_length():
 
 def test_gap_is_there_where_the_contact_is_open_and_never_negative():
     sim = run("lift-off")
-    assert sim.gap.min() == 0
+    gap = sim.interface.gap
+    assert gap.min() == 0
     before, after = sim.is_open[:-1], sim.is_open[1:]
-    np.testing.assert_array_equal(sim.gap[1:][before & after] > 0, True)
-    assert not sim.gap[1:][~before & ~after].any()
+    np.testing.assert_array_equal(gap[1:][before & after] > 0, True)
+    assert not gap[1:][~before & ~after].any()
 
 
 def test_opening_is_that_of_every_step_and_comes_back_from_a_file(tmp_path):
@@ -226,7 +227,7 @@ def test_opening_is_that_of_every_step_and_comes_back_from_a_file(tmp_path):
 def test_what_stays_closed_is_said_to(name):
     sim = run(name)
     assert sim.opened is None
-    assert not sim.gap.any()
+    assert not sim.interface.gap.any()
     assert opening_sentence(sim) == "the contact stayed closed"
 
 
@@ -299,8 +300,8 @@ def test_faster_lower_body_needs_no_caution():
 class Halved(CoulombFriction):
     """A law that the finite elements have never heard of."""
 
-    def factor(self, slip_rate, path):
-        return super().factor(slip_rate, path) / 2
+    def strength(self, frictional, slip_rate, path):
+        return super().strength(frictional, slip_rate, path) / 2
 
 
 def test_strength_is_what_the_law_says_whatever_the_law():

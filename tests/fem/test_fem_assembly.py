@@ -206,7 +206,9 @@ def test_critical_step_separates_stable_from_unstable(damping_time):
 def test_fastest_mode_sits_in_the_outer_corners(element, lower_by):
     """So the critical step is safe, and a step slightly above it may go unnoticed."""
     family, h = FAMILIES[element], 1 / 20
-    space = make_space(cached_mesh(causal_blocks(UNIT, 1.0, h * family.spacing)), family)
+    space = make_space(
+        cached_mesh(causal_blocks(UNIT.longitudinal_speed, 1.0, h * family.spacing)), family
+    )
     mass = lumped_mass(space, only(UNIT))
     matrix, _ = normalised(stiffness(space, only(UNIT)), mass)
     (x, y), margin = space.points, 4 * h

@@ -223,9 +223,9 @@ def remotely_loaded(resolution):
         force = tractions[component] * length
         launch[component] = (
             (arrival - blocks.far / speeds[component]) / model.time_step,
-            model.time_step**2 * force / model.root[body.loaded],
+            model.time_step**2 * force / body.root[body.loaded],
         )
-        body.activate(len(model.root))
+        body.activate(len(body.root))
     for step in range(model.steps + 1):
         for component, body in zip(model.plan.halves, model.bodies, strict=True):
             start, load = launch[component]

@@ -173,7 +173,8 @@ def test_triangles_that_do_not_cover_a_block_are_an_error(damage, tmp_path, monk
 def test_extents_do_not_depend_on_the_pattern(pattern):
     material, end, size = Material(1.0, 1.0, 1 / 3), 1.0, 0.02
     squares, other = (
-        causal_blocks(material, end, size, pattern=kind) for kind in ("squares", pattern)
+        causal_blocks(material.longitudinal_speed, end, size, pattern=kind)
+        for kind in ("squares", pattern)
     )
     assert (other.left, other.right) == (squares.left, squares.right)
     assert squares.far - size < other.far < 1.1 * squares.far
@@ -181,7 +182,9 @@ def test_extents_do_not_depend_on_the_pattern(pattern):
 
 def test_free_walls_are_farther_away():
     material = Material(1.0, 1.0, 1 / 3)
-    held, free = (causal_blocks(material, 1.0, 0.02, free_walls=w) for w in (False, True))
+    held, free = (
+        causal_blocks(material.longitudinal_speed, 1.0, 0.02, free_walls=w) for w in (False, True)
+    )
     assert free.left * 0.02 > material.longitudinal_speed * 1.5
     assert (free.right, free.height) == (held.right, held.height)
 
@@ -209,19 +212,21 @@ def test_slot_and_contact_meet_at_the_edge_node(block):
 def test_extents_follow_causality(nu):
     material, end, size = Material(2.0, 0.5, nu), 3.0, 0.05
     reach = material.longitudinal_speed * end
-    blocks = causal_blocks(material, end, size)
+    blocks = causal_blocks(material.longitudinal_speed, end, size)
     left, right, height = (n * size for n in (blocks.left, blocks.right, blocks.height))
     slack = 10 * size  # 8 h of margin, and rounding up to whole elements
     assert reach < right < reach + slack
     assert reach < 2 * height < reach + slack + size
     assert reach < 2 * left - reach / 2 < reach + slack + size
-    full = causal_blocks(material, end, size, full=True)
+    full = causal_blocks(material.longitudinal_speed, end, size, full=True)
     assert full.left == full.right == full.height == blocks.right
 
 
 def test_damping_widens_the_margin():
     material = Material(1.0, 1.0, 0.3)
-    sharp, smeared = (causal_blocks(material, 1.0, 0.01, damping_time=d) for d in (0.0, 0.01))
+    sharp, smeared = (
+        causal_blocks(material.longitudinal_speed, 1.0, 0.01, damping_time=d) for d in (0.0, 0.01)
+    )
     assert smeared.right > sharp.right
     assert smeared.height > sharp.height
 

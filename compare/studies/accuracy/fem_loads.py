@@ -223,7 +223,7 @@ def cost_rows(scene: str, resolutions: Sequence[int]) -> list[CostRow]:
     for resolution in resolutions:
         model = prepare(NAMED_SCENES[scene].scene, resolution=resolution)
         plan = model.plan
-        unknowns = len(model.root)
+        unknowns = model.unknowns // len(model.bodies)
         noise = np.random.default_rng(0).standard_normal(unknowns)
         for body in model.bodies:
             body.activate(unknowns)
@@ -242,8 +242,8 @@ def cost_rows(scene: str, resolutions: Sequence[int]) -> list[CostRow]:
 
         product_time, step_time = _medians(product, step, 15)
         times = model.time_step * np.arange(1.0, model.steps + 2)
-        reach = plan.fastest.longitudinal_speed * times + plan.forerun
-        active = np.mean([model.numbering.reached(distance) for distance in reach])
+        reach = plan.fastest_speed * times + plan.forerun
+        active = np.mean([2 * model.numbering.reached(distance) for distance in reach])
         rows.append(
             CostRow(
                 f"1/{resolution}",

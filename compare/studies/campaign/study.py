@@ -231,9 +231,10 @@ def _scale(scene: Scene) -> float:
 def _excess(marched: Marched) -> float:
     """Largest |tau| - strength at the end over the largest traction."""
     scene, end = marched.scene, marched.interface
-    factor = scene.friction_law.factor(np.abs(end.slip_rate[-1]), marched.final_path)
     shear = np.abs(end.shear_traction[-1])
-    strength = scene.friction * end.pressure[-1] * factor
+    strength = scene.friction_law.strength(
+        scene.friction * end.pressure[-1], end.slip_rate[-1], marched.final_path
+    )
     return max(float((shear - strength).max()) / (float(shear.max()) or 1.0), 0.0)
 
 

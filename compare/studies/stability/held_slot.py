@@ -10,7 +10,7 @@ from scipy.fft import dct, idct
 
 from semianalytic import Scene
 from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.spacetime.exponentials import fit_memory
+from semianalytic.spacetime.exponentials import fit_memory, impedance_of
 from semianalytic.spacetime.march import causal_grid
 from semianalytic.spacetime.recursion import Recursion, exerted
 
@@ -53,9 +53,7 @@ def held_slot(scene: Scene, nodes: int) -> HeldSlot:
     x = (np.arange(grid.size - grid.slot) + 0.5) * grid.spacing
     steps = int(np.ceil(material.shear_speed / (_STEP_RATIO * grid.spacing)))
     phase = grid.wavenumbers * material.shear_speed / steps
-    memory = fit_memory(
-        material.shear_speed / material.longitudinal_speed, steps * float(phase[-1]), _TOLERANCE
-    )
+    memory = fit_memory(impedance_of(scene), steps * float(phase[-1]), _TOLERANCE)
     recursion = Recursion(memory, phase, _DAMPING)
     impedance = material.shear_impedance / 2
     tables = [stuck_traction(material.poisson_ratio, mode) for mode in ("II", "I")]

@@ -147,14 +147,40 @@ def _bent_edge(prediction: Answer, window: Window, size: float) -> Answer | None
     """The first edge of a zone that has room to move."""
     if not isinstance(prediction, Solution):
         return None
-    front = prediction.scene.material.longitudinal_speed
-    edges = [speed for speed in prediction.edge_speeds.ravel() if 0 < speed < math.inf]
+    return _first_bent(prediction, prediction.edge_speeds.ravel().tolist(), size)
+
+
+def _bent_opening(prediction: Answer, window: Window, size: float) -> Answer | None:
+    """The first end of an opening that has room to move."""
+    if not isinstance(prediction, Solution):
+        return None
+    ends = [end for part in prediction.openings_at(1.0) for end in (part.start, part.end)]
+    return _first_bent(prediction, ends, size)
+
+
+def _first_bent(solution: Solution, edges: list[float], size: float) -> Answer | None:
+    front = solution.scene.material.longitudinal_speed
+    edges = [speed for speed in edges if 0 < speed < math.inf]
     for edge in edges:
         far = [place for place in edges if abs(place - edge) > 2 * abs(size) * edge]
-        bent = _bent(prediction, edge, (1 + size) * edge, [0.0, front, *far])
+        bent = _bent(solution, edge, (1 + size) * edge, [0.0, front, *far])
         if bent is not None:
             return bent
     return None
+
+
+def _wider(prediction: Answer, window: Window, size: float) -> Answer | None:
+    if not isinstance(prediction, Solution) or not prediction.openings_at(1.0):
+        return None
+    table = profiled(prediction)
+    return replace(table, gap_over_time=(1 + size) * table.gap_over_time)
+
+
+def _shut(prediction: Answer, window: Window, size: float) -> Answer | None:
+    if not isinstance(prediction, Solution) or not prediction.openings_at(1.0):
+        return None
+    table = profiled(prediction)
+    return replace(table, gap_over_time=0 * table.gap_over_time, openings=())
 
 
 def _bent_rayleigh(prediction: Answer, window: Window, size: float) -> Answer | None:
@@ -186,7 +212,10 @@ def _bent(solution: Solution, place: float, moved: float, fixed: list[float]) ->
         SlipZone(float(inner), float(outer), zone.sense)
         for (inner, outer), zone in zip(ends, solution.zones, strict=True)
     )
-    return replace(table, velocity=bent(table.velocity), zones=zones)
+    openings = tuple(
+        (float(inner), float(outer)) for inner, outer in map(bent, map(np.array, table.openings))
+    )
+    return replace(table, velocity=bent(table.velocity), zones=zones, openings=openings)
 
 
 def _published(reading: Reading) -> Make:
@@ -249,6 +278,23 @@ SPOILS = (
     Spoil("ν -0.01", "Poisson ratio too low", _with_other(_other_ratio), -0.01),
     Spoil("edge +2 %", "fields bent so that the first zone reaches too far", _bent_edge, 0.02, "%"),
     Spoil("edge -2 %", "fields bent so that the first zone ends too early", _bent_edge, -0.02, "%"),
+    Spoil(
+        "opening +2 %",
+        "fields bent so that the first end of an opening is too far out",
+        _bent_opening,
+        0.02,
+        "%",
+    ),
+    Spoil(
+        "opening -2 %",
+        "fields bent so that the first end of an opening is too far in",
+        _bent_opening,
+        -0.02,
+        "%",
+    ),
+    Spoil("gap +3 %", "contact too far open", _wider, 0.03, "%"),
+    Spoil("gap -3 %", "contact not open far enough", _wider, -0.03, "%"),
+    Spoil("no opening", "contact taken to stay closed", _shut),
     Spoil("no second zone", "slip of the second zone left out", _second_zone_times(0.0)),
     Spoil(
         "second zone reversed",

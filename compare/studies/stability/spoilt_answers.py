@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from semianalytic import Answer, InterfaceHistory, Scene, SlipInterval, SlipZone, Solution
+from semianalytic import (
+    Answer,
+    InterfaceHistory,
+    OpenInterval,
+    Scene,
+    SlipInterval,
+    SlipZone,
+    Solution,
+)
 from semianalytic.results.answer import answer_dataset, sampled_history
 
 Array = NDArray[np.float64]
@@ -66,6 +74,10 @@ class Retold:
         """See `Answer.pressure`."""
         return self.original.pressure(x, self._time(t))
 
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """See `Answer.gap`."""
+        return self.original.gap(x, self._time(t))
+
     def max_slip(self, t: ArrayLike) -> Array:
         """See `Answer.max_slip`."""
         return self.original.max_slip(self._time(t))
@@ -82,6 +94,10 @@ class Retold:
         """See `Answer.zones_at`."""
         zones = self.original.zones_at(t - self.lag)
         return tuple(SlipInterval(zone.start, zone.end, self.sense * zone.sense) for zone in zones)
+
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+        """See `Answer.openings_at`."""
+        return self.original.openings_at(t - self.lag)
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """See `Answer.history`."""
@@ -113,6 +129,10 @@ class Profiled:
         Shear traction and pressure, base included [stress].
     zones : tuple of SlipZone
         From the contact edge outward.
+    gap_over_time : (n,) array
+        How far the contact is open, over the time [length / time].
+    openings : tuple of (float, float)
+        Velocities of the ends of what is open, from the contact edge outward [length / time].
     """
 
     scene: Scene
@@ -121,6 +141,8 @@ class Profiled:
     shear: Array
     normal: Array
     zones: tuple[SlipZone, ...]
+    gap_over_time: Array
+    openings: tuple[tuple[float, float], ...]
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """See `Answer.slip_rate`."""
@@ -137,6 +159,10 @@ class Profiled:
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """See `Answer.pressure`."""
         return self._at(self.normal, self.scene.base.pressure, x, t)
+
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """See `Answer.gap`."""
+        return np.asarray(t, dtype=float) * self._at(self.gap_over_time, 0.0, x, t)
 
     def max_slip(self, t: ArrayLike) -> Array:
         """See `Answer.max_slip`."""
@@ -157,6 +183,12 @@ class Profiled:
         return tuple(
             SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in self.zones
         )
+
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+        """See `Answer.openings_at`."""
+        if t <= 0:
+            return ()
+        return tuple(OpenInterval(t * inner, t * outer) for inner, outer in self.openings)
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
         """See `Answer.history`."""
@@ -202,8 +234,9 @@ class Tabulated(Profiled):
 def tabulated(solution: Solution) -> Tabulated:
     """A solution as a table that can be told from it by nothing but its digits."""
     table = profiled(solution)
-    parts = (table.velocity, table.rate, table.shear, table.normal, table.zones)
-    return Tabulated(solution.scene, *parts, solution)
+    return Tabulated(
+        **{part.name: getattr(table, part.name) for part in fields(table)}, original=solution
+    )
 
 
 @lru_cache(maxsize=2)
@@ -211,7 +244,8 @@ def profiled(solution: Solution) -> Profiled:
     """What a solution says of the contact, to be bent."""
     material = solution.scene.material
     speed, reach = material.shear_speed, _REACH * material.longitudinal_speed
-    edges = solution.edge_speeds.ravel()
+    openings = tuple((part.start, part.end) for part in solution.openings_at(1.0))
+    edges = np.array([*solution.edge_speeds.ravel(), *np.ravel(openings)])
     fronts = (material.rayleigh_speed, speed, material.longitudinal_speed)
     ends = np.array([*edges[(edges > 0) & np.isfinite(edges)], *fronts])
     near = speed * np.geomspace(_NEAREST, _BESIDE, _CLUSTERED)
@@ -225,6 +259,6 @@ def profiled(solution: Solution) -> Profiled:
     )
     velocity = np.unique(velocity[(velocity > 0) & (velocity <= reach)])
     velocity = velocity[velocity != material.rayleigh_speed]  # slip there has a logarithm
-    fields = (solution.slip_rate, solution.shear_traction, solution.pressure)
-    rate, shear, normal = (field(velocity, 1.0) for field in fields)
-    return Profiled(solution.scene, velocity, rate, shear, normal, solution.zones)
+    named = (solution.slip_rate, solution.shear_traction, solution.pressure, solution.gap)
+    rate, shear, normal, gap = (field(velocity, 1.0) for field in named)
+    return Profiled(solution.scene, velocity, rate, shear, normal, solution.zones, gap, openings)

@@ -219,7 +219,7 @@ def stop_at_level(level):
     return stop
 
 
-HISTORY = InterfaceHistory(np.arange(3.0), np.arange(2.0), *np.arange(24.0).reshape(4, 2, 3))
+HISTORY = InterfaceHistory(np.arange(3.0), np.arange(2.0), *np.arange(30.0).reshape(5, 2, 3))
 
 
 @pytest.mark.skipif(importlib.util.find_spec("xarray") is None, reason="xarray is not installed")

@@ -7,7 +7,7 @@ from semianalytic import DataFileError, InterfaceHistory
 @pytest.fixture
 def history():
     x, t = np.linspace(0, 1, 5), np.array([0.1, 0.2])
-    fields = [np.arange(10.0).reshape(2, 5) + k for k in range(4)]
+    fields = [np.arange(10.0).reshape(2, 5) + k for k in range(5)]
     return InterfaceHistory(x, t, *fields)
 
 
@@ -15,7 +15,7 @@ def test_round_trip(history, tmp_path):
     path = tmp_path / "history.h5"
     history.save(path)
     loaded = InterfaceHistory.load(path)
-    for name in ("x", "t", "slip", "slip_rate", "shear_traction", "pressure"):
+    for name in ("x", "t", "slip", "slip_rate", "shear_traction", "pressure", "gap"):
         np.testing.assert_array_equal(getattr(loaded, name), getattr(history, name))
     assert [p.name for p in tmp_path.iterdir()] == ["history.h5"]
 
@@ -29,6 +29,7 @@ def test_shapes_must_agree(history):
             history.slip_rate.T,
             history.shear_traction,
             history.pressure,
+            history.gap,
         )
 
 

@@ -13,13 +13,19 @@ from semianalytic import (
     RateWeakening,
     SceneError,
     SlipWeakening,
+    ViscousFriction,
     march,
 )
 from semianalytic.scene import scene as scenes
 from semianalytic.scene.named import NAMED_SCENES
 
 SCENE = NAMED_SCENES["preloaded"].scene
-LAWS = (CoulombFriction(), RateWeakening(0.4, 1.0), SlipWeakening(0.6, 0.05))
+LAWS = (
+    CoulombFriction(),
+    ViscousFriction(0.7),
+    RateWeakening(0.4, 1.0),
+    SlipWeakening(0.6, 0.05),
+)
 ANSWERS = sorted(FrictionLaw.__abstractmethods__)
 any_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
 sizes = st.floats(0.0, 10.0).map(lambda value: round(value, 4))
@@ -27,29 +33,29 @@ sizes = st.floats(0.0, 10.0).map(lambda value: round(value, 4))
 
 @any_law
 @settings(max_examples=200, deadline=None)
-@given(stopping=sizes, strength=sizes, path=sizes, excess=st.floats(0.01, 3.0))
-def test_slip_speed_balances_friction_and_radiation(law, stopping, strength, path, excess):
-    """impedance V = stopping - strength factor(V, path), or V = 0 below the strength at rest."""
-    impedance = strength * law.fall_with_rate + excess
-    one = np.array([stopping]), np.array([strength])
+@given(stopping=sizes, frictional=sizes, path=sizes, excess=st.floats(0.01, 3.0))
+def test_slip_speed_balances_friction_and_radiation(law, stopping, frictional, path, excess):
+    """impedance V = stopping - strength(V, path), or V = 0 below the strength at rest."""
+    impedance = frictional * law.fall_with_rate + excess
+    one = np.array([stopping]), np.array([frictional])
     (speed,) = law.slip_speed(*one, impedance, np.array([path]))
-    at_rest = strength * float(law.factor(0.0, path))
+    at_rest = float(law.strength(frictional, 0.0, path))
     if stopping <= at_rest:
         assert speed == 0
     else:
-        carried = strength * float(law.factor(speed, path))
+        carried = float(law.strength(frictional, speed, path))
         assert speed >= 0
         assert impedance * speed == pytest.approx(stopping - carried, abs=1e-10)
 
 
 @any_law
-def test_falls_are_the_steepest_of_the_factor(law):
+def test_falls_are_the_steepest_of_the_strength(law):
     fine = np.linspace(0, 2, 200_001)
-    for told, factor in (
-        (law.fall_with_rate, law.factor(fine, 0.0)),
-        (law.fall_with_slip, law.factor(0.0, fine)),
+    for told, strength in (
+        (law.fall_with_rate, law.strength(3.0, fine, 0.0)),
+        (law.fall_with_slip, law.strength(3.0, 0.0, fine)),
     ):
-        steepest = -np.diff(factor).min() / fine[1]
+        steepest = max(-np.diff(strength).min() / fine[1] / 3.0, 0.0)
         assert told == pytest.approx(steepest, rel=1e-4, abs=1e-12)
 
 
@@ -57,7 +63,7 @@ def complete(**parts):
     """A law like slip weakening made from scratch, with some of its answers changed or left out."""
     inner = SlipWeakening(0.3, 0.5)
     said = {
-        "factor": lambda self, slip_rate, path: inner.factor(slip_rate, path),
+        "strength": lambda self, *given: inner.strength(*given),
         "slip_speed": lambda self, *given: inner.slip_speed(*given),
         "fall_with_rate": 0.0,
         "fall_with_slip": inner.fall_with_slip,
@@ -67,7 +73,7 @@ def complete(**parts):
 
 
 def test_the_answers_are_those_solvers_ask_for():
-    assert ANSWERS == ["factor", "fall_with_rate", "fall_with_slip", "slip_speed"]
+    assert ANSWERS == ["fall_with_rate", "fall_with_slip", "slip_speed", "strength"]
 
 
 @pytest.mark.parametrize("missing", ANSWERS)

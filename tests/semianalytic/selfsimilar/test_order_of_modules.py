@@ -11,10 +11,11 @@ HOUSE = Path(semianalytic.__file__).parent
 FOLDERS = ("cut", "selfsimilar")
 STAGES = (
     "cut.tuning",
-    "cut.load",
     "cut.layout",
+    "cut.load",
     "cut.panels",
     "cut.canonical",
+    "cut.strength",
     "cut.zones",
     "cut.profile",
     "selfsimilar.tuning",

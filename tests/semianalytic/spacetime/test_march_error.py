@@ -36,7 +36,7 @@ from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.process_zone import process_zone
 from semianalytic.spacetime import march as march_module
-from semianalytic.spacetime.exponentials import impedance_transform
+from semianalytic.spacetime.exponentials import InPlane
 from semianalytic.spacetime.tuning import ERROR_SAFETY, MEMORY_SAFETY, MOST_NODES, READING_SAFETY
 
 WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, friction_law=SlipWeakening(2 / 3, 0.05))
@@ -359,9 +359,9 @@ def test_any_rate_weakening_lets_short_waves_grow(nu, growth, share):
     rayleigh = float(Material(1.0, 1.0, nu).rayleigh_speed)
     s = np.array([1e-3 + 1j * rayleigh])
     for _ in range(50):
-        value = impedance_transform(s, factors.a) - share
-        slope = (impedance_transform(s + 1e-6, factors.a) - share - value) / 1e-6
+        value = InPlane(factors.a)(s) - share
+        slope = (InPlane(factors.a)(s + 1e-6) - share - value) / 1e-6
         s = s - value / slope
-    assert np.abs(impedance_transform(s, factors.a) - share).max() < 1e-9
+    assert np.abs(InPlane(factors.a)(s) - share).max() < 1e-9
     assert s[0].real == pytest.approx(growth * share, rel=0.05)
     assert s[0].imag == pytest.approx(rayleigh, rel=0.02)

@@ -1,0 +1,215 @@
+"""Strength on the panels of the cut: what pressure gives it, and where it misses its condition.
+
+On slip of sense s the shear traction follows a strength,
+
+    dtau/dv = s f dp/dv + eta d|V|/dv + dg/dv,
+
+of which pressure comes from the normal problem, eta and dg/dv are given on the panels.  The part
+A = s f P of the transform T, with P that of pressure and s the sense next to the contact edge, has
+the right imaginary part already where the interface slips in that sense, closed or open, and the
+right phase where it sticks behind the shear front.  What is left is for the Cauchy integral of
+`zones` to supply: its sources stand here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.cut.canonical import CanonicalFunction, log_share
+from semianalytic.cut.load import Load
+from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.stuck import traction_of
+
+
+@dataclass(frozen=True)
+class PressurePart:
+    """The part s f P of the transform of slip zones, and where on the cut it misses its condition.
+
+    Attributes
+    ----------
+    load : Load
+    canonical : CanonicalFunction
+    sense : int, s, that of the zone next to the contact edge; 0 without zones
+    opened : (p, ..., n) array or None
+        P / M_+^I where the contact is closed, P where it is open (panels of the mask `open`), both
+        real; None if it is closed everywhere, where P / M_+^I is P_0 / M_+^I(0).
+    open : (p,) mask of panels on which the contact is open
+    opened_at_edge : float, limit of P / M_+^I at the contact edge, with `opened`
+    """
+
+    load: Load
+    canonical: CanonicalFunction
+    sense: int
+    opened: Array | None
+    open: np.ndarray
+    opened_at_edge: float = 0.0
+
+    @property
+    def _weight(self) -> float | Array:
+        """s f."""
+        return self.sense * self.load.friction
+
+    @cached_property
+    def analytic(self) -> bool:
+        """Whether s f P is part of T: whether there is slip, and pressure changes."""
+        return bool(self.sense and self.load.load_pressure != 0)
+
+    @cached_property
+    def amount(self) -> float | Array:
+        """s f P / M_+^I on closed panels; a number (or (k, 1)) if the contact is closed."""
+        if not self.analytic:
+            return 0.0
+        if self.opened is not None:
+            return self._weight * self.opened
+        at_zero = self.canonical.factors.m_plus_at_zero["I"]
+        return self._weight * self.load.load_pressure / at_zero
+
+    @property
+    def amount_at_edge(self) -> float | Array:
+        """Its limit at a stuck contact edge."""
+        if self.opened is None or not self.analytic:
+            return self.amount
+        return self._weight * self.opened_at_edge
+
+    def amount_on(self, panels: np.ndarray | slice | int) -> float | Array:
+        """The same on some panels."""
+        if self.opened is None or not self.analytic:
+            return self.amount
+        return np.asarray(self.amount)[panels]
+
+    @cached_property
+    def mode_ratio(self) -> tuple[Array, Array]:
+        """M_+^I / M_+ at the nodes: its real part, and the imaginary one, 0 behind the shear front.
+
+        In mode II -i sqrt((b - v) / (v - a)) ahead of the shear front, where the real part is left
+        out, and sqrt((v - b) / (v - a)) behind it.
+        """
+        canonical, ahead = self.canonical, self.canonical.layout.ahead
+        at, factors = canonical.panels.at, canonical.factors
+        if factors.mode == "II":
+            ratio = np.sqrt(np.abs(at.from_b / at.from_a))
+            return ratio, -ratio[:ahead]
+        normal = factors.in_plane
+        unit = normal.kappa * factors.m_plus(at.v, "I")
+        ratio = np.empty_like(at.v)
+        ratio[ahead:] = normal.impedance_behind(self._in_plane(at[ahead:]), "I")
+        ratio[ahead:] /= unit[ahead:] * np.sqrt(at.from_b[ahead:])
+        both = np.stack(normal.impedance_ahead(at[:ahead], "I")) / unit[:ahead]
+        ratio[:ahead], imag = both / np.sqrt(-at.from_b[:ahead])
+        return ratio, imag
+
+    @cached_property
+    def log_ratio_at_edge(self) -> Array:
+        """(..., n): ln of M_+^I / M_+ on the last panel, 0 at the contact edge, without loss."""
+        at, factors = self.canonical.panels.at[-1], self.canonical.factors
+        if factors.mode == "II":
+            return 0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a))
+        log = log_share(self._in_plane(at).from_c, at.v, np.array(factors.in_plane.c))
+        log = log - 0.5 * log_share(at.from_a, at.v, np.array(factors.a))
+        log = log - 0.5 * log_share(at.from_b, at.v, np.array(1.0))
+        return np.asarray(log + factors.log_s_plus_behind(at))
+
+    def _in_plane(self, at: CutPoints) -> CutPoints:
+        """Points with their distance from the Rayleigh front."""
+        normal = self.canonical.factors.in_plane
+        return CutPoints(np.stack([*at.parts[:3], at.v - normal.c]))
+
+    @cached_property
+    def slope(self) -> Array:
+        """dp/dv = Im P(-v + i0) / (pi v) at the nodes, (p, ..., n); 0 where open."""
+        canonical, factors, load = self.canonical, self.canonical.factors, self.load
+        at = canonical.panels.at
+        if factors.mode == "III":
+            unit = traction_of(factors, "I").slope(self._in_plane(at))
+            slope = unit * factors.m_plus_at_zero["I"]
+        else:
+            (real, imag), ahead = canonical.impedance, canonical.layout.ahead
+            ratio, _ = self.mode_ratio
+            slope = imag * ratio
+            slope[:ahead] = -real * ratio[:ahead]
+            slope /= np.pi * factors.kappa * canonical.m_plus * at.v
+        if self.opened is None:
+            return np.asarray(slope * (load.load_pressure / factors.m_plus_at_zero["I"]))
+        return np.asarray(slope * np.where(self._per_panel(self.open), 0.0, self.opened))
+
+    def on_stick(self, panels: slice | int) -> Array:
+        """A / M_+ at the nodes of panels that stick: behind the shear front, where it is real, or
+        the real part ahead of it."""
+        return np.asarray(self.amount_on(panels) * self.mode_ratio[0][panels])
+
+    def _per_panel(self, values: np.ndarray) -> np.ndarray:
+        """(p,) values with the axes of nodes."""
+        return values.reshape(-1, *[1] * (self.canonical.panels.jacobian.ndim - 1))
+
+    @cached_property
+    def over_impedance(self) -> Array:
+        """Im (A / M) at the nodes of panels that slip, (p, ..., n), 0 elsewhere."""
+        canonical, layout = self.canonical, self.canonical.layout
+        result = np.zeros_like(canonical.panels.jacobian)
+        if not self.analytic:
+            return result
+        real, imag = canonical.impedance
+        ahead = layout.slip_ahead
+        by_ratio = self.amount_on(ahead) * self.mode_ratio[1][ahead]
+        result[ahead] = by_ratio / (canonical.factors.kappa * canonical.m_plus[ahead])
+        for panel in np.flatnonzero(self.open & layout.slipping):
+            square = np.square(imag[panel])
+            if panel < layout.ahead:
+                square = square + np.square(real[panel])
+            result[panel] = -self.amount_on(int(panel)) * imag[panel] / square
+        return result
+
+    @cached_property
+    def sources(self) -> tuple[np.ndarray, Array]:
+        """Panels on which C has an imaginary part, and Im C at all nodes, (p, ..., n).
+
+        Stick ahead of the shear front, zones of the other sense, and slip whose strength has parts
+        that A does not hold.
+        """
+        canonical, layout = self.canonical, self.canonical.layout
+        imag = np.zeros_like(canonical.panels.jacobian)
+        stick = layout.stick_ahead[:0]
+        if self.analytic:
+            stick = layout.stick_ahead
+            by_ratio = self.amount_on(stick) * self.mode_ratio[1][stick]
+            imag[stick] = -by_ratio / canonical.values[stick]
+        slip = self._missing_on
+        if len(slip):
+            imag[slip] = self._missing[slip] / canonical.values[slip]
+            if canonical.resistance is not None:
+                modulus, _ = canonical.excess_impedance
+                imag[slip] /= modulus[np.searchsorted(layout.slip, slip)]
+        return np.append(stick, slip), imag
+
+    @cached_property
+    def _missing_on(self) -> np.ndarray:
+        """Panels that slip on which A misses the slope of strength."""
+        layout, senses = self.canonical.layout, np.array(self.canonical.panels.sense)
+        if self.load.given_slope is not None:
+            return layout.slip
+        wrong = np.zeros(len(senses), dtype=bool)
+        if self.load.load_pressure != 0 and self.sense:
+            wrong = senses != self.sense
+        if self.analytic and self.canonical.resistance is not None:
+            wrong[: layout.ahead] = True
+            wrong |= self.open
+        return np.flatnonzero(wrong & layout.slipping)
+
+    @cached_property
+    def _missing(self) -> Array:
+        """(p, ..., n): Im [(1 + eta / M)(T - A)] at the nodes of panels that slip."""
+        canonical = self.canonical
+        at, senses = canonical.panels.at, np.array(canonical.panels.sense)
+        rest = senses - (self.sense if self.analytic else 0)
+        missing = np.zeros_like(at.v)
+        if self.load.load_pressure != 0:
+            missing = self._per_panel(rest) * (np.pi * self.load.friction * at.v * self.slope)
+        if self.load.given_slope is not None:
+            missing = missing + np.pi * at.v * self.load.given_slope[: len(at.v)]
+        if canonical.resistance is not None and self.analytic:
+            slip = canonical.layout.slip
+            missing[slip] -= canonical.eta * self.over_impedance[slip]
+        return missing

@@ -1,0 +1,278 @@
+"""Derivatives of slip rate, slip and traction as functions of slowness, b = mu = 1, one-sided.
+
+What changes at fixed nodes of the panels is integrated as the fields themselves are; what nodes
+move by is taken off.  With F' at a fixed node and w the velocity of the node, at fixed slowness
+
+    dF/dp = F' - w dF/dv,
+
+infinite at the edges where F has a power less than one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.cut.panels import Panels, RunningIntegral
+from semianalytic.cut.profile import Profile
+from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.selfsimilar.variation import NodeFields, Variation
+
+_HALF_POWER = 0.01
+"""What a power read off the last nodes may differ from a multiple of one half that it is."""
+
+
+@dataclass(frozen=True)
+class VariedProfile:
+    """Derivatives of a profile with respect to a parameter, at fixed u = t/x >= 0 of shape (m,)."""
+
+    profile: Profile
+    variation: Variation
+
+    @property
+    def _panels(self) -> Panels:
+        return self.profile.panels
+
+    @property
+    def _nodes(self) -> NodeFields:
+        return self.variation.nodes
+
+    def _velocity(self, panel: int, at: CutPoints) -> Array:
+        """How fast points (m,) of a panel move with its ends."""
+        panels, ends, rate = self._panels, self._nodes.ends[0], self._nodes.skew / self._panels.skew
+        from_left = at.minus(panels.left[panel])
+        right = panels.right[panel]
+        if right is None:
+            return ends[panel] + from_left * rate[panel]
+        share, to_right = from_left / panels.widths[panel], -at.minus(right)
+        moved = ends[panel] + (ends[panel + 1] - ends[panel]) * share
+        return np.asarray(moved - share * to_right * rate[panel])
+
+    @cached_property
+    def _rate(self) -> RunningIntegral:
+        """Of dV/dv at fixed nodes."""
+        return self._integral(self._nodes.rate / self._panels.jacobian)
+
+    @cached_property
+    def _moment(self) -> RunningIntegral:
+        """The integral whose moment is what that of dV/dv changes by at fixed nodes."""
+        panels = self._panels
+        velocity = np.stack([self._velocity(i, panels.at[i]) for i in range(len(panels.left))])
+        carried = self.profile._slip_rate.density * velocity / panels.at.v
+        return self._integral(self._nodes.rate / panels.jacobian + carried)
+
+    @cached_property
+    def _traction(self) -> RunningIntegral:
+        return self._integral(self._nodes.traction / self._panels.jacobian)
+
+    def _integral(self, density: Array) -> RunningIntegral:
+        return RunningIntegral(
+            self._panels, density, self.profile.fields.factors.c, self._nodes.tail
+        )
+
+    def _slope(self, density: Array, panel: int, at: CutPoints) -> Array:
+        """A density (p, n) at points (m,) inside a panel, infinite where it is so at its ends.
+
+        It is interpolated without its powers at the ends, and less the limits that this leaves.
+        """
+        panels, rule = self._panels, self._panels.rule
+        at_nodes = _Distances.of_nodes(panels, panel)
+        powers = at_nodes.powers_of(density[panel])
+        smooth = density[panel] / at_nodes.product(*powers)
+        first, last = smooth[0], smooth[-1]
+        y = np.clip(panels.coordinate(panel, at), rule.y[0], rule.y[-1])
+        rest = smooth - first - (last - first) * rule.share
+        value = first + (last - first) / (1 + np.exp(-y))
+        value = value + np.sinc((y[:, None] - rule.y) / rule.spacing) @ rest
+        return np.asarray(value * _Distances.of_points(panels, panel, at).product(*powers))
+
+    def _piecewise(
+        self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
+    ) -> Array:
+        return self.profile._piecewise(u, ahead, inside)
+
+    @property
+    def _far_slip_rate(self) -> float:
+        return self.variation.rates.far_slip_rate
+
+    def slip_rate(self, u: Array) -> Array:
+        """Of V; at the edges where V has a square root plus or minus infinity."""
+        slope = self.profile._slip_rate.density
+
+        def inside(i: int, at: CutPoints) -> Array:
+            if not self._panels.sense[i]:
+                return np.zeros(at.v.shape)
+            value = self._nodes.rate_starts[i] + self._rate(i, at)
+            return np.asarray(value - _carried(self._slope(slope, i, at), self._velocity(i, at)))
+
+        return self._piecewise(u, self._far_slip_rate, inside)
+
+    @cached_property
+    def edge_slip_rate(self) -> float:
+        """Of V at the contact edge."""
+        if not self.profile.edge_slips:
+            return 0.0
+        return float(self._nodes.rate_starts[-1] + self._rate.totals[-1])
+
+    def _slip(self, i: int, at: CutPoints, start: float | Array) -> Array:
+        """Of slip / x inside a panel that slips, from that at its left end."""
+        gain, moment = self._rate(i, at), self._moment.with_moment(i, at)[1]
+        before = self._nodes.rate_starts[i]
+        left = self._panels.left[i].v
+        return np.asarray(start + at.v * gain + (at.v - left) * before - moment)
+
+    @cached_property
+    def _slip_starts(self) -> Array:
+        """Of slip / x at the left end of each panel, (p,)."""
+        panels = self._panels
+        slip = np.zeros(len(panels.left))
+        slip[0] = self._far_slip_rate * panels.left[0].v[0]
+        for i in range(len(slip) - 1):
+            right = panels.right[i]
+            assert right is not None
+            slip[i + 1] = self._slip(i, right, slip[i])[0] if panels.sense[i] else slip[i]
+        return slip
+
+    def slip_over_time(self, u: Array) -> Array:
+        """Of slip / t."""
+        start = self._slip_starts
+
+        def inside(i: int, at: CutPoints) -> Array:
+            slip = self._slip(i, at, start[i]) if self._panels.sense[i] else start[i]
+            return np.asarray(slip / at.v)
+
+        return self._piecewise(u, self._far_slip_rate, inside)
+
+    def _stuck(self, u: Array, mode: Mode) -> Array:
+        """Of p* or q* with respect to the Poisson ratio."""
+        stencil, own = self.variation.stencil, self.profile.fields.factors
+        if not self.variation.rates.poisson_ratio or stencil is None:
+            return np.zeros(u.shape)
+        # Fixed between the fronts, which move
+        ahead, behind = u <= own.a, u >= 1
+        share = np.where(ahead | behind, 0.0, (u - own.a) / (1 - own.a))
+        values, places = [], []
+        for point in stencil.points:
+            traction = stuck_traction(float(own.poisson_ratio + point), mode)
+            a = traction.factors.a
+            place = np.where(behind, u, a + share * (1 - a))
+            places.append(place)
+            values.append(traction(place))
+        value, moved = (stencil.difference(np.stack(every), 0) for every in (values, places))
+        slope = stuck_traction(own.poisson_ratio, mode).derivative(u)
+        return np.where(ahead, 0.0, value - np.where(behind, 0.0, slope * moved))
+
+    def pressure(self, u: Array) -> Array:
+        """Of contact pressure."""
+        load, rates = self.profile.fields.load, self.variation.rates
+        result = np.full(u.shape, rates.base_pressure)
+        if rates.load_pressure:
+            mode_one = stuck_traction(self.profile.fields.factors.poisson_ratio, "I")
+            result += rates.load_pressure * mode_one(u)
+        if load.load_pressure:
+            result += load.load_pressure * self._stuck(u, "I")
+        return result
+
+    def strength(self, u: Array) -> Array:
+        """Of the friction bound f p."""
+        load, rates = self.profile.fields.load, self.variation.rates
+        change = load.friction * self.pressure(u)
+        if rates.friction:
+            pressure = load.base_pressure + self.profile.pressure_change(u)
+            change = change + rates.friction * pressure
+        return np.asarray(change)
+
+    def traction(self, u: Array) -> Array:
+        """Of the shear traction; infinite at edges that open slip slower than c_R."""
+        rates, profile, nodes = self.variation.rates, self.profile, self._nodes
+        slope = profile._traction.density
+
+        def inside(i: int, at: CutPoints) -> Array:
+            sense = self._panels.sense[i]
+            if sense:
+                return np.asarray(sense * self.strength(at.v))
+            value = nodes.traction_starts[i] + self._traction(i, at)
+            value = value - _carried(self._slope(slope, i, at), self._velocity(i, at))
+            return np.asarray(value + self._edge_traction(i, at.v))
+
+        return self._piecewise(u, rates.base_shear - rates.far_slip_rate, inside)
+
+    def _edge_traction(self, panel: int, v: Array) -> Array | float:
+        """Of the part of the traction that is unbounded at a stuck edge, less what its start moves
+        by."""
+        profile, nodes = self.profile, self._nodes
+        if self._panels.right[panel] is not None:
+            return 0.0
+        left = self._panels.left[panel].v
+        mode = stuck_traction(profile.fields.factors.poisson_ratio, "II")
+        moved = nodes.ends[0, panel]
+        started = self._stuck(left, "II")
+        if moved.any():  # beside an edge, not at the shear front
+            started = started + mode.derivative(left) * moved
+        gained = self._stuck(v, "II") - started
+        return np.asarray(
+            nodes.intensity * (mode(v) - mode(left)) + profile.edge_intensity * gained
+        )
+
+
+def _carried(slope: Array, velocity: Array) -> Array:
+    """What nodes carry along; nothing where they rest."""
+    with np.errstate(invalid="ignore"):
+        return np.where(velocity == 0, 0.0, slope * velocity)
+
+
+@dataclass(frozen=True)
+class _Distances:
+    """Of points of a panel from its ends, (m,), v instead beyond the last end; and 1 / (v - c) over
+    1 / v if the panel has a pole there, else 1."""
+
+    left: Array
+    right: Array
+    pole: Array | float
+
+    @classmethod
+    def of_nodes(cls, panels: Panels, panel: int) -> _Distances:
+        """Of all nodes, exact however small."""
+        left, right = panels.from_left[panel], panels.from_right[panel]
+        return cls._of(panels, panel, panels.at[panel], left, right)
+
+    @classmethod
+    def of_points(cls, panels: Panels, panel: int, at: CutPoints) -> _Distances:
+        """Of points (m,) inside."""
+        end = panels.right[panel]
+        right = at.v if end is None else np.maximum(-at.minus(end), 0.0)
+        return cls._of(panels, panel, at, np.maximum(at.minus(panels.left[panel]), 0.0), right)
+
+    @classmethod
+    def _of(
+        cls, panels: Panels, panel: int, at: CutPoints, left: Array, right: Array
+    ) -> _Distances:
+        pole: Array | float = 1.0
+        if panel == panels.layout.pole:
+            with np.errstate(divide="ignore"):
+                pole = at.v / at.from_c
+        if panels.right[panel] is None:
+            return cls(left / at.v, at.v, pole)
+        return cls(left, right, pole)
+
+    def powers_of(self, density: Array) -> tuple[float, float]:
+        """Powers of the distances with which a density on all nodes begins and ends."""
+        return _power(self.left[:2], density[:2]), _power(self.right[:-3:-1], density[:-3:-1])
+
+    def product(self, left: float, right: float) -> Array:
+        """Powers of the distances, with the pole."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(self.left**left * self.right**right * self.pole)
+
+
+def _power(distances: Array, values: Array) -> float:
+    """The power that leads from the first value to the second; 0 where there is none."""
+    if not values.all():
+        return 0.0
+    power = float(np.log(values[1] / values[0]) / np.log(distances[1] / distances[0]))
+    halves = round(2 * power) / 2
+    return halves if abs(power - halves) < _HALF_POWER else power

@@ -1,0 +1,216 @@
+"""Edges of the opening: where the pressure has fallen to zero, and where the gap has closed.
+
+The transform P of the change of pressure is real where the contact is open, P / M_+ of mode I is
+real where it is closed, and P(0) = P_0.  There is one opening at most (docs/separation.md):
+
+- from the contact edge for P_0 < 0, its speed in closed form;
+- around the Rayleigh front for P_0 > 0 and P_b < -P_0 p*(c).  Both ends are smooth: besides R there
+  is a term r / (k + e) of the closing edge e, and the rate of the gap and the gap vanish there.
+
+The fields are those of `cut.zones` in mode I, minus pressure for traction and opening of one side
+for slip, b = mu = 1.  With r = 0 they have the slopes g_0; the term makes them
+g_0 (1 + rho v / (e (e - v))), rho = r / R_0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import Load
+from semianalytic.cut.zones import ZoneFields
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.errors import ComputationError
+from semianalytic.separation import tuning
+
+
+@dataclass(frozen=True)
+class Opening:
+    """Where the contact is open, in slowness, and the constants of P.
+
+    Attributes
+    ----------
+    zone : Zone, its sense 1; right None is the contact edge
+    closing : tuple of (edge, r), the term r / (k + edge) where it closes; none at the contact edge
+    error : float, estimate of the error of its edges, relative to c_t
+    """
+
+    zone: Zone
+    closing: tuple[tuple[CutPoints, float], ...]
+    error: float
+
+
+def opening_of(poisson_ratio: float, base: float, step: float, tolerance: float) -> Opening | None:
+    """The opening under a step of pressure on a base, any unit of stress; None if there is none.
+
+    Parameters
+    ----------
+    poisson_ratio : float
+    base : float, P_b > 0
+    step : float, P_0
+    tolerance : float, of the rule on which its edges are placed
+
+    Raises
+    ------
+    ComputationError
+        If Newton's method does not place them.
+    """
+    if step < 0:
+        return _from_contact_edge(poisson_ratio, -base / step)
+    below = 1 + base / (step * stuck_traction(poisson_ratio, "I").at_rayleigh_front) if step else 0
+    if below <= 0:
+        return None
+    return _detached(Detached(poisson_ratio, base / step, rule_for(tolerance)), step, below)
+
+
+def _from_contact_edge(poisson_ratio: float, ratio: float) -> Opening:
+    """One zone up to the contact edge, where P = P_0 - P_b: closed form of `reference`."""
+    factors = rayleigh_factors(poisson_ratio, "I")
+    start = (1 - poisson_ratio) * (1 + ratio) ** 2 / factors.a
+    return Opening(Zone(factors.cut([start]), None, 1), (), tuning.LEAST_ERROR)
+
+
+def _detached(problem: Detached, step: float, below: float) -> Opening:
+    """The opening around c, placed on a fine rule and compared with a coarser one; `below` is what
+    the base is below its threshold, over that."""
+    loose = max(min(tuning.LOOSE_RULE, tuning.LOOSE_SHARE * below), tuning.LEAST_LOOSE)
+    unknowns, inverse = _located(replace(problem, rule=rule_for(loose)))
+    least = max(tuning.LEAST_MOVE, problem.rule.tolerance / 2)
+    for _ in range(tuning.MOST_CHORD_STEPS):
+        left = Left(problem.fields(unknowns))
+        move = -inverse @ left.mismatch
+        if np.abs(move).max() < least:
+            break
+        unknowns = unknowns + move
+    coarser = rule_for(tuning.COARSER_COMPANION * problem.rule.tolerance)
+    move = -inverse @ Left(replace(problem, rule=coarser).fields(unknowns)).mismatch
+    zone = problem.zone(unknowns)
+    assert zone.left is not None and zone.right is not None
+    # R = R_0 (1 - rho / e): `ZoneFields` finds it from r = rho R_0 and P(0)
+    amount = float(left.term) * float(left.fields.constant[0]) * step
+    error = _shift(zone, problem.zone(unknowns + move))
+    return Opening(zone, ((zone.right, amount),), tuning.LEAST_ERROR + tuning.SAFETY * error)
+
+
+def _shift(one: Zone, other: Zone) -> float:
+    """Largest difference of velocities of edges, over c_t."""
+    pairs = ((one.left, other.left), (one.right, other.right))
+    return max(
+        abs(float(1 / p.v[0] - 1 / q.v[0])) for p, q in pairs if p is not None and q is not None
+    )
+
+
+def _located(problem: Detached) -> tuple[Array, Array]:
+    """Edges by Newton's method, nearly, and the inverse Jacobian there."""
+    unknowns = problem.start()
+    nudges = tuning.NUDGE * np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    for _ in range(tuning.MOST_NEWTON_STEPS):
+        values = Left(problem.fields(unknowns[:, None] + nudges)).mismatch
+        jacobian = (values[:, 1:] - values[:, :1]) / tuning.NUDGE
+        inverse = np.asarray(np.linalg.inv(jacobian))
+        move = -inverse @ values[:, 0]
+        largest = float(np.abs(move).max())
+        unknowns = unknowns + move * min(1.0, tuning.LONGEST_MOVE / largest)
+        if largest < tuning.LAST_MOVE:
+            return unknowns, inverse
+    raise ComputationError("the edges of the opening were not found; please report the scene.")
+
+
+@dataclass(frozen=True)
+class Detached:
+    """An opening around c under P_0 = 1 on a base: unknown are its edges.
+
+    The first unknown is the logit of the opening edge between a and c, the second the logarithm of
+    the distance of the closing edge from c.
+    """
+
+    poisson_ratio: float
+    base: float
+    rule: Rule
+
+    @property
+    def factors(self) -> RayleighFactors:
+        """Of mode I."""
+        return rayleigh_factors(self.poisson_ratio, "I")
+
+    def zone(self, unknowns: Array) -> Zone:
+        """The opening of unknowns (2,), or of several (2, k)."""
+        factors = self.factors
+        width = factors.c - factors.a
+        from_a, from_c = (width / (1 + np.exp(sign * unknowns[0])) for sign in (-1, 1))
+        left = np.where(
+            from_a < from_c, factors.beside("a", from_a).parts, factors.beside("c", -from_c).parts
+        )
+        left[1], left[3] = from_a, -from_c
+        right = factors.beside("c", np.exp(unknowns[1])).parts
+        return Zone(CutPoints(left[..., None]), CutPoints(right[..., None]), 1)
+
+    def start(self) -> Array:
+        """Unknowns to begin with: the contact opens about where the stuck pressure is zero, and
+        closes where the gap is least wrong."""
+        from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
+
+        factors, stuck = self.factors, stuck_traction(self.poisson_ratio, "I")
+
+        def logit(y: float) -> float:
+            return factors.a + (factors.c - factors.a) / (1 + np.exp(-y))
+
+        first = brentq(lambda y: float(stuck(logit(y))) + self.base, -60.0, 40.0, xtol=0.01)
+        tried = np.geomspace(tuning.NEAREST_CLOSING, tuning.FARTHEST_CLOSING, tuning.CLOSINGS)
+        second = np.log(tried * (factors.c - logit(first)))
+        loose = replace(self, rule=rule_for(tuning.LOOSE_RULE))
+        both = np.stack([np.full_like(second, first), second])
+        left = Left(loose.fields(both)).mismatch[1]
+        change = np.flatnonzero(left[1:] * left[:-1] <= 0)
+        best = change[0] if len(change) else int(np.argmin(np.abs(left)))
+        return both[:, best]
+
+    def fields(self, unknowns: Array) -> ZoneFields:
+        """Those with r = 0, without what lies behind the opening."""
+        load = Load(0.0, 0.0, -self.base, 0.0, -1.0, 0.0)
+        return ZoneFields(self.factors, load, (self.zone(unknowns),), self.rule, False)
+
+
+@dataclass(frozen=True)
+class Left:
+    """What an opening with given edges leaves unfulfilled, of fields with r = 0."""
+
+    fields: ZoneFields
+
+    @cached_property
+    def _share(self) -> Array:
+        """(p, ..., n): v / (e (e - v)) at the nodes, e the closing edge."""
+        panels = self.fields.panels
+        return -panels.at.v / (panels.ends.v[-1] * panels.from_ends[-1])
+
+    @cached_property
+    def _rates(self) -> tuple[Array, Array]:
+        """Slopes of the rate of the gap, for R and for the term, (p, ..., n)."""
+        slope = self.fields.slip_rate_slope
+        return slope, slope * self._share
+
+    @cached_property
+    def term(self) -> Array:
+        """rho = r / R_0, by which the gap closes at no rate, () or (k,)."""
+        smooth, sharp = (self._whole(rate) for rate in self._rates)
+        return np.asarray(-smooth / sharp)
+
+    def _whole(self, density: Array) -> Array:
+        return np.asarray(self.fields.panels.integrals(density).sum(axis=0))
+
+    @cached_property
+    def mismatch(self) -> Array:
+        """(2,) or (2, k): what is left of the pressure where the contact opens, over its base, and
+        of the gap where it closes, over what R alone would leave.
+
+        At a known rate of the gap its slope may be weighed with v - c for v.
+        """
+        slope, base = self.fields.traction_slope, -self.fields.load.base_shear
+        pressure = base - self._whole(slope) - self.term * self._whole(slope * self._share)
+        smooth, sharp = (self._whole(rate * self.fields.panels.at.from_c) for rate in self._rates)
+        return np.stack([pressure / base, 1 + self.term * sharp / smooth])

@@ -1,0 +1,34 @@
+"""The numbers that tune the normal problem, each with what set it."""
+
+LOOSE_RULE = 1e-3
+"""Tolerance of the rule on which edges are looked for, at most."""
+LOOSE_SHARE, LEAST_LOOSE = 0.1, 1e-12
+"""The same over what the base is below the threshold, relative, and at least: the opening is as
+wide as the root of that."""
+NEAREST_CLOSING, FARTHEST_CLOSING, CLOSINGS = 0.3, 60.0, 24
+"""Distances of the closing edge from c that are tried, over that of the opening edge: three times
+as far beside the threshold (docs/separation.md), 25 times at nu = 0.49."""
+MOST_NEWTON_STEPS = 30
+"""Not recorded; five are the rule."""
+LONGEST_MOVE = 2.0
+"""Of an unknown, a logit or a logarithm, in one step."""
+NUDGE = 1e-6
+"""Of an unknown, for its column of the Jacobian: about the root of 1e-12."""
+LAST_MOVE = 1e-2
+"""Of an unknown, after which the Jacobian is kept and the rule is made finer."""
+MOST_CHORD_STEPS, LEAST_MOVE = 12, 1e-13
+"""Steps on the finer rule, and the move that ends them, but for half the tolerance."""
+COARSER_COMPANION = 5.0
+"""Tolerance of the rule the edges are compared with, over that."""
+SAFETY = 5.0
+"""Error estimate over the difference of two rules."""
+LEAST_ERROR = 1e-14
+"""Rounding, part of every estimate."""
+RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
+"""Tolerance of the rule of the normal problem over what is asked for, and at least: shear is to
+find nothing missing in it.  Finer by the same share where edges are not placed that well."""
+EDGE_SHARE = 0.2
+"""Error of edges over what is asked for, that is well enough."""
+AT_POLE = 6.0
+"""Error at points between nodes over the tolerance of a rule where the opening covers c; as of
+slip."""

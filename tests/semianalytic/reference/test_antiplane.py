@@ -1,0 +1,180 @@
+"""Antiplane shear in closed form against multiprecision quadrature of what it was integrated from.
+
+Units c_t = mu = 1.  On the cut |T| = (1 + chi) sqrt(|v - b| / |v - u_s|) is pi v d tau/dv on stick and
+pi v m dV/dv on slip, m^2 = v^2 - b^2 (docs/antiplane.md).
+"""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from semianalytic import Material, SceneError
+from semianalytic.reference import (
+    antiplane,
+    antiplane_edge_intensity,
+    antiplane_edge_speed,
+    antiplane_slip,
+    antiplane_slip_rate,
+    antiplane_traction,
+    viscous_antiplane_edge_speed,
+    viscous_antiplane_slip_rate,
+)
+
+UNIT = Material(1.0, 1.0, 1 / 3)
+STEEL = Material(80e9, 7800.0, 0.29)
+CHIS = (0.0, 1e-3, 0.5, 1.0, 7.0)
+SHARES = (1e-4, 0.3, 0.999)
+"""Of the way from the contact edge to the front, or from there to the shear wave."""
+
+
+def on_slip(chi, u, share=lambda v: 1):
+    """int share(v) dV/dv dv from u_s to u, v = u_s + r^2."""
+    start = (1 + mp.mpf(chi)) ** 2
+
+    def density(r):
+        v = start + r * r
+        return 2 * (1 + mp.mpf(chi)) * share(v) / (mp.pi * v * mp.sqrt(v + 1))
+
+    last = mp.sqrt(u - start)
+    return mp.quad(density, [0, min(1, last / 2), last])
+
+
+def on_stick(chi, v, share=lambda v: 1):
+    """int share(v) d tau/dv dv from b to v, in v = b + (u_s - b) sin^2 angle."""
+    start = (1 + mp.mpf(chi)) ** 2
+
+    def density(angle):
+        at = 1 + (start - 1) * mp.sin(angle) ** 2
+        return 2 * (1 + mp.mpf(chi)) * (start - 1) * mp.sin(angle) ** 2 * share(at) / (mp.pi * at)
+
+    return mp.quad(density, [0, mp.asin(mp.sqrt((v - 1) / (start - 1)))])
+
+
+@pytest.mark.parametrize("chi", CHIS)
+def test_slip_rate_and_slip_against_quadrature(chi):
+    """Slip is t V - x int v dV, by parts; both in mpmath."""
+    start = (1 + mp.mpf(chi)) ** 2
+    for share in SHARES:
+        xi = share / float(start)
+        u = 1 / mp.mpf(xi)
+        rate = on_slip(chi, u)
+        assert antiplane_slip_rate(UNIT, 1.0, chi, xi) == pytest.approx(float(2 * rate), rel=1e-11)
+        slip = 2 * rate - 2 * xi * on_slip(chi, u, lambda v: v)
+        found = antiplane_slip(UNIT, 1.0, chi, 3.0 * xi, 3.0)
+        assert found == pytest.approx(3 * float(slip), rel=1e-11, abs=1e-14)
+
+
+@pytest.mark.parametrize("chi", CHIS[1:])
+def test_traction_against_quadrature(chi):
+    edge = antiplane_edge_speed(UNIT, chi)
+    assert antiplane_traction(UNIT, 1.0, chi, 0.5 * edge) == chi
+    assert antiplane_traction(UNIT, 1.0, chi, 1.5) == 0
+    for share in SHARES:
+        xi = edge + share * (1 - edge)
+        exact = float(on_stick(chi, 1 / mp.mpf(xi)))
+        found = antiplane_traction(UNIT, 1.0, chi, xi)
+        assert found == pytest.approx(exact, rel=1e-11, abs=1e-14)
+
+
+@pytest.mark.parametrize("chi", [0.5, 3.0])
+def test_traction_has_the_transform_that_slip_was_taken_from(chi):
+    """T(k) = int d tau/(1 + k xi), the slot included: 1 + chi at xi = 0, the rest ahead."""
+    start = (1 + mp.mpf(chi)) ** 2
+    for k in (0, 0.7, 20):
+        ahead = on_stick(chi, start, lambda v, k=k: v / (v + k))
+        expected = (1 + chi) * mp.sqrt((1 + k) / (start + k))
+        assert float(1 + chi - ahead) == pytest.approx(float(expected), rel=1e-11)
+
+
+def test_units_and_edge_intensity():
+    unit = 2e6 / STEEL.shear_impedance
+    edge, speed = antiplane_edge_speed(STEEL, 0.5), STEEL.shear_speed
+    assert edge == pytest.approx(speed / 2.25, rel=1e-15)
+    rate = antiplane_slip_rate(STEEL, 2e6, 0.5, [0.0, 0.2 * speed, edge, speed])
+    own = antiplane_slip_rate(UNIT, 1.0, 0.5, [0.0, 0.2, 1 / 2.25, 1.0])
+    np.testing.assert_allclose(rate, unit * own, rtol=1e-13)
+    assert rate[2] == rate[3] == 0
+    slip = antiplane_slip(STEEL, 2e6, 0.5, 0.2 * speed * 3e-4, 3e-4)
+    own = antiplane_slip(UNIT, 1.0, 0.5, 0.2, 1.0)
+    assert slip == pytest.approx(unit * 3e-4 * own, rel=1e-13)
+    lag = 1e-8
+    near = antiplane_slip_rate(STEEL, 2e6, 0.5, edge * (1 - lag)) / lag**0.5
+    assert near == pytest.approx(antiplane_edge_intensity(STEEL, 2e6, 0.5), rel=1e-7)
+
+
+def test_without_friction_the_slip_rate_is_an_arccosine():
+    xi = np.linspace(0.0, 1.0, 7)
+    expected = 2 / np.pi * np.arccos(xi)
+    np.testing.assert_allclose(antiplane_slip_rate(UNIT, 1.0, 0.0, xi), expected, atol=1e-15)
+
+
+def canonical(v, edge, eta):
+    """exp of -(1/pi) PV int theta(w) (1/(w - v) - 1/w) dw from u_s on, over sqrt(edge)."""
+    start = 1 / mp.mpf(edge)
+
+    def phase(w):
+        return mp.atan(eta / mp.sqrt(w * w - 1))
+
+    def density(w):
+        return (phase(w) - own) * v / (w * (w - v))
+
+    inside = v > start
+    own = phase(v) if inside else mp.mpf(0)
+    far = 4 * max(v, start)
+    total = mp.quad(density, [start, v, far] if inside else [start, far])
+    total += own * mp.log((far - v) / far * start / abs(start - v)) if inside else 0
+    total += mp.quad(lambda w: phase(w) * v / (w * (w - v)), [far, 8 * far, mp.inf])
+    return mp.exp(-total / mp.pi) * mp.sqrt(start)
+
+
+@pytest.mark.parametrize(("edge", "eta"), [(0.407297, 0.5), (0.9, 4.0), (0.02, 0.1)])
+def test_canonical_product_of_viscosity(edge, eta):
+    """What multiplies sqrt((b + k)/(u_s + k)) on the cut, on stick and on slip."""
+    zone = antiplane._ViscousZone(edge, eta)
+    for xi in (0.3 * edge, 0.9 * edge, edge + 0.1 * (1 - edge), edge + 0.8 * (1 - edge)):
+        found = zone._factor(np.array([xi]), np.array([abs(xi - edge)]))[0]
+        exact = canonical(1 / mp.mpf(xi), mp.mpf(edge), mp.mpf(eta))
+        assert found == pytest.approx(float(exact), rel=1e-11)
+
+
+def test_viscous_zone_on_a_finer_rule(monkeypatch):
+    """The front at 0.40730 c_t of theory-beyond, section 3; twice the nodes change nothing."""
+    edge = viscous_antiplane_edge_speed(UNIT, 0.5, 0.25)
+    assert edge == pytest.approx(0.40730, abs=5e-6)
+    xi = [0.0, 0.1, 0.3, 0.4]
+    rate = viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, 0.25, xi)
+    monkeypatch.setattr(antiplane, "_GAUSS", 2 * antiplane._GAUSS)
+    monkeypatch.setattr(antiplane, "_SPACING", antiplane._SPACING / 2)
+    assert viscous_antiplane_edge_speed(UNIT, 0.5, 0.25) == pytest.approx(edge, rel=1e-11)
+    finer = viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, 0.25, xi)
+    np.testing.assert_allclose(rate, finer, rtol=1e-11)
+
+
+@pytest.mark.parametrize("chi", [0.01, 0.5, 3.0])
+def test_without_viscosity_the_product_is_the_closed_form(chi):
+    edge = viscous_antiplane_edge_speed(UNIT, chi, 0.0)
+    assert edge == pytest.approx(antiplane_edge_speed(UNIT, chi), rel=1e-11)
+    xi = edge * np.array([0.0, 0.2, 0.7, 0.99, 1.5])
+    found = viscous_antiplane_slip_rate(UNIT, 1.0, chi, 0.0, xi)
+    np.testing.assert_allclose(found, antiplane_slip_rate(UNIT, 1.0, chi, xi), atol=1e-11)
+
+
+def test_viscosity_slows_front_and_slip():
+    edges = [viscous_antiplane_edge_speed(UNIT, 0.5, viscosity) for viscosity in (0.0, 0.1, 1.0)]
+    rates = [viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, one, 0.0) for one in (0.0, 0.1, 1.0)]
+    assert edges == sorted(edges, reverse=True)
+    assert rates == sorted(rates, reverse=True)
+
+
+@pytest.mark.parametrize(
+    "refused",
+    [
+        lambda: antiplane_edge_speed(UNIT, -0.1),
+        lambda: antiplane_slip_rate(UNIT, 1.0, 0.5, -0.1),
+        lambda: viscous_antiplane_edge_speed(UNIT, 0.0, 0.25),
+        lambda: viscous_antiplane_slip_rate(UNIT, 1.0, 0.5, -0.25, 0.1),
+    ],
+)
+def test_what_is_no_such_zone_is_refused(refused):
+    with pytest.raises(SceneError, match="negative"):
+        refused()
