@@ -125,7 +125,9 @@ class ZoneFields:
             return PressurePart(self._resolved, canonical, sense, None, np.zeros(count, dtype=bool))
         normal = self.normal
         opened, at_edge = -normal.stick_transform, -normal.constant
-        return PressurePart(self._resolved, canonical, sense, opened, normal.layout.slipping, at_edge)
+        return PressurePart(
+            self._resolved, canonical, sense, opened, normal.layout.slipping, at_edge
+        )
 
     @cached_property
     def normal(self) -> ZoneFields | None:
@@ -134,7 +136,10 @@ class ZoneFields:
         opened = self.load.opened
         if opened is None:
             return None
-        factors, seen = rayleigh_factors(self.factors.poisson_ratio, "I"), self.factors.seen_in_plane
+        factors, seen = (
+            rayleigh_factors(self.factors.poisson_ratio, "I"),
+            self.factors.seen_in_plane,
+        )
         panels = self.panels
         if not self.factors.has_rayleigh_wave:
             panels = panels.seen_by(seen)
@@ -331,7 +336,7 @@ class ZoneFields:
 
     def strength(self, edge: CutPoints) -> Array:
         """Friction bound f p at an edge."""
-        return self.load.friction * self.load.pressure(self.factors.poisson_ratio, edge)
+        return self.load.friction * self.load.pressure(self.factors, edge)
 
     @cached_property
     def _excess_slope(self) -> Array:

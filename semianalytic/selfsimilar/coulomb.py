@@ -91,7 +91,7 @@ def _one_of(profile: Profile, j: int) -> Profile:
     zones = tuple(replace(z, left=edge(z.left), right=edge(z.right)) for z in fields.zones)
     friction, far = (float(np.ravel(x)[j]) for x in (load.friction, load.far_slip_rate))
     load = replace(load, friction=friction, far_slip_rate=far)
-    return Profile(ZoneFields(fields.factors, load, zones, fields.rule))
+    return Profile(ZoneFields(fields.factors.single(j), load, zones, fields.rule))
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # answered by None
@@ -188,7 +188,8 @@ def excess_intensity(profile: Profile) -> Array:
     if profile.normal is not None:
         strength = -per_set(load.friction) * profile.normal.edge_intensity
     at_zero = factors.m_plus_at_zero  # intensities of unit steps are as one over it
-    traction = np.abs(profile.edge_intensity) * at_zero["I"] / at_zero[factors.mode]
+    units = per_set(at_zero["I"]) / per_set(at_zero[factors.mode])
+    traction = np.abs(profile.edge_intensity) * units
     # Without strength nothing bounds the traction: seen at the nodes.
     return np.where(strength > 0, traction / np.where(strength > 0, strength, 1.0) - 1, 0.0)
 

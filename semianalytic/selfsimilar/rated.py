@@ -164,7 +164,9 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
             if not moved > tuning.RATE_ROUNDING:
                 break
         changes.append(float(np.abs(new - step.before).max()) / largest)
-        step = RateStep(law, load, nu, new, profile.fields.slip_rate_slope * fields.panels.jacobian, new)
+        step = RateStep(
+            law, load, nu, new, profile.fields.slip_rate_slope * fields.panels.jacobian, new
+        )
         if not changes[-1] > tuning.RATE_SETTLED:
             break
     settled = placement.converged and bool(changes) and changes[-1] <= tuning.RATE_SETTLED
@@ -242,4 +244,3 @@ def companion_error(fine: Rated, law: UnitLaw, tolerance: float) -> float:
     edges, unknowns = fine.placement.edges, fine.placement.unknowns
     moved = coarse.placement.unknowns
     return float(difference(edges, unknowns, moved, fine.profile.fields, coarse.profile.fields))
-
