@@ -71,7 +71,8 @@ def motion(
 
 def _in_velocity(zone: Zone, profile: Profile, speed: float) -> SlipZone:
     load, factors = profile.fields.load, profile.fields.factors
-    ahead = np.inf if load.far_slip_rate else speed / factors.a
+    sheared = factors.mode == "III" and (load.frictionless or not load.load_pressure)
+    ahead = np.inf if load.far_slip_rate else speed / (1.0 if sheared else factors.a)
     return SlipZone(
         0.0 if zone.right is None else float(speed / zone.right.v[0]),
         float(ahead if zone.left is None else speed / zone.left.v[0]),
@@ -80,7 +81,7 @@ def _in_velocity(zone: Zone, profile: Profile, speed: float) -> SlipZone:
 
 
 def _by_sense(profile: Profile) -> list[Zone]:
-    """Zones of a frictionless interface: it slips behind the longitudinal front, either way."""
+    """Zones of a frictionless interface: it slips behind the first front of shear, either way."""
     senses, changes = slip_senses(profile)
     return [
         Zone(left, right, sense)
