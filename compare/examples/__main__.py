@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 EXAMPLES = (
     "first_answer",
     "antiplane",
+    "openings",
     "fit_friction",
     "sweep_friction",
     "custom_history",
