@@ -37,7 +37,7 @@ TAGS = {
     "thin": "a stick gap or a zone narrower than a hundredth of c_t",
     "remote": "a sudden remote load",
     "march": "loads that rise and fall, or strength that changes: only `march` answers",
-    "opens": "the contact opens: only the finite elements answer",
+    "opens": "the contact opens: solved and simulated, not marched",
     "witness": "seen by a coarse finite-element model, and by a coarse march",
     "SI": "not in units in which c_t, density and load are 1",
 }

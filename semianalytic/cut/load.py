@@ -165,18 +165,12 @@ def _in_unit(
 
 
 def check_pressure(scene: Scene) -> None:
-    """Raise TensionError where the contact of a scene would open all the way to infinity, or at all
-    in antiplane shear."""
+    """Raise TensionError where the contact of a scene would open all the way to infinity."""
     base, step = scene.base.pressure, scene.load.pressure
     if base < 0 or (base == 0 and step != 0):
         raise TensionError(
             f"scene: under a base pressure of {base:.4g} nothing holds the contact together far "
             "ahead; make the base pressure positive, however small (docs/limits.md)."
-        )
-    if scene.antiplane and contact_opens(scene):
-        raise TensionError(
-            "scene: the contact opens, which solve knows in plane only; raise the base pressure, "
-            "or simulate the scene of antiplane shear with finite elements (docs/limits.md)."
         )
 
 

@@ -166,7 +166,7 @@ class Edges:
     def left_by(self, fields: ZoneFields, unknowns: Array) -> Array:
         """The same of fields of these edges; that of a held one is how far it is off."""
         result = fields.mismatch()
-        if result.ndim < unknowns.ndim:  # all edges are held
+        if result.ndim < unknowns.ndim:  # no edge is free
             result = np.repeat(result[:, None], unknowns.shape[1], axis=1)
         for edge, side in enumerate(self.sides):
             if not side:
