@@ -6,8 +6,8 @@ function.  What follows from their order alone is worked out once per layout.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import groupby
 
@@ -30,6 +30,11 @@ class Zone:
     sense: int
     inward: int = 0
     held: bool = False
+
+    def seen_by(self, see: Callable[[CutPoints], CutPoints]) -> Zone:
+        """The zone with its edges as a function of points gives them."""
+        left, right = (edge if edge is None else see(edge) for edge in (self.left, self.right))
+        return replace(self, left=left, right=right)
 
     @property
     def last_sense(self) -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, singledispatch
 from typing import Literal
 
 import numpy as np
@@ -150,6 +150,12 @@ def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
     if mode == "III":
         return AntiplaneTraction(rayleigh_factors(poisson_ratio, mode), mode)
     return StuckTraction(rayleigh_factors(poisson_ratio), mode)
+
+
+@singledispatch
+def traction_of(factors: RayleighFactors, mode: Mode) -> StuckTraction:
+    """p* (mode I) or q* (mode II) of the half-plane of some factors."""
+    return stuck_traction(factors.poisson_ratio, mode)
 
 
 def stress_intensity(

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from semianalytic.cut.layout import Zone
-from semianalytic.cut.load import Load
+from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
@@ -49,12 +49,15 @@ class Edges:
     @cached_property
     def _segments(self) -> tuple[Array, Array, Array]:
         """Per edge: the front its segment starts from less every front (4, e), the width of the
-        segment (1 beyond c), and 1 where it is bounded (0 beyond c)."""
-        fronts = np.array([0.0, self.factors.a, 1.0, self.factors.c])
+        segment (1 beyond c), and 1 where it is bounded (0 beyond c); (..., k) in a family of k
+        Poisson ratios."""
+        ends = (0.0, per_set(self.factors.a), 1.0, per_set(self.factors.c))
+        fronts = np.stack(np.broadcast_arrays(*ends))
         segments, bounded = np.array(self.segments, dtype=int), self._bounded
-        width, bend = np.ones(len(segments)), np.zeros(len(segments))
-        width[bounded], bend[bounded] = np.diff(fronts)[1 + segments[bounded]], 1.0
-        return fronts[1 + segments] - fronts[:, None], width, bend
+        shift = fronts[1 + segments] - fronts[:, None]
+        width, bend = np.ones_like(shift[0]), np.zeros_like(shift[0])
+        width[bounded], bend[bounded] = np.diff(fronts, axis=0)[1 + segments[bounded]], 1.0
+        return shift, width, bend
 
     def parts(self, unknowns: Array) -> Array:
         """Slowness of the edges and their distances from a, b and c, as in `CutPoints`.
@@ -63,8 +66,9 @@ class Edges:
         closes a stick gap within a segment counts from the edge that opens the gap, so that gaps
         may be as narrow as they like.  (4, e) or (4, e, k) for `unknowns` (e,) or (e, k).
         """
-        axes = (...,) + (None,) * (unknowns.ndim - 1)
-        shift, width, bend = (part[axes] for part in self._segments)
+        shift, width, bend = self._segments
+        axes = (..., *[None] * (unknowns.ndim - width.ndim))
+        shift, width, bend = shift[axes], width[axes], bend[axes]
         size = np.exp(unknowns)
         parts = np.asarray(shift + width * size / (1 + bend * size))
         for edge, (segment, behind_gap) in enumerate(zip(self.segments, self._gaps, strict=True)):
@@ -139,9 +143,16 @@ class Edges:
             result[edge] = np.clip(rounding / gap, tuning.NUDGE, tuning.LONGEST_NUDGE)
         return result
 
+    def chosen(self, which: np.ndarray) -> Edges:
+        """Those of some of many sets of zones."""
+        factors = self.factors.chosen(which)
+        return self if factors is self.factors else replace(self, factors=factors)
+
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
         """What the edges leave unfulfilled, (e,) or (e, k) as `unknowns`."""
-        return self.left_by(ZoneFields(self.factors, load, self.zones(unknowns), rule, False), unknowns)
+        return self.left_by(
+            ZoneFields(self.factors, load, self.zones(unknowns), rule, False), unknowns
+        )
 
     def left_by(self, fields: ZoneFields, unknowns: Array) -> Array:
         """The same of fields of these edges; that of a held one is how far it is off."""

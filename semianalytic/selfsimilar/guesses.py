@@ -320,7 +320,7 @@ def with_slip_at_front(
     if load.opened is None:
         pressure = load.friction * load.load_pressure * stuck_traction(nu, "I")(at.v)
     else:
-        pressure = load.friction * (load.pressure(nu, at) - load.base_pressure)
+        pressure = load.friction * (load.pressure(factors, at) - load.base_pressure)
     excess = sense * load.load_shear * stuck_traction(nu, factors.mode)(at.v) - pressure
     kept = np.flatnonzero(excess <= 0)
     if not len(kept) or not kept[0]:  # at nu = 0 pressure falls too late

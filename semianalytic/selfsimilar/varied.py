@@ -24,6 +24,8 @@ from semianalytic.selfsimilar.variation import NodeFields, Variation
 
 _KEPT = 0.6
 """Of the reach of a rule, for slopes between nodes: further out principal values are noise."""
+_NOISE = 1e-14
+"""Share of the largest of what is integrated, below which a slope that falls to 0 is noise too."""
 _HALF_POWER = 1e-4
 """What a power read off the last of those may differ from a multiple of one half that it is."""
 
@@ -54,6 +56,11 @@ class VariedProfile:
         moved = ends[panel] + (ends[panel + 1] - ends[panel]) * share
         return np.asarray(moved - share * to_right * rate[panel])
 
+    def moved(self, point: CutPoints) -> Array:
+        """Of the slowness of a zone edge or front at which a panel begins, (1,)."""
+        starts = [left.first for left in self._panels.left]
+        return np.asarray(self._nodes.ends[0, starts.index(point.first)])
+
     @cached_property
     def _rate(self) -> RunningIntegral:
         """Of dV/dv at fixed nodes."""
@@ -82,7 +89,10 @@ class VariedProfile:
         It is interpolated without its powers at the ends, and less the limits that this leaves.
         """
         panels, rule = self._panels, self._panels.rule
-        kept = np.flatnonzero(np.abs(rule.y) < _KEPT * rule.reach + rule.further)
+        size = np.abs(density[panel] * panels.jacobian[panel])
+        heard = np.abs(rule.y) < _KEPT * rule.reach + rule.further
+        heard &= size >= _NOISE * size.max()
+        kept = np.arange(len(heard))[heard.argmax() : len(heard) - heard[::-1].argmax()]
         at_nodes, values = _Distances.of_nodes(panels, panel, kept), density[panel, kept]
         powers = at_nodes.powers_of(values)
         smooth = values / at_nodes.product(*powers)
@@ -113,6 +123,15 @@ class VariedProfile:
         value = self._nodes.rate_starts[i] + self._rate(i, at)
         slope = self._slope(self.profile._slip_rate.density, i, at)
         return np.asarray(value - _carried(slope, self._velocity(i, at)))
+
+    def moved_root(self, u: Array) -> Array:
+        """Of slownesses (m,) at which V is zero within a zone."""
+        slope = self.profile._slip_rate.density
+        with np.errstate(invalid="ignore"):
+            moved = self.slip_rate(u) / self._piecewise(
+                u, 0.0, lambda i, at: self._slope(slope, i, at)
+            )
+        return np.where(np.isnan(moved), 0.0, -moved)
 
     @cached_property
     def edge_slip_rate(self) -> float:
@@ -155,19 +174,18 @@ class VariedProfile:
         stencil, own = self.variation.stencil, self.profile.fields.factors
         if not self.variation.rates.poisson_ratio or stencil is None:
             return np.zeros(u.shape)
-        # Fixed between the fronts, which move
-        ahead, behind = u <= own.a, u >= 1
-        share = np.where(ahead | behind, 0.0, (u - own.a) / (1 - own.a))
+        between = (u > own.a) & (u < 1)  # of the fronts, that move: at a fixed share
+        share = np.where(between, (u - own.a) / (1 - own.a), 0.0)
         values, places = [], []
         for point in stencil.points:
             traction = stuck_traction(float(own.poisson_ratio + point), mode)
             a = traction.factors.a
-            place = np.where(behind, u, a + share * (1 - a))
-            places.append(place)
-            values.append(traction(place))
+            places.append(np.where(between, a + share * (1 - a), u))
+            values.append(traction(places[-1]))
         value, moved = (stencil.difference(np.stack(every), 0) for every in (values, places))
-        slope = stuck_traction(own.poisson_ratio, mode).derivative(u)
-        return np.where(ahead, 0.0, value - np.where(behind, 0.0, slope * moved))
+        inside = np.where(between, u, (1 + own.a) / 2)
+        slope = stuck_traction(own.poisson_ratio, mode).derivative(inside)
+        return np.where(u <= own.a, 0.0, value - np.where(between, slope * moved, 0.0))
 
     def pressure(self, u: Array) -> Array:
         """Of contact pressure."""
@@ -206,7 +224,10 @@ class VariedProfile:
 
     def _resisted(self, i: int, at: CutPoints) -> Array | float:
         """Of eta V inside a panel that slips."""
-        resistance, by_resistance = self.profile.fields.load.resistance, self.variation.rates.resistance
+        resistance, by_resistance = (
+            self.profile.fields.load.resistance,
+            self.variation.rates.resistance,
+        )
         if resistance is None:
             return 0.0
         rate = self.profile.slip_rate_inside(i, at)
