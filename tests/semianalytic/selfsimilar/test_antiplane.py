@@ -14,6 +14,7 @@ from semianalytic.reference import (
     viscous_antiplane_slip_rate,
 )
 from semianalytic.reference.known_answers import closed_form
+from semianalytic.regimes import regime
 
 SHARES = np.array([1e-3, 0.1, 0.5, 0.9, 0.97])
 """Of the speed of the zone's edge."""
@@ -155,3 +156,16 @@ def test_slot_face_moves_as_the_transform_says():
 def test_contacts_that_open_are_refused(load):
     with pytest.raises(TensionError, match="opens, which solve knows in plane only"):
         solve(antiplane(0.5, load=load))
+
+
+@pytest.mark.parametrize(
+    ("friction", "base", "load", "name"),
+    [
+        (1e-3, (1.0, 0.0), (0.0, 1.0), "slow"),
+        (2.0, *REMOTE, "stuck"),
+        (0.5, *REMOTE, "everywhere"),
+        (0.3, (1.0, 0.298), (1.0, 0.1), "one"),
+    ],
+)
+def test_regimes_are_told_by_the_shear_wave(friction, base, load, name):
+    assert regime(solve(antiplane(friction, base, load))) == name
