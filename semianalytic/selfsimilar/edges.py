@@ -157,6 +157,8 @@ class Edges:
     def left_by(self, fields: ZoneFields, unknowns: Array) -> Array:
         """The same of fields of these edges; that of a held one is how far it is off."""
         result = fields.mismatch()
+        if result.ndim < unknowns.ndim:  # no edge is free
+            result = np.repeat(result[:, None], unknowns.shape[1], axis=1)
         for edge in (i for i, side in enumerate(self.sides) if not side):
             result[edge] = unknowns[edge] - self.held_at
         return result

@@ -148,7 +148,7 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
     index = next(
         i
         for i, zone in enumerate(zones)
-        if zone.right is None or zone.right.v[0] > 1 / grid.xi[first]
+        if zone.right is None or zone.right.v[0] * grid.xi[first] > 1
     )
     held = zones[index]
     if opening.right is None:
