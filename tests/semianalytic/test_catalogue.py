@@ -72,7 +72,7 @@ def test_units_do_not_matter(problem):
     law, speed = scene.friction_law, material.shear_speed
     if isinstance(law, ViscousFriction):
         law = ViscousFriction(law.viscosity * material.shear_impedance)
-    there = Scene(material, scene.friction, base, load, friction_law=law)
+    there = Scene(material, scene.friction, base, load, friction_law=law, mode=scene.mode)
     solution, other = solve(scene), solve(there)
     np.testing.assert_allclose(other.edge_speeds, solution.edge_speeds * speed, rtol=1e-7)
     x = np.linspace(0.02, 1.95, 50)
