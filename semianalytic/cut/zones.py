@@ -117,7 +117,9 @@ class ZoneFields:
             return PressurePart(self._resolved, canonical, sense, None, np.zeros(count, dtype=bool))
         normal = self.normal
         opened, at_edge = -normal.stick_transform, -normal.constant
-        return PressurePart(self._resolved, canonical, sense, opened, normal.layout.slipping, at_edge)
+        return PressurePart(
+            self._resolved, canonical, sense, opened, normal.layout.slipping, at_edge
+        )
 
     @cached_property
     def normal(self) -> ZoneFields | None:

@@ -135,7 +135,10 @@ class ViscousFriction(RateFriction):
 
     def __post_init__(self) -> None:
         viscosity = checked_number(
-            "viscous friction: viscosity", self.viscosity, "not be negative", lambda given: given >= 0
+            "viscous friction: viscosity",
+            self.viscosity,
+            "not be negative",
+            lambda given: given >= 0,
         )
         object.__setattr__(self, "viscosity", viscosity)
 

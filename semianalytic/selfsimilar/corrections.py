@@ -18,9 +18,7 @@ from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import Violation
 
 
-def rearranged(
-    factors: RayleighFactors, zones: Sequence[Zone], load: Load
-) -> list[Zone] | None:
+def rearranged(factors: RayleighFactors, zones: Sequence[Zone], load: Load) -> list[Zone] | None:
     """What to try where Newton's method did not place the edges of zones; None if nothing."""
     other = _across_shear_front(factors, zones)
     if other is None and load.opened is not None:

@@ -141,7 +141,9 @@ class Edges:
 
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
         """What the edges leave unfulfilled, (e,) or (e, k) as `unknowns`."""
-        return self.left_by(ZoneFields(self.factors, load, self.zones(unknowns), rule, False), unknowns)
+        return self.left_by(
+            ZoneFields(self.factors, load, self.zones(unknowns), rule, False), unknowns
+        )
 
     def left_by(self, fields: ZoneFields, unknowns: Array) -> Array:
         """The same of fields of these edges; that of a held one is how far it is off."""

@@ -129,7 +129,9 @@ def _points_in_opening(profile: Profile) -> CutPoints:
     parts = [panels.at.parts[:, open_panels].reshape(4, -1)]
     if panels.layout.over_c in open_panels:
         reach = -float(panels.left[panels.layout.over_c].from_c[0])
-        near = np.exp(np.arange(np.log(tuning.NEAREST_TO_C), np.log(reach), 1 / tuning.POINTS_PER_E))
+        near = np.exp(
+            np.arange(np.log(tuning.NEAREST_TO_C), np.log(reach), 1 / tuning.POINTS_PER_E)
+        )
         right = panels.right[panels.layout.over_c]
         beyond = near if right is None else near[near < right.from_c[0]]
         parts += [factors.beside("c", -near).parts, factors.beside("c", beyond).parts]

@@ -139,7 +139,9 @@ class NodeFields:
     def difference(cls, beside: list[NodeFields], stencil: Stencil) -> NodeFields:
         """Derivatives from neighbours on a stencil: one by one, or all as sets of one."""
         parts, count = [], len(stencil.weights)
-        for every, axis in zip(zip(*(one._parts for one in beside), strict=True), _SETS, strict=True):
+        for every, axis in zip(
+            zip(*(one._parts for one in beside), strict=True), _SETS, strict=True
+        ):
             values = np.stack(every, axis) if len(beside) > 1 else every[0]
             if axis == 0:
                 values = np.broadcast_to(values, (count,))

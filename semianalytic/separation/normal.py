@@ -71,7 +71,9 @@ def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | No
     """The normal problem of a load to an accuracy; None if the contact stays closed."""
     tolerance = max(rtol * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
     opening = opening_of(poisson_ratio, load.base_pressure, load.load_pressure, tolerance)
-    while opening and opening.error > tuning.EDGE_SHARE * rtol and tolerance > tuning.LEAST_TOLERANCE:
+    while (
+        opening and opening.error > tuning.EDGE_SHARE * rtol and tolerance > tuning.LEAST_TOLERANCE
+    ):
         tolerance = max(tolerance * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
         opening = opening_of(poisson_ratio, load.base_pressure, load.load_pressure, tolerance)
     if opening is None:
