@@ -25,6 +25,7 @@ STAGES = (
     "selfsimilar.guesses",
     "selfsimilar.corrections",
     "selfsimilar.estimate",
+    "selfsimilar.rated",
 )
 """In the order of docs/solver.md; `solver` leads through them, `solution` is what it gives."""
 
