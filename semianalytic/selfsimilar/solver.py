@@ -31,7 +31,13 @@ from semianalytic.selfsimilar.edges import Placement, locate_edges, placement_of
 from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, numerical_error
 from semianalytic.selfsimilar.guesses import guesses
 from semianalytic.selfsimilar.motion import slip_zones
-from semianalytic.selfsimilar.rated import check_rated, companion_error, settled_zones, unit_law
+from semianalytic.selfsimilar.rated import (
+    approached,
+    check_rated,
+    companion_error,
+    settled_zones,
+    unit_law,
+)
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.separation.normal import with_opening
 
@@ -101,18 +107,23 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     clock = [perf_counter()]
     dry = solve(replace(scene, friction_law=CoulombFriction()), rtol=max(rtol, 1e-8))
     clock.append(perf_counter())
-    law, speed, tolerance = unit_law(scene, dry.stress), scene.material.shear_speed, rtol
+    law, speed = unit_law(scene, dry.stress), scene.material.shear_speed
     if dry.openings:
-        raise SceneError("solve: friction that falls with slip rate under a contact that opens")
+        raise SceneError(
+            "solve: friction that falls with slip rate is not known where the contact opens; raise "
+            "base pressure, or simulate the scene with finite elements (docs/limits.md)."
+        )
     check_rated(dry.profile, law, speed)
-    loose = loose_tolerance(rtol) if dry.zones else rtol
-    rated, estimate = settled_zones(dry.profile, law, loose, speed), np.inf
-    best, tolerance = rated, rtol / tuning.RULE_SHARE
-    while rated is not None and estimate > rtol and tolerance > 1e-3 * tuning.LEAST_LEFT_SHIFT:
+    loose = min(loose_tolerance(rtol), tuning.LOOSEST_RATE_RULE)
+    rated, estimate = approached(dry.profile, law, loose, speed), np.inf
+    best = rated
+    for share in tuning.RATE_RULE_SHARES:
+        if rated is None or estimate <= rtol:
+            break
+        tolerance = max(share * rtol, tuning.FINEST_RATE_RULE)
         best = rated = settled_zones(rated.profile, law, tolerance, speed)
         if rated is not None:
             estimate = companion_error(rated, law, tolerance)
-        tolerance *= tuning.SLOWEST_REFINEMENT
     clock.append(perf_counter())
     if best is None:
         return replace(dry, scene=scene, status=_UNSETTLED, error_estimate=np.inf)

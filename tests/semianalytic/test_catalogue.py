@@ -26,6 +26,12 @@ def test_laws_hold(problem):
     check_invariants(problem.scene)
 
 
+@over("rated")
+def test_laws_hold_where_strength_follows_slip_rate(problem):
+    assert solve(problem.scene).status == "converged"
+    check_invariants(problem.scene)
+
+
 @over("exact")
 def test_error_is_honest(problem):
     fine = solve(problem.scene, rtol=1e-11)
