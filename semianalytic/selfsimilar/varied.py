@@ -24,8 +24,8 @@ from semianalytic.selfsimilar.variation import NodeFields, Variation
 
 _KEPT = 0.6
 """Of the reach of a rule, for slopes between nodes: further out principal values are noise."""
-_NOISE = 1e-14
-"""Share of the largest of what is integrated, below which a slope that falls to 0 is noise too."""
+_STEADY = 1e-7
+"""What a power may change by from node to node: where it changes more there is but noise."""
 _HALF_POWER = 1e-4
 """What a power read off the last of those may differ from a multiple of one half that it is."""
 
@@ -89,10 +89,8 @@ class VariedProfile:
         It is interpolated without its powers at the ends, and less the limits that this leaves.
         """
         panels, rule = self._panels, self._panels.rule
-        size = np.abs(density[panel] * panels.jacobian[panel])
-        heard = np.abs(rule.y) < _KEPT * rule.reach + rule.further
-        heard &= size >= _NOISE * size.max()
-        kept = np.arange(len(heard))[heard.argmax() : len(heard) - heard[::-1].argmax()]
+        kept = np.flatnonzero(np.abs(rule.y) < _KEPT * rule.reach + rule.further)
+        kept = _Distances.of_nodes(panels, panel, kept).heard(density[panel, kept], kept)
         at_nodes, values = _Distances.of_nodes(panels, panel, kept), density[panel, kept]
         powers = at_nodes.powers_of(values)
         smooth = values / at_nodes.product(*powers)
@@ -291,6 +289,15 @@ class _Distances:
         if panels.right[panel] is None:
             return cls(left / at.v, at.v, pole)
         return cls(left, right, pole)
+
+    def heard(self, density: Array, nodes: np.ndarray) -> np.ndarray:
+        """Nodes from the first to the last at which a density follows a power."""
+        steady = []
+        with np.errstate(divide="ignore", invalid="ignore"):
+            for distances in (self.left, self.right):
+                power = np.diff(np.log(np.abs(density))) / np.diff(np.log(distances))
+                steady.append(np.abs(np.diff(power)) < _STEADY)
+        return nodes[steady[0].argmax() : len(nodes) - steady[1][::-1].argmax()]
 
     def powers_of(self, density: Array) -> tuple[float, float]:
         """Powers of the distances with which a density on nodes begins and ends."""

@@ -25,17 +25,17 @@ from semianalytic import (
     Tabulated,
     TensionError,
     Tractions,
+    ViscousFriction,
     march,
     march_on,
     predict,
     solve,
-    ViscousFriction,
 )
 from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.named import find_scene
-from semianalytic.spacetime.exponentials import Antiplane, InPlane, fit_memory
+from semianalytic.spacetime.exponentials import InPlane, fit_memory
 
 
 def preloaded(friction=0.3, shear=1.0, **parts):
