@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 EXAMPLES = (
     "first_answer",
     "fit_friction",
+    "sensitivity",
     "sweep_friction",
     "custom_history",
     "friction_law",

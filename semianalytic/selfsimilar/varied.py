@@ -71,7 +71,7 @@ class VariedProfile:
         """The integral whose moment is what that of dV/dv changes by at fixed nodes."""
         panels = self._panels
         velocity = np.stack([self._velocity(i, panels.at[i]) for i in range(len(panels.left))])
-        carried = self.profile._slip_rate.density * velocity / panels.at.v
+        carried = self.profile.rate_integral.density * velocity / panels.at.v
         return self._integral(self._nodes.rate / panels.jacobian + carried)
 
     @cached_property
@@ -104,7 +104,7 @@ class VariedProfile:
     def _piecewise(
         self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
-        return self.profile._piecewise(u, ahead, inside)
+        return self.profile.piecewise(u, ahead, inside)
 
     @property
     def _far_slip_rate(self) -> float:
@@ -119,12 +119,12 @@ class VariedProfile:
         if not self._panels.sense[i]:
             return np.zeros(at.v.shape)
         value = self._nodes.rate_starts[i] + self._rate(i, at)
-        slope = self._slope(self.profile._slip_rate.density, i, at)
+        slope = self._slope(self.profile.rate_integral.density, i, at)
         return np.asarray(value - _carried(slope, self._velocity(i, at)))
 
     def moved_root(self, u: Array) -> Array:
         """Of slownesses (m,) at which V is zero within a zone."""
-        slope = self.profile._slip_rate.density
+        slope = self.profile.rate_integral.density
         with np.errstate(invalid="ignore"):
             moved = self.slip_rate(u) / self._piecewise(
                 u, 0.0, lambda i, at: self._slope(slope, i, at)
@@ -208,7 +208,7 @@ class VariedProfile:
     def traction(self, u: Array) -> Array:
         """Of the shear traction; infinite at edges that open slip slower than c_R."""
         rates, profile, nodes = self.variation.rates, self.profile, self._nodes
-        slope = profile._traction.density
+        slope = profile.traction_integral.density
 
         def inside(i: int, at: CutPoints) -> Array:
             sense = self._panels.sense[i]
@@ -273,10 +273,12 @@ class _Distances:
 
     @classmethod
     def of_points(cls, panels: Panels, panel: int, at: CutPoints) -> _Distances:
-        """Of points (m,) inside."""
-        end = panels.right[panel]
-        right = at.v if end is None else np.maximum(-at.minus(end), 0.0)
-        return cls._of(panels, panel, at, np.maximum(at.minus(panels.left[panel]), 0.0), right)
+        """Of points (m,) inside; 0 where rounding of v leaves nothing else."""
+        end, rounding = panels.right[panel], 4 * np.finfo(float).eps * at.v
+        left = at.minus(panels.left[panel])
+        right = at.v if end is None else -at.minus(end)
+        left, right = (np.where(one < rounding, 0.0, one) for one in (left, right))
+        return cls._of(panels, panel, at, left, right)
 
     @classmethod
     def _of(
