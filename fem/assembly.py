@@ -1,4 +1,7 @@
-"""Stiffness, in plane strain and antiplane shear, and lumped mass of several elements, assembled by scikit-fem."""
+"""Stiffness in plane strain and antiplane shear, and lumped mass, of several elements.
+
+Assembled by scikit-fem.
+"""
 
 from __future__ import annotations
 

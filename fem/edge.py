@@ -6,9 +6,10 @@ That is a Wiener-Hopf problem with the static surface stiffness of the meshed ha
 
     k(theta) = mu / (1 - nu) 2 sin(theta/2) g(theta),    theta = wave number times h,  g(0) = 1,
 
-in antiplane shear without 1 - nu.  The first factor splits into (1 - z)^(1/2) (1 - 1/z)^(1/2), z = exp(i theta), whose coefficients
-Gamma(n + 1/2) / Gamma(n + 1) = (n + 1/4)^(-1/2) (1 + O(n^-2)) are a square root that begins at
-n = -1/4; the factors of g move its beginning by the slope of their logarithm.  In all
+in antiplane shear without 1 - nu.  The first factor splits into (1 - z)^(1/2) (1 - 1/z)^(1/2),
+z = exp(i theta), whose coefficients Gamma(n + 1/2) / Gamma(n + 1) = (n + 1/4)^(-1/2) (1 + O(n^-2))
+are a square root that begins at n = -1/4; the factors of g move its beginning by the slope of
+their logarithm.  In all
 
     x / h = -1/4 - (1 / 4 pi) int_0^pi ln g(theta) / sin^2(theta/2) d theta.
 

@@ -258,12 +258,13 @@ class _Parts:
 
     def put_together(self, plan: Plan) -> tuple[list[Body], Faces | None, Faces | None]:
         """Bodies, and the faces that slide and that press, where symmetry allows them to."""
+        meeting: tuple[str, ...] = BLOCKS
         if plan.halves:
             halves = {i: self.half(i) for i in plan.halves}
             bodies, meeting = list(halves.values()), ("upper",)
         else:
             walls = plan.name == TWO_BLOCKS
-            bodies, meeting = [self.two_blocks(one, walls) for one in plan.bodies], BLOCKS
+            bodies = [self.two_blocks(one, walls) for one in plan.bodies]
             halves = {i: body for body in bodies for i in body.components}
         faces = {i: self.faces(body, i, meeting) for i, body in halves.items()}
         return bodies, faces.get(Z if plan.scene.antiplane else X), faces.get(Y)

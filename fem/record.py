@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.assembly import X, Y, Z
 from fem.model import Model
 from fem.results import EnergyHistory, Opening, SlotHistory
 from semianalytic.results.interface_history import InterfaceHistory
@@ -44,10 +45,12 @@ class Record:
         rows = len(self._levels)
         stored = model.slot_x >= -plan.slot_length
         self._slot_x, nodes_on_slot = model.slot_x[stored], model.slot[stored]
+        rows_of = {Z if plan.scene.antiplane else X: 0, Y: 1}
         self._slot = [
-            (body, component % 2, model.numbering.unknowns(nodes_on_slot, component))
+            (body, rows_of[component], model.numbering.unknowns(nodes_on_slot, component))
             for body in model.bodies
             for component in body.components
+            if component in rows_of
         ]
         self._interface = np.zeros((4, rows, nodes))
         self._gap = np.zeros((rows, nodes))  # takes no memory until something opens

@@ -37,7 +37,8 @@ class SlotHistory:
     t : (m,) array
         Times [time].
     velocity_x, velocity_y : (m, n) arrays
-        Velocity of the upper face [length / time]; in antiplane shear the first is along z.
+        Velocity of the upper face [length / time]; in antiplane shear the first is along z, and
+        that along x is left out.
     """
 
     x: NDArray[np.float64]

@@ -48,11 +48,8 @@ def normalised(
         Square root of the mass of every unknown.
     """
     components = stiffness.shape[0] // len(mass)
-    root, indices, indptr = (
-        np.sqrt(np.repeat(mass, components)),
-        stiffness.indices,
-        stiffness.indptr,
-    )
+    root = np.sqrt(np.repeat(mass, components))
+    indices, indptr = stiffness.indices, stiffness.indptr
     data = stiffness.data / root[indices]
     data /= np.repeat(root, np.diff(indptr))
     return sparse.csr_array((data, indices, indptr), shape=stiffness.shape), root

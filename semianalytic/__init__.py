@@ -23,7 +23,8 @@ from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, T
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.selfsimilar.derivative import Derivative, ZoneDerivative
-from semianalytic.selfsimilar.solution import OpenZone, SlipZone, Solution, Statistics
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone
+from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
 from semianalytic.spacetime.march import march, march_on
 from semianalytic.spacetime.marched import Marched

@@ -22,6 +22,7 @@ from semianalytic import (
     SlipWeakening,
     Tabulated,
     Tractions,
+    ViscousFriction,
 )
 from semianalytic.scene.named import NAMED_SCENES
 
@@ -113,10 +114,56 @@ PROBLEMS = (
     _exact("base released by pressure", "+", "", unit_scene(0.5, (2.0, 0.99), (1.5, 0.0))),
     _exact("base against the load", "+", "", unit_scene(0.2, (1.0, -0.19), (0.5, 0.6))),
     _exact("both senses", "--+", "thin", unit_scene(0.05, (1.0, 0.05), (0.6, -1.3), nu=0.25)),
+    _exact("viscous", "++", "witness", unit_scene(friction_law=ViscousFriction(0.1))),
+    _exact("viscous across c_R", "+", "", unit_scene(0.1, friction_law=ViscousFriction(0.05))),
+    _exact(
+        "viscous slip everywhere",
+        "+",
+        "remote slides",
+        unit_scene(0.5, *REMOTE, friction_law=ViscousFriction(0.25)),
+    ),
+    _exact(
+        "viscous, both senses",
+        "+-+",
+        "reverse",
+        unit_scene(0.02, nu=-0.5, friction_law=ViscousFriction(0.2)),
+    ),
+    _exact(
+        "a film alone",
+        "+",
+        "",
+        unit_scene(0.0, (1.0, 0.0), (0.5, 1.0), friction_law=ViscousFriction(0.5)),
+    ),
+    _exact("antiplane", "+", "witness", NAMED_SCENES["antiplane"].scene),
+    _exact(
+        "antiplane backward", "-", "", unit_scene(1.5, (1.0, 0.3), (0.0, -2.0), mode="antiplane")
+    ),
+    _exact("antiplane shock", "+", "remote witness", unit_scene(1.0, *REMOTE, mode="antiplane")),
+    _exact(
+        "antiplane slip everywhere",
+        "+",
+        "remote slides",
+        unit_scene(0.5, *REMOTE, mode="antiplane"),
+    ),
+    _exact(
+        "antiplane, viscous",
+        "+",
+        "witness",
+        unit_scene(0.5, mode="antiplane", friction_law=ViscousFriction(0.25)),
+    ),
+    _exact(
+        "antiplane slip from the longitudinal front",
+        "+",
+        "",
+        unit_scene(0.3, (1.0, 0.3), (1.0, 0.6), mode="antiplane"),
+    ),
     _exact("nearly incompressible", "++", "", unit_scene(nu=0.499)),
     _exact("steel", "++", "SI", _STEEL_SCENE),
     _other("pressure on the slot", "opens", unit_scene(0.5, (1.0, 0.2), (-1.0, 0.5))),
     _other("opens and closes again", "opens", unit_scene(0.5, (0.02, 0.0), (1.0, 0.5))),
+    _other(
+        "antiplane pulse", "march", unit_scene(0.15, mode="antiplane", shear_history=Pulse(0.4))
+    ),
     _other("ramp", "march", unit_scene(shear_history=Ramp(0.5))),
     _other("pulse", "march", unit_scene(0.15, shear_history=Pulse(0.4))),
     _other("waves", "march", unit_scene(0.1, shear_history=Harmonic(3.0))),

@@ -3,7 +3,15 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from semianalytic import Material, Scene, SceneError, Tractions, solve
+from semianalytic import (
+    CoulombFriction,
+    Material,
+    Scene,
+    SceneError,
+    Tractions,
+    ViscousFriction,
+    solve,
+)
 
 
 @st.composite
@@ -22,7 +30,9 @@ def scenes(draw):
         share = draw(st.floats(-0.99, 0.99).map(lambda value: round(value, 3)))
         base = Tractions(1.0, share * friction)
         load = Tractions(abs(draw(number)), shear)
-    return Scene(Material(1.0, 1.0, poisson_ratio), friction, base, load)
+    viscosity = draw(st.sampled_from([0.0, 0.0, 0.0, 1e-4, 0.01, 0.1, 0.5, 3.0]))
+    law = ViscousFriction(viscosity) if viscosity else CoulombFriction()
+    return Scene(Material(1.0, 1.0, poisson_ratio), friction, base, load, friction_law=law)
 
 
 # Positions over all velocities, denser towards the edge.
@@ -42,7 +52,8 @@ def check_invariants(scene):
         return
     x = XI * scene.material.shear_speed
     rate, traction = solution.slip_rate(x, 1.0), solution.shear_traction(x, 1.0)
-    strength = scene.friction * solution.pressure(x, 1.0)
+    frictional = scene.friction * solution.pressure(x, 1.0)
+    strength = scene.friction_law.strength(frictional, rate, 0.0)
     largest = max(np.abs(rate).max(), abs(solution.edge_slip_rate), 1e-300)
     load = solution.stress
     slips = np.zeros(len(x), dtype=bool)

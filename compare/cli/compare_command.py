@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 @with_options(overrides=SCENE_OPTIONS, settings=MESH_OPTIONS)
 def compare_command(
-    overrides: Mapping[str, float],
+    overrides: Mapping[str, Any],
     settings: Mapping[str, Any],
     scene_name: Annotated[
         str | None,
@@ -159,7 +159,7 @@ def _show(judgement: Judgement, label: str, directory: Path) -> None:
 def _earlier_simulation(
     directory: Path,
     scene_name: str | None,
-    overrides: Mapping[str, float],
+    overrides: Mapping[str, Any],
     settings: Mapping[str, Any],
 ) -> Simulation:
     """Load a simulation; check that it is of the scene asked for, if one was."""

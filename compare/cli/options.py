@@ -54,8 +54,12 @@ def _option(type_: type, panel: str, text: str) -> Any:
     return Annotated[type_ | None, typer.Option(help=escape(text), rich_help_panel=panel)]
 
 
+_SCENE_PANEL = "Scene (in place of the scene's own values)"
+
 SCENE_OPTIONS: Mapping[str, Any] = {
-    name: _option(float, "Scene (in place of the scene's own values)", text)
+    "mode": _option(str, _SCENE_PANEL, "Which way shear acts: in-plane or antiplane."),
+} | {
+    name: _option(float, _SCENE_PANEL, text)
     for name, text in {
         "shear_modulus": "Shear modulus [stress].",
         "density": "Mass density [mass / length³].",
@@ -69,7 +73,7 @@ SCENE_OPTIONS: Mapping[str, Any] = {
 }
 
 LOWER_OPTIONS: Mapping[str, Any] = {
-    f"lower_{name}": _option(float, "Scene (in place of the scene's own values)", text)
+    f"lower_{name}": _option(float, _SCENE_PANEL, text)
     for name, text in {
         "shear_modulus": "Shear modulus of the lower block [stress].",
         "density": "Mass density of the lower block [mass / length³].",

@@ -50,7 +50,7 @@ WORTH_KEEPING = 1e8
     checkpoints=CHECKPOINT_OPTIONS,
 )
 def simulate_command(
-    overrides: Mapping[str, float],
+    overrides: Mapping[str, Any],
     lower: Mapping[str, float],
     settings: Mapping[str, Any],
     checkpoints: Mapping[str, Any],

@@ -33,7 +33,7 @@ from semianalytic.scene.named import find_scene, override_scene, scene_label
 
 @with_options(overrides=SCENE_OPTIONS, march_options=MARCH_OPTIONS)
 def solve_command(
-    overrides: Mapping[str, float],
+    overrides: Mapping[str, Any],
     march_options: Mapping[str, Any],
     scene_name: SceneArgument,
     method: Method = "auto",

@@ -23,7 +23,7 @@ from compare.comparison.documents import (
 from compare.comparison.judgement import Judgement, own_bars
 from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
 from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
-from compare.comparison.scales import reference_values, speed_regime
+from compare.comparison.scales import WAVE_SYMBOLS, front_speeds, reference_values, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.units import unit
@@ -45,7 +45,7 @@ def scenes_table() -> Table:
 
 def zones_table(solution: Solution, title: str) -> Table:
     """Slip zones and openings with their edge velocities, in units of the scene and over c_t."""
-    material = solution.scene.material
+    scene, material = solution.scene, solution.scene.material
     table = Table("zone", "edge", title=title)
     for name in (f"[{unit('length / time', solution.scene.units)}]", "/ c_t"):
         table.add_column(f"velocity\n{escape(name)}", justify="right")
@@ -63,7 +63,7 @@ def zones_table(solution: Solution, title: str) -> Table:
                 end,
                 _decimals(speed),
                 _decimals(speed / material.shear_speed),
-                speed_regime(speed, material),
+                speed_regime(speed, scene),
                 sense if end == "inner" else "",
             )
     if not parts:
@@ -73,17 +73,24 @@ def zones_table(solution: Solution, title: str) -> Table:
 
 def facts_table(solution: Solution) -> Table:
     """Wave speeds, state of the edge, status, error estimate and statistics of a solution."""
-    material = solution.scene.material
-    mode_one, mode_two = solution.stress_intensity(1.0)
-    speeds = (material.rayleigh_speed, material.shear_speed, material.longitudinal_speed)
+    mode_one, sheared = solution.stress_intensity(1.0)
+    fronts = front_speeds(solution.scene)
     when = _measure(1.0, "time", solution.scene)
     table = Table("quantity", "value", "unit", show_header=False)
     for name, value, dimension in (
-        ("c_R, c_t, c_l", ", ".join(f"{speed:.6g}" for speed in speeds), "length / time"),
+        (
+            ", ".join(WAVE_SYMBOLS[name] for name in fronts),
+            ", ".join(f"{speed:.6g}" for speed in fronts.values()),
+            "length / time",
+        ),
         ("edge", edge_state(solution), ""),
         ("slip rate at the edge", f"{solution.edge_slip_rate:.6g}", "length / time"),
         ("slip rate far ahead", f"{solution.scene.far_slip_rate:.6g}", "length / time"),
-        (f"K_I, K_II at t = {when}", f"{mode_one:.6g}, {mode_two:.6g}", "stress sqrt(length)"),
+        (
+            f"K_I, K_{solution.scene.shear_mode} at t = {when}",
+            f"{mode_one:.6g}, {sheared:.6g}",
+            "stress sqrt(length)",
+        ),
         ("status", solution.status, ""),
         ("error estimate", f"{solution.error_estimate:.1e}", "relative"),
     ):
@@ -106,8 +113,9 @@ def end_table(solution: Solution, end_time: float) -> Table:
         table.add_row("open", place, units["openings"]["start"])
     for name in ("largest_slip", "accumulated_slip", "frictional_work"):
         table.add_row(_label(name), _number(end[name]), units[name])
-    modes = ", ".join(_number(value) for value in end["stress_intensity"].values())
-    table.add_row("K_I, K_II", modes, units["stress_intensity"])
+    intensities = end["stress_intensity"]
+    modes = ", ".join(_number(value) for value in intensities.values())
+    table.add_row(", ".join(intensities), modes, units["stress_intensity"])
     return table
 
 

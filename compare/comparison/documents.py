@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from types import NoneType
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from compare.comparison.history_rows import PROBES, SENSE_THRESHOLD
-from compare.comparison.scales import speed_regime
+from compare.comparison.scales import front_speeds, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
+
+_WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 
 Dimensions = Mapping[str, Any]
 """Dimension of each number of a document, under the same names; one for all that is below."""
@@ -111,22 +114,17 @@ def solution_document(solution: Solution, end_time: float | None = None) -> dict
     An outer edge at infinity (the whole interface slips) is null.  With an end time [time], also
     what has happened until then.
     """
-    material = solution.scene.material
-    mode_one, mode_two = solution.stress_intensity(1.0)
+    scene = solution.scene
     document = {
-        "scene": scene_document(solution.scene),
-        "wave_speeds": {
-            "rayleigh": material.rayleigh_speed,
-            "shear": material.shear_speed,
-            "longitudinal": material.longitudinal_speed,
-        },
+        "scene": scene_document(scene),
+        "wave_speeds": {_WAVES[name]: speed for name, speed in front_speeds(scene).items()},
         "zones": [
             {
                 "inner": zone.inner,
                 "outer": zone.outer if math.isfinite(zone.outer) else None,
                 "sense": zone.sense,
-                "inner_regime": speed_regime(zone.inner, material),
-                "outer_regime": speed_regime(zone.outer, material),
+                "inner_regime": speed_regime(zone.inner, scene),
+                "outer_regime": speed_regime(zone.outer, scene),
             }
             for zone in solution.zones
         ],
@@ -134,7 +132,7 @@ def solution_document(solution: Solution, end_time: float | None = None) -> dict
         "edge": {
             "state": edge_state(solution),
             "slip_rate": float(solution.edge_slip_rate),
-            "stress_intensity_at_unit_time": {"K_I": float(mode_one), "K_II": float(mode_two)},
+            "stress_intensity_at_unit_time": _intensities(scene, solution.stress_intensity(1.0)),
         },
         "far_slip_rate": solution.scene.far_slip_rate,
         "status": solution.status,
@@ -152,7 +150,6 @@ def end_document(solution: Solution, end_time: float) -> dict[str, Any]:
 
     Slip ahead of all waves ends at infinity, and its totals are infinite.
     """
-    mode_one, mode_two = solution.stress_intensity(end_time)
     return {
         "time": end_time,
         "zones": [asdict(zone) for zone in solution.zones_at(end_time)],
@@ -160,8 +157,14 @@ def end_document(solution: Solution, end_time: float) -> dict[str, Any]:
         "largest_slip": float(solution.max_slip(end_time)),
         "accumulated_slip": float(solution.accumulated_slip(end_time)),
         "frictional_work": float(solution.frictional_work(end_time)),
-        "stress_intensity": {"K_I": float(mode_one), "K_II": float(mode_two)},
+        "stress_intensity": _intensities(solution.scene, solution.stress_intensity(end_time)),
     }
+
+
+def _intensities(scene: Scene, values: Sequence[ArrayLike]) -> dict[str, float]:
+    """Stress intensities by name, that of shear as the mode it is in."""
+    names = ("K_I", f"K_{scene.shear_mode}")
+    return {name: float(np.asarray(value)) for name, value in zip(names, values, strict=True)}
 
 
 def march_document(marched: Marched) -> dict[str, Any]:
@@ -170,10 +173,12 @@ def march_document(marched: Marched) -> dict[str, Any]:
     largest = float(seen.slip_rate.max())
     length = scene.material.shear_speed * marched.end_time
     threshold = SENSE_THRESHOLD * largest
-    mode_one, mode_two = (
-        intensity_history(history, scene.load, scene.material, marched.end_time)[mode]
-        for mode, history in enumerate((scene.pressure_history, scene.shear_history))
-    )
+    intensities = [
+        intensity_history(history, scene.load, scene.material, marched.end_time, scene.shear_mode)[
+            number
+        ]
+        for number, history in enumerate((scene.pressure_history, scene.shear_history))
+    ]
     document = {
         "scene": scene_document(scene),
         "method": "space-time",
@@ -194,7 +199,7 @@ def march_document(marched: Marched) -> dict[str, Any]:
         ],
         "accumulated_slip": float(marched.accumulated_slip(marched.end_time)),
         "frictional_work": float(marched.frictional_work(marched.end_time)),
-        "stress_intensity_of_a_stuck_edge": {"K_I": float(mode_one), "K_II": float(mode_two)},
+        "stress_intensity_of_a_stuck_edge": _intensities(scene, intensities),
         "stored_levels": len(marched.interface.t),
         "statistics": {
             name: getattr(marched.statistics, name)

@@ -82,12 +82,10 @@ def _edge_rows(
     case: Case, parts: tuple[Part, ...], seen: Seen, elsewhere: set[float]
 ) -> Iterator[Row]:
     """Of the ends of parts of one kind that are not ends of another kind as well."""
-    material = case.prediction.scene.material
+    scene = case.prediction.scene
     for number, part in enumerate(parts):
         for end, edge in zip(("start", "end"), _ends(part), strict=True):
-            if not 0 < edge < math.inf or (
-                speed_regime(edge / case.end_time, material) == "at c_l"
-            ):
+            if not 0 < edge < math.inf or (speed_regime(edge / case.end_time, scene) == "at c_l"):
                 continue
             if any(math.isclose(edge, other, rel_tol=SHARED) for other in elsewhere):
                 continue

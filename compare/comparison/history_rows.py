@@ -44,7 +44,7 @@ def sense_maps(case: Case) -> tuple[Senses, Senses, NDArray[np.bool_]]:
     """Predicted and simulated sense of slip, `APART` where the contact is open, and what the waves
     have reached, (m, n) each."""
     seen = case.seen
-    reached = seen.x <= case.scene.material.longitudinal_speed * seen.t[:, None]
+    reached = seen.x <= case.scene.fastest_speed * seen.t[:, None]
     return _senses(case, case.at_nodes), _senses(case, seen), reached
 
 
@@ -165,7 +165,7 @@ def sense_rows(case: Case) -> Iterator[Row]:
     changes = []
     for fine, coarse in case.pairs:
         x, t = np.broadcast_arrays(coarse.x, coarse.t[:, None])
-        behind = x <= case.scene.material.longitudinal_speed * t
+        behind = x <= case.scene.fastest_speed * t
         between = (interpolated(fine, field, x, t) for field in ("slip_rate", "gap"))
         senses = [_sense_or_apart(case, *between), _senses(case, coarse)]
         changes.append(float((senses[0] != senses[1])[behind].sum() / behind.sum()))
@@ -191,7 +191,7 @@ def sense_rows(case: Case) -> Iterator[Row]:
 
 def _part(case: Case, sense: int, history: InterfaceHistory) -> float:
     """Part of the area behind the first wave that slips one way, or is open."""
-    reached = history.x <= case.scene.material.longitudinal_speed * history.t[:, None]
+    reached = history.x <= case.scene.fastest_speed * history.t[:, None]
     slips = _senses(case, history) == sense
     return float(slips[reached].sum() / reached.sum())
 

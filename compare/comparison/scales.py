@@ -7,6 +7,9 @@ import math
 from semianalytic import Material, Scene
 from semianalytic.scene.units import unit
 
+WAVE_SYMBOLS = {"Rayleigh": "c_R", "S": "c_t", "P": "c_l"}
+"""Of the speeds of signals."""
+
 
 def stress_scale(scene: Scene) -> float:
     """Reference stress τ₀ [stress], positive: the larger step, or the larger base without one."""
@@ -48,18 +51,28 @@ def wave_speeds(material: Material) -> dict[str, float]:
     }
 
 
-def speed_regime(speed: float, material: Material) -> str:
+def front_speeds(scene: Scene) -> dict[str, float]:
+    """Those of them that fields of a scene have: of antiplane shear alone, the S wave only."""
+    speeds = wave_speeds(scene.material)
+    alone = scene.fastest_speed == speeds["S"]
+    return {name: speed for name, speed in speeds.items() if name == "S" or not alone}
+
+
+def speed_regime(speed: float, scene: Scene) -> str:
     """Name of the range between wave speeds in which a zone edge moves.
 
     Parameters
     ----------
     speed : float
         Velocity of the edge [length / time], from 0 to infinity.
-    material : Material
-        The solid whose wave speeds divide the ranges; within 1e-6 of one, the edge moves with it.
+    scene : Scene
+        Whose wave speeds divide the ranges; within 1e-6 of one, the edge moves with it.  Nothing in
+        antiplane slip changes at c_R.
     """
-    names = {"c_R": material.rayleigh_speed, "c_t": material.shear_speed}
-    names["c_l"] = material.longitudinal_speed
+    material = scene.material
+    names = {"c_t": material.shear_speed, "c_l": material.longitudinal_speed}
+    if not scene.antiplane:
+        names = {"c_R": material.rayleigh_speed, **names}
     for name, wave in names.items():
         if math.isclose(speed, wave, rel_tol=1e-6):
             return f"at {name}"
@@ -67,10 +80,10 @@ def speed_regime(speed: float, material: Material) -> str:
         return "fixed at the edge"
     if math.isinf(speed):
         return "everywhere"
-    if speed < names["c_R"]:
+    if speed < names.get("c_R", 0.0):
         return "sub-Rayleigh"
     if speed < names["c_t"]:
-        return "c_R–c_t"
+        return "sub-shear" if scene.antiplane else "c_R–c_t"
     if speed < names["c_l"]:
         return "c_t–c_l"
     return "beyond c_l"

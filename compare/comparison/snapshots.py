@@ -75,7 +75,8 @@ def last_snapshot(folder: Path, run: str | None = None) -> SlipRateProfile:
         check_seal(path)
         frame = meshio.read(path)
         quads = frame.cells_dict["quad"]
-        velocity = frame.point_data["velocity"][:, 0]
+        along = 2 if "sigma_yz" in frame.cell_data else 0  # z in antiplane shear
+        velocity = frame.point_data["velocity"][:, along]
         above = frame.points[quads, 1].mean(axis=1) > 0
         upper, lower = (_contact(frame.points, quads[side]) for side in (above, ~above))
         slip_rate = velocity[upper] - velocity[lower]

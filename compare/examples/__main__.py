@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 
 EXAMPLES = (
     "first_answer",
+    "antiplane",
     "fit_friction",
     "sensitivity",
     "sweep_friction",

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from compare.comparison.scales import stress_scale, wave_speeds
-from semianalytic import CoulombFriction, Material, Scene
+from compare.comparison.scales import WAVE_SYMBOLS, stress_scale
+from semianalytic import CoulombFriction, Scene
 
 LineStyle = Literal["-", "--", "-.", ":"]
 
@@ -27,7 +28,7 @@ STICK_SHADE, SLIP_SHADE, REVERSE_SHADE, OPEN_SHADE = "#efefef", "#cfe5f3", "#f7d
 SENSE_COLOURS = {"reverse slip": VERMILLION, "stick": STICK_SHADE, "slip": SKY, "open": YELLOW}
 """In the order of the numbers that stand for them in maps of senses, from -1 on."""
 
-SYMBOLS = {"Rayleigh": r"$c_R$", "S": r"$c_t$", "P": r"$c_l$"}
+SYMBOLS = {name: f"${symbol}$" for name, symbol in WAVE_SYMBOLS.items()}
 PLACE_LABEL, TIME_LABEL = r"$x/(c_t T)$", r"$t/T$"
 SPEED_LABEL = r"$\xi/c_t = x/(c_t t)$"
 RATE_LABEL = r"slip rate $/\ V_0$"
@@ -47,8 +48,9 @@ def scene_words(scene: Scene) -> str:
     """What a figure of one scene must say of it: Poisson ratio, friction, the units of its axes."""
     law = scene.friction_law
     kind = "" if isinstance(law, CoulombFriction) else f" ({type(law).__name__})"
+    mode = "antiplane shear,  " if scene.antiplane else ""
     return (
-        f"ν = {scene.material.poisson_ratio:.3g},  f = {scene.friction:.3g}{kind},  "
+        f"{mode}ν = {scene.material.poisson_ratio:.3g},  f = {scene.friction:.3g}{kind},  "
         f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g},  V₀ = 2 τ₀ / ρcₜ"
     )
 
@@ -70,20 +72,20 @@ def describe(figure: Figure, scene: Scene) -> Figure:
 
 def mark_waves(
     panel: Axes,
-    material: Material,
+    speeds: Mapping[str, float],
     unit: float,
     kind: Literal["vertical", "horizontal", "rays"] = "vertical",
     *,
     labels: bool = True,
     colour: str = "0.35",
 ) -> None:
-    """Dashed lines for the Rayleigh, S and P waves, with their symbols at the rim of the panel.
+    """Dashed lines for wave fronts, with their symbols at the rim of the panel.
 
     Parameters
     ----------
     panel : Axes
         With the limits it is to keep if `kind` is "rays".
-    material : Material
+    speeds : mapping from name of a wave to its speed [length / time]
     unit : float
         What a speed is divided by to give its place on an axis, or the slope dx/dt of a ray.
     kind : str
@@ -94,7 +96,7 @@ def mark_waves(
     """
     style: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 0.8}
     sides = {"Rayleigh": "right", "S": "left", "P": "center"}  # c_R and c_t are neighbours
-    for name, speed in wave_speeds(material).items():
+    for name, speed in speeds.items():
         at, side = speed / unit, sides[name]
         if kind == "vertical":
             panel.axvline(at, zorder=1, **style)
@@ -136,9 +138,10 @@ def marker_handle(label: str, colour: str, marker: str = ".", size: float = 6.0)
     )
 
 
-def waves_handle(colour: str = "0.35") -> Line2D:
+def waves_handle(speeds: Mapping[str, float], colour: str = "0.35") -> Line2D:
     """Legend entry of what `mark_waves` draws."""
-    return line_handle(r"waves $c_R$, $c_t$, $c_l$", colour, "--")
+    words = "waves" if len(speeds) > 1 else "wave"
+    return line_handle(f"{words} {', '.join(SYMBOLS[name] for name in speeds)}", colour, "--")
 
 
 def method_handles() -> list[Line2D]:

@@ -6,8 +6,8 @@ function.  What follows from their order alone is worked out once per layout.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import groupby
 
@@ -21,12 +21,25 @@ class Zone:
     """A slip zone in slowness: left < v < right, sense +1 or -1.
 
     left None: slip from the longitudinal front on, or ahead of all waves; right None: slip up to
-    the contact edge.
+    the contact edge.  A zone may hold an opening; `inward` is then its sense behind that, 0 for the
+    same.  `held`: it ends where the opening closes.
     """
 
     left: CutPoints | None
     right: CutPoints | None
     sense: int
+    inward: int = 0
+    held: bool = False
+
+    def seen_by(self, see: Callable[[CutPoints], CutPoints]) -> Zone:
+        """The zone with its edges as a function of points gives them."""
+        left, right = (edge if edge is None else see(edge) for edge in (self.left, self.right))
+        return replace(self, left=left, right=right)
+
+    @property
+    def last_sense(self) -> int:
+        """Its sense at its inner end."""
+        return self.inward or self.sense
 
 
 @dataclass(frozen=True)
@@ -80,6 +93,7 @@ class Layout:
     gap : bool, whether that panel sticks between two zones
     roots : (end, exponent) of the zone edges behind the root of M_+, with the exponent of X there
     root_exponent : float, of r + k in M_+
+    open : per panel, whether the contact is open
     """
 
     sense: tuple[int, ...]
@@ -93,6 +107,7 @@ class Layout:
     gap: bool
     roots: tuple[tuple[int, float], ...]
     root_exponent: float
+    open: tuple[bool, ...]
 
     @property
     def pole(self) -> int:
@@ -176,9 +191,23 @@ class Layout:
     @cached_property
     def regions(self) -> list[list[int]]:
         """Panels of each stretch of stick and of each zone, from the front inward."""
-        keys = zip(self.slipping, self.zone, strict=True)
+        return self._grouped(zip(self.slipping, self.zone, strict=True))
+
+    @cached_property
+    def closed_regions(self) -> list[list[int]]:
+        """The same without what is open, of a zone on either side of that."""
+        parts = self._grouped(zip(self.slipping, self.zone, self.open, strict=True))
+        return [part for part in parts if not self.open[part[0]]]
+
+    @staticmethod
+    def _grouped(keys: Iterable[tuple[object, ...]]) -> list[list[int]]:
         groups = groupby(enumerate(keys), key=lambda item: item[1])
         return [[index for index, _ in group] for _, group in groups]
+
+    @cached_property
+    def closed_slip(self) -> np.ndarray:
+        """Panels that slip where the contact is closed."""
+        return np.array([i for i in self.slip if not self.open[i]], dtype=int)
 
 
 @lru_cache(maxsize=64)
@@ -194,25 +223,28 @@ def outline(
     zones: tuple[Zone, ...],
     tail: bool,
     cuts: tuple[CutPoints, ...] = (),
+    opening: Zone | None = None,
 ) -> tuple[list[CutPoints], Layout]:
-    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root, and
-    at more `cuts`.
+    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root, at
+    more `cuts`, and where the contact opens and closes.
 
     Without `tail` the unbounded panel after others is left out.
     """
     ends, stretches = [factors.front_a], []
-    every = sorted((*factors.cuts, *cuts), key=lambda cut: cut.first[0])
-    for right, sense, zone in _stretches(zones):
+    edges = () if opening is None else (opening.left, opening.right)
+    every = [*factors.cuts, *cuts, *(edge for edge in edges if edge is not None)]
+    every.sort(key=lambda cut: cut.first[0])
+    for right, zone, index in _stretches(zones):
         for cut in every:
             if lies_between(ends[-1], cut, right):
-                stretches.append((sense, zone))
+                stretches.append((*_state(zone, ends[-1], opening), index))
                 ends.append(cut)
-        stretches.append((sense, zone))
+        stretches.append((*_state(zone, ends[-1], opening), index))
         if right is not None:
             ends.append(right)
     if not tail and len(stretches) > 1:
         del stretches[-1]
-    senses, owners = zip(*stretches, strict=True)
+    senses, opens, owners = zip(*stretches, strict=True)
     before_b, before_c = (sum(end.first[front] < 0 for end in ends) for front in (2, 3))
     cut_at_c = any(end.first[3] == 0 for end in ends)
     over_c = before_c - 1 if before_c <= len(senses) and not cut_at_c else -1
@@ -235,19 +267,28 @@ def outline(
         gap,
         roots,
         factors.root_exponent,
+        opens,
     )
     return ends, layout
 
 
-def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, int, int]]:
-    """Stretches of slip and stick from the front inward: where they end, their sense, and the zone
-    they are or, of stick, that follows."""
+def _state(zone: Zone | None, left: CutPoints, opening: Zone | None) -> tuple[int, bool]:
+    """Sense, and whether it is open, of what begins at `left` in a zone, or in stick (None)."""
+    if opening is None or opening.left is None or left.first_below(opening.left):
+        return (zone.sense if zone else 0), False
+    is_open = opening.right is None or left.first_below(opening.right)
+    return (zone.last_sense if zone else 0), is_open
+
+
+def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, Zone | None, int]]:
+    """Stretches of slip and stick from the front inward: where they end, their zone (None where
+    the interface sticks), and the number of that or, of stick, of the zone that follows."""
     for index, zone in enumerate(zones):
         if zone.left is not None:
-            yield zone.left, 0, index
-        yield zone.right, zone.sense, index
+            yield zone.left, None, index
+        yield zone.right, zone, index
     if not zones or zones[-1].right is not None:
-        yield None, 0, len(zones)
+        yield None, None, len(zones)
 
 
 def _roots(

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from semianalytic.cut import tuning
 from semianalytic.cut.layout import Zone
-from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
@@ -22,17 +23,43 @@ class Opened:
 
     Attributes
     ----------
-    zones : tuple of Zone, open parts from the longitudinal front inward, their sense 1
+    zone : Zone, the open part, its sense 1; right None is the contact edge
     closing : tuple of (edge, r), terms r / (k + edge) of the normal problem, where it closes
     base, step : P_b, P_0 [stress unit]
-    pressure : function of points on the cut (m,), the contact pressure there [stress unit]
+    pressure : function of points on the cut, any shape: the contact pressure there [stress unit]
+    known : (2, n) array, increasing slownesses and pressures there, dense enough to show its course
     """
 
-    zones: tuple[Zone, ...]
+    zone: Zone
     closing: tuple[tuple[CutPoints, float], ...]
     base: float
     step: float
     pressure: Callable[[CutPoints], Array]
+    known: Array
+
+    def near_pressure(self, v: Array) -> Array:
+        """About the contact pressure at slownesses v."""
+        return np.interp(v, *self.known)
+
+    @property
+    def normal_load(self) -> Load:
+        """That of the normal problem: minus pressure for traction, and nothing that resists."""
+        return Load(0.0, 0.0, -self.base, 0.0, -self.step, 0.0)
+
+
+class LinearisedStrength(Protocol):
+    """Strength that depends on slip rate in any way, made linear about a slip rate."""
+
+    def at(self, points: CutPoints, senses: Array, jacobian: Array) -> tuple[Array, Array]:
+        """`resistance` and `given_slope` of a `Load` at the nodes (p, ..., n) of panels.
+
+        Their senses are (p, ..., 1), `jacobian` dv/dy.
+        """
+        ...
+
+    def carried(self, frictional: Array, speed: Array) -> Array:
+        """Strength itself [stress unit] under f p [stress unit] and one-sided |V|."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -52,6 +79,7 @@ class Load:
     given_slope : dg/dv, a part of the slope of strength given at the nodes of panels (p, ..., n)
         [stress unit]; None without.  It goes with resistance: without it V would jump at c by
         -pi g'(c) / m'(c), m = M / i, where it slips.
+    linearised : LinearisedStrength, which gives both on whatever panels; None without
     opened : Opened, where the contact is open and what its pressure is; None if it is closed
     """
 
@@ -63,7 +91,13 @@ class Load:
     far_slip_rate: float | Array
     resistance: float | Array | None = None
     given_slope: Array | None = None
+    linearised: LinearisedStrength | None = None
     opened: Opened | None = None
+
+    @property
+    def resists_rate(self) -> bool:
+        """Whether strength depends on slip rate."""
+        return self.resistance is not None or self.linearised is not None
 
     @property
     def critical(self) -> bool:
@@ -79,8 +113,18 @@ class Load:
 
     @property
     def rests(self) -> bool:
-        """Whether nothing happens, though the base may be at friction (one set)."""
-        return not (self.load_shear or self.load_pressure or self.far_slip_rate)
+        """Whether nothing slips, though the base may be at friction, or the contact open (one set)."""
+        drives = self.load_pressure if self.base_shear else 0.0
+        return not (self.load_shear or drives or self.far_slip_rate)
+
+    def pressure(self, factors: RayleighFactors, at: CutPoints) -> Array:
+        """Contact pressure at points on the cut, any shape [stress unit]; 0 where it is open."""
+        if self.opened is not None:
+            return self.opened.pressure(at)
+        result = np.full(at.v.shape, self.base_pressure)
+        if self.load_pressure:
+            result = result + self.load_pressure * traction_of(factors, "I")(at.v)
+        return result
 
 
 def per_set(value: float | Array) -> float | Array:
@@ -121,21 +165,24 @@ def _in_unit(
 
 
 def check_pressure(scene: Scene) -> None:
-    """Raise TensionError where the contact pressure of a scene would turn tensile.
+    """Raise TensionError where the contact of a scene would open all the way to infinity, or at all
+    in antiplane shear."""
+    base, step = scene.base.pressure, scene.load.pressure
+    if base < 0 or (base == 0 and step != 0):
+        raise TensionError(
+            f"scene: under a base pressure of {base:.4g} nothing holds the contact together far "
+            "ahead; make the base pressure positive, however small (docs/limits.md)."
+        )
+    if scene.antiplane and contact_opens(scene):
+        raise TensionError(
+            "scene: the contact opens, which solve knows in plane only; raise the base pressure, "
+            "or simulate the scene of antiplane shear with finite elements (docs/limits.md)."
+        )
 
-    It is least at the Rayleigh front, P_b + P_0 p*(c), and at once at x = 0 if P_0 < 0.
-    """
-    base, load = scene.base.pressure, scene.load.pressure
-    if load < 0:
-        raise TensionError(
-            "scene: a negative pressure step opens the contact at its edge x = 0; "
-            "make load pressure positive, or simulate the scene with finite elements "
-            "(docs/limits.md)."
-        )
-    least = base + load * stuck_traction(scene.material.poisson_ratio, "I").at_rayleigh_front
-    if least < 0:
-        raise TensionError(
-            f"scene: the contact pressure would fall to {least:.4g} at the Rayleigh front "
-            f"x/t = {scene.material.rayleigh_speed:.6g}; raise base pressure to at least "
-            f"{base - least:.4g}, or simulate the scene with finite elements (docs/limits.md)."
-        )
+
+def contact_opens(scene: Scene) -> bool:
+    """Whether the contact opens: at its edge for P_0 < 0, else where a closed one would pull, at
+    the Rayleigh front first, P_b + P_0 p*(c) < 0."""
+    base, step = scene.base.pressure, scene.load.pressure
+    stuck = stuck_traction(scene.material.poisson_ratio, "I")
+    return step < 0 or base + step * stuck.at_rayleigh_front < 0

@@ -14,7 +14,8 @@ once; node arrays are then (p, n) or (p, k, n), panel first, node last.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -52,6 +53,12 @@ class Panels:
     at: CutPoints
     skew: Array
     rule: Rule
+
+    def seen_by(self, see: Callable[[CutPoints], CutPoints]) -> Panels:
+        """The panels with all points as a function of points gives them."""
+        left = tuple(see(end) for end in self.left)
+        right = tuple(end if end is None else see(end) for end in self.right)
+        return replace(self, left=left, right=right, ends=see(self.ends), at=see(self.at))
 
     @property
     def sense(self) -> tuple[int, ...]:
@@ -188,7 +195,7 @@ def _fitted_rule(factors: RayleighFactors, layout: Layout, ends: Array, rule: Ru
     sees one end nearer than the other.
     """
     strip, further, hidden = 1.0, 0.0, factors.hidden_root
-    if hidden.imag and layout.ahead:
+    if np.any(hidden.imag) and layout.ahead:
         v = ends[0, : layout.ahead + 1]
         angle = np.abs(np.angle((hidden - v[:-1]) / (v[1:] - hidden))).reshape(layout.ahead, -1)
         strip = min(1.0, float((angle.min(axis=1) * layout.clearance_ahead).min()) / np.pi)
@@ -213,14 +220,15 @@ def lay_panels(
     sets: tuple[int, ...] = (),
     tail: bool = True,
     cuts: tuple[CutPoints, ...] = (),
+    opening: Zone | None = None,
 ) -> Panels:
     """Panels for a set of zones on a rule as fine and as long as they need.
 
     `sets` is (k, 1) if there are k sets of zones whatever the shape of their edges.  Without
-    `tail` an unbounded panel after others is left out.  `cuts` are more ends, such as where the
-    contact opens, or c where slip resists its rate.
+    `tail` an unbounded panel after others is left out.  `cuts` are more ends, such as c where
+    slip resists its rate; there are others where the contact opens and closes.
     """
-    points, layout = outline(factors, zones, tail, cuts)
+    points, layout = outline(factors, zones, tail, cuts, opening)
     ends = _aligned_ends(points, sets)
     rule = _fitted_rule(factors, layout, ends, rule)
     widths = _steps(ends, np.array([point.nearest for point in points]))

@@ -13,7 +13,9 @@ from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.panels import Panels, RunningIntegral, lay_panels
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
-from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
+from semianalytic.halfplane.stuck import StuckTraction, traction_of
+
+_LAWFUL = -1.0
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Profile:
         slips."""
         if self.edge_slips:
             return np.zeros(())
-        return self.fields.stick_transform_at_edge * self._m_plus_at_zero
+        return np.asarray(self.fields.stick_transform_at_edge * per_set(self._m_plus_at_zero))
 
     @cached_property
     def rate_integral(self) -> RunningIntegral:
@@ -58,8 +60,7 @@ class Profile:
         fields = self.fields
         tail = np.zeros(())
         if self.edge_slips:
-            sign = np.sign(fields.canonical.values[-1, ..., -1])
-            tail = sign * fields.constant[..., 0] / (np.pi * fields.factors.kappa)
+            tail = fields.transform_at_edge[..., 0] / (np.pi * per_set(fields.factors.kappa))
         return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
 
     @cached_property
@@ -74,7 +75,7 @@ class Profile:
 
     @property
     def _shear(self) -> StuckTraction:
-        return stuck_traction(self.fields.factors.poisson_ratio, self.fields.factors.mode)
+        return traction_of(self.fields.factors, self.fields.factors.mode)
 
     def _edge_traction(self, panel: int, v: Array) -> Array | float:
         """The part of the traction that is unbounded at a stuck edge."""
@@ -131,10 +132,29 @@ class Profile:
             traction[-1] += self._edge_traction(len(traction) - 1, self.panels.at.v[-1])
         return traction
 
-    def _excess(self, region: list[int], v: Array, traction: Array) -> Array:
+    @cached_property
+    def normal(self) -> Profile | None:
+        """The normal problem at the same nodes, gap for slip; None if the contact is closed."""
+        return Profile(self.fields.normal) if self.fields.normal is not None else None
+
+    @cached_property
+    def strength_at_nodes(self) -> Array:
+        """(p, ..., n): friction bound f p at the nodes of all panels."""
+        if self.normal is None:
+            return self.strength(self.panels.at.v)
+        pressure = -self.normal.traction_at_nodes
+        pressure[self._open] = 0.0
+        return np.asarray(self._load.friction * pressure)
+
+    @cached_property
+    def _open(self) -> np.ndarray:
+        """(p,) whether the contact is open."""
+        return np.array(self.panels.layout.open)
+
+    def _excess(self, region: list[int], strength: Array, traction: Array) -> Array:
         """|tau| - f p in a stretch of stick, relative to strength plus load, in a narrow gap plus
-        its share of the load; v and tau of (p, ..., n)."""
-        panels, strength = self.panels, self.strength(v)
+        its share of the load; f p and tau of (p, ..., n)."""
+        panels = self.panels
         right = panels.right[region[-1]]
         if right is None:
             return (np.abs(traction) - strength) / (1 + strength)
@@ -156,26 +176,30 @@ class Profile:
 
         Where it slips slip rate against the sense of the zone, over the largest; where it sticks
         |tau| - f p, relative to strength plus load, in a narrow gap plus its share of the load.
+        Where the contact is open it wants nothing.
         """
         panels, rate = self.panels, self.slip_rate_at_nodes
         sense = np.array(panels.sense).reshape(-1, *[1] * (rate.ndim - 1))
         largest = self.largest_rate[..., None]
         result = np.asarray(-sense * rate / np.where(largest > 0, largest, 1.0))
-        for region in (part for part in panels.layout.regions if not panels.sense[part[0]]):
+        for region in (part for part in panels.layout.closed_regions if not panels.sense[part[0]]):
             traction = self.traction_at_nodes[region]
-            result[region] = self._excess(region, panels.at.v[region], traction)
+            result[region] = self._excess(region, self.strength_at_nodes[region], traction)
+        result[self._open] = _LAWFUL
         return result
 
     def wrong(self, panel: int, at: CutPoints) -> Array:
         """The same at points (m,) inside a panel, of one set of zones."""
         sense = self.panels.sense[panel]
+        if self._open[panel]:
+            return np.full(at.v.shape, _LAWFUL)
         if sense:
             rate = self.starts[0][panel] + self.rate_integral(panel, at)
             return np.asarray(-sense * rate / self.largest_rate)
         traction = self.starts[1][panel] + self.traction_integral(panel, at)
         traction = traction + self._edge_traction(panel, at.v)
-        region = next(part for part in self.panels.layout.regions if panel in part)
-        return self._excess(region, at.v[None], traction[None])[0]
+        region = next(part for part in self.panels.layout.closed_regions if panel in part)
+        return self._excess(region, self.fields.strength(at)[None], traction[None])[0]
 
     def residues(self, panel: int) -> Array:
         """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
@@ -193,7 +217,7 @@ class Profile:
     def piecewise(
         self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
-        """A field at slownesses (m,), from a value ahead of all waves and from inside each panel."""
+        """A field at slownesses (m,): a value ahead of all waves, and inside each panel."""
         return self._piecewise_at(self.fields.factors.cut(u), ahead, inside)
 
     def _piecewise_at(
@@ -234,32 +258,43 @@ class Profile:
         return self.piecewise(u, self._load.far_slip_rate, inside)
 
     def pressure_change(self, u: Array) -> Array:
-        """P_0 p* at slownesses u."""
-        if not self._load.load_pressure:
-            return np.zeros(u.shape)
-        mode_one = stuck_traction(self.fields.factors.poisson_ratio, "I")
-        return self._load.load_pressure * mode_one(u)
+        """p - P_b at slownesses u."""
+        factors = self.fields.factors
+        pressure = self._load.pressure(factors, factors.cut(u))
+        return pressure - self._load.base_pressure
 
     def strength(self, u: Array) -> Array:
         """Friction bound f p at slownesses u: all that a stuck interface can carry."""
-        load = self._load
-        return np.asarray(load.friction * (load.base_pressure + self.pressure_change(u)))
+        return np.asarray(self.fields.strength(self.fields.factors.cut(u)))
 
     def carried(self, v: Array, speed: Array) -> Array:
         """Traction in the sense of slip at slownesses v, f p + eta V; `speed` V in that sense."""
+        if self._load.linearised is not None:
+            return self._load.linearised.carried(self.strength(v), speed)
         if self._load.resistance is None:
             return self.strength(v)
-        return np.asarray(self.strength(v) + self._load.resistance * speed)
+        resisted = self._load.resistance * speed
+        if self._load.opened is not None:
+            opening = self._load.opened.zone
+            closed = v <= opening.left.v[0] if opening.left is not None else np.zeros(v.shape, bool)
+            if opening.right is not None:
+                closed |= v >= opening.right.v[0]
+            resisted = resisted * closed
+        return np.asarray(self.strength(v) + resisted)
 
     def _speed(self, panel: int, at: CutPoints) -> Array:
         """V in the sense of a panel that slips, at points inside it, where traction depends on it;
         else 0."""
-        if self._load.resistance is None:
+        if not self._load.resists_rate:
             return np.zeros(at.v.shape)
         return np.asarray(self.panels.sense[panel] * self.slip_rate_inside(panel, at))
 
     def shear_change(self, u: Array) -> Array:
         """tau - Q_b at slownesses u."""
+        return self.shear_change_at(self.fields.factors.cut(u))
+
+    def shear_change_at(self, at: CutPoints) -> Array:
+        """The same at points (m,) of exact distances from the fronts."""
         load = self._load
 
         def inside(i: int, at: CutPoints) -> Array:
@@ -269,7 +304,7 @@ class Profile:
             bounded = self.starts[1][i] + self.traction_integral(i, at) - load.base_shear
             return bounded + self._edge_traction(i, at.v)
 
-        return self.piecewise(u, -load.far_slip_rate, inside)
+        return self._piecewise_at(at, -load.far_slip_rate, inside)
 
     def contact_integral(self, weight: Array) -> float:
         """Integral of weight |V| over xi, of slip behind the longitudinal front; weight (p, n).
@@ -288,19 +323,23 @@ class Profile:
 
     @cached_property
     def _slot_panels(self) -> Panels:
-        return lay_panels(self.fields.factors, (Zone(None, None, 1),), self.fields.rule)
+        return lay_panels(self.fields.factors.in_plane, (Zone(None, None, 1),), self.fields.rule)
 
     def _slot_transforms(self, k: Array) -> tuple[Array, Array]:
         """Transforms of shear traction and of pressure at k > 0."""
         factors = self.fields.factors
         shear = self.fields.stick_transform_off_cut(k) * factors.m_plus(k)
+        if self.fields.normal is not None:
+            over = -self.fields.normal.stick_transform_off_cut(k)
+            return shear, over * factors.m_plus(k, "I")
         unit = factors.m_plus(k, "I") / factors.m_plus_at_zero["I"]
         return shear, self._load.load_pressure * unit
 
     @cached_property
     def _slot_direct(self) -> tuple[RunningIntegral, RunningIntegral]:
-        """Slopes in v = -t/x of v_x from shear and of v_y from pressure on the upper slot face."""
-        factors, panels = self.fields.factors, self._slot_panels
+        """Slopes in v = -t/x of v_x (v_z) from shear and of v_y from pressure on the upper slot
+        face."""
+        factors, panels = self.fields.factors.in_plane, self._slot_panels
         shear, pressure = self._slot_transforms(panels.at.v)
 
         def slope(transform: Array, mode: Mode) -> RunningIntegral:
@@ -308,7 +347,7 @@ class Profile:
             density = transform * impedance.imag / np.square(np.abs(impedance))
             return RunningIntegral(panels, density / (np.pi * panels.at.v), factors.c)
 
-        return slope(-shear, "II"), slope(pressure, "I")
+        return slope(-shear, self.fields.factors.mode), slope(pressure, "I")
 
     @cached_property
     def _slot_coupled(self) -> tuple[RunningIntegral, RunningIntegral]:
@@ -337,18 +376,26 @@ class Profile:
         return float((pressure * response)[0]), float((shear * response)[0])
 
     def slot_velocity(self, v: Array) -> tuple[Array, Array]:
-        """Tangential and normal velocity of the upper slot face at v = -t/x >= 0."""
-        load, factors = self._load, self.fields.factors
+        """Tangential and normal velocity of the upper slot face at v = -t/x >= 0.
+
+        Antiplane shear does not move it along the normal, nor pressure along z.
+        """
+        load, factors = self._load, self.fields.factors.in_plane
+        coupled = self.fields.factors.mode != "III"
         plane_waves = (load.load_shear, -load.load_pressure * factors.a)
         lefts = [left.v[0] for left in self._slot_panels.left]
         panel = np.searchsorted(lefts, v, "right") - 1
         result = []
         for axis, far in enumerate(plane_waves):
             value = np.full(v.shape, far)
-            for integral in (self._slot_direct[axis], self._slot_coupled[axis]):
+            integrals = [self._slot_direct[axis]]
+            if coupled:
+                integrals.append(self._slot_coupled[axis])
+                jump = self._slot_jumps[axis]
+            for integral in integrals:
                 for i in np.unique(panel[panel >= 0]):
                     here = panel == i
                     value[here] += integral.totals[:i].sum()
                     value[here] += integral(int(i), factors.cut(v[here]))
-            result.append(np.where(v > factors.c, value + self._slot_jumps[axis], value))
+            result.append(np.where(v > factors.c, value + jump, value) if coupled else value)
         return result[0], result[1]

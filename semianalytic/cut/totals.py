@@ -39,18 +39,29 @@ def dissipation(profile: Profile, u: Array) -> Array:
 def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) -> float:
     """Integral of |V| over velocities, one-sided and b = mu = 1, of slip behind the first wave.
 
-    Zones are (inner, outer, sense), in velocities over c_t.  Without friction a profile slips in
-    one sense by name, and its zones say where V is against it.
+    Zones are (inner, outer, sense), in velocities over c_t.  Without friction, or where the contact
+    is open, a profile slips in one sense by name, and its zones say where V is against it.
     """
     unit = np.ones_like(profile.panels.at.v)
     total = profile.contact_integral(unit)
-    against = [(inner, outer) for inner, outer, sense in zones if sense not in profile.panels.sense]
+    against = [
+        (inner, outer)
+        for inner, outer, sense in zones
+        if sense != _named_sense(profile, inner, outer)
+    ]
     beyond = {0.0: total}
     ends = np.array([end for edges in against for end in edges if end])
     if len(ends):
         inside = running_integrals(profile, 1 / ends, lambda v, _: np.ones_like(v))[0]
         beyond.update(zip(ends.tolist(), inside.tolist(), strict=True))
     return total - 2 * sum(beyond[inner] - beyond[outer] for inner, outer in against)
+
+
+def _named_sense(profile: Profile, inner: float, outer: float) -> int:
+    """The sense of the panel between two velocities over c_t; outer inf is ahead of all waves."""
+    between = 0.5 / max(inner, tuning.EARLIEST) if np.isinf(outer) else 2 / (inner + outer)
+    lefts = [left.v[0] for left in profile.panels.left]
+    return profile.panels.sense[max(int(np.searchsorted(lefts, between)) - 1, 0)]
 
 
 def running_integrals(profile: Profile, u: Array, weight: Callable[[Array, Array], Array]) -> Array:

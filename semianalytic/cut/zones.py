@@ -29,7 +29,7 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.cut.canonical import CanonicalFunction, log_share
+from semianalytic.cut.canonical import CanonicalFunction
 from semianalytic.cut.layout import Layout, Zone, lies_between, outline
 from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.panels import Panels, lay_panels
@@ -41,7 +41,6 @@ from semianalytic.halfplane.rayleigh import (
     rayleigh_factors,
 )
 from semianalytic.halfplane.rules import Rule
-from semianalytic.halfplane.stuck import stuck_traction
 
 
 @dataclass(frozen=True)
@@ -66,26 +65,31 @@ class ZoneFields:
     def panels(self) -> Panels:
         """Panels on a rule as fine and as long as these zones need."""
         if self.shared is not None:
-            ends = tuple(self.shared.left[1:])
-            _, layout = outline(self.factors, self.zones, self.tail, ends)
+            ends, count = tuple(self.shared.left[1:]), len(self.shared.left)
+            _, layout = outline(self.factors, self.zones, True, ends)
+            if len(layout.sense) > count:
+                _, layout = outline(self.factors, self.zones, False, ends)
             return replace(self.shared, layout=layout)
         sets, load = np.shape(self.load.friction), self.load
-        by_slip = load.resistance is not None or load.given_slope is not None
+        by_slip = load.resists_rate or load.given_slope is not None
         tail = (
             self.tail or by_slip or self.factors.mode == "III"
         )  # slip behind the last edge counts
-        return lay_panels(self.factors, self.zones, self.rule, sets, tail, self._cuts)
+        opening = load.opened.zone if load.opened else None
+        return lay_panels(self.factors, self.zones, self.rule, sets, tail, self._cuts, opening)
 
     @cached_property
     def _cuts(self) -> tuple[CutPoints, ...]:
         """Where fields change character within zones."""
-        factors, cuts = self.factors, []
-        if self.load.resistance is not None and factors.has_rayleigh_wave:
-            covered = (lies_between(one.left, factors.front_c, one.right) for one in self.zones)
-            cuts += [factors.front_c] if any(covered) else []
-        if self.load.opened is not None:
-            edges = ((one.left, one.right) for one in self.load.opened.zones)
-            cuts += [edge for pair in edges for edge in pair if edge is not None]
+        factors, cuts, opened = self.factors, [], self.load.opened
+        if opened is not None:  # as the normal problem has them
+            cuts += [factors.of_in_plane(cut) for cut in factors.in_plane.cuts[:-1]]
+        if self.load.resists_rate and factors.has_rayleigh_wave:
+            front = factors.front_c
+            resists = any(lies_between(one.left, front, one.right) for one in self.zones)
+            if opened is not None:
+                resists &= not lies_between(opened.zone.left, front, opened.zone.right)
+            cuts += [front] if resists else []
         return tuple(cuts)
 
     @property
@@ -96,19 +100,34 @@ class ZoneFields:
     @cached_property
     def canonical(self) -> CanonicalFunction:
         """X, real, on panels that slip; X / M_+, real, on panels that stick."""
-        resistance = self.load.resistance
+        resistance = self._resolved.resistance
         given = None if resistance is None else np.asarray(resistance)
+        if given is not None and self.load.opened is not None:
+            closed = ~np.array(self.layout.open).reshape(-1, *[1] * (self.panels.jacobian.ndim - 1))
+            given = given * closed
         return CanonicalFunction(self.factors, self.panels, given)
 
     @cached_property
+    def _resolved(self) -> Load:
+        """The load, linearised strength put on the panels."""
+        load, panels = self.load, self.panels
+        if load.linearised is None:
+            return load
+        senses = np.array(panels.sense).reshape(-1, *[1] * (panels.jacobian.ndim - 1))
+        resistance, slope = load.linearised.at(panels.at, senses, panels.jacobian)
+        return replace(load, resistance=resistance, given_slope=slope)
+
+    @cached_property
     def _pressure(self) -> PressurePart:
-        sense = self.zones[-1].sense if self.zones else 0
+        sense = self.zones[-1].last_sense if self.zones else 0
         canonical, count = self.canonical, len(self.panels.sense)
         if self.normal is None:
-            return PressurePart(self.load, canonical, sense, None, np.zeros(count, dtype=bool))
+            return PressurePart(self._resolved, canonical, sense, None, np.zeros(count, dtype=bool))
         normal = self.normal
-        opened, at_edge = -normal.stick_transform, -float(normal.stick_transform_at_edge)
-        return PressurePart(self.load, canonical, sense, opened, normal.layout.slipping, at_edge)
+        opened, at_edge = -normal.stick_transform, -normal.constant
+        return PressurePart(
+            self._resolved, canonical, sense, opened, normal.layout.slipping, at_edge
+        )
 
     @cached_property
     def normal(self) -> ZoneFields | None:
@@ -117,21 +136,30 @@ class ZoneFields:
         opened = self.load.opened
         if opened is None:
             return None
-        normal = Load(0.0, 0.0, -opened.base, 0.0, -opened.step, 0.0)
-        factors = rayleigh_factors(self.factors.poisson_ratio, "I")
+        factors, seen = (
+            rayleigh_factors(self.factors.poisson_ratio, "I"),
+            self.factors.seen_in_plane,
+        )
+        panels = self.panels
+        if not self.factors.has_rayleigh_wave:
+            panels = panels.seen_by(seen)
         return ZoneFields(
-            factors, normal, opened.zones, self.rule, self.tail, opened.closing, self.panels
+            factors,
+            opened.normal_load,
+            (opened.zone.seen_by(seen),),
+            self.rule,
+            self.tail,
+            tuple((seen(edge), amount) for edge, amount in opened.closing),
+            panels,
         )
 
     @cached_property
-    def constant(self) -> Array:
-        """R, from T(0) = Q_0 - mu b V(inf), (1,) or (k, 1)."""
+    def _first_constant(self) -> Array:
+        """R without the terms of closing edges, from T(0) = Q_0 - mu b V(inf), (1,) or (k, 1)."""
         load, panels = self.load, self.panels
         at_zero = load.load_shear - load.far_slip_rate
         at_zero -= self._pressure.sense * load.friction * load.load_pressure
         value = at_zero / self.canonical.at_zero
-        for edge, amount in self.closing:
-            value = value - amount / edge.v
         sources, imag = self._pressure.sources
         if len(sources):
             integrals = panels.integrals(imag / panels.at.v)
@@ -139,13 +167,46 @@ class ZoneFields:
         return value
 
     @cached_property
-    def _driven(self) -> Array:
-        """(p, ..., n): Re C(-v + i0) at the nodes, with the terms of closing edges."""
-        panels, total = self.panels, self._cauchy
-        ends = [end.first for end in panels.left]
-        for edge, amount in self.closing:
-            total = total - amount / panels.from_ends[ends.index(edge.first)]
-        return total
+    def constant(self) -> Array:
+        """R, (1,) or (k, 1)."""
+        return self._first_constant - sum(amount / edge.v for edge, amount in self._terms)
+
+    @cached_property
+    def transform_at_edge(self) -> Array:
+        """Limit of T at a contact edge that slips, (1,) or (k, 1); what pressure adds only where
+        the contact is open there."""
+        value = np.sign(self.canonical.values[-1, ..., -1:]) * self.constant
+        if self.normal is not None and self.layout.open[-1]:
+            weight = self._pressure.sense * self.load.friction
+            value = value - weight * self.normal.transform_at_edge
+        return np.asarray(value)
+
+    @cached_property
+    def _terms(self) -> tuple[tuple[CutPoints, float | Array], ...]:
+        """All terms (edge, r): those given, and of the zone that ends where an opening closes."""
+        held = [(index, zone.right) for index, zone in enumerate(self.zones) if zone.held]
+        return (*self.closing, *((e, self._held_term(i, e)) for i, e in held if e is not None))
+
+    def _held_term(self, index: int, edge: CutPoints) -> Array:
+        """r by which the slip rate of a zone vanishes at a given edge, (1,) or (k, 1)."""
+        panels, layout, values = self.panels, self.layout, self.canonical.values
+        here = np.flatnonzero(layout.slipping & (np.array(layout.zone) == index))
+        plain = self._slope_of(values * (self._cauchy + self._first_constant))
+        sharp = self._by_impedance(values * self._share(edge)) / (np.pi * panels.at.v)
+        rate = panels.integrals(plain)[here].sum(axis=0)
+        if self.zones[index].left is None:
+            rate = rate + per_set(self.load.far_slip_rate)
+        return np.asarray(-rate / panels.integrals(sharp)[here].sum(axis=0))[..., None]
+
+    def _share(self, edge: CutPoints) -> Array:
+        """(p, ..., n): 1 / (k + e) - 1 / e at k = -v, of a closing edge e that ends a panel."""
+        return self.panels.at.v / edge.v * self._pole(edge)
+
+    def _pole(self, edge: CutPoints) -> Array:
+        """(p, ..., n): 1 / (k + e) at k = -v."""
+        ends = (*self.panels.left, self.panels.right[-1])
+        index = next(i for i, end in enumerate(ends) if end and end.first == edge.first)
+        return -1 / self.panels.from_ends[index]
 
     @cached_property
     def _cauchy(self) -> Array:
@@ -161,7 +222,10 @@ class ZoneFields:
     @cached_property
     def _reduced(self) -> Array:
         """(p, ..., n): X (Re C + R); over M_+ on panels that stick."""
-        return self.canonical.values * (self._driven + self.constant)
+        driven = self._cauchy + self._first_constant
+        for edge, amount in self._terms:
+            driven = driven + amount * self._share(edge)
+        return self.canonical.values * driven
 
     @cached_property
     def stick_transform(self) -> Array:
@@ -181,8 +245,8 @@ class ZoneFields:
             kernel = 1 / (panels.at.v[source] + flat[:, None])
             weights = panels.jacobian[source] * imag[source]
             cauchy -= panels.rule.spacing / np.pi * (kernel @ weights)
-        for edge, amount in self.closing:
-            cauchy += amount / (edge.v + flat)
+        for edge, amount in self._terms:
+            cauchy += np.ravel(amount) / (edge.v + flat)
         result = self.canonical.reciprocal_off_cut(flat) * cauchy
         if self._pressure.analytic:
             ratio = self.factors.m_plus(flat, "I") / self.factors.m_plus(flat)
@@ -204,16 +268,14 @@ class ZoneFields:
     @cached_property
     def stick_transform_excess(self) -> Array:
         """(..., n): T / M_+ less its limit at a stuck contact edge, last panel, without loss."""
-        at, factors = self.panels.at[-1], self.factors
-        cauchy, growth = self._driven[-1], np.expm1(self.canonical.log_growth)
+        cauchy, growth = self._cauchy[-1], np.expm1(self.canonical.log_growth)
+        for edge, amount in self._terms:
+            cauchy = cauchy + amount * self._pole(edge)[-1]
         excess = growth * (cauchy + self.constant) + cauchy
         pressure = self._pressure
         if not pressure.analytic:
             return excess
-        if factors.mode == "II":
-            ratio = np.expm1(0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a)))
-        else:
-            ratio = pressure.mode_ratio[0][-1] - 1
+        ratio = np.expm1(pressure.log_ratio_at_edge)
         if self.normal is None:
             return excess + pressure.amount * ratio
         gained = -pressure.sense * self.load.friction * self.normal.stick_transform_excess
@@ -222,26 +284,47 @@ class ZoneFields:
     @cached_property
     def slip_rate_slope(self) -> Array:
         """(p, ..., n): dV/dv on panels that slip, 0 on panels that stick."""
+        return self._slope_of(self._reduced)
+
+    def _slope_of(self, reduced: Array) -> Array:
+        """The same from X (Re C + R)."""
         canonical, layout, pressure = self.canonical, self.layout, self._pressure
         real, imag = canonical.impedance
-        slope = np.zeros_like(imag)
-        behind, ahead, slip = layout.slip_behind, layout.slip_ahead, layout.slip
+        ahead, slip = layout.slip_ahead, layout.slip
         sources, missed = pressure.sources
-        slope[behind] = self._reduced[behind] / imag[behind]
-        if len(ahead):
-            product = self._reduced[ahead] * imag[ahead]
-            if len(sources):
-                product -= canonical.values[ahead] * missed[ahead] * real[ahead]
-            slope[ahead] = product / (np.square(real[ahead]) + np.square(imag[ahead]))
+        slope = self._by_impedance(reduced)
+        if len(ahead) and len(sources):
+            product = canonical.values[ahead] * missed[ahead] * real[ahead]
+            size = np.square(real[ahead]) + np.square(imag[ahead])
+            slope[ahead] -= product / (size * self._modulus[: len(ahead)])
         if canonical.resistance is not None and len(slip):
-            modulus, _ = canonical.excess_impedance
             size = np.abs(imag[slip])
             size[: len(ahead)] = np.hypot(real[ahead], imag[ahead])
-            slope[slip] -= canonical.values[slip] * missed[slip] * canonical.eta / np.square(size)
-            slope[slip] /= modulus
+            product = canonical.values[slip] * missed[slip] * canonical.eta
+            slope[slip] -= product / (np.square(size) * self._modulus)
         if pressure.analytic:
             slope[slip] -= pressure.over_impedance[slip]
         return slope / (np.pi * self.panels.at.v)
+
+    @property
+    def _modulus(self) -> Array:
+        """|M + eta| / |M| at the nodes of panels that slip; 1 without resistance."""
+        if self.canonical.resistance is None:
+            return np.ones((len(self.layout.slip), *[1] * (self.panels.jacobian.ndim - 1)))
+        return self.canonical.excess_impedance[0]
+
+    def _by_impedance(self, reduced: Array) -> Array:
+        """(p, ..., n): -Im (reduced / M) on panels that slip, 0 on panels that stick."""
+        layout, (real, imag) = self.layout, self.canonical.impedance
+        slope = np.zeros_like(imag)
+        behind, ahead = layout.slip_behind, layout.slip_ahead
+        slope[behind] = reduced[behind] / imag[behind]
+        if len(ahead):
+            size = np.square(real[ahead]) + np.square(imag[ahead])
+            slope[ahead] = reduced[ahead] * imag[ahead] / size
+        if self.canonical.resistance is not None and len(layout.slip):
+            slope[layout.slip] /= self._modulus
+        return slope
 
     @cached_property
     def traction_slope(self) -> Array:
@@ -253,14 +336,7 @@ class ZoneFields:
 
     def strength(self, edge: CutPoints) -> Array:
         """Friction bound f p at an edge."""
-        load = self.load
-        if load.opened is not None:
-            return load.friction * load.opened.pressure(edge)
-        pressure = np.full(edge.v.shape, load.base_pressure)
-        if load.load_pressure:
-            mode_one = stuck_traction(self.factors.poisson_ratio, "I")
-            pressure = pressure + load.load_pressure * mode_one(edge.v)
-        return load.friction * pressure
+        return self.load.friction * self.load.pressure(self.factors, edge)
 
     @cached_property
     def _excess_slope(self) -> Array:
@@ -289,7 +365,8 @@ class ZoneFields:
                 rows.append(np.asarray(self._excess_at_opening(zone, outward, next(gains))))
             if zone.right is not None:
                 ahead = per_set(load.far_slip_rate) if zone.left is None else 0.0
-                rows.append(next(gains) + ahead)
+                rate = next(gains) + ahead
+                rows.append(np.zeros_like(rate) if zone.held else rate)
             outward = zone
         return np.stack(rows) if rows else np.zeros(0)
 
@@ -302,6 +379,6 @@ class ZoneFields:
             return gain + load.base_shear - per_set(load.far_slip_rate) - zone.sense * strength
         if zone.left is None or outward.right is None:
             return gain
-        if outward.sense != zone.sense:
-            gain = gain + (outward.sense - zone.sense) * self.strength(outward.right)[..., 0]
+        if outward.last_sense != zone.sense:
+            gain = gain + (outward.last_sense - zone.sense) * self.strength(outward.right)[..., 0]
         return np.asarray(gain / np.minimum(1.0, zone.left.minus(outward.right)[..., 0]))

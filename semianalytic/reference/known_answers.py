@@ -18,6 +18,7 @@ from semianalytic.reference.closed_forms import (
 )
 from semianalytic.reference.published import PublishedSlip, published_slip
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -52,14 +53,16 @@ def closed_form(scene: Scene) -> KnownAnswer:
     """
     material, friction, load = scene.material, scene.friction, scene.load
     pressure, shear = load.pressure, load.shear
+    if not (scene.is_step and scene.friction_law == CoulombFriction()):
+        raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
     if scene.antiplane:
         return _antiplane_form(scene)
-    if scene.is_self_similar and scene.base == load and friction * pressure <= shear:
+    if scene.base == load and friction * pressure <= shear:
         return KnownAnswer(
             lambda speed: slip_rate_under_remote_shock(material, pressure, shear, friction, speed),
             None,
         )
-    if not scene.is_self_similar or pressure or scene.base.shear or not shear:
+    if pressure or scene.base.shear or not shear:
         raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
     if friction == 0:
         return KnownAnswer(lambda speed: slip_rate_without_friction(material, shear, speed), None)
@@ -73,7 +76,7 @@ def closed_form(scene: Scene) -> KnownAnswer:
 def _antiplane_form(scene: Scene) -> KnownAnswer:
     """The closed form of a step of antiplane shear under constant pressure."""
     material, shear = scene.material, scene.load.shear
-    if not scene.is_self_similar or scene.load.pressure or not shear or scene.far_slip_rate:
+    if scene.load.pressure or not shear or scene.far_slip_rate:
         raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
     along = math.copysign(1, shear) * scene.base.shear
     ratio = max(scene.friction * scene.base.pressure - along, 0.0) / abs(shear)
@@ -88,8 +91,10 @@ def published_obstacle(scene: Scene) -> str:
 
     It knows one load, a sudden remote one, and divides by f P_0.
     """
-    if not scene.is_self_similar:
+    if not scene.is_step:
         return "its loads are not steps"
+    if scene.friction_law != CoulombFriction():
+        return "its strength depends on slip"
     if scene.antiplane:
         return "its shear is in plane"
     if scene.base != scene.load:

@@ -1,18 +1,20 @@
-"""One slip zone with viscous friction under constant pressure, by quadrature: both kinds of shear.
+"""One slip zone under constant pressure where strength grows with slip rate, in plane.
 
-On slip Im [(1 + eta/M) T] = 0, on stick Im (T / M_+) = 0.  With one zone v > u_s, slower than c_R,
+Strength f p + viscosity |V| and a step of shear; on slip Im [(1 + eta/M) T] = 0, on stick
+Im (T / M_+) = 0, eta = 2 viscosity.  With one zone v > u_s, slower than c_R,
 
     T = R M_+(k) (u_s + k)^(-1/2) exp [-(1/pi) int arctan(eta / m(w)) / (w + k) dw],   w > u_s,
 
-where M(-w + i0) = i m(w), and T(0) = Q_0 gives R.  eta is one-sided, twice the viscosity, over
-mu b; slownesses are in units of b, tractions of Q_0, slip rates of Q_0 / (mu b).  Integrals are
-plain sums over even nodes in y, w - u_s = u_s exp(y) beyond the edge and logits before it.
+where M(-w + i0) = i m(w), and T(0) = Q_0 gives R.  Inside b = mu = Q_0 = 1, slip rates are
+one-sided, and integrals plain sums over even nodes in y, w - u_s = u_s exp(y) beyond the edge and
+logits before it.  The same in antiplane shear: `antiplane`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,43 +27,70 @@ from semianalytic.halfplane.rayleigh import (
     gauss,
     rayleigh_factors,
 )
+from semianalytic.reference.closed_forms import edge_speed_under_shear_step
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
-_STEP, _REACH = 0.1, 76.0
+_STEP, _REACH = 0.4, 76.0
 _NODES = _STEP * (np.arange(-round(_REACH / _STEP), round(_REACH / _STEP)) + 0.5)
 _GAUSS = gauss(16)
 
 
+def viscous_edge_speed(material: Material, strength_ratio: float, viscosity: float) -> float:
+    """Speed [length / time] of the edge of the only slip zone.
+
+    Holds while that is below c_R and no second zone has nucleated.
+
+    Parameters
+    ----------
+    material : Material
+    strength_ratio : float
+        chi_b, friction f P_b over the step Q_0 of shear.
+    viscosity : float
+        Strength per relative slip rate [stress time / length], not negative.
+    """
+    return material.shear_speed / _viscous_zone(material, strength_ratio, viscosity).edge
+
+
+def viscous_slip_rate(
+    material: Material,
+    load_shear: float,
+    strength_ratio: float,
+    viscosity: float,
+    velocity: ArrayLike,
+) -> Array:
+    """Relative slip rate [length / time] of that zone at x/t = velocity [length / time] >= 0."""
+    zone = _viscous_zone(material, strength_ratio, viscosity)
+    xi = np.asarray(velocity, dtype=float) / material.shear_speed
+    if not np.all(xi >= 0):
+        raise SceneError("velocity: x/t must not be negative; the contact is x > 0.")
+    rates = np.array([zone.slip_rate(float(one)) for one in xi.ravel()]).reshape(xi.shape)
+    return np.asarray(2 * load_shear / material.shear_impedance * rates)
+
+
 @dataclass(frozen=True)
-class ViscousZone:
+class _ViscousZone:
     """The zone beyond slowness `edge`, whatever the strength it would take.
 
     Attributes
     ----------
     factors : RayleighFactors
-    antiplane : bool
-    viscosity : eta
+    eta : one-sided resistance [mu b]
     edge : u_s
     """
 
     factors: RayleighFactors
-    antiplane: bool
-    viscosity: float
+    eta: float
     edge: float
-
-    def _m_plus(self, k: Array) -> Array:
-        return np.sqrt(1 + k) if self.antiplane else self.factors.m_plus(k)
 
     def _impedance(self, at: CutPoints) -> Array:
         """Im M on the cut."""
-        if self.antiplane:
-            return np.sqrt(at.from_b * (at.v + 1))
-        return self.factors.impedance_on_cut(at).imag
+        return np.asarray(self.factors.impedance_on_cut(at).imag)
 
     def _angle(self, beyond: Array) -> Array:
         """arctan(eta / m) at a distance beyond the edge."""
         at = CutPoints(np.add.outer(self.factors.cut(self.edge).parts, beyond))
-        return np.arctan(self.viscosity / self._impedance(at))
+        return np.arctan(self.eta / self._impedance(at))
 
     @cached_property
     def _at_nodes(self) -> tuple[Array, Array]:
@@ -80,24 +109,22 @@ class ViscousZone:
     def constant(self) -> float:
         """R."""
         at_zero = self._retarded(np.array([self.edge]))[0]
-        return float(1 / (self._m_plus(np.zeros(1))[0] * at_zero))
+        return float(1 / (self.factors.m_plus_at_zero["II"] * at_zero))
 
     @cached_property
     def strength(self) -> float:
         """Traction at the edge, which is the strength where slip begins."""
         share, other = 1 / (1 + np.exp(-_NODES)), 1 / (1 + np.exp(_NODES))
-        kappa = 1.0 if self.antiplane else self.factors.kappa
+        ends = [self.factors.front_a, self.factors.front_b, self.factors.cut([self.edge])]
         total = 0.0
-        fronts = [self.factors.front_b, self.factors.cut([self.edge])]
-        starts = fronts[:1] if self.antiplane else [self.factors.front_a, fronts[0]]
-        for left, right in zip(starts, fronts[-len(starts) :], strict=True):
+        for left, right in pairwise(ends):
             width = right.minus(left)
             near_left, near_right = left.parts + width * share, right.parts - width * other
             at = CutPoints(np.where(_NODES < 0, near_left, near_right))
-            to_edge = width * other if right is fronts[-1] else self.edge - at.v
-            slope = self._impedance(at) * self._retarded(to_edge) / (kappa * self._m_plus(at.v))
+            to_edge = width * other if right is ends[-1] else self.edge - at.v
+            slope = self._impedance(at) * self._retarded(to_edge) / self.factors.m_plus(at.v)
             total += float((slope / at.v * width * share * other).sum())
-        return self.constant * _STEP * total / np.pi
+        return self.constant * _STEP * total / (np.pi * self.factors.kappa)
 
     def slip_rate(self, velocity: float) -> float:
         """One-sided V at a velocity >= 0 in units of c_t."""
@@ -114,41 +141,24 @@ class ViscousZone:
     def _slope(self, y: Array) -> Array:
         """dV/dy; principal values over nodes that straddle each y."""
         beyond = self.edge * np.exp(y)
-        offset = _NODES
-        log = _STEP * (self._angle(beyond[:, None] * np.exp(offset)) / -np.expm1(-offset)).sum(
-            axis=-1
-        )
+        angles = self._angle(beyond[:, None] * np.exp(_NODES))
+        log = _STEP * (angles / -np.expm1(-_NODES)).sum(axis=-1)
         angle, v = self._angle(beyond), self.edge + beyond
         modulus = np.exp(-log / np.pi) / np.sqrt(beyond)  # |T| = R m / (kappa M_+) times this
-        kappa = 1.0 if self.antiplane else self.factors.kappa
-        traction = self.constant * modulus * np.cos(angle) / (kappa * self._m_plus(v))
-        return np.asarray(traction * beyond / (np.pi * v))
+        share = self.constant * modulus * np.cos(angle) / self.factors.m_plus(v)
+        return np.asarray(share * beyond / (np.pi * self.factors.kappa * v))
 
 
-def viscous_zone(
-    material: Material, strength_ratio: float, viscosity: float, *, antiplane: bool = False
-) -> ViscousZone:
-    """The only slip zone under a shear step on constant pressure with viscous friction.
-
-    Holds while it is slower than c_R (in plane) and no second zone has nucleated.
-
-    Parameters
-    ----------
-    material : Material
-    strength_ratio : float
-        chi_b, friction f P_b over the step Q_0 of shear.
-    viscosity : float
-        Traction per relative slip rate [stress time / length].
-    antiplane : bool
-        Shear along the edge.
-    """
+def _viscous_zone(material: Material, strength_ratio: float, viscosity: float) -> _ViscousZone:
+    if not (strength_ratio > 0 and viscosity >= 0):
+        raise SceneError("strength_ratio must be positive, and viscosity not negative.")
     factors = rayleigh_factors(material.poisson_ratio)
     eta = 2 * viscosity / material.shear_impedance
-    least = (1.0 if antiplane else factors.c) * (1 + 1e-9)
 
     def excess(edge: float) -> float:
-        return ViscousZone(factors, antiplane, eta, edge).strength - strength_ratio
+        return _ViscousZone(factors, eta, edge).strength - strength_ratio
 
-    most = 4 * (1 + strength_ratio) ** 2 * (1 + eta) ** 2
-    edge = brentq(excess, least, most, xtol=1e-15, rtol=1e-14)
-    return ViscousZone(factors, antiplane, eta, float(edge))
+    dry = material.shear_speed / edge_speed_under_shear_step(material, strength_ratio)
+    least = max(dry * (1 - 1e-9), factors.c * (1 + 1e-9))
+    edge = brentq(excess, least, 2 * dry * (1 + eta) ** 2, xtol=1e-15, rtol=1e-14)
+    return _ViscousZone(factors, eta, float(edge))

@@ -17,6 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load
 from semianalytic.halfplane.rayleigh import Array, Mode, gauss, rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction
@@ -40,6 +41,8 @@ class SlipGrid:
         Tests of 1, q* and p*.
     gram : (n, n + 1) array
         Tests of the hat functions themselves.
+    sample : (n, m) array
+        Takes values at the slownesses of `points` (m,) to their tests.
     """
 
     xi: Array
@@ -49,6 +52,8 @@ class SlipGrid:
     shear: Array
     pressure: Array
     gram: Array
+    sample: Array
+    points: Array
 
 
 @dataclass(frozen=True)
@@ -123,13 +128,15 @@ def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
         sample.T @ stuck_traction(poisson_ratio, mode)(v),
         sample.T @ stuck_traction(poisson_ratio, "I")(v),
         (np.diag(np.convolve(width, [2, 2])) + np.diag(width, 1) + np.diag(width, -1))[:n] / 6,
+        sample.T,
+        v,
     )
 
 
 def slip_on_grid(
     poisson_ratio: float, load: Load, size: int = tuning.GRIDS[0], mode: Mode = "II"
 ) -> GridSlip:
-    """Solve Coulomb's law on the grid: |tau| <= f p, V (tau -+ f p) = 0.
+    """Solve Coulomb's law on the grid: |tau| <= f p, V (tau -+ f p) = 0; tau = 0 where it is open.
 
     Parameters
     ----------
@@ -146,10 +153,50 @@ def slip_on_grid(
     grid, far_slip_rate = slip_grid(poisson_ratio, size, mode), float(load.far_slip_rate)
     stuck = load.base_shear * grid.weight + load.load_shear * grid.shear + far_slip_rate * grid.far
     pressure = load.base_pressure * grid.weight + load.load_pressure * grid.pressure
-    strength, stiffness = float(load.friction) * pressure, -grid.operator
+    friction, stiffness = float(load.friction), -grid.operator
     if load.resistance is not None:
-        stiffness = stiffness + load.resistance * grid.gram[:, :-1]
-        stuck -= load.resistance * far_slip_rate * grid.gram[:, -1]
+        eta = np.full(len(stiffness), load.resistance)
+        if load.opened is not None:
+            eta[is_open(load.opened.zone, grid.xi[:-1])] = 0.0
+        stiffness = stiffness + eta[:, None] * grid.gram[:, :-1]
+        stuck -= eta * far_slip_rate * grid.gram[:, -1]
+    if load.opened is None:
+        rate, pivots = _complementary(stuck, friction * pressure, stiffness)
+    else:
+        strength = friction * (grid.sample @ load.opened.near_pressure(grid.points))
+        rate, pivots = _slip_beside(load.opened.zone, grid.xi[:-1], stuck, strength, stiffness)
+    return GridSlip(grid.xi, np.append(rate, far_slip_rate), pivots)
+
+
+def is_open(opening: Zone, xi: Array) -> np.ndarray:
+    """Which velocities xi >= 0 [c_t] an opening covers, (n,)."""
+    assert opening.left is not None
+    inner = 0.0 if opening.right is None else 1 / opening.right.v[0]
+    return (xi < 1 / opening.left.v[0]) & ((xi > inner) | (inner == 0))
+
+
+def _slip_beside(
+    opening: Zone, xi: Array, stuck: Array, strength: Array, stiffness: Array
+) -> tuple[Array, int]:
+    """Slip rates of all nodes, and the pivots it took, where those of an opening move freely."""
+    free = is_open(opening, xi)
+    bound = ~free
+    inner = np.linalg.solve(
+        stiffness[np.ix_(free, free)],
+        np.column_stack([stiffness[np.ix_(free, bound)], stuck[free]]),
+    )
+    across = stiffness[np.ix_(bound, free)]
+    reduced = stiffness[np.ix_(bound, bound)] - across @ inner[:, :-1]
+    rate = np.zeros(len(xi))
+    rate[bound], pivots = _complementary(
+        stuck[bound] - across @ inner[:, -1], strength[bound], reduced
+    )
+    rate[free] = inner[:, -1] - inner[:, :-1] @ rate[bound]
+    return rate, pivots
+
+
+def _complementary(stuck: Array, strength: Array, stiffness: Array) -> tuple[Array, int]:
+    """Slip rates by which |stuck - stiffness rate| <= strength, and the pivots it took."""
     # Most scenes slip one way only: half the unknowns, if the other inequality then holds.
     sense = float(np.sign(stuck[np.argmax(np.abs(stuck) - strength)])) or 1.0
     one_way = lemke(stiffness, strength - sense * stuck)
@@ -160,7 +207,7 @@ def slip_on_grid(
         both_ways = lemke(matrix, np.concatenate([strength - stuck, strength + stuck]))
         forward, backward = np.split(both_ways.z, 2)
         rate, pivots = forward - backward, pivots + both_ways.pivots
-    return GridSlip(grid.xi, np.append(rate, far_slip_rate), pivots)
+    return rate, pivots
 
 
 @dataclass(frozen=True)

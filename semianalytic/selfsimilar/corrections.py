@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
+
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load
 from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
@@ -16,12 +18,14 @@ from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import Violation
 
 
-def rearranged(factors: RayleighFactors, zones: Sequence[Zone]) -> list[Zone] | None:
+def rearranged(factors: RayleighFactors, zones: Sequence[Zone], load: Load) -> list[Zone] | None:
     """What to try where Newton's method did not place the edges of zones; None if nothing."""
     other = _across_shear_front(factors, zones)
+    if other is None and load.opened is not None:
+        other = _turned_at_opening(zones, load.opened.zone)
     if other is None:
         other = _without_vanished(zones)
-    return _joined(zones) if other is None else other
+    return _joined(zones, load) if other is None else other
 
 
 def _across_shear_front(factors: RayleighFactors, zones: Sequence[Zone]) -> list[Zone] | None:
@@ -41,6 +45,32 @@ def _across_shear_front(factors: RayleighFactors, zones: Sequence[Zone]) -> list
     return others if moved else None
 
 
+def _turned_at_opening(zones: Sequence[Zone], opening: Zone) -> list[Zone] | None:
+    """The zones, of which that with the opening ends where it closes if it ended near by, or else
+    slips the other way ahead of it if it began near by; None if neither."""
+    result = list(zones)
+    for index, zone in enumerate(zones):
+        if not _holds(zone, opening):
+            continue
+        closing, ahead = opening.right, opening.left
+        assert ahead is not None
+        if closing is not None and zone.right is not None and not zone.held:
+            if zone.right.minus(closing)[0] < tuning.NEAR_OPENING * closing.v[0]:
+                result[index] = replace(zone, right=closing, inward=0, held=True)
+                return result
+        if zone.left is not None and ahead.minus(zone.left)[0] < tuning.NEAR_OPENING * ahead.v[0]:
+            result[index] = replace(zone, sense=-zone.sense, inward=zone.last_sense)
+            return result
+    return None
+
+
+def _holds(zone: Zone, opening: Zone) -> bool:
+    """Whether an opening lies in a zone."""
+    assert opening.left is not None
+    starts = zone.left is None or zone.left.first_below(opening.left)
+    return starts and (zone.right is None or opening.left.first_below(zone.right))
+
+
 def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
     """The zones without those that Newton's method has all but closed; None if there are none."""
     kept = [
@@ -53,18 +83,20 @@ def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
     return None if len(kept) == len(zones) else kept
 
 
-def _joined(zones: Sequence[Zone]) -> list[Zone] | None:
+def _joined(zones: Sequence[Zone], load: Load) -> list[Zone] | None:
     """The zones with those two made one that slip alike on both sides of the narrowest stick gap;
-    None if no gap off c is narrow.
+    None if no gap is narrow that may close.
 
-    Newton's method closes a gap where the zones have just met.
+    Newton's method closes a gap where the zones have just met.  One around c stays open, for there
+    V has a logarithm, unless slip meets resistance.
     """
     gaps = {}
     for i, (outer, inner) in enumerate(pairwise(zones)):
-        if outer.sense == inner.sense and outer.right is not None and inner.left is not None:
+        if outer.last_sense == inner.sense and outer.right is not None and inner.left is not None:
             off_c = bool(outer.right.from_c[0] * inner.left.from_c[0] > 0)
+            may_close = off_c or load.resistance is not None
             width = float(inner.left.minus(outer.right)[0] / outer.right.v[0])
-            if off_c and width < tuning.NARROW_GAP:
+            if may_close and width < tuning.NARROW_GAP:
                 gaps[i] = width
     if not gaps:
         return None
@@ -77,10 +109,67 @@ def corrected(zones: Sequence[Zone], violations: list[Violation], load: Load) ->
 
     New zones are made only when the present ones are sound.
     """
+    if load.opened is not None:
+        return _corrected_beside(load.opened.zone, zones, violations, load)
     wrong_slip = [one for one in violations if one.zone >= 0]
     missing_slip = [one for one in violations if one.zone < 0]
     kept = _without_wrong_slip(zones, wrong_slip)
     return _with_missing_slip(kept, missing_slip, load, sound=not wrong_slip)
+
+
+def _corrected_beside(
+    opening: Zone, zones: Sequence[Zone], violations: list[Violation], load: Load
+) -> list[Zone]:
+    """The same where the contact is open: its closed parts are corrected as zones of their own."""
+    parts: list[Zone] = []
+    first = {}  # of the parts of each zone
+    for index, zone in enumerate(zones):
+        first[index] = len(parts)
+        parts += _closed_parts(zone, opening) if _holds(zone, opening) else [zone]
+    moved = [replace(one, zone=_part_of(one, parts, first.get(one.zone, -1))) for one in violations]
+    closed = corrected(parts, moved, replace(load, opened=None))
+    return _joined_across(closed, opening)
+
+
+def _closed_parts(zone: Zone, opening: Zone) -> list[Zone]:
+    """The closed parts of a zone ahead of an opening and behind it."""
+    parts = [replace(zone, right=opening.left, inward=0, held=False)]
+    if opening.right is not None and not zone.held:
+        parts.append(Zone(opening.right, zone.right, zone.last_sense))
+    return parts
+
+
+def _part_of(violation: Violation, parts: list[Zone], first: int) -> int:
+    """The closed part that a violation in a zone lies in, from the first part of that zone on."""
+    if first < 0:
+        return -1
+    behind = first + 1 < len(parts) and parts[first].right is not None
+    return first + int(behind and not violation.left.first_below(parts[first].right))  # type: ignore
+
+
+def _joined_across(parts: list[Zone], opening: Zone) -> list[Zone]:
+    """Zones of closed parts: those that reach the opening from either side are one with it."""
+    ahead, closing = opening.left, opening.right
+    assert ahead is not None
+    before = [one for one in parts if one.left is None or one.left.first_below(ahead)]
+    behind = [one for one in parts[len(before) :]]
+    last = before[-1] if before else None
+    if last is not None and last.right is not None and last.right.first_below(ahead):
+        last = None
+    if last is None:
+        sense = -before[-1].sense if before else (behind[0].sense if behind else 1)
+        start = ahead.parts - tuning.NEAR_OPENING / 2 * ahead.v
+        if before and before[-1].right is not None:
+            start = np.maximum(start, (before[-1].right.parts + ahead.parts) / 2)
+        before.append(Zone(CutPoints(start), ahead, sense))
+    held = before.pop()
+    if closing is None or held.right is None or closing.first_below(held.right):
+        return [*before, replace(held, right=held.right if closing is not None else None), *behind]
+    reaches = behind and behind[0].left is not None
+    if reaches and behind[0].left.minus(closing)[0] < tuning.AT_OPENING * closing.v[0]:  # type: ignore
+        joined = replace(held, right=behind[0].right, inward=behind[0].sense)
+        return [*before, joined, *behind[1:]]
+    return [*before, replace(held, right=closing, held=True), *behind]
 
 
 def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> list[Zone]:

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import per_set
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
@@ -75,7 +74,7 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
         sound &= excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
     if (pole := panels.layout.pole) >= 0:
         reverses = panels.sense[pole] * profile.residues(pole) > 0
-        if reverses.any():
+        if reverses.any() and not panels.layout.open[pole]:
             sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= tuning.NARROWEST_GAP)
     for j in np.flatnonzero(sound & doubtful(profile).any(axis=(0, -1))):
         sound[j] = not hidden(_one_of(profile, int(j)), tolerance)
@@ -89,10 +88,10 @@ def _one_of(profile: Profile, j: int) -> Profile:
     def edge(points: CutPoints | None) -> CutPoints | None:
         return points[j] if points is not None and points.v.ndim == 2 else points
 
-    zones = tuple(Zone(edge(one.left), edge(one.right), one.sense) for one in fields.zones)
+    zones = tuple(replace(z, left=edge(z.left), right=edge(z.right)) for z in fields.zones)
     friction, far = (float(np.ravel(x)[j]) for x in (load.friction, load.far_slip_rate))
     load = replace(load, friction=friction, far_slip_rate=far)
-    return Profile(ZoneFields(fields.factors, load, zones, fields.rule))
+    return Profile(ZoneFields(fields.factors.single(j), load, zones, fields.rule))
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # answered by None
@@ -110,7 +109,7 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
     if np.isnan(misses).any():
         return None
     broken: list[Violation] = []
-    for region in profile.panels.layout.regions:
+    for region in profile.panels.layout.closed_regions:
         broken += _at_nodes(profile, region, misses[region].ravel())
         broken += _at_contact_edge(profile, region, misses, tolerance)
         broken += _at_rayleigh_front(profile, region, misses)
@@ -182,10 +181,15 @@ def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
 
 
 def excess_intensity(profile: Profile) -> Array:
-    """K_II / (f K_I) - 1 at a stuck contact edge, () or (k,); where positive, it must slip."""
-    load = profile.fields.load
+    """K_II / (f K_I) - 1, or with K_III, at a stuck contact edge, () or (k,); where positive, it
+    must slip."""
+    load, factors = profile.fields.load, profile.fields.factors
     strength = np.asarray(per_set(load.friction) * load.load_pressure)
-    traction = np.abs(profile.edge_intensity) / np.sqrt(profile.fields.factors.a)
+    if profile.normal is not None:
+        strength = -per_set(load.friction) * profile.normal.edge_intensity
+    at_zero = factors.m_plus_at_zero  # intensities of unit steps are as one over it
+    units = per_set(at_zero["I"]) / per_set(at_zero[factors.mode])
+    traction = np.abs(profile.edge_intensity) * units
     # Without strength nothing bounds the traction: seen at the nodes.
     return np.where(strength > 0, traction / np.where(strength > 0, strength, 1.0) - 1, 0.0)
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from semianalytic.cut.layout import Zone
-from semianalytic.cut.load import Load
+from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
@@ -24,16 +24,22 @@ class Edges:
     Attributes
     ----------
     factors : RayleighFactors
-    senses : tuple of int, one per zone, from the longitudinal front inward
+    kinds : tuple of Zone, from the longitudinal front inward, whatever their edges
     open_ends : (bool, bool), whether the first zone starts ahead of all waves and whether the
         last one reaches the contact edge
     segments : tuple of int, per edge: 0 for (a, b), 1 for (b, c), 2 for (c, inf)
+    opening : Zone or None, where the contact is open: edges stay on their side of it
+    sides : tuple of int, per edge: -1 ahead of the opening, 1 behind it, 0 held where it closes
+    held_at : float, the unknown of the edge that is held
     """
 
     factors: RayleighFactors
-    senses: tuple[int, ...]
+    kinds: tuple[Zone, ...]
     open_ends: tuple[bool, bool]
     segments: tuple[int, ...]
+    opening: Zone | None = None
+    sides: tuple[int, ...] = ()
+    held_at: float = 0.0
 
     @cached_property
     def _bounded(self) -> np.ndarray:
@@ -43,12 +49,15 @@ class Edges:
     @cached_property
     def _segments(self) -> tuple[Array, Array, Array]:
         """Per edge: the front its segment starts from less every front (4, e), the width of the
-        segment (1 beyond c), and 1 where it is bounded (0 beyond c)."""
-        fronts = np.array([0.0, self.factors.a, 1.0, self.factors.c])
+        segment (1 beyond c), and 1 where it is bounded (0 beyond c); (..., k) in a family of k
+        Poisson ratios."""
+        ends = (0.0, per_set(self.factors.a), 1.0, per_set(self.factors.c))
+        fronts = np.stack(np.broadcast_arrays(*ends))
         segments, bounded = np.array(self.segments, dtype=int), self._bounded
-        width, bend = np.ones(len(segments)), np.zeros(len(segments))
-        width[bounded], bend[bounded] = np.diff(fronts)[1 + segments[bounded]], 1.0
-        return fronts[1 + segments] - fronts[:, None], width, bend
+        shift = fronts[1 + segments] - fronts[:, None]
+        width, bend = np.ones_like(shift[0]), np.zeros_like(shift[0])
+        width[bounded], bend[bounded] = np.diff(fronts, axis=0)[1 + segments[bounded]], 1.0
+        return shift, width, bend
 
     def parts(self, unknowns: Array) -> Array:
         """Slowness of the edges and their distances from a, b and c, as in `CutPoints`.
@@ -57,8 +66,9 @@ class Edges:
         closes a stick gap within a segment counts from the edge that opens the gap, so that gaps
         may be as narrow as they like.  (4, e) or (4, e, k) for `unknowns` (e,) or (e, k).
         """
-        axes = (...,) + (None,) * (unknowns.ndim - 1)
-        shift, width, bend = (part[axes] for part in self._segments)
+        shift, width, bend = self._segments
+        axes = (..., *[None] * (unknowns.ndim - width.ndim))
+        shift, width, bend = shift[axes], width[axes], bend[axes]
         size = np.exp(unknowns)
         parts = np.asarray(shift + width * size / (1 + bend * size))
         for edge, (segment, behind_gap) in enumerate(zip(self.segments, self._gaps, strict=True)):
@@ -88,8 +98,10 @@ class Edges:
             points.insert(0, None)
         if self.open_ends[1]:
             points.append(None)
+        closing = None if self.opening is None else self.opening.right
         return tuple(
-            Zone(points[2 * i], points[2 * i + 1], sense) for i, sense in enumerate(self.senses)
+            replace(kind, left=left, right=closing if kind.held else right)
+            for kind, left, right in zip(self.kinds, points[::2], points[1::2], strict=True)
         )
 
     def admits(self, unknowns: Array) -> np.ndarray:
@@ -103,7 +115,18 @@ class Edges:
             inside = (index % 2 == 0) != opens  # between the edges of one zone
             least = tuning.LEAST_WIDTH * np.abs(p.parts[p.nearest]) if inside else np.zeros(1)
             near &= (q.minus(p) > least)[..., 0]
-        return near
+        return near & self._keeps_off_opening(np.where(near, unknowns, 0.0))
+
+    def _keeps_off_opening(self, unknowns: Array) -> Array | bool:
+        """Whether edges stay on their side of the opening, () or (k,)."""
+        if self.opening is None:
+            return True
+        keeps = np.ones(unknowns.shape[1:], dtype=bool)
+        for side, point in zip(self.sides, self.points(unknowns), strict=True):
+            bound = self.opening.left if side < 0 else self.opening.right
+            if side and bound is not None:
+                keeps &= (side * point.minus(bound) > 0)[..., 0]
+        return keeps
 
     def nudges(self, unknowns: Array) -> Array:
         """Changes of the unknowns, (e,) or (e, k), that show how the mismatch depends on them.
@@ -120,18 +143,33 @@ class Edges:
             result[edge] = np.clip(rounding / gap, tuning.NUDGE, tuning.LONGEST_NUDGE)
         return result
 
+    def chosen(self, which: np.ndarray) -> Edges:
+        """Those of some of many sets of zones."""
+        factors = self.factors.chosen(which)
+        return self if factors is self.factors else replace(self, factors=factors)
+
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
         """What the edges leave unfulfilled, (e,) or (e, k) as `unknowns`."""
-        return ZoneFields(self.factors, load, self.zones(unknowns), rule, False).mismatch()
+        return self.left_by(
+            ZoneFields(self.factors, load, self.zones(unknowns), rule, False), unknowns
+        )
+
+    def left_by(self, fields: ZoneFields, unknowns: Array) -> Array:
+        """The same of fields of these edges; that of a held one is how far it is off."""
+        result = fields.mismatch()
+        if result.ndim < unknowns.ndim:  # no edge is free
+            result = np.repeat(result[:, None], unknowns.shape[1], axis=1)
+        for edge in (i for i, side in enumerate(self.sides) if not side):
+            result[edge] = unknowns[edge] - self.held_at
+        return result
 
 
-def place_edges(
-    factors: RayleighFactors,
-    senses: tuple[int, ...],
-    open_ends: tuple[bool, bool],
-    points: list[CutPoints],
+def edges_of(
+    factors: RayleighFactors, zones: Sequence[Zone], opening: Zone | None = None
 ) -> tuple[Edges, Array]:
-    """Edges and unknowns from points (1,) on the cut."""
+    """Edges and unknowns of given zones, from the longitudinal front inward."""
+    points = [p for zone in zones for p in (zone.left, zone.right) if p is not None]
+    open_ends = (bool(zones) and zones[0].left is None, bool(zones) and zones[-1].right is None)
     segments = tuple(int(p.parts[3, 0] > 0) + int(p.parts[2, 0] > 0) for p in points)
     unknowns = np.empty(len(points))
     for edge, behind_gap in enumerate(_closing_gaps(segments, open_ends[0])):
@@ -143,7 +181,19 @@ def place_edges(
         if behind_gap and segment == 2:
             size = start / points[edge - 1].from_c
         unknowns[edge] = np.log(size[0])
-    return Edges(factors, senses, open_ends, segments), unknowns
+    kinds = tuple(replace(zone, left=None, right=None) for zone in zones)
+    if opening is None:
+        return Edges(factors, kinds, open_ends, segments), unknowns
+    held = {id(zone.right) for zone in zones if zone.held}
+    sides = tuple(0 if id(p) in held else _side(p, opening) for p in points)
+    held_at = float(unknowns[sides.index(0)]) if 0 in sides else 0.0
+    return Edges(factors, kinds, open_ends, segments, opening, sides, held_at), unknowns
+
+
+def _side(point: CutPoints, opening: Zone) -> int:
+    """-1 ahead of where the contact opens, 1 behind."""
+    assert opening.left is not None
+    return -1 if point.first_below(opening.left) else 1
 
 
 def _far_front(segment: int) -> int:
@@ -160,13 +210,6 @@ def _closing_gaps(segments: Sequence[int], opens: bool) -> tuple[bool, ...]:
         edge > 0 and (edge % 2 == 0) != opens and segments[edge] == segments[edge - 1]
         for edge in range(len(segments))
     )
-
-
-def edges_of(factors: RayleighFactors, zones: Sequence[Zone]) -> tuple[Edges, Array]:
-    """Edges and unknowns of given zones, from the longitudinal front inward."""
-    points = [p for zone in zones for p in (zone.left, zone.right) if p is not None]
-    open_ends = (bool(zones) and zones[0].left is None, bool(zones) and zones[-1].right is None)
-    return place_edges(factors, tuple(zone.sense for zone in zones), open_ends, points)
 
 
 def moves(inverse: Array, values: Array) -> Array:
@@ -227,9 +270,9 @@ class Placement:
         return self.edges.zones(self.unknowns)
 
 
-def placement_of(factors: RayleighFactors, zones: Sequence[Zone]) -> Placement:
+def placement_of(factors: RayleighFactors, zones: Sequence[Zone], load: Load) -> Placement:
     """Zones as they are, before any step."""
-    edges, unknowns = edges_of(factors, zones)
+    edges, unknowns = edges_of(factors, zones, load.opened.zone if load.opened else None)
     return Placement(edges, unknowns, np.zeros((len(unknowns), len(unknowns))))
 
 
@@ -241,7 +284,7 @@ def locate_edges(
 
     The Jacobian is formed from neighbouring sets of zones in one sweep with the first set.
     """
-    start = placement_of(factors, zones)
+    start = placement_of(factors, zones, load)
     edges, unknowns, inverse = start.edges, start.unknowns, start.inverse
     if not len(unknowns):
         return start
@@ -313,7 +356,7 @@ def polish_edges(
         return replace(placement, steps=0), fields, 0.0
     steps, before, move, shift = 0, None, np.zeros(len(unknowns)), np.inf
     while True:
-        value = fields.mismatch()
+        value = edges.left_by(fields, unknowns)
         if before is not None:
             inverse = broyden(inverse, move, value - before)
         move = -inverse @ value

@@ -28,12 +28,12 @@ from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import CutPoints, RayleighFactors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.collocation import GridSlip, slip_on_grid
+from semianalytic.selfsimilar.collocation import GridSlip, is_open, slip_on_grid
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,8 @@ def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
     """Guesses that do not look for narrow zones at the longitudinal front."""
     if factors.mode == "III" and not load.load_pressure:
         yield Guess(antiplane_zones(factors, load))
-    weak = weak_friction_zones(factors, load) if factors.has_rayleigh_wave else None
+    with_wave = factors.has_rayleigh_wave and load.opened is None
+    weak = weak_friction_zones(factors, load) if with_wave else None
     if weak is not None:
         yield Guess(weak)
     for size in tuning.GRIDS:
@@ -76,6 +77,8 @@ def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
         except ComputationError:  # pivoting ended on a ray, by rounding
             continue
         zones = zones_on_grid(factors, grid, load.critical)
+        if load.opened is not None:
+            zones = zones_beside_opening(factors, grid, load)
         yield Guess(zones, grid.pivots, size > tuning.GRIDS[0])
 
 
@@ -125,6 +128,56 @@ def zones_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> l
             edges.append(factors.cut([1 / place]))
         zones.append(Zone(edges[0], edges[1], int(sense[start])))
     return zones
+
+
+def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -> list[Zone]:
+    """Zones seen by the first stage where the contact is open; one holds the opening.
+
+    That begins ahead of the opening, where strength falls to nothing and traction does not.  It
+    ends behind it where slip is seen, else where the opening closes, or at the contact edge.
+    """
+    assert load.opened is not None
+    opening = load.opened.zone
+    free = is_open(opening, grid.xi)
+    last, first = np.flatnonzero(free)[[0, -1]]  # from the edge outward
+    ahead, beside = float(np.sign(grid.slip_rate[first + 1])), float(np.sign(grid.slip_rate[first]))
+    inward = int(np.sign(grid.slip_rate[last - 1])) if last else 0
+    rate = grid.slip_rate.copy()
+    rate[free] = np.abs(rate[free]) * (ahead or beside or 1.0)
+    zones = zones_on_grid(factors, replace(grid, slip_rate=rate), load.critical)
+    index = next(
+        i
+        for i, zone in enumerate(zones)
+        if zone.right is None or zone.right.v[0] * grid.xi[first] > 1
+    )
+    held = zones[index]
+    if opening.right is None:
+        held = replace(held, right=None)
+    elif not inward:
+        held = replace(held, right=opening.right, held=True)
+    elif inward == -held.sense:
+        behind = zones.pop(index + 1)
+        held = replace(held, right=behind.right, inward=inward)
+    zones[index] = _around(factors, held, opening, grid.xi, (int(last), int(first)))
+    return zones
+
+
+def _around(
+    factors: RayleighFactors, zone: Zone, opening: Zone, xi: Array, nodes: tuple[int, int]
+) -> Zone:
+    """A zone with edges that stay on their sides of the opening it holds; `nodes` are the last and
+    the first of the grid that are open."""
+    share, (last, first) = tuning.BESIDE_OPENING, nodes
+    assert opening.left is not None
+    if zone.left is not None and not zone.left.first_below(opening.left):
+        start = 1 / opening.left.v[0]
+        zone = replace(zone, left=factors.cut([1 / (start + share * (xi[first + 1] - start))]))
+    closing = opening.right
+    if closing is not None and not zone.held and zone.right is not None:
+        if not closing.first_below(zone.right):
+            end = 1 / closing.v[0]
+            zone = replace(zone, right=factors.cut([1 / (end + share * (xi[last - 1] - end))]))
+    return zone
 
 
 def frictionless_profile(factors: RayleighFactors, load: Load, rule: Rule) -> Profile:
@@ -259,9 +312,15 @@ def with_slip_at_front(
     held = not (load.critical and sense and load.load_pressure) or bool(load.far_slip_rate)
     if held or (zones and zones[0].left is None):
         return zones
+    first = zones[0] if zones else None
+    if factors.mode == "III" and first and first.left is not None and first.left.from_b[0] < 0:
+        return [replace(first, left=None), *zones[1:]]  # no shear arrives that would hold it
     at, nu = _behind_front(factors), factors.poisson_ratio
     at = at[at.from_a > tuning.NARROWEST_FRONT_ZONE]
-    pressure = load.friction * load.load_pressure * stuck_traction(nu, "I")(at.v)
+    if load.opened is None:
+        pressure = load.friction * load.load_pressure * stuck_traction(nu, "I")(at.v)
+    else:
+        pressure = load.friction * (load.pressure(factors, at) - load.base_pressure)
     excess = sense * load.load_shear * stuck_traction(nu, factors.mode)(at.v) - pressure
     kept = np.flatnonzero(excess <= 0)
     if not len(kept) or not kept[0]:  # at nu = 0 pressure falls too late

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
@@ -21,39 +21,9 @@ from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivative import Derivative, Known, differentiated, over_slowness
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion
 from semianalytic.selfsimilar.variation import Surroundings
-
-
-@dataclass(frozen=True)
-class SlipZone:
-    """Part of the interface that slips: inner * t < x < outer * t.
-
-    Attributes
-    ----------
-    inner, outer : float
-        Velocities of the edges [length / time]; inner 0 is the contact edge, outer inf is slip
-        ahead of all waves.
-    sense : int
-        +1 where the upper side slips towards +x, -1 towards -x.
-    """
-
-    inner: float
-    outer: float
-    sense: int
-
-
-@dataclass(frozen=True)
-class OpenZone:
-    """Part of the interface that is open: inner * t < x < outer * t.
-
-    Attributes
-    ----------
-    inner, outer : float
-        Velocities of the edges [length / time]; inner 0 is the contact edge.
-    """
-
-    inner: float
-    outer: float
+from semianalytic.separation.normal import Normal
 
 
 @dataclass(frozen=True)
@@ -111,6 +81,8 @@ class Solution:
         The fields over slowness, in units b = mu = 1 and `stress`.
     stress : float
         Unit of stress of `profile`.
+    normal : Normal or None
+        Pressure and gap over slowness, in the same units, where the contact opens.
     """
 
     scene: Scene
@@ -120,6 +92,7 @@ class Solution:
     statistics: Statistics
     profile: Profile
     stress: float
+    normal: Normal | None = None
 
     def __repr__(self) -> str:
         speeds = [(f"{zone.inner:.4g}", f"{zone.outer:.4g}", zone.sense) for zone in self.zones]
@@ -133,8 +106,22 @@ class Solution:
 
     @property
     def openings(self) -> tuple[OpenZone, ...]:
-        """What is open, from the contact edge outward."""
-        return ()
+        """What is open, from the contact edge outward; there is one opening at most."""
+        if self.normal is None:
+            return ()
+        zone, speed = self.normal.opening.zone, self.scene.material.shear_speed
+        assert zone.left is not None
+        inner = 0.0 if zone.right is None else float(speed / zone.right.v[0])
+        return (OpenZone(inner, float(speed / zone.left.v[0])),)
+
+    @cached_property
+    def _motion(self) -> tuple[SlipZone, ...]:
+        """Where the sides move along one another, in contact or open."""
+        speed = self.scene.material.shear_speed
+        moving = self.zones
+        for opening in self.openings:
+            moving = motion(self.profile, moving, opening, speed)
+        return moving
 
     @property
     def _rate_unit(self) -> float:
@@ -161,16 +148,39 @@ class Solution:
         return self.scene.base.shear + self.stress * change
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Contact pressure [stress], base included; slip does not change it.
+        """Contact pressure [stress], base included, 0 where open; slip does not change it.
 
         Raises as `slip_rate`.
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
-        return self.scene.base.pressure + self.stress * change
+        pressure = self.scene.base.pressure + self.stress * change
+        return np.where(self._is_open(x, t), 0.0, pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
-        return self._evaluate(x, t, np.zeros_like)
+        over_time = self._evaluate(x, t, self._of_gap(Profile.slip_over_time))
+        gap = self._rate_unit * np.asarray(t, dtype=float) * over_time
+        return np.where(self._is_open(x, t), np.maximum(gap, 0.0), 0.0)
+
+    def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How fast it opens [length / time], 0 where closed; raises as `slip_rate`.
+
+        Logarithmically infinite at the Rayleigh front where that is open.
+        """
+        return self._rate_unit * self._evaluate(x, t, self._of_gap(Profile.slip_rate))
+
+    def _is_open(self, x: ArrayLike, t: ArrayLike) -> NDArray[np.bool_]:
+        """Where and when the contact is open; not even rounding is left of pressure there, nor of
+        the gap elsewhere."""
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
+        parts = [(velocity > part.inner) & (velocity < part.outer) for part in self.openings]
+        return np.logical_or.reduce([np.zeros(x.shape, dtype=bool), *parts])
+
+    def _of_gap(self, field: Callable[[Profile, Array], Array]) -> Callable[[Array], Array]:
+        """A field of slip of the normal problem, over slowness; 0 where the contact is closed."""
+        normal = self.normal
+        return np.zeros_like if normal is None else lambda u: field(normal.profile, u)
 
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Strength less shear traction, f p - |tau| [stress] where it sticks; 0 where it slips."""
@@ -203,21 +213,24 @@ class Solution:
         """(K_I, K_II) at the contact edge at times t [stress sqrt(length)] (3.13), (3.16).
 
         pressure ~ K_I / sqrt(2 pi x) and shear traction ~ K_II / sqrt(2 pi x) of the actual
-        state; a slipping edge has |K_II| = f K_I.
+        state; a slipping edge has |K_II| = f K_I.  In antiplane shear the second is K_III.
         """
         scene = self.scene
         unit = type(scene.load)(1.0, 1.0)
-        mode_one, mode_two = stress_intensity(scene.material, unit, t)
-        mode_one = scene.load.pressure * mode_one
+        mode_one, sheared = stress_intensity(scene.material, unit, t, scene.shear_mode)
+        pressure = scene.load.pressure
+        if self.normal is not None:
+            pressure = -self.stress * float(self.normal.profile.edge_intensity)
+        mode_one = pressure * mode_one
         if self.profile.edge_slips:
             return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one
-        return mode_one, self.stress * self.profile.edge_intensity * mode_two
+        return mode_one, self.stress * self.profile.edge_intensity * sheared
 
     def path(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Accumulated |slip| [length], the time integral of |slip rate|; raises as `slip_rate`."""
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         total = np.abs(self.slip(x, np.minimum(t, 0.0)))
-        for zone in self.zones:
+        for zone in self._motion:
             starts = np.minimum(t, x / zone.outer)
             stops = np.minimum(t, x / zone.inner) if zone.inner else t
             total = total + np.abs(self.slip(x, stops) - self.slip(x, starts))
@@ -340,7 +353,7 @@ class Solution:
     def _whole_rate(self) -> float:
         """Integral of |slip rate| over the contact, over time, in units of `profile`."""
         speed = self.scene.material.shear_speed
-        zones = [(zone.inner / speed, zone.outer / speed, zone.sense) for zone in self.zones]
+        zones = [(zone.inner / speed, zone.outer / speed, zone.sense) for zone in self._motion]
         return slipped_rate(self.profile, zones)
 
     @cached_property
@@ -392,7 +405,7 @@ class Solution:
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
 
-        Logarithmically infinite at the Rayleigh front.
+        Logarithmically infinite at the Rayleigh front.  In antiplane shear the first is v_z.
 
         Raises
         ------

@@ -21,14 +21,19 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.scene.checks import checked_number
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import CoulombFriction, RateWeakening
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.corrections import corrected, rearranged
 from semianalytic.selfsimilar.coulomb import violations
 from semianalytic.selfsimilar.edges import Placement, locate_edges, placement_of, polish_edges
 from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, numerical_error
-from semianalytic.selfsimilar.guesses import guesses, slip_senses
-from semianalytic.selfsimilar.solution import SlipZone, Solution, Statistics
+from semianalytic.selfsimilar.guesses import guesses
+from semianalytic.selfsimilar.motion import slip_zones
+from semianalytic.selfsimilar.rated import check_rated, companion_error, settled_zones, unit_law
+from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.separation.normal import with_opening
 
 
 def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
@@ -59,9 +64,13 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
     )
+    if isinstance(scene.friction_law, RateWeakening):
+        return _solve_rated(scene, rtol)
     load, stress = scaled_load(scene)
     check_pressure(scene)
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
+    load, normal = with_opening(load, factors, rtol)
+    wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     clock = [perf_counter()]
     trial, pivots = _search(factors, load, rtol, loose_tolerance(rtol))
     clock.append(perf_counter())
@@ -80,8 +89,48 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
         nodes=int(best.profile.panels.jacobian.size),
         seconds=dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True)),
     )
-    status, zones = _status(best, estimate, rtol), slip_zones(scene, best.profile)
-    return Solution(scene, zones, status, estimate, statistics, best.profile, stress)
+    estimate += normal.error if normal else 0.0
+    status = _status(best, estimate, wanted)
+    zones = slip_zones(best.profile, scene.material.shear_speed)
+    return Solution(scene, zones, status, estimate, statistics, best.profile, stress, normal)
+
+
+def _solve_rated(scene: Scene, rtol: float) -> Solution:
+    """Solve a scene whose strength depends on slip rate, from its answer under constant friction:
+    where there are several solutions, that to which Newton's method leads from there."""
+    clock = [perf_counter()]
+    dry = solve(replace(scene, friction_law=CoulombFriction()), rtol=max(rtol, 1e-8))
+    clock.append(perf_counter())
+    law, speed, tolerance = unit_law(scene, dry.stress), scene.material.shear_speed, rtol
+    if dry.openings:
+        raise SceneError("solve: friction that falls with slip rate under a contact that opens")
+    check_rated(dry.profile, law, speed)
+    loose = loose_tolerance(rtol) if dry.zones else rtol
+    rated, estimate = settled_zones(dry.profile, law, loose, speed), np.inf
+    best, tolerance = rated, rtol / tuning.RULE_SHARE
+    while rated is not None and estimate > rtol and tolerance > 1e-3 * tuning.LEAST_LEFT_SHIFT:
+        best = rated = settled_zones(rated.profile, law, tolerance, speed)
+        if rated is not None:
+            estimate = companion_error(rated, law, tolerance)
+        tolerance *= tuning.SLOWEST_REFINEMENT
+    clock.append(perf_counter())
+    if best is None:
+        return replace(dry, scene=scene, status=_UNSETTLED, error_estimate=np.inf)
+    profile, clock = best.profile, [*clock, perf_counter()]
+    statistics = replace(
+        dry.statistics,
+        newton_steps=len(best.moves),
+        unknowns=len(best.placement.unknowns),
+        nodes=int(profile.panels.jacobian.size),
+        seconds=dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True)),
+    )
+    exceeded = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
+    status = "converged" if estimate <= rtol else exceeded
+    zones = slip_zones(profile, speed)
+    return Solution(scene, zones, status, estimate, statistics, profile, dry.stress)
+
+
+_UNSETTLED = "Newton's method found no slip rate that agrees with the strength it leaves"
 
 
 @dataclass(frozen=True)
@@ -119,7 +168,7 @@ def _search(
     took."""
     checking = rule_for(tolerance)
     shift = max(tuning.LOCATED_SHIFT * rtol, tuning.LEAST_LOCATED_SHIFT)
-    trial = _unlawful(placement_of(factors, ()), load, checking)
+    trial = _unlawful(placement_of(factors, (), load), load, checking)
     pivots = steps = sets = 0
     for guess in guesses(factors, load):
         locating = checking if guess.doubtful else rule_for(tuning.COARSER_LOCATING * tolerance)
@@ -138,7 +187,7 @@ def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules:
         placement = locate_edges(factors, zones, load, rules.locating, rules.shift)
         steps += placement.steps
         if not placement.converged:
-            others = rearranged(factors, placement.zones)
+            others = rearranged(factors, placement.zones, load)
             if others is None:
                 break
             zones = others
@@ -226,34 +275,3 @@ def _status(best: _Trial, estimate: float, rtol: float) -> str:
     if estimate > rtol:
         return f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
     return "converged"
-
-
-def slip_zones(scene: Scene, profile: Profile) -> tuple[SlipZone, ...]:
-    """Zones in velocity [length / time], from the contact edge outward; without friction cut by
-    sense of slip."""
-    speed, fields = scene.material.shear_speed, profile.fields
-    if fields.load.frictionless:
-        return _zones_by_sense(profile, speed)
-    ahead = np.inf if scene.far_slip_rate else scene.fastest_speed
-    return tuple(
-        SlipZone(
-            0.0 if zone.right is None else float(speed / zone.right.v[0]),
-            ahead if zone.left is None else float(speed / zone.left.v[0]),
-            zone.sense,
-        )
-        for zone in reversed(fields.zones)
-    )
-
-
-def _zones_by_sense(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
-    """Zones of a frictionless interface: it slips behind the first front of shear, either way."""
-    senses, changes = slip_senses(profile)
-    fields = profile.fields
-    first = fields.factors.a if fields.factors.has_rayleigh_wave else 1.0
-    front = np.inf if fields.load.far_slip_rate else speed / first
-    edges = [front, *(float(speed / change.v[0]) for change in changes), 0.0]
-    zones = [
-        SlipZone(inner, outer, sense)
-        for (outer, inner), sense in zip(pairwise(edges), senses, strict=False)
-    ]
-    return tuple(reversed(zones))

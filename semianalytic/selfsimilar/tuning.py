@@ -62,6 +62,8 @@ SLIP_PER_EXCESS = 0.3
 LEAST_IMPEDANCE = 1e-3
 """Least impedance [rho c_t] that such slip is divided by, over `SLIP_PER_EXCESS`: it falls to 0 at
 the longitudinal front for nu near 0."""
+WORK_AHEAD = 3.0
+"""Power of its width that friction takes on the slip ahead of an opening, about."""
 GAP_LOGARITHM_SHARE = 0.1
 """What a change of the logarithm of an edge's distance from c counts as a shift: the slip rate
 beside a narrow stick gap follows that of its width."""
@@ -86,6 +88,17 @@ does not hide, but by no more than that share of itself."""
 LEAST_WIDTH = 1e-10
 """Of a zone, over its distance from a front; of a narrower one rounding leaves little."""
 
+# Strength that depends on slip rate (rated)
+
+MOST_RATE_STEPS, MOST_RATE_ITERATIONS = 12, 60
+"""Newton steps for the slip rate, of which four are the rule, and iterations of the term that holds
+the new one, which shrink it ten times or more unless strength nearly falls as radiation rises."""
+RATE_ROUNDING, RATE_SETTLED = 1e-13, 1e-11
+"""Change of the slip rate, over the largest, that ends these iterations, and the steps: the next
+step would be the square."""
+LEAST_RATE_EXPONENT = 0.1
+"""Of slip rates beside edges, down to which rules are made longer.  Not recorded."""
+
 # Coulomb's law at nodes and between them (coulomb)
 
 NARROWEST_GAP = 1e-14
@@ -107,6 +120,9 @@ CLOSER_POINTS = 8
 EDGE_SHARE, EDGE_SHARE_SLOPE = 0.25, 0.75
 """Place of an edge between two nodes of a grid, from the ratio r of the two outermost slip rates:
 0.25 + 0.75 r.  Measured: median error of the unknowns 0.02 over a hundred random scenes."""
+BESIDE_OPENING = 0.3
+"""Place of an edge that a grid puts within an opening, from there to the next node.  Not
+recorded."""
 EDGE_SHARE_UNKNOWN = 0.5
 """That ratio where there is but one node.  Not recorded."""
 FARTHEST_SHARE, SHARE_BEFORE_NODE, SHARE_TO_OTHER_SENSE = 1.25, 0.95, 0.4
@@ -140,6 +156,10 @@ GAUSS_PER_ELEMENT = 6
 
 NARROW_GAP = 0.1
 """Gap over slowness between zones that may have met.  Not recorded."""
+NEAR_OPENING = 0.05
+"""Distance in slowness, relative, of an edge that ran into an opening.  Not recorded."""
+AT_OPENING = 1e-6
+"""The same of slip that begins where the opening closes.  Not recorded."""
 VANISHED_ZONE = 1e-4
 """Width over slowness of a zone that Newton's method has all but closed.  Not recorded."""
 AT_SHEAR_FRONT = 1e-4

@@ -20,7 +20,16 @@ MOST_CHORD_STEPS, LEAST_MOVE = 12, 1e-13
 """Steps on the finer rule, and the move that ends them, but for half the tolerance."""
 COARSER_COMPANION = 5.0
 """Tolerance of the rule the edges are compared with, over that."""
-SAFETY = 5.0
-"""Error estimate over the difference of two rules."""
+SAFETY = 15.0
+"""Error estimate over the difference of two rules: the rate of the gap changes several times as
+much as the edges, relative to itself."""
 LEAST_ERROR = 1e-14
 """Rounding, part of every estimate."""
+RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
+"""Tolerance of the rule of the normal problem over what is asked for, and at least: shear is to
+find nothing missing in it.  Finer by the same share where edges are not placed that well."""
+EDGE_SHARE = 0.2
+"""Error of edges over what is asked for, that is well enough."""
+AT_POLE = 25.0
+"""Error of the rate of the gap over the tolerance of a rule: at points between nodes, where the
+opening covers c, relative to its largest value away from there.  13 and 20 were seen."""

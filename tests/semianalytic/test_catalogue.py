@@ -7,7 +7,7 @@ import pytest
 from catalogue import PROBLEMS, STEEL, over
 from laws import check_invariants
 
-from semianalytic import Scene, SceneError, TensionError, Tractions, march, solve
+from semianalytic import Scene, SceneError, TensionError, Tractions, ViscousFriction, march, solve
 
 
 def test_names_are_unique():
@@ -69,8 +69,11 @@ def test_units_do_not_matter(problem):
     base, load = (
         Tractions(stress * one.pressure, stress * one.shear) for one in (scene.base, scene.load)
     )
-    solution, other = solve(scene), solve(Scene(material, scene.friction, base, load))
-    speed = material.shear_speed
+    law, speed = scene.friction_law, material.shear_speed
+    if isinstance(law, ViscousFriction):
+        law = ViscousFriction(law.viscosity * material.shear_impedance)
+    there = Scene(material, scene.friction, base, load, friction_law=law)
+    solution, other = solve(scene), solve(there)
     np.testing.assert_allclose(other.edge_speeds, solution.edge_speeds * speed, rtol=1e-7)
     x = np.linspace(0.02, 1.95, 50)
     clear = np.abs(x[:, None] - np.append(solution.edge_speeds, 9.0)).min(axis=1) > 0.01

@@ -79,6 +79,11 @@ QUANTITIES = {
         ("onset at x = 0.75 c_t T [T]", "onset at 0.75 c_t T"),
         ("frictional work, integral", "frictional work, L1"),
     ),
+    "antiplane": (
+        ("zone, from the edge to [c_t]", "zone 1, outer edge"),
+        ("slip at T, integral", "slip, L1"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
 }
 """What docs/scenes.md says of a scene: how it is called there, and in the judgement."""
 
@@ -94,6 +99,7 @@ FIGURES = {
     "pulse": "sense.png",
     "harmonic": "sense.png",
     "pressure-drop": "sense.png",
+    "antiplane": "slip_rate.png",
 }
 """Which figure of `slipfront compare SCENE` docs/scenes.md shows."""
 

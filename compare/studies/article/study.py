@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from compare.comparison.scales import wave_speeds
 from compare.figures.saving import save_figure
 from compare.figures.style import (
     CYCLE,
@@ -260,7 +261,7 @@ def _draw(panel: Axes, cases: Sequence[Case], method: str, curves: Curves) -> No
         )
     panel.set(xlabel="x", xlim=(0, 0.105))
     panel.set_title(_title(method), pad=14)
-    mark_waves(panel, cases[0].solution.scene.material, 1 / END_TIME)
+    mark_waves(panel, wave_speeds(cases[0].solution.scene.material), 1 / END_TIME)
     panel.legend(fontsize=SMALL)
 
 

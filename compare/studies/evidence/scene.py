@@ -15,7 +15,7 @@ from compare.comparison.judgement import Judgement
 from compare.comparison.measures import sampled_zones
 from compare.comparison.prediction import FINER, method_of, seconds_of
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, shown_number
-from compare.comparison.scales import slip_rate_scale, speed_regime, stress_scale, wave_speeds
+from compare.comparison.scales import front_speeds, slip_rate_scale, speed_regime, stress_scale
 from compare.figures.histories import history_figure, sense_figure, wear_figure
 from compare.figures.interface import fronts_figure
 from compare.studies.evidence.figures import (
@@ -152,7 +152,7 @@ def _zones(evidence: SceneEvidence) -> str:
     material, simulation = evidence.scene.material, evidence.simulation
     speeds = [
         (f"{name} wave", number(f"{speed / material.shear_speed:.6f}"))
-        for name, speed in wave_speeds(material).items()
+        for name, speed in front_speeds(evidence.scene).items()
     ]
     parts = [table(("front", "speed / c_t"), speeds, "Wave speeds")]
     rows = []
@@ -163,12 +163,12 @@ def _zones(evidence: SceneEvidence) -> str:
                 for edge in (zone.inner, zone.outer)
                 for text in (
                     number("∞" if math.isinf(edge) else f"{edge / material.shear_speed:.9f}"),
-                    speed_regime(edge, material),
+                    speed_regime(edge, evidence.scene),
                 )
             ]
             rows.append((_sense(zone.sense), *edges))
         edge_rate = solution.edge_slip_rate / slip_rate_scale(evidence.scene)
-        mode_one, mode_two = solution.stress_intensity(simulation.end_time)
+        mode_one, sheared = solution.stress_intensity(simulation.end_time)
         unit = stress_scale(evidence.scene) * math.sqrt(material.shear_speed * simulation.end_time)
         if rows:
             head = ("sense", "inner edge / c_t", "which is", "outer edge / c_t", "which is")
@@ -177,7 +177,8 @@ def _zones(evidence: SceneEvidence) -> str:
             paragraph(
                 f"The contact edge is {edge_state(solution)}; slip rate there {edge_rate:.6f} "
                 f"V₀. At T its stress intensities are K_I = {float(mode_one) / unit:.6f} and "
-                f"K_II = {float(mode_two) / unit:.6f} in units of τ₀ √(c_t T)."
+                f"K_{evidence.scene.shear_mode} = {float(sheared) / unit:.6f} in units of "
+                f"τ₀ √(c_t T)."
             )
         )
     read = [(name, words(_read_zones(evidence, name))) for name in evidence.histories]

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from compare.comparison.scales import wave_speeds
 from compare.figures.saving import save_figure
 from compare.figures.style import (
     BLACK,
@@ -175,7 +176,7 @@ def save_fronts(path: Path, results: RegimeResults) -> None:
 def _draw_fronts(panel: Axes, loading: str, nu: float, points: Sequence[MapPoint]) -> None:
     material = Material(1.0, 1.0, nu)
     top = 1.06 * material.longitudinal_speed
-    mark_waves(panel, material, material.shear_speed, "horizontal")
+    mark_waves(panel, wave_speeds(material), material.shear_speed, "horizontal")
     borders = _borders([p.chi for p in points], loading == "preload")
     for count, group in groupby(_solved(points), key=_senses):
         part = list(group)

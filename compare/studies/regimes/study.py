@@ -14,6 +14,13 @@ import numpy as np
 
 from compare.output.tables import append_rows, write_rows
 from compare.studies.regimes.figures import RegimeResults, save_fronts, save_regimes, save_reverse
+from compare.studies.regimes.openings import (
+    OpeningPoint,
+    opening_column,
+    opening_speeds,
+    save_openings,
+    sorted_openings,
+)
 from compare.studies.regimes.points import (
     POISSON_RATIOS,
     BoundaryPoint,
@@ -35,6 +42,8 @@ REVERSE_POISSON_RATIOS = (-0.5, -0.2, 0.0)
 _QUICK_SIZE = 10
 _COUNTS = {False: (57, 144, 33), True: (8, 12, 5)}
 """Poisson ratios traced, frictions of a panel of front speeds, and of a curve of reverse slip."""
+_OPENING_COUNTS = {False: (30, 60), True: (4, 9)}
+"""Points along either axis of the map of openings, and of a panel of their speeds."""
 
 
 def front_frictions(loading: Loading, poisson_ratio: float, count: int) -> list[float]:
@@ -61,9 +70,10 @@ def write_regimes(
 ) -> None:
     """Map regimes on size x size points, trace their boundaries, and write figures and CSV files.
 
-    regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, and for the preload
-    reverse-slip.csv and .png; few points if quick.  Columns of a map are kept in a hidden file as
-    they are done, so that an interrupted run continues when started again with the same size.
+    regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, for the preload
+    reverse-slip.csv and .png, and openings.csv and .png; few points if quick.  Columns of a map
+    are kept in a hidden file as they are done, so that an interrupted run continues when started
+    again with the same size.
 
     Raises
     ------
@@ -92,6 +102,20 @@ def write_regimes(
     if "preload" in loadings:
         write_rows(output / "reverse-slip.csv", results.reverse)
         save_reverse(output / "reverse-slip.png", results)
+    columns, speeds = _openings(quick)
+    write_rows(output / "openings.csv", [*columns, *speeds])
+    save_openings(output / "openings.png", columns, speeds)
+
+
+def _openings(quick: bool) -> tuple[list[OpeningPoint], list[OpeningPoint]]:
+    """What opens under a step of pressure: points of the map, and of the panels of speeds."""
+    size, count = _OPENING_COUNTS[quick]
+    columns = [(opening_column, (nu, size)) for nu in poisson_ratios(size).tolist()]
+    speeds = [(opening_speeds, (nu, count)) for nu in FRONT_POISSON_RATIOS]
+    parts: tuple[list[OpeningPoint], list[OpeningPoint]] = ([], [])
+    for index, points in run_tasks([*columns, *speeds]):
+        parts[index >= size].extend(points)
+    return sorted_openings(parts[0]), sorted_openings(parts[1])
 
 
 def _part(output: Path, loading: Loading, count: int) -> Path:

@@ -1,6 +1,6 @@
 """Thresholds of slip over the Poisson ratio: the tables of docs/regimes.md.
 
-``python -m compare.studies.regimes.tables thresholds reverse --csv docs/data``
+``python -m compare.studies.regimes.tables thresholds reverse opening viscosity --csv docs/data``
 """
 
 from __future__ import annotations
@@ -8,13 +8,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from compare.studies.regimes.openings import AHEAD, opening_point
+from compare.studies.regimes.viscosity import viscosity_rows
 from compare.studies.tables import Study, run_studies
+from semianalytic import Material
+from semianalytic.reference import edge_speed_of_opening
 from semianalytic.regimes.reverse_slip import log_frictionless_half_width, reverse_threshold
 from semianalytic.regimes.thresholds import (
     edge_threshold_alone,
     front_threshold_stuck,
     gap_threshold,
     nucleation,
+    opening_threshold,
 )
 
 POISSON_RATIOS = (-0.9, -0.5, -0.2, 0.0, 0.2, 1 / 3, 0.4, 0.45)
@@ -43,6 +48,18 @@ class ReverseRow:
     half_width: float
 
 
+@dataclass(frozen=True)
+class OpeningRow:
+    """Base over step of pressure below which the contact opens ahead, where it closes and opens
+    over c_t at half of that, and up to where it opens from the edge under a step of -1 base."""
+
+    poisson_ratio: float
+    threshold: float
+    inner: float
+    outer: float
+    from_edge: float
+
+
 def threshold_rows() -> list[ThresholdRow]:
     """Thresholds of both loadings."""
     rows = []
@@ -69,7 +86,23 @@ def reverse_rows() -> list[ReverseRow]:
     ]
 
 
-STUDIES: dict[str, Study] = {"thresholds": threshold_rows, "reverse": reverse_rows}
+def opening_rows() -> list[OpeningRow]:
+    """Where the contact opens under a step of pressure."""
+    rows = []
+    for nu in POISSON_RATIOS:
+        threshold = opening_threshold(nu)
+        half = opening_point(nu, AHEAD, threshold / 2)
+        edge = edge_speed_of_opening(Material(1.0, 1.0, nu), 1.0)
+        rows.append(OpeningRow(nu, threshold, half.inner, half.outer, edge))
+    return rows
+
+
+STUDIES: dict[str, Study] = {
+    "thresholds": threshold_rows,
+    "reverse": reverse_rows,
+    "opening": opening_rows,
+    "viscosity": viscosity_rows,
+}
 
 if __name__ == "__main__":
     raise SystemExit(run_studies("compare.studies.regimes.tables", "regimes", STUDIES))

@@ -1,10 +1,17 @@
 """Reference values and names of speed ranges."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
-from compare.comparison.scales import slip_rate_scale, speed_regime, stress_scale, wave_speeds
+from compare.comparison.scales import (
+    front_speeds,
+    slip_rate_scale,
+    speed_regime,
+    stress_scale,
+    wave_speeds,
+)
 from semianalytic import Material, Scene, Tractions
 from semianalytic.scene.named import find_scene
 
@@ -43,4 +50,13 @@ def test_wave_speeds_come_slowest_first():
     ],
 )
 def test_regimes_by_speed(speed, name):
-    assert speed_regime(speed, find_scene("preloaded").material) == name
+    assert speed_regime(speed, find_scene("preloaded")) == name
+
+
+def test_antiplane_shear_knows_one_front_and_pressure_the_others():
+    scene = find_scene("antiplane")
+    assert front_speeds(scene) == {"S": scene.material.shear_speed}
+    pressed = replace(scene, base=Tractions(1.0, 0.0), load=Tractions(0.5, 1.0))
+    assert front_speeds(pressed) == wave_speeds(scene.material)
+    assert speed_regime(0.95, scene) == speed_regime(0.5, scene) == "sub-shear"
+    assert speed_regime(1.5, pressed) == "c_t–c_l"

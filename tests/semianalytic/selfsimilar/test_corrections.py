@@ -60,14 +60,23 @@ def test_under_a_critical_base_the_first_zone_starts_at_the_front(sense, left):
 
 def test_what_newtons_method_fails_on_is_rearranged():
     front, far = Zone(at(0.8), at(1 + 1e-6), 1), Zone(at(4.0), None, 1)
-    (crossed, _) = rearranged(FACTORS, [front, far])
+    (crossed, _) = rearranged(FACTORS, [front, far], LOAD)
     assert crossed.right.v[0] < 1  # an edge just behind the shear front starts ahead of it
     narrow = Zone(at(2.0), at(2.0 * (1 + 1e-5)), 1)
-    assert ends(rearranged(FACTORS, [narrow, far])) == [(4.0, None, 1)]
-    assert rearranged(FACTORS, [narrow]) == []
+    assert ends(rearranged(FACTORS, [narrow, far], LOAD)) == [(4.0, None, 1)]
+    assert rearranged(FACTORS, [narrow], LOAD) == []
     near = Zone(at(2.0), at(3.8), 1)
-    assert ends(rearranged(FACTORS, [near, far])) == [(2.0, None, 1)]
-    assert rearranged(FACTORS, [near, replace(far, sense=-1)]) is None
+    assert ends(rearranged(FACTORS, [near, far], LOAD)) == [(2.0, None, 1)]
+    assert rearranged(FACTORS, [near, replace(far, sense=-1)], LOAD) is None
+
+
+def test_a_narrow_gap_around_the_rayleigh_front_is_joined_where_slip_meets_resistance():
+    c = FACTORS.c
+    outer, inner = Zone(at(0.8), at(c - 1e-3), 1), Zone(at(c + 1e-3), None, 1)
+    assert rearranged(FACTORS, [outer, inner], LOAD) is None
+    assert ends(rearranged(FACTORS, [outer, inner], replace(LOAD, resistance=0.1))) == [
+        (0.8, None, 1)
+    ]
 
 
 def test_loads_are_in_units_of_the_largest_traction():

@@ -1,0 +1,142 @@
+"""Where the sides of the interface move along one another, and where they do so in contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.profile import Profile
+from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.guesses import slip_senses
+
+
+@dataclass(frozen=True)
+class SlipZone:
+    """Part of the interface that slips: inner * t < x < outer * t.
+
+    Attributes
+    ----------
+    inner, outer : float
+        Velocities of the edges [length / time]; inner 0 is the contact edge, outer inf is slip
+        ahead of all waves.
+    sense : int
+        +1 where the upper side slips towards +x, -1 towards -x.
+    """
+
+    inner: float
+    outer: float
+    sense: int
+
+
+@dataclass(frozen=True)
+class OpenZone:
+    """Part of the interface that is open: inner * t < x < outer * t.
+
+    Attributes
+    ----------
+    inner, outer : float
+        Velocities of the edges [length / time]; inner 0 is the contact edge.
+    """
+
+    inner: float
+    outer: float
+
+
+def slip_zones(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
+    """Zones of slip in contact, in velocity [length / time], from the contact edge outward; without
+    friction cut by sense of slip.  `speed` is c_t."""
+    fields = profile.fields
+    opening = fields.load.opened.zone if fields.load.opened else None
+    if fields.load.frictionless:
+        parts = _by_sense(profile)
+    else:
+        parts = [Zone(zone.left, zone.right, zone.sense, zone.inward) for zone in fields.zones]
+    if opening is not None:
+        parts = [part for zone in parts for part in _in_contact(zone, opening)]
+    return tuple(_in_velocity(zone, profile, speed) for zone in reversed(parts))
+
+
+def motion(
+    profile: Profile, zones: Sequence[SlipZone], opening: OpenZone, speed: float
+) -> tuple[SlipZone, ...]:
+    """The zones of slip in contact, and the parts of an opening by sense of motion in it."""
+    return tuple(sorted((*zones, *_in_opening(profile, opening, speed)), key=lambda z: z.inner))
+
+
+def _in_velocity(zone: Zone, profile: Profile, speed: float) -> SlipZone:
+    load, factors = profile.fields.load, profile.fields.factors
+    sheared = factors.mode == "III" and (load.frictionless or not load.load_pressure)
+    ahead = np.inf if load.far_slip_rate else speed / (1.0 if sheared else factors.a)
+    return SlipZone(
+        0.0 if zone.right is None else float(speed / zone.right.v[0]),
+        float(ahead if zone.left is None else speed / zone.left.v[0]),
+        zone.sense,
+    )
+
+
+def _by_sense(profile: Profile) -> list[Zone]:
+    """Zones of a frictionless interface: it slips behind the first front of shear, either way."""
+    senses, changes = slip_senses(profile)
+    return [
+        Zone(left, right, sense)
+        for (left, right), sense in zip(pairwise((None, *changes, None)), senses, strict=False)
+    ]
+
+
+def _in_contact(zone: Zone, opening: Zone) -> list[Zone]:
+    """The parts of a zone ahead of an opening and behind it."""
+    start, end = opening.left, opening.right
+    assert start is not None
+    parts = []
+    if zone.left is None or zone.left.first_below(start):
+        reaches = zone.right is None or start.first_below(zone.right)
+        parts.append(Zone(zone.left, start if reaches else zone.right, zone.sense))
+    if end is not None and (zone.right is None or end.first_below(zone.right)):
+        reaches = zone.left is None or zone.left.first_below(end)
+        parts.append(Zone(end if reaches else zone.left, zone.right, zone.last_sense))
+    return parts
+
+
+def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZone]:
+    """Parts of an opening by sense of tangential motion, none where there is no motion."""
+    from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
+
+    points = _points_in_opening(profile)
+    rate = profile.slip_rate_at(points)
+    points, sense = points[rate != 0], np.sign(rate[rate != 0]).astype(int)
+    if not len(sense):
+        return []
+    outer, senses = [opening.outer], [int(sense[0])]
+    for i in np.flatnonzero(sense[1:] != sense[:-1]):
+        start, step = points.parts[:, [i]], points.parts[:, [i + 1]] - points.parts[:, [i]]
+
+        def signed(share: float, start: Array = start, step: Array = step) -> float:
+            return float(profile.slip_rate_at(CutPoints(start + share * step))[0])
+
+        outer.append(float(speed / (start + brentq(signed, 0.0, 1.0) * step)[0, 0]))
+        senses.append(int(sense[i + 1]))
+    inner = [*outer[1:], opening.inner]
+    return [SlipZone(*part) for part in zip(inner, outer, senses, strict=True)]
+
+
+def _points_in_opening(profile: Profile) -> CutPoints:
+    """Nodes of the panels that are open, and points ever closer to c where that is open, in order
+    of slowness."""
+    panels, factors = profile.panels, profile.fields.factors
+    open_panels = np.flatnonzero(panels.layout.open)
+    parts = [panels.at.parts[:, open_panels].reshape(4, -1)]
+    if panels.layout.over_c in open_panels:
+        reach = -float(panels.left[panels.layout.over_c].from_c[0])
+        near = np.exp(
+            np.arange(np.log(tuning.NEAREST_TO_C), np.log(reach), 1 / tuning.POINTS_PER_E)
+        )
+        right = panels.right[panels.layout.over_c]
+        beyond = near if right is None else near[near < right.from_c[0]]
+        parts += [factors.beside("c", -near).parts, factors.beside("c", beyond).parts]
+    every = np.concatenate(parts, axis=1)
+    return CutPoints(every[:, np.argsort(every[3], kind="stable")])

@@ -1,0 +1,86 @@
+"""The normal problem, solved: pressure and gap of a contact that opens, as functions of slowness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from semianalytic.cut.load import Load, Opened
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.separation import tuning
+from semianalytic.separation.opening import Opening, opening_of
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Pressure and gap of a contact that opens, b = mu = 1 and in the unit of stress of its load.
+
+    Attributes
+    ----------
+    opening : Opening
+    profile : Profile, minus pressure for traction, the opening of one side for slip
+    error : float, estimate of the error of edges, pressure and rate of the gap
+    """
+
+    opening: Opening
+    profile: Profile
+    error: float
+
+    def pressure(self, at: CutPoints) -> Array:
+        """Contact pressure at points on the cut, any shape; 0 where the contact is open."""
+        flat = CutPoints(at.parts.reshape(4, -1))
+        change = self.profile.shear_change_at(flat)
+        base = self.profile.fields.load.base_shear
+        return -(base + change).reshape(at.v.shape)
+
+    def known_pressure(self) -> Array:
+        """(2, n): slownesses of the nodes, increasing, and the pressures there."""
+        profile, slipping = self.profile, self.profile.panels.layout.slipping
+        pressure = -profile.traction_at_nodes
+        pressure[slipping] = 0.0
+        return np.stack([profile.panels.at.v.ravel(), pressure.ravel()])
+
+
+def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Load, Normal | None]:
+    """The load with the contact open where it opens, and the normal problem; None if it does not.
+
+    `factors` are those of shear, in or out of the plane.
+
+    Raises
+    ------
+    ComputationError
+        If the edges of the opening are not found.
+    """
+    normal, of_mode = normal_problem(load, factors.poisson_ratio, rtol), factors.of_in_plane
+    if normal is None:
+        return load, None
+    opened = Opened(
+        normal.opening.zone.seen_by(of_mode),
+        tuple((of_mode(edge), amount) for edge, amount in normal.opening.closing),
+        load.base_pressure,
+        load.load_pressure,
+        lambda at: normal.pressure(factors.seen_in_plane(at)),
+        normal.known_pressure(),
+    )
+    return replace(load, opened=opened), normal
+
+
+def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | None:
+    """The normal problem of a load to an accuracy; None if the contact stays closed."""
+    tolerance = max(rtol * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
+    opening = opening_of(poisson_ratio, load.base_pressure, load.load_pressure, tolerance)
+    while (
+        opening and opening.error > tuning.EDGE_SHARE * rtol and tolerance > tuning.LEAST_TOLERANCE
+    ):
+        tolerance = max(tolerance * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
+        opening = opening_of(poisson_ratio, load.base_pressure, load.load_pressure, tolerance)
+    if opening is None:
+        return None
+    given = Load(0.0, 0.0, -load.base_pressure, 0.0, -load.load_pressure, 0.0)
+    factors, rule = rayleigh_factors(poisson_ratio, "I"), rule_for(tolerance)
+    fields = ZoneFields(factors, given, (opening.zone,), rule, closing=opening.closing)
+    return Normal(opening, Profile(fields), opening.error + tuning.AT_POLE * tolerance)
