@@ -1,13 +1,14 @@
 """How long solutions, sweeps and the import take, as ratios measured in the same run.
 
-Run as ``python -m compare.studies.chart.benchmark solve sweep batch import``; ``--csv docs/data`` writes
-what docs/solver.md shows. Solutions are set against a dense 400 x 400
+Run as ``python -m compare.studies.chart.benchmark solve sweep batch import``; ``--csv docs/data``
+writes what docs/solver.md shows. Solutions are set against a dense 400 x 400
 solve, next to the error reached (relative L1 of the slip rate against rtol = 1e-12); a sweep over
 100 and 1,000 frictions against solving them one by one (of 1,000 every tenth, times ten), next to
-the largest difference of edges and how its solutions were found; a batch of 10,000 points of friction
-and Poisson ratio, in a grid and scattered, against solving every hundredth; the import of ``semianalytic``
-against that of numpy and scipy.linalg. Times are processor times on one thread, medians of
-interleaved repetitions, so that other work on the machine disturbs both sides alike.
+the largest difference of edges and how its solutions were found; a batch of 10,000 points of
+friction and Poisson ratio, in a grid and scattered, against solving every hundredth; the import of
+``semianalytic`` against that of numpy and scipy.linalg. Times are processor times on one thread,
+medians of interleaved repetitions, so that other work on the machine disturbs both sides alike; a
+batch is timed once.
 """
 
 from __future__ import annotations
@@ -210,9 +211,19 @@ def measure_batch(name: str, places: str, rtol: float = 1e-6, side: int = 100) -
     pairs = zip(chosen, singles, strict=True)
     differences = [edge_difference(one, other) for one, other in pairs]
     known = [one for one in differences if one is not None]
-    origins = (done.origin.count(one) for one in (FROM_SCRATCH, COMPUTED, INTERPOLATED))
-    apart = max(known), len(differences) - len(known)
-    return BatchTiming(name, places, len(done), rtol, 1e3 * quick, slow / quick, *origins, *apart)
+    return BatchTiming(
+        name,
+        places,
+        len(done),
+        rtol,
+        1e3 * quick,
+        slow / quick,
+        done.origin.count(FROM_SCRATCH),
+        done.origin.count(COMPUTED),
+        done.origin.count(INTERPOLATED),
+        max(known),
+        len(differences) - len(known),
+    )
 
 
 def import_ratio(repetitions: int = 9) -> float:

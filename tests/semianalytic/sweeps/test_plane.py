@@ -25,16 +25,10 @@ def grid(name, count, low=0.0, high=0.45):
     return np.linspace(*SWEEPS[name], count), np.linspace(low, high, count)[:, None]
 
 
-@pytest.mark.parametrize("name", SWEEPS)
-def test_a_grid_agrees_with_single_solutions(name):
-    friction, ratio = grid(name, 30)
-    swept = sweep(find_scene(name), friction, RTOL, poisson_ratio=ratio)
+def check_against_single(swept, count):
+    """Some solutions are those of `solve` within their error estimates."""
     assert set(swept.status) == {"converged"}
-    origin = Counter(swept.origin)
-    assert origin["interpolated"] > origin["computed"] > origin["from scratch"]
-    zones = {tuple(zone.sense for zone in one.zones) for one in swept}
-    assert len(zones) > 1
-    for i in np.random.default_rng(0).choice(len(swept), 100, replace=False):
+    for i in np.random.default_rng(0).choice(len(swept), count, replace=False):
         one, exact = swept[i], solve(swept[i].scene, rtol=1e-9)
         difference = edge_difference(one, exact)
         assert difference is not None, (one, exact)
@@ -43,18 +37,33 @@ def test_a_grid_agrees_with_single_solutions(name):
         assert rate <= one.error_estimate * max(1.0, abs(exact.edge_slip_rate))
 
 
+@pytest.mark.parametrize("name", SWEEPS)
+def test_a_grid_agrees_with_single_solutions(name):
+    friction, ratio = grid(name, 20)
+    swept = sweep(find_scene(name), friction, RTOL, poisson_ratio=ratio)
+    assert set(swept.origin) == {"from scratch", "computed", "interpolated"}
+    assert len({tuple(zone.sense for zone in one.zones) for one in swept}) > 1
+    check_against_single(swept, 40)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SWEEPS)
+def test_two_hundred_points_of_a_fine_grid_agree_with_single_solutions(name):
+    friction, ratio = grid(name, 60)
+    swept = sweep(find_scene(name), friction, RTOL, poisson_ratio=ratio)
+    origin = Counter(swept.origin)
+    assert origin["interpolated"] > 2 * origin["computed"] > 4 * origin["from scratch"]
+    check_against_single(swept, 200)
+
+
 def test_points_anywhere_agree_with_single_solutions():
     random = np.random.default_rng(1)
-    friction, ratio = random.uniform(0.05, 1.0, 600), random.uniform(-0.3, 0.47, 600)
+    friction, ratio = random.uniform(0.05, 1.0, 400), random.uniform(-0.3, 0.47, 400)
     swept = sweep(PRELOADED, friction, RTOL, poisson_ratio=ratio)
     assert [one.scene.friction for one in swept] == friction.tolist()
     assert [one.scene.material.poisson_ratio for one in swept] == ratio.tolist()
-    assert swept.origin.count("from scratch") < 150
-    for one in swept[::6]:
-        exact = solve(one.scene, rtol=1e-9)
-        difference = edge_difference(one, exact)
-        assert difference is not None, (one, exact)
-        assert difference <= one.error_estimate <= RTOL
+    assert swept.origin.count("from scratch") < 100
+    check_against_single(swept, 40)
 
 
 def test_few_points_and_few_ratios_take_the_way_over_friction():
@@ -126,15 +135,15 @@ def test_polynomials_between_neighbours_reproduce_their_degree():
     assert np.all(np.abs(value - other) < 0.1)
 
 
-def test_a_plane_of_neighbours_beats_single_solutions():
-    """3,000 points take less than a quarter of the time that as many calls of `solve` would: an
-    eighth in the committed benchmark."""
-    friction, ratio = np.linspace(0.05, 1.0, 60), np.linspace(0.0, 0.45, 50)[:, None]
+def test_neighbours_of_other_ratios_save_most_of_the_time():
+    """Over 1,600 points to a sixth of what `solve` takes for each; 10,000 in the committed
+    benchmark to a twelfth."""
+    friction, ratio = np.linspace(0.05, 1.0, 40), np.linspace(0.0, 0.45, 40)[:, None]
     start = process_time()
     swept = sweep(PRELOADED, friction, RTOL, poisson_ratio=ratio)
     quick = process_time() - start
-    some = swept[::60]
+    some = swept[::40]
     start = process_time()
     for one in some:
         solve(one.scene, rtol=RTOL)
-    assert quick < (process_time() - start) * len(swept) / len(some) / 4
+    assert quick < (process_time() - start) * len(swept) / len(some) / 3
