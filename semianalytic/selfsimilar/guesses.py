@@ -187,11 +187,10 @@ def _around(
         start = 1 / opening.left.v[0]
         zone = replace(zone, left=factors.cut([1 / (start + share * (xi[first + 1] - start))]))
     closing = opening.right
-    if closing is not None and not zone.held and zone.right is not None:
-        if not closing.first_below(zone.right):
-            end = 1 / closing.v[0]
-            zone = replace(zone, right=factors.cut([1 / (end + share * (xi[last - 1] - end))]))
-    return zone
+    if closing is None or zone.right is None or zone.held or closing.first_below(zone.right):
+        return zone
+    end = 1 / closing.v[0]
+    return replace(zone, right=factors.cut([1 / (end + share * (xi[last - 1] - end))]))
 
 
 def frictionless_profile(factors: RayleighFactors, load: Load, rule: Rule) -> Profile:
