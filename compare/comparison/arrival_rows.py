@@ -211,8 +211,9 @@ def _slot_fields(
 
         return of
 
+    along = "v_z" if case.scene.antiplane else "v_x"
     return [
-        Face(name, component(index), record(index)) for index, name in enumerate(("v_x", "v_y"))
+        Face(name, component(index), record(index)) for index, name in enumerate((along, "v_y"))
     ]
 
 

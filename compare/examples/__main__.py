@@ -13,6 +13,8 @@ from tempfile import TemporaryDirectory
 
 EXAMPLES = (
     "first_answer",
+    "antiplane",
+    "openings",
     "fit_friction",
     "sweep_friction",
     "custom_history",

@@ -22,7 +22,7 @@ class Zone:
 
     left None: slip from the longitudinal front on, or ahead of all waves; right None: slip up to
     the contact edge.  A zone may hold an opening; `inward` is then its sense behind that, 0 for the
-    same.  `held`: it ends where the opening closes.
+    same.  `held`: it ends where the opening closes.  It begins ahead of the opening, or with it.
     """
 
     left: CutPoints | None

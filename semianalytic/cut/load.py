@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from semianalytic.cut import tuning
 from semianalytic.cut.layout import Zone
-from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
@@ -46,6 +47,21 @@ class Opened:
         return Load(0.0, 0.0, -self.base, 0.0, -self.step, 0.0)
 
 
+class LinearisedStrength(Protocol):
+    """Strength that depends on slip rate in any way, made linear about a slip rate."""
+
+    def at(self, points: CutPoints, senses: Array, jacobian: Array) -> tuple[Array, Array]:
+        """`resistance` and `given_slope` of a `Load` at the nodes (p, ..., n) of panels.
+
+        Their senses are (p, ..., 1), `jacobian` dv/dy.
+        """
+        ...
+
+    def carried(self, frictional: Array, speed: Array) -> Array:
+        """Strength itself [stress unit] under f p [stress unit] and one-sided |V|."""
+        ...
+
+
 @dataclass(frozen=True)
 class Load:
     """Friction and tractions in one unit of stress, slip rate far ahead in that unit / (mu b).
@@ -63,6 +79,7 @@ class Load:
     given_slope : dg/dv, a part of the slope of strength given at the nodes of panels (p, ..., n)
         [stress unit]; None without.  It goes with resistance: without it V would jump at c by
         -pi g'(c) / m'(c), m = M / i, where it slips.
+    linearised : LinearisedStrength, which gives both on whatever panels; None without
     opened : Opened, where the contact is open and what its pressure is; None if it is closed
     """
 
@@ -74,7 +91,13 @@ class Load:
     far_slip_rate: float | Array
     resistance: float | Array | None = None
     given_slope: Array | None = None
+    linearised: LinearisedStrength | None = None
     opened: Opened | None = None
+
+    @property
+    def resists_rate(self) -> bool:
+        """Whether strength depends on slip rate."""
+        return self.resistance is not None or self.linearised is not None
 
     @property
     def critical(self) -> bool:
@@ -90,18 +113,17 @@ class Load:
 
     @property
     def rests(self) -> bool:
-        """Whether nothing slips, though the base may be at friction, or the contact open (one set).
-        """
+        """Whether nothing slips, though the base may be at friction, or the contact open (one set)."""
         drives = self.load_pressure if self.base_shear else 0.0
         return not (self.load_shear or drives or self.far_slip_rate)
 
-    def pressure(self, poisson_ratio: float, at: CutPoints) -> Array:
+    def pressure(self, factors: RayleighFactors, at: CutPoints) -> Array:
         """Contact pressure at points on the cut, any shape [stress unit]; 0 where it is open."""
         if self.opened is not None:
             return self.opened.pressure(at)
         result = np.full(at.v.shape, self.base_pressure)
         if self.load_pressure:
-            result += self.load_pressure * stuck_traction(poisson_ratio, "I")(at.v)
+            result = result + self.load_pressure * traction_of(factors, "I")(at.v)
         return result
 
 

@@ -195,7 +195,7 @@ def _fitted_rule(factors: RayleighFactors, layout: Layout, ends: Array, rule: Ru
     sees one end nearer than the other.
     """
     strip, further, hidden = 1.0, 0.0, factors.hidden_root
-    if hidden.imag and layout.ahead:
+    if np.any(hidden.imag) and layout.ahead:
         v = ends[0, : layout.ahead + 1]
         angle = np.abs(np.angle((hidden - v[:-1]) / (v[1:] - hidden))).reshape(layout.ahead, -1)
         strip = min(1.0, float((angle.min(axis=1) * layout.clearance_ahead).min()) / np.pi)

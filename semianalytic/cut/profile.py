@@ -13,8 +13,7 @@ from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.panels import Panels, RunningIntegral, lay_panels
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
-from semianalytic.halfplane.stuck import StuckTraction, stuck_traction
-
+from semianalytic.halfplane.stuck import StuckTraction, traction_of
 
 _LAWFUL = -1.0
 
@@ -53,14 +52,14 @@ class Profile:
         slips."""
         if self.edge_slips:
             return np.zeros(())
-        return self.fields.stick_transform_at_edge * self._m_plus_at_zero
+        return np.asarray(self.fields.stick_transform_at_edge * per_set(self._m_plus_at_zero))
 
     @cached_property
     def _slip_rate(self) -> RunningIntegral:
         fields = self.fields
         tail = np.zeros(())
         if self.edge_slips:
-            tail = fields.transform_at_edge[..., 0] / (np.pi * fields.factors.kappa)
+            tail = fields.transform_at_edge[..., 0] / (np.pi * per_set(fields.factors.kappa))
         return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
 
     @cached_property
@@ -75,7 +74,7 @@ class Profile:
 
     @property
     def _shear(self) -> StuckTraction:
-        return stuck_traction(self.fields.factors.poisson_ratio, self.fields.factors.mode)
+        return traction_of(self.fields.factors, self.fields.factors.mode)
 
     def _edge_traction(self, panel: int, v: Array) -> Array | float:
         """The part of the traction that is unbounded at a stuck edge."""
@@ -259,7 +258,7 @@ class Profile:
     def pressure_change(self, u: Array) -> Array:
         """p - P_b at slownesses u."""
         factors = self.fields.factors
-        pressure = self._load.pressure(factors.poisson_ratio, factors.cut(u))
+        pressure = self._load.pressure(factors, factors.cut(u))
         return pressure - self._load.base_pressure
 
     def strength(self, u: Array) -> Array:
@@ -268,6 +267,8 @@ class Profile:
 
     def carried(self, v: Array, speed: Array) -> Array:
         """Traction in the sense of slip at slownesses v, f p + eta V; `speed` V in that sense."""
+        if self._load.linearised is not None:
+            return self._load.linearised.carried(self.strength(v), speed)
         if self._load.resistance is None:
             return self.strength(v)
         resisted = self._load.resistance * speed
@@ -282,7 +283,7 @@ class Profile:
     def _speed(self, panel: int, at: CutPoints) -> Array:
         """V in the sense of a panel that slips, at points inside it, where traction depends on it;
         else 0."""
-        if self._load.resistance is None:
+        if not self._load.resists_rate:
             return np.zeros(at.v.shape)
         return np.asarray(self.panels.sense[panel] * self.slip_rate_inside(panel, at))
 

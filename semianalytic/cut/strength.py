@@ -21,7 +21,7 @@ import numpy as np
 from semianalytic.cut.canonical import CanonicalFunction, log_share
 from semianalytic.cut.load import Load
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.halfplane.stuck import traction_of
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class PressurePart:
         canonical, factors, load = self.canonical, self.canonical.factors, self.load
         at = canonical.panels.at
         if factors.mode == "III":
-            unit = stuck_traction(factors.poisson_ratio, "I").slope(factors.seen_in_plane(at))
+            unit = traction_of(factors, "I").slope(factors.seen_in_plane(at))
             slope = unit * factors.m_plus_at_zero["I"]
         else:
             (real, imag), ahead = canonical.impedance, canonical.layout.ahead

@@ -71,7 +71,7 @@ class ZoneFields:
                 _, layout = outline(self.factors, self.zones, False, ends)
             return replace(self.shared, layout=layout)
         sets, load = np.shape(self.load.friction), self.load
-        by_slip = load.resistance is not None or load.given_slope is not None
+        by_slip = load.resists_rate or load.given_slope is not None
         tail = (
             self.tail or by_slip or self.factors.mode == "III"
         )  # slip behind the last edge counts
@@ -84,7 +84,7 @@ class ZoneFields:
         factors, cuts, opened = self.factors, [], self.load.opened
         if opened is not None:  # as the normal problem has them
             cuts += [factors.of_in_plane(cut) for cut in factors.in_plane.cuts[:-1]]
-        if self.load.resistance is not None and factors.has_rayleigh_wave:
+        if self.load.resists_rate and factors.has_rayleigh_wave:
             front = factors.front_c
             resists = any(lies_between(one.left, front, one.right) for one in self.zones)
             if opened is not None:
@@ -100,7 +100,7 @@ class ZoneFields:
     @cached_property
     def canonical(self) -> CanonicalFunction:
         """X, real, on panels that slip; X / M_+, real, on panels that stick."""
-        resistance = self.load.resistance
+        resistance = self._resolved.resistance
         given = None if resistance is None else np.asarray(resistance)
         if given is not None and self.load.opened is not None:
             closed = ~np.array(self.layout.open).reshape(-1, *[1] * (self.panels.jacobian.ndim - 1))
@@ -108,14 +108,26 @@ class ZoneFields:
         return CanonicalFunction(self.factors, self.panels, given)
 
     @cached_property
+    def _resolved(self) -> Load:
+        """The load, linearised strength put on the panels."""
+        load, panels = self.load, self.panels
+        if load.linearised is None:
+            return load
+        senses = np.array(panels.sense).reshape(-1, *[1] * (panels.jacobian.ndim - 1))
+        resistance, slope = load.linearised.at(panels.at, senses, panels.jacobian)
+        return replace(load, resistance=resistance, given_slope=slope)
+
+    @cached_property
     def _pressure(self) -> PressurePart:
         sense = self.zones[-1].last_sense if self.zones else 0
         canonical, count = self.canonical, len(self.panels.sense)
         if self.normal is None:
-            return PressurePart(self.load, canonical, sense, None, np.zeros(count, dtype=bool))
+            return PressurePart(self._resolved, canonical, sense, None, np.zeros(count, dtype=bool))
         normal = self.normal
         opened, at_edge = -normal.stick_transform, -normal.constant
-        return PressurePart(self.load, canonical, sense, opened, normal.layout.slipping, at_edge)
+        return PressurePart(
+            self._resolved, canonical, sense, opened, normal.layout.slipping, at_edge
+        )
 
     @cached_property
     def normal(self) -> ZoneFields | None:
@@ -124,7 +136,10 @@ class ZoneFields:
         opened = self.load.opened
         if opened is None:
             return None
-        factors, seen = rayleigh_factors(self.factors.poisson_ratio, "I"), self.factors.seen_in_plane
+        factors, seen = (
+            rayleigh_factors(self.factors.poisson_ratio, "I"),
+            self.factors.seen_in_plane,
+        )
         panels = self.panels
         if not self.factors.has_rayleigh_wave:
             panels = panels.seen_by(seen)
@@ -321,7 +336,7 @@ class ZoneFields:
 
     def strength(self, edge: CutPoints) -> Array:
         """Friction bound f p at an edge."""
-        return self.load.friction * self.load.pressure(self.factors.poisson_ratio, edge)
+        return self.load.friction * self.load.pressure(self.factors, edge)
 
     @cached_property
     def _excess_slope(self) -> Array:
@@ -347,7 +362,11 @@ class ZoneFields:
         outward: Zone | None = None
         for zone in self.zones:
             if zone.left is not None:
-                rows.append(np.asarray(self._excess_at_opening(zone, outward, next(gains))))
+                excess = np.asarray(self._excess_at_opening(zone, outward, next(gains)))
+                with_opening = (
+                    self.load.opened is not None and zone.left is self.load.opened.zone.left
+                )
+                rows.append(np.zeros_like(excess) if with_opening else excess)
             if zone.right is not None:
                 ahead = per_set(load.far_slip_rate) if zone.left is None else 0.0
                 rate = next(gains) + ahead

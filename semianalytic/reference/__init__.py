@@ -14,6 +14,7 @@ Closed forms, at velocities x/t (chi = f P / Q_0):
   `antiplane_edge_intensity`: the zone under a step of antiplane shear, at every chi;
 - `viscous_antiplane_edge_speed`, `viscous_antiplane_slip_rate`: the same where strength grows with
   slip rate;
+- `viscous_edge_speed`, `viscous_slip_rate`: that in plane, one zone slower than the Rayleigh wave;
 - `static_zone`: the slip zone of a slot that is loaded slowly, a `StaticZone`;
 - `edge_speed_of_opening`, `gap_rate_of_opening`: the contact opens from its edge, under an extra
   pressure on the slot faces;
@@ -68,6 +69,7 @@ from semianalytic.reference.published import (
     reverse_slip_limit,
 )
 from semianalytic.reference.static_zone import StaticZone, static_zone
+from semianalytic.reference.viscous_zone import viscous_edge_speed, viscous_slip_rate
 
 __all__ = [
     "ARTICLE_POISSON_RATIO",
@@ -102,4 +104,6 @@ __all__ = [
     "static_zone",
     "viscous_antiplane_edge_speed",
     "viscous_antiplane_slip_rate",
+    "viscous_edge_speed",
+    "viscous_slip_rate",
 ]

@@ -31,7 +31,7 @@ from semianalytic.reference.closed_forms import edge_speed_under_shear_step
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
-_STEP, _REACH = 0.1, 76.0
+_STEP, _REACH = 0.4, 76.0
 _NODES = _STEP * (np.arange(-round(_REACH / _STEP), round(_REACH / _STEP)) + 0.5)
 _GAUSS = gauss(16)
 

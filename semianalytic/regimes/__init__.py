@@ -13,6 +13,8 @@ Thresholds are values of the friction coefficient chi, which is dimensionless in
 - `opening_threshold`: base over step of pressure below which the contact opens ahead of the step;
 - `stuck_threshold`: above both the interface is fully stuck (remote);
 - `gap_threshold`: below it the stick gap at c_R is narrower than double precision resolves;
+- `viscous_closing`: below it slip covers c_R under viscous friction, `closing_limit` where that is
+  strong, and for no viscosity below `closing_poisson_ratio`; `viscous_nucleation` (preload);
 - `reverse_threshold`: below it some of the interface slips backward (preload),
   `log_narrow_reverse_threshold` in closed form for narrow strips;
   `log_frictionless_half_width` is how wide they are at chi = 0.
@@ -43,12 +45,20 @@ from semianalytic.regimes.thresholds import (
     rayleigh_logarithm,
     scene_of,
 )
+from semianalytic.regimes.viscous import (
+    closing_limit,
+    closing_poisson_ratio,
+    viscous_closing,
+    viscous_nucleation,
+)
 
 __all__ = [
     "Loading",
     "OneZone",
     "RayleighLogarithm",
     "Regime",
+    "closing_limit",
+    "closing_poisson_ratio",
     "crossing_poisson_ratio",
     "edge_threshold",
     "edge_threshold_alone",
@@ -65,4 +75,6 @@ __all__ = [
     "reverse_threshold",
     "scene_of",
     "stuck_threshold",
+    "viscous_closing",
+    "viscous_nucleation",
 ]

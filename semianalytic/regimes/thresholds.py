@@ -82,19 +82,22 @@ def scene_of(loading: Loading, poisson_ratio: float, chi: float) -> Scene:
     return Scene(Material(1.0, 1.0, poisson_ratio), chi, Tractions(*base), Tractions(*step))
 
 
-def load_of(loading: Loading, chi: float) -> Load:
-    """Load of a scene in its own units."""
+def load_of(loading: Loading, chi: float, viscosity: float = 0.0) -> Load:
+    """Load of a scene in its own units, of a viscosity [rho c_t / 2]."""
     base, step = _TRACTIONS[loading]
-    return Load(chi, *base, *step, far_slip_rate=0.0)
+    return Load(chi, *base, *step, far_slip_rate=0.0, resistance=viscosity or None)
 
 
-def one_zone(loading: Loading, poisson_ratio: float, front: CutPoints) -> OneZone:
-    """Friction and fields for one zone from the contact edge to a front at a slowness (1,)."""
+def one_zone(
+    loading: Loading, poisson_ratio: float, front: CutPoints, viscosity: float = 0.0
+) -> OneZone:
+    """Friction and fields for one zone from the contact edge to a front at a slowness (1,), where
+    slip meets a viscosity [rho c_t / 2]."""
     factors = rayleigh_factors(poisson_ratio)
     zones = (Zone(front, None, 1),)
 
     def fields(chi: float, tail: bool) -> ZoneFields:
-        return ZoneFields(factors, load_of(loading, chi), zones, RULE, tail)
+        return ZoneFields(factors, load_of(loading, chi, viscosity), zones, RULE, tail)
 
     without, unit = (float(fields(chi, False).mismatch()[0]) for chi in (0.0, 1.0))
     chi = without / (without - unit)
@@ -163,12 +166,13 @@ def _front_excess(zone: OneZone) -> float:
     return float(profile.traction_at_nodes[panel][0] - bound)
 
 
-def nucleation_alone(loading: Loading, poisson_ratio: float) -> OneZone:
+def nucleation_alone(loading: Loading, poisson_ratio: float, viscosity: float = 0.0) -> OneZone:
     """Zone from the edge whose front has just brought the shear front to its bound."""
     factors = rayleigh_factors(poisson_ratio)
 
     def zone(log_distance: float) -> OneZone:
-        return one_zone(loading, poisson_ratio, factors.beside("c", [math.exp(log_distance)]))
+        front = factors.beside("c", [math.exp(log_distance)])
+        return one_zone(loading, poisson_ratio, front, viscosity)
 
     return zone(brentq(lambda z: _front_excess(zone(z)), *SLOW_FRONTS, xtol=1e-12))
 

@@ -68,6 +68,18 @@ class FrictionLaw(ABC):
         falls."""
 
 
+class RateFriction(FrictionLaw):
+    """A law of smooth strength that depends on slip rate alone: fields stay self-similar."""
+
+    fall_with_slip = 0.0
+
+    @abstractmethod
+    def rate_slopes(
+        self, frictional: ArrayLike, slip_rate: ArrayLike
+    ) -> tuple[Array, Array, Array, Array]:
+        """Derivatives of strength by f p, by |V|, by both and by |V| twice; arguments as there."""
+
+
 def _spread(*given: ArrayLike) -> list[Array]:
     """Arguments of one law at one shape."""
     return list(np.broadcast_arrays(*(np.asarray(one, dtype=float) for one in given)))
@@ -105,7 +117,7 @@ class CoulombFriction(FrictionLaw):
 
 
 @dataclass(frozen=True)
-class ViscousFriction(FrictionLaw):
+class ViscousFriction(RateFriction):
     """A viscous film beside friction: strength f p + viscosity |V|.
 
     Parameters
@@ -123,7 +135,10 @@ class ViscousFriction(FrictionLaw):
 
     def __post_init__(self) -> None:
         viscosity = checked_number(
-            "viscous friction: viscosity", self.viscosity, "not be negative", lambda given: given >= 0
+            "viscous friction: viscosity",
+            self.viscosity,
+            "not be negative",
+            lambda given: given >= 0,
         )
         object.__setattr__(self, "viscosity", viscosity)
 
@@ -139,12 +154,18 @@ class ViscousFriction(FrictionLaw):
         resistance = np.asarray(impedance) + self.viscosity
         return np.asarray(np.maximum(stopping - frictional, 0.0) / resistance)
 
+    def rate_slopes(
+        self, frictional: ArrayLike, slip_rate: ArrayLike
+    ) -> tuple[Array, Array, Array, Array]:
+        """See `RateFriction.rate_slopes`."""
+        none = np.zeros_like(_spread(frictional, slip_rate)[0])
+        return none + 1, none + self.viscosity, none, none
+
     fall_with_rate = 0.0
-    fall_with_slip = 0.0
 
 
 @dataclass(frozen=True)
-class RateWeakening(FrictionLaw):
+class RateWeakening(RateFriction):
     """Friction falling with slip rate: strength f p (1 - reduction |V| / (|V| + rate)).
 
     Well posed only while the strength falls more slowly than the radiated traction rises,
@@ -183,12 +204,20 @@ class RateWeakening(FrictionLaw):
         root = np.sqrt(np.maximum(linear**2 + 4 * knee * excess, 0.0))
         return np.asarray(np.where(excess > 0, (linear + root) / 2, 0.0) / impedance)
 
+    def rate_slopes(
+        self, frictional: ArrayLike, slip_rate: ArrayLike
+    ) -> tuple[Array, Array, Array, Array]:
+        """See `RateFriction.rate_slopes`."""
+        dry, slip_rate = _spread(frictional, slip_rate)
+        above = np.abs(slip_rate) + self.rate
+        first = -self.reduction * self.rate / np.square(above)
+        lost = self.reduction * (1 - self.rate / above)
+        return np.asarray(1 - lost), dry * first, first, -2 * dry * first / above
+
     @property
     def fall_with_rate(self) -> float:
         """See `FrictionLaw.fall_with_rate`; the fall at rest, where it is steepest."""
         return self.reduction / self.rate
-
-    fall_with_slip = 0.0
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from typing import Any
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_document
 
@@ -74,6 +75,10 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
     "pressure-drop": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=Tractions(1.0, 0.295), load=Tractions(1.0, 0.0)),
         "constant shear, sudden loss of pressure on the slot: slip ahead of the shear wave",
+    ),
+    "viscous": NamedScene(
+        Scene(_UNIT_SOLID, 0.2, _PRELOAD, _SHEAR, friction_law=ViscousFriction(0.1)),
+        "constant pressure, sudden shear, a viscous film: one slip zone across the Rayleigh front",
     ),
     "antiplane": NamedScene(
         Scene(_UNIT_SOLID, 0.5, _PRELOAD, _SHEAR, mode="antiplane"),

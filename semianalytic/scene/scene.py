@@ -22,6 +22,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import (
     CoulombFriction,
     FrictionLaw,
+    RateFriction,
     RateWeakening,
     SlipWeakening,
     ViscousFriction,
@@ -161,7 +162,8 @@ class Scene:
     SceneError
         If friction is negative or not finite, if the mode is unknown, if the base presses the
         interface apart, if neither the base nor the state before a remote shock (base - load) can
-        be at rest, or if friction falls with slip rate faster than radiation can balance under the base pressure.
+        be at rest, or if friction falls with slip rate faster than radiation can balance under the
+        base pressure.
     """
 
     material: Material
@@ -281,15 +283,16 @@ class Scene:
 
     @property
     def is_self_similar(self) -> bool:
-        """Whether all fields depend on x/t alone: step loads, constant or viscous friction."""
-        return self.is_step and isinstance(self.friction_law, CoulombFriction | ViscousFriction)
+        """Whether all fields depend on x/t alone: step loads, friction constant or of slip rate alone."""
+        return self.is_step and isinstance(self.friction_law, CoulombFriction | RateFriction)
 
     def check_self_similar(self) -> None:
         """Raise SceneError unless all fields depend on x/t alone."""
         if not self.is_self_similar:
             raise SceneError(
-                "the self-similar solver takes step loads and constant or viscous friction only; "
-                "use the space-time solver for this scene, `march` or `method` space-time "
+                "the self-similar solver takes step loads only, and friction that is constant or "
+                "depends on slip rate alone; use the space-time solver for this scene, `march` or "
+                "`method` space-time "
                 "(docs/limits.md)."
             )
 

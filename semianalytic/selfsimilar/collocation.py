@@ -182,7 +182,8 @@ def _slip_beside(
     free = is_open(opening, xi)
     bound = ~free
     inner = np.linalg.solve(
-        stiffness[np.ix_(free, free)], np.column_stack([stiffness[np.ix_(free, bound)], stuck[free]])
+        stiffness[np.ix_(free, free)],
+        np.column_stack([stiffness[np.ix_(free, bound)], stuck[free]]),
     )
     across = stiffness[np.ix_(bound, free)]
     reduced = stiffness[np.ix_(bound, bound)] - across @ inner[:, :-1]

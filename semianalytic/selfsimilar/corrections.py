@@ -18,9 +18,7 @@ from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import Violation
 
 
-def rearranged(
-    factors: RayleighFactors, zones: Sequence[Zone], load: Load
-) -> list[Zone] | None:
+def rearranged(factors: RayleighFactors, zones: Sequence[Zone], load: Load) -> list[Zone] | None:
     """What to try where Newton's method did not place the edges of zones; None if nothing."""
     other = _across_shear_front(factors, zones)
     if other is None and load.opened is not None:
@@ -69,7 +67,7 @@ def _turned_at_opening(zones: Sequence[Zone], opening: Zone) -> list[Zone] | Non
 def _holds(zone: Zone, opening: Zone) -> bool:
     """Whether an opening lies in a zone."""
     assert opening.left is not None
-    starts = zone.left is None or zone.left.first_below(opening.left)
+    starts = zone.left is None or not opening.left.first_below(zone.left)
     return starts and (zone.right is None or opening.left.first_below(zone.right))
 
 

@@ -98,6 +98,21 @@ def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:
     return np.asarray(tuning.WORK_AHEAD * change / edges.opening.left.minus(point)[..., 0])
 
 
+def shift_error(edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields) -> Array:
+    """What a shift of edges alone changes, over the lesser of themselves and c_t, and of slip rates
+    over the largest, () or (k,); `fields` are those of either."""
+    panels = fields.panels
+    rate = RunningIntegral(panels, fields.slip_rate_slope, fields.factors.c)
+    ends = np.cumsum(rate.totals, axis=0) + per_set(fields.load.far_slip_rate)
+    halves = panels.rule.halved(rate.density * panels.jacobian)
+    peaks = np.maximum(np.abs(ends), np.abs(ends - rate.totals + halves))
+    scale = peaks.max(axis=0)
+    by_width = _share_of_width(edges, unknowns, moved, fields, peaks)
+    return np.maximum(
+        by_width / np.where(scale > 0, scale, 1.0), edge_shift(edges, unknowns, moved)
+    )
+
+
 def _share_of_width(
     edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields, peaks: Array
 ) -> Array:

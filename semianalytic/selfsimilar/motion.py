@@ -58,7 +58,8 @@ def slip_zones(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
         parts = [Zone(zone.left, zone.right, zone.sense, zone.inward) for zone in fields.zones]
     if opening is not None:
         parts = [part for zone in parts for part in _in_contact(zone, opening)]
-    return tuple(_in_velocity(zone, profile, speed) for zone in reversed(parts))
+    zones = (_in_velocity(zone, profile, speed) for zone in reversed(parts))
+    return tuple(one for one in zones if one.outer - one.inner > tuning.NO_ZONE * speed)
 
 
 def motion(
@@ -70,7 +71,8 @@ def motion(
 
 def _in_velocity(zone: Zone, profile: Profile, speed: float) -> SlipZone:
     load, factors = profile.fields.load, profile.fields.factors
-    ahead = np.inf if load.far_slip_rate else speed / factors.a
+    sheared = factors.mode == "III" and (load.frictionless or not load.load_pressure)
+    ahead = np.inf if load.far_slip_rate else speed / (1.0 if sheared else factors.a)
     return SlipZone(
         0.0 if zone.right is None else float(speed / zone.right.v[0]),
         float(ahead if zone.left is None else speed / zone.left.v[0]),
@@ -79,7 +81,7 @@ def _in_velocity(zone: Zone, profile: Profile, speed: float) -> SlipZone:
 
 
 def _by_sense(profile: Profile) -> list[Zone]:
-    """Zones of a frictionless interface: it slips behind the longitudinal front, either way."""
+    """Zones of a frictionless interface: it slips behind the first front of shear, either way."""
     senses, changes = slip_senses(profile)
     return [
         Zone(left, right, sense)
@@ -92,7 +94,7 @@ def _in_contact(zone: Zone, opening: Zone) -> list[Zone]:
     start, end = opening.left, opening.right
     assert start is not None
     parts = []
-    if zone.left is None or zone.left.first_below(start):
+    if zone.left is None or not start.first_below(zone.left):
         reaches = zone.right is None or start.first_below(zone.right)
         parts.append(Zone(zone.left, start if reaches else zone.right, zone.sense))
     if end is not None and (zone.right is None or end.first_below(zone.right)):
@@ -131,7 +133,9 @@ def _points_in_opening(profile: Profile) -> CutPoints:
     parts = [panels.at.parts[:, open_panels].reshape(4, -1)]
     if panels.layout.over_c in open_panels:
         reach = -float(panels.left[panels.layout.over_c].from_c[0])
-        near = np.exp(np.arange(np.log(tuning.NEAREST_TO_C), np.log(reach), 1 / tuning.POINTS_PER_E))
+        near = np.exp(
+            np.arange(np.log(tuning.NEAREST_TO_C), np.log(reach), 1 / tuning.POINTS_PER_E)
+        )
         right = panels.right[panels.layout.over_c]
         beyond = near if right is None else near[near < right.from_c[0]]
         parts += [factors.beside("c", -near).parts, factors.beside("c", beyond).parts]

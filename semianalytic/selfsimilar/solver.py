@@ -21,6 +21,8 @@ from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.scene.checks import checked_number
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import CoulombFriction, RateWeakening
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.corrections import corrected, rearranged
@@ -29,6 +31,7 @@ from semianalytic.selfsimilar.edges import Placement, locate_edges, placement_of
 from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, numerical_error
 from semianalytic.selfsimilar.guesses import guesses
 from semianalytic.selfsimilar.motion import slip_zones
+from semianalytic.selfsimilar.rated import check_rated, companion_error, settled_zones, unit_law
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.separation.normal import with_opening
 
@@ -61,6 +64,8 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
     )
+    if isinstance(scene.friction_law, RateWeakening):
+        return _solve_rated(scene, rtol)
     load, stress = scaled_load(scene)
     check_pressure(scene)
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
@@ -88,6 +93,44 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     status = _status(best, estimate, wanted)
     zones = slip_zones(best.profile, scene.material.shear_speed)
     return Solution(scene, zones, status, estimate, statistics, best.profile, stress, normal)
+
+
+def _solve_rated(scene: Scene, rtol: float) -> Solution:
+    """Solve a scene whose strength depends on slip rate, from its answer under constant friction:
+    where there are several solutions, that to which Newton's method leads from there."""
+    clock = [perf_counter()]
+    dry = solve(replace(scene, friction_law=CoulombFriction()), rtol=max(rtol, 1e-8))
+    clock.append(perf_counter())
+    law, speed, tolerance = unit_law(scene, dry.stress), scene.material.shear_speed, rtol
+    if dry.openings:
+        raise SceneError("solve: friction that falls with slip rate under a contact that opens")
+    check_rated(dry.profile, law, speed)
+    loose = loose_tolerance(rtol) if dry.zones else rtol
+    rated, estimate = settled_zones(dry.profile, law, loose, speed), np.inf
+    best, tolerance = rated, rtol / tuning.RULE_SHARE
+    while rated is not None and estimate > rtol and tolerance > 1e-3 * tuning.LEAST_LEFT_SHIFT:
+        best = rated = settled_zones(rated.profile, law, tolerance, speed)
+        if rated is not None:
+            estimate = companion_error(rated, law, tolerance)
+        tolerance *= tuning.SLOWEST_REFINEMENT
+    clock.append(perf_counter())
+    if best is None:
+        return replace(dry, scene=scene, status=_UNSETTLED, error_estimate=np.inf)
+    profile, clock = best.profile, [*clock, perf_counter()]
+    statistics = replace(
+        dry.statistics,
+        newton_steps=len(best.moves),
+        unknowns=len(best.placement.unknowns),
+        nodes=int(profile.panels.jacobian.size),
+        seconds=dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True)),
+    )
+    exceeded = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
+    status = "converged" if estimate <= rtol else exceeded
+    zones = slip_zones(profile, speed)
+    return Solution(scene, zones, status, estimate, statistics, profile, dry.stress)
+
+
+_UNSETTLED = "Newton's method found no slip rate that agrees with the strength it leaves"
 
 
 @dataclass(frozen=True)

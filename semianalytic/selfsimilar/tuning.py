@@ -88,6 +88,17 @@ does not hide, but by no more than that share of itself."""
 LEAST_WIDTH = 1e-10
 """Of a zone, over its distance from a front; of a narrower one rounding leaves little."""
 
+# Strength that depends on slip rate (rated)
+
+MOST_RATE_STEPS, MOST_RATE_ITERATIONS = 12, 60
+"""Newton steps for the slip rate, of which four are the rule, and iterations of the term that holds
+the new one, which shrink it ten times or more unless strength nearly falls as radiation rises."""
+RATE_ROUNDING, RATE_SETTLED = 1e-13, 1e-11
+"""Change of the slip rate, over the largest, that ends these iterations, and the steps: the next
+step would be the square."""
+LEAST_RATE_EXPONENT = 0.1
+"""Of slip rates beside edges, down to which rules are made longer.  Not recorded."""
+
 # Coulomb's law at nodes and between them (coulomb)
 
 NARROWEST_GAP = 1e-14
@@ -143,6 +154,9 @@ GAUSS_PER_ELEMENT = 6
 
 # Zones after a failure (corrections)
 
+NO_ZONE = 1e-9
+"""Width [c_t] of slip beside an opening that is none: out of the plane nothing drives it ahead of
+the shear front."""
 NARROW_GAP = 0.1
 """Gap over slowness between zones that may have met.  Not recorded."""
 NEAR_OPENING = 0.05
@@ -158,9 +172,17 @@ BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 
 # Derivatives with respect to a parameter (variation, derivative)
 
-VARIED_STEP, COARSER_STEP = 3e-3, 1.6
-"""Of logits and logarithms between neighbours, and how much longer it is in the companion that
-shows the error: truncation is some 1e-11, rounding as much."""
-MOST_IMPROVEMENTS, IMPROVED_SHARE = 6, 1e-5
-"""Of the derivatives of edges, whose Jacobian has six digits: two are the rule.  Those that change
-less are right to the square of it."""
+VARIED_STEP = 3e-3
+"""Of logits and logarithms between neighbours: truncation is some 1e-11, rounding as much."""
+DIRECTION_RULE = 1e-6
+"""Tolerance of the rule on which the direction of a derivative is found: as good as a Jacobian from
+one-sided differences."""
+MOST_IMPROVEMENTS, NEGLIGIBLE_CHANGE = 4, 1e-11
+"""Of directions; one is the rule.  What changes less than that share is left."""
+LEAST_DERIVATIVE_ERROR = 1e-10
+"""Rounding of differences, part of every estimate of a derivative."""
+DERIVATIVE_SHARE = 20.0
+"""Error estimate of a derivative over that of its solution."""
+AT_BORDER = 1e-7
+"""Of what Coulomb's law leaves to spare, of widths and of slip rates over the largest: zones are
+about to change below it."""

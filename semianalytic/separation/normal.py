@@ -45,9 +45,7 @@ class Normal:
         return np.stack([profile.panels.at.v.ravel(), pressure.ravel()])
 
 
-def with_opening(
-    load: Load, factors: RayleighFactors, rtol: float
-) -> tuple[Load, Normal | None]:
+def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Load, Normal | None]:
     """The load with the contact open where it opens, and the normal problem; None if it does not.
 
     `factors` are those of shear, in or out of the plane.
@@ -75,7 +73,9 @@ def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | No
     """The normal problem of a load to an accuracy; None if the contact stays closed."""
     tolerance = max(rtol * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
     opening = opening_of(poisson_ratio, load.base_pressure, load.load_pressure, tolerance)
-    while opening and opening.error > tuning.EDGE_SHARE * rtol and tolerance > tuning.LEAST_TOLERANCE:
+    while (
+        opening and opening.error > tuning.EDGE_SHARE * rtol and tolerance > tuning.LEAST_TOLERANCE
+    ):
         tolerance = max(tolerance * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
         opening = opening_of(poisson_ratio, load.base_pressure, load.load_pressure, tolerance)
     if opening is None:

@@ -5,7 +5,7 @@ LOOSE_RULE = 1e-3
 LOOSE_SHARE, LEAST_LOOSE = 0.1, 1e-12
 """The same over what the base is below the threshold, relative, and at least: the opening is as
 wide as the root of that."""
-NEAREST_CLOSING, FARTHEST_CLOSING, CLOSINGS = 0.3, 60.0, 24
+NEAREST_CLOSING, FARTHEST_CLOSING, CLOSINGS = 0.3, 60.0, 12
 """Distances of the closing edge from c that are tried, over that of the opening edge: three times
 as far beside the threshold (docs/separation.md), 25 times at nu = 0.49."""
 MOST_NEWTON_STEPS = 30

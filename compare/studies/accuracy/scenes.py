@@ -79,6 +79,11 @@ QUANTITIES = {
         ("onset at x = 0.75 c_t T [T]", "onset at 0.75 c_t T"),
         ("frictional work, integral", "frictional work, L1"),
     ),
+    "antiplane": (
+        ("zone, from the edge to [c_t]", "zone 1, outer edge"),
+        ("slip at T, integral", "slip, L1"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
     "lift-off": (
         ("open up to [c_t]", "opening 1, outer edge"),
         ("gap at T, integral", "gap, L1"),
@@ -111,6 +116,7 @@ FIGURES = {
     "pulse": "sense.png",
     "harmonic": "sense.png",
     "pressure-drop": "sense.png",
+    "antiplane": "slip_rate.png",
     "lift-off": "gap.png",
     "lift-off-shear": "slip_rate.png",
     "tap": "gap.png",

@@ -1,6 +1,6 @@
 """Thresholds of slip over the Poisson ratio: the tables of docs/regimes.md.
 
-``python -m compare.studies.regimes.tables thresholds reverse opening --csv docs/data``
+``python -m compare.studies.regimes.tables thresholds reverse opening viscosity --csv docs/data``
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 from compare.studies.regimes.openings import AHEAD, opening_point
+from compare.studies.regimes.viscosity import viscosity_rows
 from compare.studies.tables import Study, run_studies
 from semianalytic import Material
 from semianalytic.reference import edge_speed_of_opening
@@ -100,6 +101,7 @@ STUDIES: dict[str, Study] = {
     "thresholds": threshold_rows,
     "reverse": reverse_rows,
     "opening": opening_rows,
+    "viscosity": viscosity_rows,
 }
 
 if __name__ == "__main__":

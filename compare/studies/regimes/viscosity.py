@@ -1,0 +1,125 @@
+"""How a preloaded interface slips over viscosity and friction: where the stick gap at c_R closes.
+
+``python -m compare.studies.regimes.viscosity FOLDER`` draws the map, regimes_viscosity.png.  Units:
+viscosity in rho c_t / 2.  Where slip covers c_R, `viscous_closing` says; a map of solved scenes
+checks it.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.patches import Patch
+
+from compare.figures.saving import save_figure
+from compare.figures.style import BLACK, CYCLE, PURPLE, SMALL, new_figure
+from compare.studies.regimes.figures import CHI, COLOURS
+from compare.studies.regimes.points import REGIMES
+from semianalytic import ViscousFriction, solve
+from semianalytic.regimes import (
+    closing_limit,
+    regime,
+    scene_of,
+    viscous_closing,
+    viscous_nucleation,
+)
+
+MAP_POISSON_RATIO = 1 / 3
+POISSON_RATIOS = (-0.2, 0.0, 0.2, 1 / 3, 0.45)
+DECADES, MOST_FRICTION = (-6.0, 2.0), 0.4
+MAP_SIZE, CURVE_SIZE = 32, 41
+RTOL = 1e-6
+
+
+@dataclass(frozen=True)
+class ViscosityRow:
+    """Frictions of a preload below which the shear front slips and slip covers c_R, nan if it
+    never does; viscosity over rho c_t / 2."""
+
+    poisson_ratio: float
+    viscosity: float
+    nucleation: float
+    closing: float
+
+
+def viscosity_row(poisson_ratio: float, viscosity: float) -> ViscosityRow:
+    """Both thresholds."""
+    closing = viscous_closing(poisson_ratio, viscosity)
+    nucleation = viscous_nucleation(poisson_ratio, viscosity)
+    return ViscosityRow(
+        poisson_ratio, viscosity, nucleation, np.nan if closing is None else closing
+    )
+
+
+def viscosity_rows() -> list[ViscosityRow]:
+    """The table of docs/rate.md."""
+    viscosities = (1e-4, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0)
+    return [viscosity_row(nu, one) for nu in (0.0, 1 / 3, 0.45) for one in viscosities]
+
+
+def solved_regime(viscosity: float, chi: float) -> str:
+    """Way of slipping of one scene of the map, by the solver."""
+    scene = scene_of("preload", MAP_POISSON_RATIO, chi)
+    law = ViscousFriction(viscosity * scene.material.shear_impedance / 2)
+    return regime(solve(replace(scene, friction_law=law), rtol=RTOL))
+
+
+def solved_regimes(size: int) -> list[list[str]]:
+    """The map, a list per friction, at the middles of cells."""
+    middles = (np.arange(size) + 0.5) / size
+    viscosities = 10 ** (DECADES[0] + (DECADES[1] - DECADES[0]) * middles)
+    return [
+        [solved_regime(float(one), float(chi)) for one in viscosities]
+        for chi in MOST_FRICTION * middles
+    ]
+
+
+def save_viscosity(path: Path, regimes: Sequence[Sequence[str]], count: int) -> None:
+    """The map with its thresholds, and where the gap closes at several Poisson ratios."""
+    figure = new_figure(11, 4.8)
+    left, right = figure.subplots(1, 2)
+    names = list(REGIMES)
+    borders = np.linspace(0, 1, len(regimes) + 1)
+    left.pcolormesh(
+        10 ** (DECADES[0] + (DECADES[1] - DECADES[0]) * borders),
+        MOST_FRICTION * borders,
+        [[names.index(name) for name in row] for row in regimes],
+        cmap=ListedColormap([COLOURS[name] for name in names]),
+        norm=BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)),
+        rasterized=True,
+    )
+    viscosities = np.logspace(*DECADES, count).tolist()
+    rows = [viscosity_row(MAP_POISSON_RATIO, one) for one in viscosities]
+    left.plot(viscosities, [row.nucleation for row in rows], "--", color=PURPLE)
+    left.plot(viscosities, [row.closing for row in rows], color=BLACK)
+    labels = {
+        "slow": REGIMES["slow"],
+        "two": REGIMES["two"],
+        "one": "one zone across $c_R$",
+        "failed": REGIMES["failed"],
+    }
+    present = {name for row in regimes for name in row}
+    patches = [Patch(color=COLOURS[name], label=labels[name]) for name in labels if name in present]
+    left.legend(handles=patches, fontsize=SMALL, loc="upper right")
+    left.set_title(rf"$\nu = {MAP_POISSON_RATIO:.3g}$")
+    for nu, colour in zip(POISSON_RATIOS, CYCLE, strict=False):
+        closing = [viscosity_row(nu, one).closing for one in viscosities]
+        right.plot(viscosities, closing, color=colour, label=rf"$\nu = {nu:.3g}$")
+        right.axhline(closing_limit(nu), linestyle=":", color=colour, linewidth=1)
+    right.set_title("slip covers $c_R$ below; dotted: $q^*(c)$")
+    right.legend(fontsize=SMALL)
+    for panel in (left, right):
+        panel.set(xscale="log", xlim=[10**end for end in DECADES], ylim=(0, MOST_FRICTION))
+        panel.set(xlabel=r"viscosity $/\ (\rho c_t / 2)$", ylabel=CHI["preload"])
+    save_figure(figure, path)
+
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/regimes")
+    folder.mkdir(parents=True, exist_ok=True)
+    save_viscosity(folder / "regimes_viscosity.png", solved_regimes(MAP_SIZE), CURVE_SIZE)

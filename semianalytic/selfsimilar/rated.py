@@ -1,0 +1,246 @@
+"""Strength that depends on slip rate in any smooth way, S(f p, |V|): Newton's method.
+
+About a slip rate V_k strength is S + S' (|V| - |V_k|), so that on slip of sense s
+
+    dtau/dv = s f dp/dv + eta dV/dv + dg/dv,    eta = S',
+    dg/dv = s (dS/d(f p) - 1) f dp/dv + (d eta/dv) (V - V_k):
+
+a viscous problem with eta(v) and a given slope of strength, solved exactly (`cut`).  The last term
+holds the new V; it is iterated, while the edges are moved to where the linear problem wants them.
+V_k is kept at the nodes of panels and moves with them, on a held rule.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from semianalytic.cut.layout import Zone, lies_between
+from semianalytic.cut.load import Load
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import RateFriction
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.corrections import corrected
+from semianalytic.selfsimilar.coulomb import violations
+from semianalytic.selfsimilar.edges import Placement, locate_edges, polish_edges
+from semianalytic.selfsimilar.estimate import difference
+
+_LOCATED, _LEFT = 1e-7, 1e-13  # shifts of edges at which Newton's method and Broyden's end
+
+
+@dataclass(frozen=True)
+class UnitLaw:
+    """A law in units of stress and of the one-sided slip rate, b = mu = 1."""
+
+    law: RateFriction
+    stress: float
+    rate: float
+
+    def strength(self, frictional: Array, speed: Array) -> Array:
+        """S(f p, |V|)."""
+        whole = self.law.strength(self.stress * frictional, self.rate * speed, 0.0)
+        return np.asarray(whole / self.stress)
+
+    def slopes(self, frictional: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
+        """Derivatives by f p, |V|, both, and |V| twice."""
+        given = self.law.rate_slopes(self.stress * frictional, self.rate * speed)
+        by_friction, by_rate, mixed, twice = given
+        unit = self.rate / self.stress
+        return by_friction, unit * by_rate, self.rate * mixed, unit * self.rate * twice
+
+
+@dataclass(frozen=True)
+class RateStep:
+    """Strength linear about V_k, its term in the new V from the last iterate.
+
+    Attributes
+    ----------
+    law : UnitLaw
+    load : Load, without strength that depends on slip rate
+    poisson_ratio : float
+    before, density : (p, n) arrays, V_k and dV_k/dy at the nodes
+    last : (p, n) array, the last iterate of V
+    """
+
+    law: UnitLaw
+    load: Load
+    poisson_ratio: float
+    before: Array
+    density: Array
+    last: Array
+
+    def carried(self, frictional: Array, speed: Array) -> Array:
+        """See `LinearisedStrength`."""
+        return self.law.strength(frictional, speed)
+
+    def at(self, points: CutPoints, senses: Array, jacobian: Array) -> tuple[Array, Array]:
+        """See `LinearisedStrength`."""
+        count = jacobian.shape[0]
+        shape = (count, *[1] * (jacobian.ndim - 2), jacobian.shape[-1])
+        before, density, last = (
+            part[:count].reshape(shape) for part in (self.before, self.density, self.last)
+        )
+        frictional, gained = self._frictional(points)
+        speed = np.abs(before)
+        by_friction, eta, mixed, twice = self.law.slopes(frictional, speed)
+        bent = mixed * gained + twice * senses * density / jacobian
+        slope = senses * (by_friction - 1) * gained + bent * (last - before)
+        return np.broadcast_to(eta, jacobian.shape), np.where(senses != 0, slope, 0.0)
+
+    def _frictional(self, points: CutPoints) -> tuple[Array, Array]:
+        """f p and its slope."""
+        load, factors = self.load, rayleigh_factors(self.poisson_ratio)
+        pressure, slope = np.full(points.v.shape, load.base_pressure), np.zeros(points.v.shape)
+        if load.load_pressure:
+            unit = stuck_traction(self.poisson_ratio, "I")
+            pressure = pressure + load.load_pressure * unit(points.v)
+            in_plane = CutPoints(np.stack([*points.parts[:3], points.v - factors.c]))
+            slope = load.load_pressure * unit.slope(in_plane)
+        return load.friction * pressure, load.friction * slope
+
+
+@dataclass(frozen=True)
+class Rated:
+    """Zones under strength that depends on slip rate, as Newton's method left them.
+
+    Attributes
+    ----------
+    placement : Placement
+    profile : Profile
+    moves : tuple of float, largest change of V in each step, over the largest V
+    converged : bool
+    """
+
+    placement: Placement
+    profile: Profile
+    moves: tuple[float, ...]
+    converged: bool
+
+
+def unit_law(scene: Scene, stress: float) -> UnitLaw:
+    """The law of a scene in the units of its load."""
+    assert isinstance(scene.friction_law, RateFriction)
+    return UnitLaw(scene.friction_law, stress, 2 * stress / scene.material.shear_impedance)
+
+
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends unconverged
+def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: float) -> Rated:
+    """Newton's method for given zones, from the slip rate of a profile.
+
+    Parameters
+    ----------
+    start : Profile of one set of zones, perhaps others
+    zones : sequence of Zone, from the longitudinal front inward
+    law : UnitLaw
+    tolerance : of the rule
+    """
+    factors, load = start.fields.factors, replace(start.fields.load, linearised=None)
+    rule = _held_rule(factors, load, zones, law, tolerance)
+    panels = ZoneFields(factors, load, tuple(zones), rule).panels
+    rate = np.stack([start.slip_rate_at(panels.at[p]) for p in range(len(panels.sense))])
+    slipping = panels.layout.slipping[:, None]
+    rate = np.where(slipping, rate, 0.0)
+    nu = factors.poisson_ratio
+    step = RateStep(law, load, nu, rate, np.zeros_like(rate), rate)
+    placement = locate_edges(factors, zones, replace(load, linearised=step), rule, _LOCATED)
+    changes: list[float] = []
+    profile = start
+    while placement.converged and len(changes) < tuning.MOST_RATE_STEPS:
+        for _ in range(tuning.MOST_RATE_ITERATIONS if changes else 1):
+            fields = ZoneFields(factors, replace(load, linearised=step), placement.zones, rule)
+            placement, fields, _ = polish_edges(placement, fields, rule, _LEFT)
+            profile = Profile(fields)
+            new, largest = profile.slip_rate_at_nodes, float(profile.largest_rate)
+            moved = float(np.abs(new - step.last).max()) / largest
+            step = replace(step, last=new)
+            if not moved > tuning.RATE_ROUNDING:
+                break
+        changes.append(float(np.abs(new - step.before).max()) / largest)
+        step = RateStep(
+            law, load, nu, new, profile.fields.slip_rate_slope * fields.panels.jacobian, new
+        )
+        if not changes[-1] > tuning.RATE_SETTLED:
+            break
+    settled = placement.converged and bool(changes) and changes[-1] <= tuning.RATE_SETTLED
+    return Rated(placement, profile, tuple(changes), settled)
+
+
+def _held_rule(
+    factors: RayleighFactors, load: Load, zones: Sequence[Zone], law: UnitLaw, tolerance: float
+) -> Rule:
+    """A rule of a tolerance, as long as V asks for beside edges slower than c_t, where it vanishes
+    like |v - e|^(1/2 - theta / pi), tan(theta) = -eta / m."""
+    rule, least = rule_for(tolerance), 0.5
+    for edge in (edge for zone in zones for edge in (zone.left, zone.right)):
+        if edge is not None and edge.first[2] > 0:
+            bound = ZoneFields(factors, load, tuple(zones), rule).strength(edge)
+            eta = float(law.slopes(bound, np.zeros(1))[1][0])
+            impedance = abs(float(factors.impedance_behind(edge)[0]))
+            least = min(least, 0.5 - np.arctan2(max(-eta, 0.0), impedance) / np.pi)
+    longer = replace(rule, reach=rule.reach * 0.5 / max(least, tuning.LEAST_RATE_EXPONENT))
+    return replace(ZoneFields(factors, load, tuple(zones), longer).panels.rule, held=True)
+
+
+def check_rated(profile: Profile, law: UnitLaw, speed: float) -> None:
+    """Raise SceneError where slip that weakens strength has no answer: across c_R, or where
+    strength falls faster with slip rate than radiation balances.
+
+    `speed` is c_t.
+    """
+    if not law.law.fall_with_rate:
+        return
+    fields, front = profile.fields, profile.fields.factors.front_c
+    rayleigh = fields.factors.has_rayleigh_wave
+    if rayleigh and any(lies_between(one.left, front, one.right) for one in fields.zones):
+        raise SceneError(
+            "solve: slip would cover the Rayleigh front, where friction that falls with slip rate "
+            "admits no self-similar answer; use the space-time solver for this scene, `march` or "
+            "`method` space-time, or the finite elements (docs/limits.md)."
+        )
+    at, slip = profile.panels.at.v, profile.panels.layout.slip
+    bound = profile.strength(at[slip].ravel())
+    _, slopes, _, _ = law.slopes(bound, np.abs(profile.slip_rate_at_nodes[slip].ravel()))
+    steepest = int(np.argmin(slopes)) if len(slip) else 0
+    if len(slip) and slopes[steepest] <= -1:
+        raise SceneError(
+            "solve: friction falls with slip rate faster than radiation can balance, at x/t = "
+            f"{speed / at[slip].ravel()[steepest]:.4g}; raise the rate or lower the reduction of "
+            "the friction law (docs/limits.md)."
+        )
+
+
+def settled_zones(start: Profile, law: UnitLaw, tolerance: float, speed: float) -> Rated | None:
+    """Zones corrected from those of a profile until the law of friction holds; None if none do."""
+    zones, profile = list(start.fields.zones), start
+    for _ in range(tuning.MOST_ZONE_SETS):
+        rated = rated_zones(profile, zones, law, tolerance)
+        if not rated.converged:
+            return None
+        profile = rated.profile
+        check_rated(profile, law, speed)
+        broken = violations(profile, tuning.LAW_TOLERANCE * tolerance)
+        if broken is None:
+            return None
+        if not broken:
+            return rated
+        zones = corrected(profile.fields.zones, broken, profile.fields.load)
+    return None
+
+
+def companion_error(fine: Rated, law: UnitLaw, tolerance: float) -> float:
+    """Error estimate of zones from a coarser companion, with edges and slip rate of its own."""
+    coarser = tuning.COARSER_COMPANION * tolerance
+    coarse = rated_zones(fine.profile, fine.placement.zones, law, coarser)
+    if not coarse.converged:
+        return np.inf
+    edges, unknowns = fine.placement.edges, fine.placement.unknowns
+    moved = coarse.placement.unknowns
+    return float(difference(edges, unknowns, moved, fine.profile.fields, coarse.profile.fields))
