@@ -223,8 +223,6 @@ class Interface:
         Motion along x; None where symmetry forbids slip.
     pressing : Faces or None
         Motion along y; None where antisymmetry keeps the gap closed and the pressure as it was.
-    least_gap : float
-        What is open less than that is closed: rounding [length].
 
     Attributes
     ----------
@@ -233,10 +231,9 @@ class Interface:
     strength : (n,) array
         Largest shear traction at the last kick, under the scene's law [stress]; 0 where open.
     path : (n,) array
-        |slip| accumulated up to the time level of the last kick where the sides touch, half of that
-        of a step in which they part or meet [length].
-    gap : (n,) array
-        Opening at the time level of the last kick, 0 where closed [length].
+        |slip| accumulated up to the time level of the last kick, also while open [length].
+    offset : (n,) array
+        Opening at the time level of the last kick, zero to rounding where closed [length].
     work : InterfaceWork
         Up to the middle of the step before the last kick, as in `Body.energy`.
     """
@@ -247,16 +244,14 @@ class Interface:
         length: NDArray[np.float64],
         sliding: Faces | None,
         pressing: Faces | None,
-        least_gap: float,
     ) -> None:
-        self.scene, self.length, self.least_gap = scene, length, least_gap
+        self.scene, self.length = scene, length
         self.sliding, self.pressing = sliding, pressing
         self.pressure = np.full(len(length), float(scene.base.pressure))
         self.shear = np.full(len(length), float(scene.base.shear))
         self.strength = scene.friction * self.pressure
         self.path = np.zeros(len(length))
-        self.gap = np.zeros(len(length))
-        self._touching = np.ones(len(length))
+        self.offset = np.zeros(len(length))
         self.work = InterfaceWork(0.0, 0.0, 0.0)
         self._friction = self._impact = self._external = 0.0
         self._rubbed = np.zeros(len(length))
@@ -309,11 +304,10 @@ class Interface:
 
     def _press(self, faces: Faces, part: float) -> None:
         base = self.scene.base.pressure
-        offset = faces.offset()
-        self.gap = np.where(offset > self.least_gap, offset, 0.0)
-        closed_before = offset - faces.past_increment() <= self.least_gap
-        self._touching = (closed_before + (self.gap == 0.0)) / 2
-        self.pressure = contact_pressure(offset, faces.increment(), base, part * faces.compliance)
+        self.offset = faces.offset()
+        self.pressure = contact_pressure(
+            self.offset, faces.increment(), base, part * faces.compliance
+        )
         faces.push(self.pressure - base, part)
         work = part * self.length * faces.mean_increment()
         self._impact -= float(work @ self.pressure)
@@ -322,7 +316,7 @@ class Interface:
     def _slide(self, faces: Faces, part: float) -> None:
         base, law = self.scene.base.shear, self.scene.friction_law
         increment, compliance = faces.increment(), part * faces.compliance
-        self.path += self._touching * np.abs(faces.past_increment())
+        self.path += np.abs(faces.past_increment())
         frictional = self.scene.friction * self.pressure
         stopping = base + increment / compliance
         self.strength = strength(law, frictional, self.path, stopping, faces.step / compliance)

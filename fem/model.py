@@ -33,8 +33,6 @@ from semianalytic.scene.scene import Scene
 
 BLOCKS = ("upper", "lower")
 
-LEAST_GAP = 1e-9
-"""What is open less than that, over `displacement_scale`, is closed: rounding is 1e-16 of it."""
 RATE_WINDOW = 2.8
 """Elements that a shear wave crosses in the time over which a slip rate is the mean: the surface of
 a mesh rings about that slowly, and the error of slip rates is half of that of single steps
@@ -236,9 +234,7 @@ def build_model(plan: Plan, space: Space) -> Model:
         numbering=numbering,
         bodies=bodies,
         loads=slot_loads(plan.scene, bodies, step, steps + half_window),
-        interface=Interface(
-            plan.scene, length, sliding, pressing, LEAST_GAP * displacement_scale(plan)
-        ),
+        interface=Interface(plan.scene, length, sliding, pressing),
         contact_x=space.points[0, contact_nodes],
         slot_x=space.points[0, slot],
         slot=slot,
@@ -247,13 +243,6 @@ def build_model(plan: Plan, space: Space) -> Model:
         steps=steps,
         half_window=half_window,
     )
-
-
-def displacement_scale(plan: Plan) -> float:
-    """Displacement that the largest traction causes until the end [length]."""
-    tractions, material = (plan.scene.load, plan.scene.base), plan.scene.material
-    largest = max(max(abs(one.pressure), abs(one.shear)) for one in tractions)
-    return largest / material.shear_modulus * material.shear_speed * plan.end_time
 
 
 @dataclass(frozen=True)

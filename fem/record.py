@@ -16,6 +16,10 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.scene import Scene
 
+LEAST_GAP = 1e-9
+"""What is open less than that, over c_t T times load or base over shear modulus, is closed:
+rounding is 1e-16 of it."""
+
 SEEN = slice(1, None)
 """Nodes of the contact whose histories are kept: all beyond the edge node."""
 
@@ -37,6 +41,7 @@ class Record:
         plan, steps, nodes = model.plan, model.steps, len(model.contact_x) - 1
         self._levels = np.union1d(np.arange(0, steps + 1, plan.settings.every), steps)
         self._row = self._level = 0
+        self._least_gap = LEAST_GAP * displacement_scale(plan.scene, plan.end_time)
         rows = len(self._levels)
         stored = model.slot_x >= -plan.slot_length
         self._slot_x, nodes_on_slot = model.slot_x[stored], model.slot[stored]
@@ -69,7 +74,8 @@ class Record:
         if step:
             self._energy[:, step] = self._energies()
             self._totals[:, step] = self._sums()
-        gap = self.model.interface.gap[SEEN]
+        offset = self.model.interface.offset[SEEN]
+        gap = np.where(offset > self._least_gap, offset, 0.0)
         if gap.any():
             self._note_opening(step, gap)
         if step == self._levels[self._row]:
@@ -189,3 +195,10 @@ class Record:
             "energy": EnergyHistory(np.arange(0.5, steps) * dt, *self._energy[:, 1:]),
             "opened": None if math.isinf(first) else Opening(first, place, largest, length),
         }
+
+
+def displacement_scale(scene: Scene, end_time: float) -> float:
+    """Displacement that the largest traction causes within a time [length]."""
+    tractions = (scene.load, scene.base)
+    largest = max(max(abs(one.pressure), abs(one.shear)) for one in tractions)
+    return largest / scene.material.shear_modulus * scene.material.shear_speed * end_time

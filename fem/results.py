@@ -158,7 +158,7 @@ class Simulation(SampledAnswer):
         (+1) or BACKWARD (-1), or OPEN (2).
     final_path : (n,) array
         |slip| that each node of `interface` has accumulated by the end [length], summed over
-        every step, stored or not, where the sides touched.
+        every step, stored or not, and also while the node is open.
     final_work_density : (n,) array
         Work per area that friction has taken at each node by the end [stress length], likewise.
     totals : Totals

@@ -38,7 +38,7 @@ TAGS = {
     "remote": "a sudden remote load",
     "rated": "strength follows slip rate: `solve` answers by Newton's method, in seconds",
     "march": "loads that rise and fall, or strength that falls with slip: only `march` answers",
-    "opens": "the contact opens: only the finite elements answer",
+    "opens": "the contact opens: solved and simulated, not marched",
     "witness": "seen by a coarse finite-element model, and by a coarse march",
     "SI": "not in units in which c_t, density and load are 1",
 }
@@ -135,10 +135,36 @@ PROBLEMS = (
         "",
         unit_scene(0.0, (1.0, 0.0), (0.5, 1.0), friction_law=ViscousFriction(0.5)),
     ),
+    _exact("antiplane", "+", "witness", NAMED_SCENES["antiplane"].scene),
+    _exact(
+        "antiplane backward", "-", "", unit_scene(1.5, (1.0, 0.3), (0.0, -2.0), mode="antiplane")
+    ),
+    _exact("antiplane shock", "+", "remote witness", unit_scene(1.0, *REMOTE, mode="antiplane")),
+    _exact(
+        "antiplane slip everywhere",
+        "+",
+        "remote slides",
+        unit_scene(0.5, *REMOTE, mode="antiplane"),
+    ),
+    _exact(
+        "antiplane, viscous",
+        "+",
+        "witness",
+        unit_scene(0.5, mode="antiplane", friction_law=ViscousFriction(0.25)),
+    ),
+    _exact(
+        "antiplane slip from the longitudinal front",
+        "+",
+        "",
+        unit_scene(0.3, (1.0, 0.3), (1.0, 0.6), mode="antiplane"),
+    ),
     _exact("nearly incompressible", "++", "", unit_scene(nu=0.499)),
     _exact("steel", "++", "SI", _STEEL_SCENE),
     _other("pressure on the slot", "opens", unit_scene(0.5, (1.0, 0.2), (-1.0, 0.5))),
     _other("opens and closes again", "opens", unit_scene(0.5, (0.02, 0.0), (1.0, 0.5))),
+    _other(
+        "antiplane pulse", "march", unit_scene(0.15, mode="antiplane", shear_history=Pulse(0.4))
+    ),
     _other("ramp", "march", unit_scene(shear_history=Ramp(0.5))),
     _other("pulse", "march", unit_scene(0.15, shear_history=Pulse(0.4))),
     _other("waves", "march", unit_scene(0.1, shear_history=Harmonic(3.0))),

@@ -34,7 +34,7 @@ def sampled_run(
     """
     scene = solution.scene
     cell = scene.material.shear_speed * end_time / resolution
-    reach = 1.06 * scene.material.longitudinal_speed * end_time
+    reach = 1.06 * scene.fastest_speed * end_time
     x = cell * np.arange(1, int(reach / cell) + 1)
     t = end_time * np.arange(times + 1) / times
     seen = solution.history(x / stretch, t)

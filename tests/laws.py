@@ -12,6 +12,44 @@ from semianalytic import (
     ViscousFriction,
     solve,
 )
+from semianalytic.regimes import opening_threshold
+
+
+def opening_scene(random):
+    """A scene whose contact opens: from its edge, or ahead of a sudden pressure; with a step of
+    shear, a base at rest, both, or neither."""
+    poisson_ratio = random.uniform(-0.9, 0.49)
+    friction = 10 ** random.uniform(-2, 1) if random.random() < 0.5 else random.uniform(0.1, 1)
+    if random.random() < 0.4:
+        base, step = 10 ** random.uniform(-2, 1), -1.0
+    else:
+        share = random.uniform() if random.random() < 0.7 else 10 ** random.uniform(-4, 0)
+        base, step = share * opening_threshold(poisson_ratio), 1.0
+    shear = random.choice([0.0, 1.0, -1.0]) * 10 ** random.uniform(-2, 1)
+    held = random.choice([0.0, 1.0, -1.0]) * friction * base * random.uniform()
+    material = Material(1.0, 1.0, poisson_ratio)
+    return Scene(material, friction, Tractions(base, held), Tractions(step, shear))
+
+
+def inside(x, parts):
+    """Whether positions at t = 1 lie in zones or openings."""
+    result = np.zeros(len(x), dtype=bool)
+    for part in parts:
+        result |= (part.inner < x) & (part.outer > x)
+    return result
+
+
+def check_contact(solution, x, parted):
+    """No pull and no overlap at t = 1, pressure or a gap but not both."""
+    pressure, gap = solution.pressure(x, 1.0), solution.gap(x, 1.0)
+    scene = solution.scene
+    size = scene.base.pressure + abs(scene.load.pressure)
+    tolerance = 10 * solution.error_estimate * size
+    assert pressure.min() >= -tolerance
+    assert gap.min() >= -tolerance
+    assert np.all(pressure[parted] == 0)
+    assert np.all(gap[~parted] == 0)
+    assert np.all(solution.gap_rate(x, 1.0)[~parted] == 0)
 
 
 @st.composite
@@ -56,14 +94,15 @@ def check_invariants(scene):
     strength = scene.friction_law.strength(frictional, rate, 0.0)
     largest = max(np.abs(rate).max(), abs(solution.edge_slip_rate), 1e-300)
     load = solution.stress
-    slips = np.zeros(len(x), dtype=bool)
-    for zone in solution.zones:
-        slips |= (zone.inner < x) & (zone.outer > x)
+    slips, parted = (inside(x, parts) for parts in (solution.zones, solution.openings))
     tolerance = 100 * solution.error_estimate
     # Coulomb's law at every point
     assert np.all(np.abs(traction) <= strength + tolerance * (load + strength))
-    assert np.all(rate[~slips] == 0)
+    assert np.all(rate[~slips & ~parted] == 0)
     assert np.all(traction * rate >= -tolerance * largest * (load + strength))
+    check_contact(solution, x, parted)
+    assert np.all(np.abs(traction[parted]) <= tolerance * load)
+    strength = np.where(parted, 0.0, strength)
     sliding = slips & (np.abs(rate) > tolerance * largest)
     np.testing.assert_allclose(
         np.abs(traction[sliding]), strength[sliding], rtol=0, atol=tolerance * load

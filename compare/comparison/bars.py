@@ -28,6 +28,11 @@ SAFETY: Mapping[str, float] = {
 
 Below 1 where the order is above the one that is assumed."""
 
+OPENING = 2.0
+OPENING_KINDS = ("slip", "work", "pressure")
+"""Times more for what heals behind an opening or is squeezed between its ends: it converges more
+slowly than with first order."""
+
 ONE_CHANGE = 2.0
 """Times more where two meshes are all there is, and nothing guards against a small difference."""
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_opening
 
-from compare.comparison.bars import error_bar, observed_order
+from compare.comparison.bars import OPENING, OPENING_KINDS, error_bar, observed_order
 from compare.comparison.measures import NOTHING, is_nothing, norm, worn
 from compare.comparison.rows import AGREES, ALARM, TELLING, UNRESOLVED, Row
 from compare.comparison.scales import slip_rate_scale, stress_scale
@@ -291,7 +291,8 @@ class Case:
             changes.append(size(fields[of][places[of]] - other, at))
         whole = size(expected[shown], x[shown])
         per = 1.0 if nothing else whole
-        bar = (error_bar(kind, changes) + unseen) / per if changes else None
+        factor = OPENING if self.opens and kind in OPENING_KINDS else 1.0
+        bar = (factor * error_bar(kind, changes) + unseen) / per if changes else None
         if bar is not None:
             bar += NOTHING
             if not nothing:

@@ -115,9 +115,9 @@ def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:
 def worn(history: InterfaceHistory) -> tuple[Array, Array]:
     """|slip| accumulated [length] and frictional work per area [stress length] until the end.
 
-    By the trapezoidal rule over the stored levels, (n,) each; where the contact is open neither.
+    By the trapezoidal rule over the stored levels, (n,) each.
     """
-    rate, traction = history.rubbing_rate, history.shear_traction
+    rate, traction = history.slip_rate, history.shear_traction
     return (
         np.asarray(np.trapezoid(np.abs(rate), history.t, axis=0)),
         np.asarray(np.trapezoid(rate * traction, history.t, axis=0)),

@@ -13,7 +13,10 @@ from tempfile import TemporaryDirectory
 
 EXAMPLES = (
     "first_answer",
+    "antiplane",
+    "openings",
     "fit_friction",
+    "sensitivity",
     "sweep_friction",
     "custom_history",
     "friction_law",

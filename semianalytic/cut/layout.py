@@ -6,8 +6,8 @@ function.  What follows from their order alone is worked out once per layout.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import groupby
 
@@ -22,7 +22,7 @@ class Zone:
 
     left None: slip from the longitudinal front on, or ahead of all waves; right None: slip up to
     the contact edge.  A zone may hold an opening; `inward` is then its sense behind that, 0 for the
-    same.  `held`: it ends where the opening closes.
+    same.  `held`: it ends where the opening closes.  It begins ahead of the opening, or with it.
     """
 
     left: CutPoints | None
@@ -30,6 +30,11 @@ class Zone:
     sense: int
     inward: int = 0
     held: bool = False
+
+    def seen_by(self, see: Callable[[CutPoints], CutPoints]) -> Zone:
+        """The zone with its edges as a function of points gives them."""
+        left, right = (edge if edge is None else see(edge) for edge in (self.left, self.right))
+        return replace(self, left=left, right=right)
 
     @property
     def last_sense(self) -> int:

@@ -10,8 +10,8 @@ import numpy as np
 
 from semianalytic.cut import tuning
 from semianalytic.cut.layout import Zone
-from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
+from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.scene.errors import TensionError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
@@ -117,13 +117,13 @@ class Load:
         drives = self.load_pressure if self.base_shear else 0.0
         return not (self.load_shear or drives or self.far_slip_rate)
 
-    def pressure(self, poisson_ratio: float, at: CutPoints) -> Array:
+    def pressure(self, factors: RayleighFactors, at: CutPoints) -> Array:
         """Contact pressure at points on the cut, any shape [stress unit]; 0 where it is open."""
         if self.opened is not None:
             return self.opened.pressure(at)
         result = np.full(at.v.shape, self.base_pressure)
         if self.load_pressure:
-            result += self.load_pressure * stuck_traction(poisson_ratio, "I")(at.v)
+            result = result + self.load_pressure * traction_of(factors, "I")(at.v)
         return result
 
 

@@ -14,7 +14,8 @@ once; node arrays are then (p, n) or (p, k, n), panel first, node last.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -52,6 +53,12 @@ class Panels:
     at: CutPoints
     skew: Array
     rule: Rule
+
+    def seen_by(self, see: Callable[[CutPoints], CutPoints]) -> Panels:
+        """The panels with all points as a function of points gives them."""
+        left = tuple(see(end) for end in self.left)
+        right = tuple(end if end is None else see(end) for end in self.right)
+        return replace(self, left=left, right=right, ends=see(self.ends), at=see(self.at))
 
     @property
     def sense(self) -> tuple[int, ...]:
@@ -188,7 +195,7 @@ def _fitted_rule(factors: RayleighFactors, layout: Layout, ends: Array, rule: Ru
     sees one end nearer than the other.
     """
     strip, further, hidden = 1.0, 0.0, factors.hidden_root
-    if hidden.imag and layout.ahead:
+    if np.any(hidden.imag) and layout.ahead:
         v = ends[0, : layout.ahead + 1]
         angle = np.abs(np.angle((hidden - v[:-1]) / (v[1:] - hidden))).reshape(layout.ahead, -1)
         strip = min(1.0, float((angle.min(axis=1) * layout.clearance_ahead).min()) / np.pi)

@@ -20,8 +20,8 @@ import numpy as np
 
 from semianalytic.cut.canonical import CanonicalFunction, log_share
 from semianalytic.cut.load import Load
-from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.stuck import traction_of
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class PressurePart:
         normal = factors.in_plane
         unit = normal.kappa * factors.m_plus(at.v, "I")
         ratio = np.empty_like(at.v)
-        ratio[ahead:] = normal.impedance_behind(self._in_plane(at[ahead:]), "I")
+        ratio[ahead:] = normal.impedance_behind(factors.seen_in_plane(at[ahead:]), "I")
         ratio[ahead:] /= unit[ahead:] * np.sqrt(at.from_b[ahead:])
         both = np.stack(normal.impedance_ahead(at[:ahead], "I")) / unit[:ahead]
         ratio[:ahead], imag = both / np.sqrt(-at.from_b[:ahead])
@@ -107,15 +107,10 @@ class PressurePart:
         at, factors = self.canonical.panels.at[-1], self.canonical.factors
         if factors.mode == "II":
             return 0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a))
-        log = log_share(self._in_plane(at).from_c, at.v, np.array(factors.in_plane.c))
+        log = log_share(factors.seen_in_plane(at).from_c, at.v, np.array(factors.in_plane.c))
         log = log - 0.5 * log_share(at.from_a, at.v, np.array(factors.a))
         log = log - 0.5 * log_share(at.from_b, at.v, np.array(1.0))
         return np.asarray(log + factors.log_s_plus_behind(at))
-
-    def _in_plane(self, at: CutPoints) -> CutPoints:
-        """Points with their distance from the Rayleigh front."""
-        normal = self.canonical.factors.in_plane
-        return CutPoints(np.stack([*at.parts[:3], at.v - normal.c]))
 
     @cached_property
     def slope(self) -> Array:
@@ -123,7 +118,7 @@ class PressurePart:
         canonical, factors, load = self.canonical, self.canonical.factors, self.load
         at = canonical.panels.at
         if factors.mode == "III":
-            unit = stuck_traction(factors.poisson_ratio, "I").slope(self._in_plane(at))
+            unit = traction_of(factors, "I").slope(factors.seen_in_plane(at))
             slope = unit * factors.m_plus_at_zero["I"]
         else:
             (real, imag), ahead = canonical.impedance, canonical.layout.ahead

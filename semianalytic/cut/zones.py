@@ -81,10 +81,15 @@ class ZoneFields:
     @cached_property
     def _cuts(self) -> tuple[CutPoints, ...]:
         """Where fields change character within zones."""
-        factors, cuts = self.factors, []
+        factors, cuts, opened = self.factors, [], self.load.opened
+        if opened is not None:  # as the normal problem has them
+            cuts += [factors.of_in_plane(cut) for cut in factors.in_plane.cuts[:-1]]
         if self.load.resists_rate and factors.has_rayleigh_wave:
-            covered = (lies_between(one.left, factors.front_c, one.right) for one in self.zones)
-            cuts += [factors.front_c] if any(covered) else []
+            front = factors.front_c
+            resists = any(lies_between(one.left, front, one.right) for one in self.zones)
+            if opened is not None:
+                resists &= not lies_between(opened.zone.left, front, opened.zone.right)
+            cuts += [front] if resists else []
         return tuple(cuts)
 
     @property
@@ -97,6 +102,9 @@ class ZoneFields:
         """X, real, on panels that slip; X / M_+, real, on panels that stick."""
         resistance = self._resolved.resistance
         given = None if resistance is None else np.asarray(resistance)
+        if given is not None and self.load.opened is not None:
+            closed = ~np.array(self.layout.open).reshape(-1, *[1] * (self.panels.jacobian.ndim - 1))
+            given = given * closed
         return CanonicalFunction(self.factors, self.panels, given)
 
     @cached_property
@@ -128,9 +136,21 @@ class ZoneFields:
         opened = self.load.opened
         if opened is None:
             return None
-        factors, load = rayleigh_factors(self.factors.poisson_ratio, "I"), opened.normal_load
+        factors, seen = (
+            rayleigh_factors(self.factors.poisson_ratio, "I"),
+            self.factors.seen_in_plane,
+        )
+        panels = self.panels
+        if not self.factors.has_rayleigh_wave:
+            panels = panels.seen_by(seen)
         return ZoneFields(
-            factors, load, (opened.zone,), self.rule, self.tail, opened.closing, self.panels
+            factors,
+            opened.normal_load,
+            (opened.zone.seen_by(seen),),
+            self.rule,
+            self.tail,
+            tuple((seen(edge), amount) for edge, amount in opened.closing),
+            panels,
         )
 
     @cached_property
@@ -180,10 +200,13 @@ class ZoneFields:
 
     def _share(self, edge: CutPoints) -> Array:
         """(p, ..., n): 1 / (k + e) - 1 / e at k = -v, of a closing edge e that ends a panel."""
-        panels = self.panels
-        ends = (*panels.left, panels.right[-1])
+        return self.panels.at.v / edge.v * self._pole(edge)
+
+    def _pole(self, edge: CutPoints) -> Array:
+        """(p, ..., n): 1 / (k + e) at k = -v."""
+        ends = (*self.panels.left, self.panels.right[-1])
         index = next(i for i, end in enumerate(ends) if end and end.first == edge.first)
-        return -panels.at.v / (edge.v * panels.from_ends[index])
+        return -1 / self.panels.from_ends[index]
 
     @cached_property
     def _cauchy(self) -> Array:
@@ -247,7 +270,7 @@ class ZoneFields:
         """(..., n): T / M_+ less its limit at a stuck contact edge, last panel, without loss."""
         cauchy, growth = self._cauchy[-1], np.expm1(self.canonical.log_growth)
         for edge, amount in self._terms:
-            cauchy = cauchy + amount * (self._share(edge)[-1] + 1 / edge.v)
+            cauchy = cauchy + amount * self._pole(edge)[-1]
         excess = growth * (cauchy + self.constant) + cauchy
         pressure = self._pressure
         if not pressure.analytic:
@@ -313,7 +336,7 @@ class ZoneFields:
 
     def strength(self, edge: CutPoints) -> Array:
         """Friction bound f p at an edge."""
-        return self.load.friction * self.load.pressure(self.factors.poisson_ratio, edge)
+        return self.load.friction * self.load.pressure(self.factors, edge)
 
     @cached_property
     def _excess_slope(self) -> Array:
@@ -339,7 +362,11 @@ class ZoneFields:
         outward: Zone | None = None
         for zone in self.zones:
             if zone.left is not None:
-                rows.append(np.asarray(self._excess_at_opening(zone, outward, next(gains))))
+                excess = np.asarray(self._excess_at_opening(zone, outward, next(gains)))
+                with_opening = (
+                    self.load.opened is not None and zone.left is self.load.opened.zone.left
+                )
+                rows.append(np.zeros_like(excess) if with_opening else excess)
             if zone.right is not None:
                 ahead = per_set(load.far_slip_rate) if zone.left is None else 0.0
                 rate = next(gains) + ahead

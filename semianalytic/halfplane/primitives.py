@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.polynomial import chebyshev
+from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike
 
 from semianalytic.halfplane.rayleigh import (
@@ -17,7 +17,13 @@ from semianalytic.halfplane.rayleigh import (
     gauss,
     rayleigh_factors,
 )
-from semianalytic.halfplane.stuck import StuckTraction, series_behind_front, stuck_traction
+from semianalytic.halfplane.stuck import (
+    ARCTAN_SERIES,
+    NEAR_FRONT,
+    StuckTraction,
+    series_behind_front,
+    stuck_traction,
+)
 
 _DEGREE = 128
 _GAUSS = 48
@@ -84,14 +90,11 @@ class AntiplanePrimitive(StuckPrimitive):
 
     def __call__(self, u: ArrayLike) -> Array:
         """Primitive at slowness u [1/b], any shape; 0 ahead of the shear front."""
-        root = np.sqrt(np.maximum(np.asarray(u, dtype=float) - 1, 0.0))
-        z = np.square(root)
-        series = z * z * root * (2 / 15 - z * (2 / 35 - z * (2 / 63)))
-        whole = (2 * z / 3 + 1) * root - (z + 1) * np.arctan(root)
-        return np.asarray(2 / np.pi * np.where(root < _SMALL, series, whole))
-
-
-_SMALL = 1e-2
+        z = np.maximum(np.asarray(u, dtype=float) - 1, 0.0)
+        root, terms = np.sqrt(z), 2 * ARCTAN_SERIES / (5 + 2 * np.arange(len(ARCTAN_SERIES)))
+        series = z * z * root * polynomial.polyval(np.minimum(z, NEAR_FRONT), terms)
+        direct = (2 * z / 3 + 1) * root - (z + 1) * np.arctan(root)
+        return np.asarray(2 / np.pi * np.where(z < NEAR_FRONT, series, direct))
 
 
 @lru_cache(maxsize=64)

@@ -25,6 +25,7 @@ Mode = Literal["I", "II", "III"]
 
 _REACH, _SPACING = 80.0, 0.08  # of y in v = a + (b - a) / (1 + exp(-y))
 _DEGREE = 256
+_ENOUGH = 0.8  # of the coefficients: what follows those above rounding is below it
 
 
 def gauss(n: int) -> tuple[Array, Array]:
@@ -34,16 +35,25 @@ def gauss(n: int) -> tuple[Array, Array]:
 
 
 def chebyshev_series(function: Callable[[Array], Array], degree: int) -> Array:
-    """Chebyshev coefficients of a smooth function on [-1, 1], without those lost in rounding."""
-    count = degree + 1
+    """Chebyshev coefficients of a smooth function on [-1, 1], without those lost in rounding; of a
+    lower degree if that is enough."""
+    for count in (degree // 4 + 1, degree + 1):
+        series = _interpolant(function, count)
+        above = np.flatnonzero(np.abs(series) > 4e-16 * np.abs(series).max())
+        if above[-1] < _ENOUGH * count:
+            break
+    return series[: above[-1] + 1]
+
+
+def _interpolant(function: Callable[[Array], Array], count: int) -> Array:
+    """Chebyshev coefficients (count,) of the polynomial through a function on [-1, 1]."""
     values = function(np.cos(np.pi * (np.arange(count) + 0.5) / count))
     # cosine transform of the values by a Fourier transform of every other one, there and back
     folded = np.fft.fft(np.concatenate([values[::2], values[1::2][::-1]]))
     turned = folded * np.exp(-0.5j * np.pi * np.arange(count) / count)
-    series = 2 / count * turned.real
+    series: Array = 2 / count * turned.real
     series[0] /= 2
-    above = np.flatnonzero(np.abs(series) > 4e-16 * np.abs(series).max())
-    return series[: above[-1] + 1]
+    return series
 
 
 @dataclass(frozen=True)
@@ -120,6 +130,14 @@ class RayleighFactors:
     poisson_ratio: float
     mode: Mode = "II"
 
+    def chosen(self, which: np.ndarray) -> RayleighFactors:
+        """The factors of some of many sets of zones: themselves, for they know one ratio alone."""
+        return self
+
+    def single(self, index: int) -> RayleighFactors:
+        """The factors of one of many sets of zones: themselves."""
+        return self
+
     @cached_property
     def _unit_material(self) -> Material:
         return Material(1.0, 1.0, self.poisson_ratio)
@@ -171,6 +189,16 @@ class RayleighFactors:
     def in_plane(self) -> RayleighFactors:
         """Those of mode II, which hold the tables."""
         return self if self.mode == "II" else rayleigh_factors(self.poisson_ratio)
+
+    def seen_in_plane(self, at: CutPoints) -> CutPoints:
+        """Points with their distance from the Rayleigh front, which mode III does not know."""
+        if self.has_rayleigh_wave:
+            return at
+        return CutPoints(np.stack([*at.parts[:3], at.v - self.in_plane.c]))
+
+    def of_in_plane(self, at: CutPoints) -> CutPoints:
+        """Points of an in-plane problem as this mode sees them."""
+        return at if self.has_rayleigh_wave else CutPoints(at.parts[[0, 1, 2, 2]])
 
     @cached_property
     def _log_s_plus(self) -> Array:

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, singledispatch
 from typing import Literal
 
 import numpy as np
-from numpy.polynomial import chebyshev
+from numpy.polynomial import chebyshev, polynomial
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.halfplane.rayleigh import (
@@ -26,6 +26,10 @@ from semianalytic.halfplane.rayleigh import (
     rayleigh_factors,
 )
 from semianalytic.scene.scene import Material, Tractions
+
+NEAR_FRONT = 0.04
+ARCTAN_SERIES = np.array([(-1) ** k / (2 * k + 3) for k in range(12)])
+"""r - arctan r over r^3 in powers of r^2, which keeps all digits up to that r^2."""
 
 _DEGREE = 128
 _GAUSS = 48
@@ -127,13 +131,11 @@ class AntiplaneTraction(StuckTraction):
 
     def __call__(self, u: ArrayLike) -> Array:
         """Traction at slowness u = t/x [1/b], any shape; 0 ahead of the shear front."""
-        root = np.sqrt(np.maximum(np.asarray(u, dtype=float) - 1, 0.0))
-        series = np.square(root) * root * (1 / 3 - np.square(root) * (1 / 5 - np.square(root) / 7))
-        small = root < _SMALL
-        return np.asarray(2 / np.pi * np.where(small, series, root - np.arctan(root)))
-
-
-_SMALL = 1e-3
+        z = np.maximum(np.asarray(u, dtype=float) - 1, 0.0)
+        root = np.sqrt(z)
+        series = z * root * polynomial.polyval(np.minimum(z, NEAR_FRONT), ARCTAN_SERIES)
+        whole = np.where(z < NEAR_FRONT, series, root - np.arctan(root))
+        return np.asarray(2 / np.pi * whole)
 
 
 @lru_cache(maxsize=64)
@@ -148,6 +150,12 @@ def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
     if mode == "III":
         return AntiplaneTraction(rayleigh_factors(poisson_ratio, mode), mode)
     return StuckTraction(rayleigh_factors(poisson_ratio), mode)
+
+
+@singledispatch
+def traction_of(factors: RayleighFactors, mode: Mode) -> StuckTraction:
+    """p* (mode I) or q* (mode II) of the half-plane of some factors."""
+    return stuck_traction(factors.poisson_ratio, mode)
 
 
 def stress_intensity(

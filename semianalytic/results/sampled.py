@@ -149,8 +149,10 @@ class SampledAnswer:
         seen = self.interface
         least = _NO_SLIP * float(np.abs(seen.slip_rate).max(initial=0.0))
         rubbing = np.where(self.gap(seen.x, t) > 0, 0.0, self.slip_rate(seen.x, t))
-        openings = self.openings_at(t)
-        return tuple(_clipped(zone, openings) for zone in slip_intervals(seen.x, rubbing, least))
+        openings, near = self.openings_at(t), _EDGE_STEPS * float(seen.x[0])
+        return tuple(
+            _beside(zone, openings, near) for zone in slip_intervals(seen.x, rubbing, least)
+        )
 
     def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
         """What is open at a time, from the contact edge outward, as `open_intervals` finds it.
@@ -277,14 +279,14 @@ def _ends(x: Array, straight: Array, run: NDArray[np.intp]) -> tuple[float, floa
     return start, end
 
 
-def _clipped(zone: SlipInterval, openings: Iterable[OpenInterval]) -> SlipInterval:
-    """What of a zone is closed: next to an opening it slips at full speed, and no law of an edge
-    says where it ends."""
+def _beside(zone: SlipInterval, openings: Iterable[OpenInterval], near: float) -> SlipInterval:
+    """A zone that ends where an opening begins, if it does so nearly: it slips at full speed there,
+    and no law of an edge says where it ends."""
     start, end = zone.start, zone.end
     for opening in openings:
-        if opening.start < start < opening.end:
+        if opening.start < start < opening.end + near:
             start = opening.end
-        if opening.start < end < opening.end:
+        if opening.start - near < end < opening.end:
             end = opening.start
     return SlipInterval(start, end, zone.sense)
 

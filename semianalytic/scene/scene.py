@@ -162,7 +162,8 @@ class Scene:
     SceneError
         If friction is negative or not finite, if the mode is unknown, if the base presses the
         interface apart, if neither the base nor the state before a remote shock (base - load) can
-        be at rest, or if friction falls with slip rate faster than radiation can balance under the base pressure.
+        be at rest, or if friction falls with slip rate faster than radiation can balance under the
+        base pressure.
     """
 
     material: Material

@@ -67,7 +67,7 @@ def _turned_at_opening(zones: Sequence[Zone], opening: Zone) -> list[Zone] | Non
 def _holds(zone: Zone, opening: Zone) -> bool:
     """Whether an opening lies in a zone."""
     assert opening.left is not None
-    starts = zone.left is None or zone.left.first_below(opening.left)
+    starts = zone.left is None or not opening.left.first_below(zone.left)
     return starts and (zone.right is None or opening.left.first_below(zone.right))
 
 

@@ -71,7 +71,7 @@ def admissible(profile: Profile, tolerance: float) -> np.ndarray:
             width = inward.left.minus(outward.right)[..., 0]
             sound &= (width > 4 * tuning.NARROWEST_GAP) | (inward.left.from_c.flat[0] < 0)
     if not profile.edge_slips:
-        sound &= _excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
+        sound &= excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
     if (pole := panels.layout.pole) >= 0:
         reverses = panels.sense[pole] * profile.residues(pole) > 0
         if reverses.any() and not panels.layout.open[pole]:
@@ -91,7 +91,7 @@ def _one_of(profile: Profile, j: int) -> Profile:
     zones = tuple(replace(z, left=edge(z.left), right=edge(z.right)) for z in fields.zones)
     friction, far = (float(np.ravel(x)[j]) for x in (load.friction, load.far_slip_rate))
     load = replace(load, friction=friction, far_slip_rate=far)
-    return Profile(ZoneFields(fields.factors, load, zones, fields.rule))
+    return Profile(ZoneFields(fields.factors.single(j), load, zones, fields.rule))
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # answered by None
@@ -143,7 +143,7 @@ def _at_contact_edge(
     """A stuck contact edge that must slip, though at no node the traction shows it yet."""
     if profile.panels.sense[region[0]] or profile.panels.right[region[-1]] is not None:
         return []
-    excess = float(_excess_intensity(profile))
+    excess = float(excess_intensity(profile))
     if misses[region[-1], ..., -1] or not excess > _intensity_tolerance(profile, tolerance):
         return []
     width = 4 * min(excess, tuning.WIDEST_FIRST_EDGE_ZONE)
@@ -180,7 +180,7 @@ def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
     return tolerance if profile.fields.zones else tuning.UNDRIVEN_EXCESS
 
 
-def _excess_intensity(profile: Profile) -> Array:
+def excess_intensity(profile: Profile) -> Array:
     """K_II / (f K_I) - 1, or with K_III, at a stuck contact edge, () or (k,); where positive, it
     must slip."""
     load, factors = profile.fields.load, profile.fields.factors
@@ -188,7 +188,8 @@ def _excess_intensity(profile: Profile) -> Array:
     if profile.normal is not None:
         strength = -per_set(load.friction) * profile.normal.edge_intensity
     at_zero = factors.m_plus_at_zero  # intensities of unit steps are as one over it
-    traction = np.abs(profile.edge_intensity) * at_zero["I"] / at_zero[factors.mode]
+    units = per_set(at_zero["I"]) / per_set(at_zero[factors.mode])
+    traction = np.abs(profile.edge_intensity) * units
     # Without strength nothing bounds the traction: seen at the nodes.
     return np.where(strength > 0, traction / np.where(strength > 0, strength, 1.0) - 1, 0.0)
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from semianalytic.cut.layout import Zone
-from semianalytic.cut.load import Load
+from semianalytic.cut.load import Load, per_set
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule
@@ -29,8 +29,8 @@ class Edges:
         last one reaches the contact edge
     segments : tuple of int, per edge: 0 for (a, b), 1 for (b, c), 2 for (c, inf)
     opening : Zone or None, where the contact is open: edges stay on their side of it
-    sides : tuple of int, per edge: -1 ahead of the opening, 1 behind it, 0 held where it closes
-    held_at : float, the unknown of the edge that is held
+    sides : tuple of int, per edge: -1 ahead of the opening, 1 behind it, 0 held at an end of it
+    held_at : tuple of float, the unknowns of edges that are held
     """
 
     factors: RayleighFactors
@@ -39,7 +39,7 @@ class Edges:
     segments: tuple[int, ...]
     opening: Zone | None = None
     sides: tuple[int, ...] = ()
-    held_at: float = 0.0
+    held_at: tuple[float, ...] = ()
 
     @cached_property
     def _bounded(self) -> np.ndarray:
@@ -49,12 +49,15 @@ class Edges:
     @cached_property
     def _segments(self) -> tuple[Array, Array, Array]:
         """Per edge: the front its segment starts from less every front (4, e), the width of the
-        segment (1 beyond c), and 1 where it is bounded (0 beyond c)."""
-        fronts = np.array([0.0, self.factors.a, 1.0, self.factors.c])
+        segment (1 beyond c), and 1 where it is bounded (0 beyond c); (..., k) in a family of k
+        Poisson ratios."""
+        ends = (0.0, per_set(self.factors.a), 1.0, per_set(self.factors.c))
+        fronts = np.stack(np.broadcast_arrays(*ends))
         segments, bounded = np.array(self.segments, dtype=int), self._bounded
-        width, bend = np.ones(len(segments)), np.zeros(len(segments))
-        width[bounded], bend[bounded] = np.diff(fronts)[1 + segments[bounded]], 1.0
-        return fronts[1 + segments] - fronts[:, None], width, bend
+        shift = fronts[1 + segments] - fronts[:, None]
+        width, bend = np.ones_like(shift[0]), np.zeros_like(shift[0])
+        width[bounded], bend[bounded] = np.diff(fronts, axis=0)[1 + segments[bounded]], 1.0
+        return shift, width, bend
 
     def parts(self, unknowns: Array) -> Array:
         """Slowness of the edges and their distances from a, b and c, as in `CutPoints`.
@@ -63,8 +66,9 @@ class Edges:
         closes a stick gap within a segment counts from the edge that opens the gap, so that gaps
         may be as narrow as they like.  (4, e) or (4, e, k) for `unknowns` (e,) or (e, k).
         """
-        axes = (...,) + (None,) * (unknowns.ndim - 1)
-        shift, width, bend = (part[axes] for part in self._segments)
+        shift, width, bend = self._segments
+        axes = (..., *[None] * (unknowns.ndim - width.ndim))
+        shift, width, bend = shift[axes], width[axes], bend[axes]
         size = np.exp(unknowns)
         parts = np.asarray(shift + width * size / (1 + bend * size))
         for edge, (segment, behind_gap) in enumerate(zip(self.segments, self._gaps, strict=True)):
@@ -85,7 +89,17 @@ class Edges:
     def points(self, unknowns: Array) -> list[CutPoints]:
         """Edges in slowness; `unknowns` (e,) give points of shape (1,), (e, k) give (k, 1)."""
         parts = self.parts(unknowns)[..., None]
-        return [CutPoints(parts[:, edge]) for edge in range(len(self.segments))]
+        points = [CutPoints(parts[:, edge]) for edge in range(len(self.segments))]
+        for edge, side in enumerate(self.sides):
+            end = None if side or self.opening is None else self._held_end(edge)
+            points[edge] = points[edge] if end is None else end
+        return points
+
+    def _held_end(self, edge: int) -> CutPoints | None:
+        """The end of the opening at which an edge is held: its zone begins or ends there."""
+        assert self.opening is not None
+        begins = (edge % 2 == 0) != self.open_ends[0]
+        return self.opening.left if begins else self.opening.right
 
     def zones(self, unknowns: Array) -> tuple[Zone, ...]:
         """The zones of given unknowns."""
@@ -94,9 +108,8 @@ class Edges:
             points.insert(0, None)
         if self.open_ends[1]:
             points.append(None)
-        closing = None if self.opening is None else self.opening.right
         return tuple(
-            replace(kind, left=left, right=closing if kind.held else right)
+            replace(kind, left=left, right=right)
             for kind, left, right in zip(self.kinds, points[::2], points[1::2], strict=True)
         )
 
@@ -139,6 +152,11 @@ class Edges:
             result[edge] = np.clip(rounding / gap, tuning.NUDGE, tuning.LONGEST_NUDGE)
         return result
 
+    def chosen(self, which: np.ndarray) -> Edges:
+        """Those of some of many sets of zones."""
+        factors = self.factors.chosen(which)
+        return self if factors is self.factors else replace(self, factors=factors)
+
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
         """What the edges leave unfulfilled, (e,) or (e, k) as `unknowns`."""
         return self.left_by(
@@ -148,8 +166,11 @@ class Edges:
     def left_by(self, fields: ZoneFields, unknowns: Array) -> Array:
         """The same of fields of these edges; that of a held one is how far it is off."""
         result = fields.mismatch()
-        for edge in (i for i, side in enumerate(self.sides) if not side):
-            result[edge] = unknowns[edge] - self.held_at
+        if result.ndim < unknowns.ndim:  # no edge is free
+            result = np.repeat(result[:, None], unknowns.shape[1], axis=1)
+        for edge, side in enumerate(self.sides):
+            if not side:
+                result[edge] = unknowns[edge] - self.held_at[edge]
         return result
 
 
@@ -173,15 +194,16 @@ def edges_of(
     kinds = tuple(replace(zone, left=None, right=None) for zone in zones)
     if opening is None:
         return Edges(factors, kinds, open_ends, segments), unknowns
-    held = {id(zone.right) for zone in zones if zone.held}
-    sides = tuple(0 if id(p) in held else _side(p, opening) for p in points)
-    held_at = float(unknowns[sides.index(0)]) if 0 in sides else 0.0
+    sides = tuple(_side(point, opening) for point in points)
+    held_at = tuple(unknowns.tolist())
     return Edges(factors, kinds, open_ends, segments, opening, sides, held_at), unknowns
 
 
 def _side(point: CutPoints, opening: Zone) -> int:
-    """-1 ahead of where the contact opens, 1 behind."""
+    """-1 ahead of where the contact opens, 1 behind, 0 at an end of the opening itself."""
     assert opening.left is not None
+    if point is opening.left or point is opening.right:
+        return 0
     return -1 if point.first_below(opening.left) else 1
 
 

@@ -82,7 +82,35 @@ def difference(
     if len(unknowns):
         by_width = _share_of_width(edges, unknowns, moved, fine, peaks) / scale
         rates = np.maximum(np.maximum(rates, by_width), edge_shift(edges, unknowns, moved))
+        rates = np.maximum(rates, _share_beside_opening(edges, unknowns, moved))
     return tuning.LEAST_ERROR + least + tuning.SAFETY * rates
+
+
+def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:
+    """How much of what friction takes ahead of an opening changes with the edge of that slip, ()
+    or (k,): pressure and slip rate rise with the distance from it."""
+    worst = np.zeros(unknowns.shape[1:])
+    if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
+        return worst
+    edge = len(edges.sides) - 1 - edges.sides[::-1].index(-1)  # the last ahead of the opening
+    point = edges.points(unknowns)[edge]
+    change = np.abs(edges.parts(moved)[0, edge] - edges.parts(unknowns)[0, edge])
+    return np.asarray(tuning.WORK_AHEAD * change / edges.opening.left.minus(point)[..., 0])
+
+
+def shift_error(edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields) -> Array:
+    """What a shift of edges alone changes, over the lesser of themselves and c_t, and of slip rates
+    over the largest, () or (k,); `fields` are those of either."""
+    panels = fields.panels
+    rate = RunningIntegral(panels, fields.slip_rate_slope, fields.factors.c)
+    ends = np.cumsum(rate.totals, axis=0) + per_set(fields.load.far_slip_rate)
+    halves = panels.rule.halved(rate.density * panels.jacobian)
+    peaks = np.maximum(np.abs(ends), np.abs(ends - rate.totals + halves))
+    scale = peaks.max(axis=0)
+    by_width = _share_of_width(edges, unknowns, moved, fields, peaks)
+    return np.maximum(
+        by_width / np.where(scale > 0, scale, 1.0), edge_shift(edges, unknowns, moved)
+    )
 
 
 def _share_of_width(

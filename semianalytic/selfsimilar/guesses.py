@@ -148,7 +148,7 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
     index = next(
         i
         for i, zone in enumerate(zones)
-        if zone.right is None or zone.right.v[0] > 1 / grid.xi[first]
+        if zone.right is None or zone.right.v[0] * grid.xi[first] > 1
     )
     held = zones[index]
     if opening.right is None:
@@ -158,7 +158,11 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
     elif inward == -held.sense:
         behind = zones.pop(index + 1)
         held = replace(held, right=behind.right, inward=inward)
-    zones[index] = _around(factors, held, opening, grid.xi, (int(last), int(first)))
+    undriven = not factors.has_rayleigh_wave and not (load.base_shear or load.far_slip_rate)
+    if undriven and opening.left is not None and opening.left.from_b[0] < 0:
+        zones[index] = replace(held, left=opening.left)  # nothing has arrived there
+    else:
+        zones[index] = _around(factors, held, opening, grid.xi, (int(last), int(first)))
     return zones
 
 
@@ -320,7 +324,7 @@ def with_slip_at_front(
     if load.opened is None:
         pressure = load.friction * load.load_pressure * stuck_traction(nu, "I")(at.v)
     else:
-        pressure = load.friction * (load.pressure(nu, at) - load.base_pressure)
+        pressure = load.friction * (load.pressure(factors, at) - load.base_pressure)
     excess = sense * load.load_shear * stuck_traction(nu, factors.mode)(at.v) - pressure
     kept = np.flatnonzero(excess <= 0)
     if not len(kept) or not kept[0]:  # at nu = 0 pressure falls too late

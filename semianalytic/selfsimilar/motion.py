@@ -10,7 +10,7 @@ import numpy as np
 
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
-from semianalytic.halfplane.rayleigh import CutPoints
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.guesses import slip_senses
 
@@ -58,7 +58,8 @@ def slip_zones(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
         parts = [Zone(zone.left, zone.right, zone.sense, zone.inward) for zone in fields.zones]
     if opening is not None:
         parts = [part for zone in parts for part in _in_contact(zone, opening)]
-    return tuple(_in_velocity(zone, profile, speed) for zone in reversed(parts))
+    zones = (_in_velocity(zone, profile, speed) for zone in reversed(parts))
+    return tuple(one for one in zones if one.outer - one.inner > tuning.NO_ZONE * speed)
 
 
 def motion(
@@ -70,7 +71,8 @@ def motion(
 
 def _in_velocity(zone: Zone, profile: Profile, speed: float) -> SlipZone:
     load, factors = profile.fields.load, profile.fields.factors
-    ahead = np.inf if load.far_slip_rate else speed / factors.a
+    sheared = factors.mode == "III" and (load.frictionless or not load.load_pressure)
+    ahead = np.inf if load.far_slip_rate else speed / (1.0 if sheared else factors.a)
     return SlipZone(
         0.0 if zone.right is None else float(speed / zone.right.v[0]),
         float(ahead if zone.left is None else speed / zone.left.v[0]),
@@ -79,7 +81,7 @@ def _in_velocity(zone: Zone, profile: Profile, speed: float) -> SlipZone:
 
 
 def _by_sense(profile: Profile) -> list[Zone]:
-    """Zones of a frictionless interface: it slips behind the longitudinal front, either way."""
+    """Zones of a frictionless interface: it slips behind the first front of shear, either way."""
     senses, changes = slip_senses(profile)
     return [
         Zone(left, right, sense)
@@ -92,7 +94,7 @@ def _in_contact(zone: Zone, opening: Zone) -> list[Zone]:
     start, end = opening.left, opening.right
     assert start is not None
     parts = []
-    if zone.left is None or zone.left.first_below(start):
+    if zone.left is None or not start.first_below(zone.left):
         reaches = zone.right is None or start.first_below(zone.right)
         parts.append(Zone(zone.left, start if reaches else zone.right, zone.sense))
     if end is not None and (zone.right is None or end.first_below(zone.right)):
@@ -107,16 +109,18 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
 
     points = _points_in_opening(profile)
     rate = profile.slip_rate_at(points)
-    moving = rate != 0
-    v, rate = points.v[moving], rate[moving]
-    if not len(v):
+    points, sense = points[rate != 0], np.sign(rate[rate != 0]).astype(int)
+    if not len(sense):
         return []
-    ends = [speed / opening.outer]
-    senses = [int(np.sign(rate[0]))]
-    for i in np.flatnonzero(np.sign(rate[1:]) != np.sign(rate[:-1])):
-        ends.append(brentq(lambda u: float(profile.slip_rate(np.array([u]))[0]), v[i], v[i + 1]))
-        senses.append(int(np.sign(rate[i + 1])))
-    outer = [speed / end for end in ends]
+    outer, senses = [opening.outer], [int(sense[0])]
+    for i in np.flatnonzero(sense[1:] != sense[:-1]):
+        start, step = points.parts[:, [i]], points.parts[:, [i + 1]] - points.parts[:, [i]]
+
+        def signed(share: float, start: Array = start, step: Array = step) -> float:
+            return float(profile.slip_rate_at(CutPoints(start + share * step))[0])
+
+        outer.append(float(speed / (start + brentq(signed, 0.0, 1.0) * step)[0, 0]))
+        senses.append(int(sense[i + 1]))
     inner = [*outer[1:], opening.inner]
     return [SlipZone(*part) for part in zip(inner, outer, senses, strict=True)]
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
@@ -20,7 +20,9 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.derivative import Derivative, Known, differentiated, over_slowness
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion
+from semianalytic.selfsimilar.variation import Surroundings
 from semianalytic.separation.normal import Normal
 
 
@@ -100,14 +102,7 @@ class Solution:
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]) -> Array:
         """A field over slowness (m,), or several (k, m), at x, t; 0 before t = 0."""
-        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-        if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))):
-            raise SceneError("positions and times must be finite numbers.")
-        if np.any(x <= 0):
-            raise SceneError("the contact is x > 0; ask for positive positions.")
-        u = (t * self.scene.material.shear_speed / x).ravel()
-        value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
-        return value.reshape((*value.shape[:-1], *x.shape))
+        return over_slowness(self.scene.material.shear_speed, x, t, field)
 
     @property
     def openings(self) -> tuple[OpenZone, ...]:
@@ -159,15 +154,13 @@ class Solution:
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
         pressure = self.scene.base.pressure + self.stress * change
-        for part in self.openings:  # not even rounding is left of it there
-            velocity = np.asarray(x, dtype=float) / np.where(np.greater(t, 0), t, np.nan)
-            pressure = np.where((velocity > part.inner) & (velocity < part.outer), 0.0, pressure)
-        return pressure
+        return np.where(self._is_open(x, t), 0.0, pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
-        over_time = self._of_gap(Profile.slip_over_time)
-        return self._rate_unit * np.asarray(t, dtype=float) * self._evaluate(x, t, over_time)
+        over_time = self._evaluate(x, t, self._of_gap(Profile.slip_over_time))
+        gap = self._rate_unit * np.asarray(t, dtype=float) * over_time
+        return np.where(self._is_open(x, t), np.maximum(gap, 0.0), 0.0)
 
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
         """How fast it opens [length / time], 0 where closed; raises as `slip_rate`.
@@ -175,6 +168,14 @@ class Solution:
         Logarithmically infinite at the Rayleigh front where that is open.
         """
         return self._rate_unit * self._evaluate(x, t, self._of_gap(Profile.slip_rate))
+
+    def _is_open(self, x: ArrayLike, t: ArrayLike) -> NDArray[np.bool_]:
+        """Where and when the contact is open; not even rounding is left of pressure there, nor of
+        the gap elsewhere."""
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
+        parts = [(velocity > part.inner) & (velocity < part.outer) for part in self.openings]
+        return np.logical_or.reduce([np.zeros(x.shape, dtype=bool), *parts])
 
     def _of_gap(self, field: Callable[[Profile, Array], Array]) -> Callable[[Array], Array]:
         """A field of slip of the normal problem, over slowness; 0 where the contact is closed."""
@@ -367,6 +368,39 @@ class Solution:
         From the contact edge outward; 0 is the contact edge itself, inf slip ahead of all waves.
         """
         return np.array([(zone.inner, zone.outer) for zone in self.zones]).reshape(-1, 2)
+
+    @cached_property
+    def _surroundings(self) -> Surroundings:
+        """What all derivatives share."""
+        return Surroundings(self.profile)
+
+    def derivative(self, name: str) -> Derivative:
+        """How zones and fields change with a parameter of the scene, all else held.
+
+        By implicit differentiation of what the zone edges fulfil, at about the cost of the
+        solution.
+
+        Parameters
+        ----------
+        name : str
+            "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
+            "load_shear" or "viscosity" (with `ViscousFriction`).
+
+        Returns
+        -------
+        Derivative
+            Its `status` says where zones are about to change: it then holds to one side only.
+
+        Raises
+        ------
+        SceneError
+            If there is no such parameter or no derivative with respect to it in this scene.
+        ComputationError
+            If zones on either side, however near, are of another kind.
+        """
+        zones = tuple((zone.inner, zone.outer, zone.sense) for zone in self.zones)
+        known = Known(zones, self.status, self.error_estimate)
+        return differentiated(self.scene, self._surroundings, self.stress, known, name)
 
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
         """Particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from time import perf_counter
 
 import numpy as np
@@ -80,9 +79,9 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     if isinstance(scene.friction_law, RateWeakening):
         return _solve_rated(scene, rtol)
     load, stress = scaled_load(scene)
-    load, normal = with_opening(load, scene.material.poisson_ratio, rtol)
-    wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
+    load, normal = with_opening(load, factors, rtol)
+    wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     clock = [perf_counter()]
     trial, pivots = _search(factors, load, rtol, loose_tolerance(rtol))
     clock.append(perf_counter())

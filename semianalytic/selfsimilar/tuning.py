@@ -62,6 +62,8 @@ SLIP_PER_EXCESS = 0.3
 LEAST_IMPEDANCE = 1e-3
 """Least impedance [rho c_t] that such slip is divided by, over `SLIP_PER_EXCESS`: it falls to 0 at
 the longitudinal front for nu near 0."""
+WORK_AHEAD = 3.0
+"""Power of its width that friction takes on the slip ahead of an opening, about."""
 GAP_LOGARITHM_SHARE = 0.1
 """What a change of the logarithm of an edge's distance from c counts as a shift: the slip rate
 beside a narrow stick gap follows that of its width."""
@@ -162,6 +164,9 @@ GAUSS_PER_ELEMENT = 6
 
 # Zones after a failure (corrections)
 
+NO_ZONE = 1e-9
+"""Width [c_t] of slip beside an opening that is none: out of the plane nothing drives it ahead of
+the shear front."""
 NARROW_GAP = 0.1
 """Gap over slowness between zones that may have met.  Not recorded."""
 NEAR_OPENING = 0.05
@@ -177,9 +182,17 @@ BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 
 # Derivatives with respect to a parameter (variation, derivative)
 
-VARIED_STEP, COARSER_STEP = 3e-3, 1.6
-"""Of logits and logarithms between neighbours, and how much longer it is in the companion that
-shows the error: truncation is some 1e-11, rounding as much."""
-MOST_IMPROVEMENTS, IMPROVED_SHARE = 6, 1e-5
-"""Of the derivatives of edges, whose Jacobian has six digits: two are the rule.  Those that change
-less are right to the square of it."""
+VARIED_STEP = 3e-3
+"""Of logits and logarithms between neighbours: truncation is some 1e-11, rounding as much."""
+DIRECTION_RULE = 1e-6
+"""Tolerance of the rule on which the direction of a derivative is found: as good as a Jacobian from
+one-sided differences."""
+MOST_IMPROVEMENTS, NEGLIGIBLE_CHANGE = 4, 1e-11
+"""Of directions; one is the rule.  What changes less than that share is left."""
+LEAST_DERIVATIVE_ERROR = 1e-10
+"""Rounding of differences, part of every estimate of a derivative."""
+DERIVATIVE_SHARE = 20.0
+"""Error estimate of a derivative over that of its solution."""
+AT_BORDER = 1e-7
+"""Of what Coulomb's law leaves to spare, of widths and of slip rates over the largest: zones are
+about to change below it."""

@@ -18,8 +18,8 @@ import numpy as np
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
-from semianalytic.halfplane.rules import Rule
+from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
+from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.edges import Edges, edges_of, linearised
@@ -34,6 +34,7 @@ class Rates:
     friction : of the coefficient
     base_pressure, base_shear, load_pressure, load_shear : of tractions [stress unit]
     far_slip_rate : of V(inf) [stress unit / (mu b)]
+    resistance : of eta [mu b]
     poisson_ratio : 1 for the Poisson ratio itself
     """
 
@@ -43,6 +44,7 @@ class Rates:
     load_pressure: float = 0.0
     load_shear: float = 0.0
     far_slip_rate: float = 0.0
+    resistance: float = 0.0
     poisson_ratio: float = 0.0
 
     def of_load(self, load: Load) -> Load | None:
@@ -50,19 +52,25 @@ class Rates:
 
         All are linear in shear tractions and in friction times pressure; None if none changes.
         """
-        if self.poisson_ratio:
+        if self.poisson_ratio or self.resistance:
             return None
-        shear = {"base_shear": self.base_shear, "load_shear": self.load_shear}
-        rest = {**shear, "far_slip_rate": self.far_slip_rate}
+        friction, pressures = load.friction, (self.base_pressure, self.load_pressure)
         if self.friction:
-            return replace(load, friction=self.friction, **rest)
-        pressed = {"base_pressure": self.base_pressure, "load_pressure": self.load_pressure}
-        return replace(load, **pressed, **rest)
+            friction, pressures = self.friction, (load.base_pressure, load.load_pressure)
+        return replace(
+            load,
+            friction=friction,
+            base_pressure=pressures[0],
+            base_shear=self.base_shear,
+            load_pressure=pressures[1],
+            load_shear=self.load_shear,
+            far_slip_rate=self.far_slip_rate,
+        )
 
 
 @dataclass(frozen=True)
 class Stencil:
-    """A difference of fourth order: steps away, their weights, and the step."""
+    """A difference: steps away, their weights, and the step."""
 
     offsets: Array
     weights: Array
@@ -70,7 +78,7 @@ class Stencil:
 
     @property
     def points(self) -> Array:
-        """Values of the parameter, less its own."""
+        """Values of what is varied, less its own."""
         return self.offsets * self.step
 
     def difference(self, values: Array, axis: int) -> Array:
@@ -78,14 +86,17 @@ class Stencil:
         return np.tensordot(values, self.weights / self.step, ([axis], [0]))
 
 
+_SECOND_ORDER = np.array([-1.0, 1.0]), np.array([-0.5, 0.5])
+_FOURTH_ORDER = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
+_TO_ONE_SIDE = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
+
+
 def _stencils(step: float) -> Iterator[Stencil]:
     """Central ones, and ones to a side for where neighbours on the other have other panels."""
-    central = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
-    aside = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
     for size in (step, step / 10):
-        yield Stencil(*central, size)
-        yield Stencil(*aside, size)
-        yield Stencil(*aside, -size)
+        yield Stencil(*_FOURTH_ORDER, size)
+        yield Stencil(*_TO_ONE_SIDE, size)
+        yield Stencil(*_TO_ONE_SIDE, -size)
 
 
 @dataclass(frozen=True)
@@ -114,15 +125,15 @@ class NodeFields:
     @classmethod
     def of(cls, profile: Profile) -> NodeFields:
         """Of a profile; of k sets of zones with an axis of k, at the place `_SETS` says."""
-        panels, (rate, traction) = profile.panels, profile._starts
+        panels, (rate, traction) = profile.panels, profile.starts
         return cls(
-            profile._slip_rate.density * panels.jacobian,
-            profile._traction.density * panels.jacobian,
+            profile.rate_integral.density * panels.jacobian,
+            profile.traction_integral.density * panels.jacobian,
             rate,
             traction,
             panels.ends.parts,
             panels.skew,
-            np.asarray(profile._slip_rate.tail),
+            np.asarray(profile.rate_integral.tail),
             np.asarray(profile.edge_intensity),
         )
 
@@ -149,9 +160,13 @@ class NodeFields:
         return cls(*parts)
 
     def plus(self, other: NodeFields) -> NodeFields:
-        """With the fields of others on the same panels, which stay."""
-        sums = [a + b for a, b in zip(self._parts, other._parts, strict=True)]
-        return replace(NodeFields(*sums), ends=self.ends, skew=self.skew)
+        """The sum of two derivatives."""
+        return NodeFields(*(a + b for a, b in zip(self._parts, other._parts, strict=True)))
+
+    @property
+    def of_resting_panels(self) -> NodeFields:
+        """The same as derivatives for panels that stay."""
+        return replace(self, ends=np.zeros_like(self.ends), skew=np.zeros_like(self.skew))
 
 
 _SETS = (1, 1, 1, 1, 2, 1, 0, 0)
@@ -177,16 +192,9 @@ class Variation:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Placed zones, and what their neighbours on the same nodes show.
-
-    Attributes
-    ----------
-    profile : Profile of the zones
-    step : float, of logits and logarithms of edges between neighbours
-    """
+    """Placed zones, and what their neighbours on the same nodes show."""
 
     profile: Profile
-    step: float = tuning.VARIED_STEP
 
     @property
     def _fields(self) -> ZoneFields:
@@ -197,57 +205,71 @@ class Surroundings:
         return replace(self.profile.panels.rule, held=True)
 
     @cached_property
+    def _loose_rule(self) -> Rule:
+        """On which directions are found, to the digits of a Jacobian."""
+        return rule_for(max(tuning.DIRECTION_RULE, self._fields.rule.tolerance))
+
+    @cached_property
     def _placed(self) -> tuple[Edges, Array]:
         return edges_of(self._fields.factors, self._fields.zones)
 
     @cached_property
     def _inverse(self) -> Array:
-        """(e, e) inverse Jacobian of the mismatch, to a few digits."""
+        """(e, e) inverse Jacobian of the mismatch, to about six digits."""
         edges, unknowns = self._placed
         if not len(unknowns):
             return np.zeros((0, 0))
-        _, jacobian = linearised(edges, unknowns, self._fields.load, self._rule)
+        _, jacobian = linearised(edges, unknowns, self._fields.load, self._loose_rule)
         return np.asarray(np.linalg.inv(jacobian))
 
-    def _factors(self, rates: Rates, points: Array) -> list[RayleighFactors]:
-        """Those of neighbours, one for all if the Poisson ratio stays."""
-        own = self._fields.factors
-        if not rates.poisson_ratio:
-            return [own]
-        return [rayleigh_factors(float(own.poisson_ratio + point)) for point in points]
-
     def _neighbours(
-        self, rates: Rates, moved: Array, points: Array, tail: bool
+        self, rates: Rates, moved: Array, points: Array, rule: Rule | None = None
     ) -> list[ZoneFields]:
-        """Zones beside these: sets of one, or one by one if the Poisson ratio changes."""
-        edges, unknowns = self._placed
-        every = unknowns[:, None] + moved[:, None] * points
-        factors = self._factors(rates, points)
-        columns = [every] if len(factors) == 1 else list(every.T)
-        return [
-            replace(
-                self._fields,
-                factors=own,
-                zones=replace(edges, factors=own).zones(column),
-                rule=self._rule,
-                tail=tail,
-            )
-            for own, column in zip(factors, columns, strict=True)
-        ]
+        """Zones beside these: sets of one, or one by one if more than edges changes.
+
+        On the nodes of these, or on another rule without what follows the last edge.
+        """
+        (edges, unknowns), fields = self._placed, self._fields
+        every, tail = unknowns[:, None] + moved[:, None] * points, rule is None
+        fields = replace(fields, rule=rule or self._rule, tail=tail)
+        if not (rates.poisson_ratio or rates.resistance):
+            return [replace(fields, zones=edges.zones(every))]
+        result = []
+        for point, column in zip(points.tolist(), every.T, strict=True):
+            ratio, load = fields.factors.poisson_ratio + rates.poisson_ratio * point, fields.load
+            own = rayleigh_factors(ratio, fields.factors.mode)
+            if load.resistance is not None and rates.resistance:
+                resistance = load.resistance + rates.resistance * point
+                far_slip_rate = load.far_slip_rate + rates.far_slip_rate * point
+                load = replace(load, resistance=resistance, far_slip_rate=far_slip_rate)
+            zones = replace(edges, factors=own).zones(column)
+            result.append(replace(fields, factors=own, load=load, zones=zones))
+        return result
+
+    def _unfulfilled(self, beside: list[ZoneFields], stencil: Stencil) -> Array:
+        """(e,) derivatives of the mismatch from neighbours."""
+        values = np.stack([one.mismatch() for one in beside], -1)
+        return stencil.difference(values.reshape(-1, len(stencil.points)), 1)
+
+    def _step(self, rates: Rates, moved: Array) -> float:
+        """The longest step in a direction; infinite if nothing moves."""
+        steps, nu = [np.inf], self._fields.factors.poisson_ratio
+        if moved.any():
+            steps.append(1 / float(np.abs(moved).max()))
+        if rates.poisson_ratio:
+            steps.append(min(0.5 - nu, 1 + nu))
+        if rates.resistance:
+            steps.append(float(np.max(self._fields.load.resistance or 0.0)))
+        return tuning.VARIED_STEP * min(steps)
 
     def _stencil(self, rates: Rates, moved: Array) -> Stencil | None:
         """Points at which neighbours in a direction have the same panels; None if none moves."""
-        largest, nu = float(np.abs(moved).max(initial=0.0)), self._fields.factors.poisson_ratio
-        lengths = [self.step / largest] if largest else []
-        lengths += [self.step * min(0.5 - nu, 1 + nu)] if rates.poisson_ratio else []
-        if not lengths:
+        step = self._step(rates, moved)
+        if step == np.inf:
             return None
-        for stencil in _stencils(min(lengths)):
-            outer = [
-                one
-                for point in (stencil.points[0], stencil.points[-1])
-                for one in self._neighbours(rates, moved, np.array([point, point]), True)
-            ]
+        for stencil in _stencils(step):
+            ends = (stencil.points[[0, 0]], stencil.points[[-1, -1]])
+            outer = [one for end in ends for one in self._neighbours(rates, moved, end)]
             if all(one.layout == self._fields.layout for one in outer):
                 return stencil
         raise ComputationError(
@@ -263,26 +285,41 @@ class Surroundings:
         ComputationError
             If zones on either side of these, however near, have other panels.
         """
-        fields, load = self._fields, rates.of_load(self._fields.load)
-        fixed = None if load is None else replace(fields, load=load, rule=self._rule)
-        unfulfilled, moved = np.zeros((2, len(self._placed[1])))
-        if fixed is not None and len(moved):
-            unfulfilled = replace(fixed, tail=False).mismatch()
+        load, moved = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
+        nodes, unfulfilled = NodeFields.zero(self.profile), moved
+        if load is not None:
+            fixed = replace(self._fields, load=load, rule=self._rule)
+            nodes = NodeFields.of(Profile(fixed)).of_resting_panels
+            unfulfilled = fixed.mismatch().reshape(-1)
             moved = -self._inverse @ unfulfilled
+        elif len(moved):
+            first = Stencil(*_SECOND_ORDER, self._step(rates, moved))
+            beside = self._neighbours(rates, moved, first.points, self._loose_rule)
+            moved = -self._inverse @ self._unfulfilled(beside, first)
         stencil = self._stencil(rates, moved)
-        for _ in range(tuning.MOST_IMPROVEMENTS if stencil and len(moved) else 0):
-            beside = self._neighbours(rates, moved, stencil.points, False)
-            values = np.stack([one.mismatch() for one in beside], -1)
-            gained = stencil.difference(values.reshape(len(moved), -1), 1)
-            change = -self._inverse @ (unfulfilled + gained)
-            moved = moved + change
-            stencil = self._stencil(rates, moved)
-            if np.abs(change).max() <= tuning.IMPROVED_SHARE * np.abs(moved).max():
-                break
-        nodes = NodeFields.zero(self.profile)
-        if stencil:
-            beside = self._neighbours(rates, moved, stencil.points, True)
-            nodes = NodeFields.difference([NodeFields.of(Profile(one)) for one in beside], stencil)
-        if fixed is not None:
-            nodes = nodes.plus(NodeFields.of(Profile(fixed)))
+        if stencil is None:
+            return Variation(rates, moved, nodes, None)
+        beside = self._neighbours(rates, moved, stencil.points)
+        every = [NodeFields.of(Profile(one)) for one in beside]
+        nodes = nodes.plus(NodeFields.difference(every, stencil))
+        if len(moved):
+            unfulfilled = unfulfilled + self._unfulfilled(beside, stencil)
+            moved, nodes = self._improved(moved, nodes, unfulfilled)
         return Variation(rates, moved, nodes, stencil)
+
+    def _improved(
+        self, moved: Array, nodes: NodeFields, unfulfilled: Array
+    ) -> tuple[Array, NodeFields]:
+        """Derivatives of unknowns and fields with what they leave unfulfilled made up for."""
+        largest = float(np.abs(moved).max())
+        for _ in range(tuning.MOST_IMPROVEMENTS):
+            more = -self._inverse @ unfulfilled
+            if np.abs(more).max() <= tuning.NEGLIGIBLE_CHANGE * largest:
+                break
+            stencil = Stencil(*_SECOND_ORDER, tuning.VARIED_STEP / float(np.abs(more).max()))
+            beside = self._neighbours(Rates(), more, stencil.points)
+            every = [NodeFields.of(Profile(one)) for one in beside]
+            nodes = nodes.plus(NodeFields.difference(every, stencil))
+            unfulfilled = unfulfilled + self._unfulfilled(beside, stencil)
+            moved = moved + more
+        return moved, nodes

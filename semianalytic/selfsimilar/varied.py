@@ -22,8 +22,12 @@ from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.selfsimilar.variation import NodeFields, Variation
 
-_HALF_POWER = 0.01
-"""What a power read off the last nodes may differ from a multiple of one half that it is."""
+_KEPT = 0.6
+"""Of the reach of a rule, for slopes between nodes: further out principal values are noise."""
+_STEADY = 1e-7
+"""What a power may change by from node to node: where it changes more there is but noise."""
+_HALF_POWER = 1e-4
+"""What a power read off the last of those may differ from a multiple of one half that it is."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,11 @@ class VariedProfile:
         moved = ends[panel] + (ends[panel + 1] - ends[panel]) * share
         return np.asarray(moved - share * to_right * rate[panel])
 
+    def moved(self, point: CutPoints) -> Array:
+        """Of the slowness of a zone edge or front at which a panel begins, (1,)."""
+        starts = [left.first for left in self._panels.left]
+        return np.asarray(self._nodes.ends[0, starts.index(point.first)])
+
     @cached_property
     def _rate(self) -> RunningIntegral:
         """Of dV/dv at fixed nodes."""
@@ -62,7 +71,7 @@ class VariedProfile:
         """The integral whose moment is what that of dV/dv changes by at fixed nodes."""
         panels = self._panels
         velocity = np.stack([self._velocity(i, panels.at[i]) for i in range(len(panels.left))])
-        carried = self.profile._slip_rate.density * velocity / panels.at.v
+        carried = self.profile.rate_integral.density * velocity / panels.at.v
         return self._integral(self._nodes.rate / panels.jacobian + carried)
 
     @cached_property
@@ -80,20 +89,22 @@ class VariedProfile:
         It is interpolated without its powers at the ends, and less the limits that this leaves.
         """
         panels, rule = self._panels, self._panels.rule
-        at_nodes = _Distances.of_nodes(panels, panel)
-        powers = at_nodes.powers_of(density[panel])
-        smooth = density[panel] / at_nodes.product(*powers)
+        kept = np.flatnonzero(np.abs(rule.y) < _KEPT * rule.reach + rule.further)
+        kept = _Distances.of_nodes(panels, panel, kept).heard(density[panel, kept], kept)
+        at_nodes, values = _Distances.of_nodes(panels, panel, kept), density[panel, kept]
+        powers = at_nodes.powers_of(values)
+        smooth = values / at_nodes.product(*powers)
         first, last = smooth[0], smooth[-1]
-        y = np.clip(panels.coordinate(panel, at), rule.y[0], rule.y[-1])
-        rest = smooth - first - (last - first) * rule.share
+        rest = smooth - first - (last - first) * rule.share[kept]
+        y = np.clip(panels.coordinate(panel, at), rule.y[kept[0]], rule.y[kept[-1]])
         value = first + (last - first) / (1 + np.exp(-y))
-        value = value + np.sinc((y[:, None] - rule.y) / rule.spacing) @ rest
+        value = value + np.sinc((y[:, None] - rule.y[kept]) / rule.spacing) @ rest
         return np.asarray(value * _Distances.of_points(panels, panel, at).product(*powers))
 
     def _piecewise(
         self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
-        return self.profile._piecewise(u, ahead, inside)
+        return self.profile.piecewise(u, ahead, inside)
 
     @property
     def _far_slip_rate(self) -> float:
@@ -101,15 +112,24 @@ class VariedProfile:
 
     def slip_rate(self, u: Array) -> Array:
         """Of V; at the edges where V has a square root plus or minus infinity."""
-        slope = self.profile._slip_rate.density
+        return self._piecewise(u, self._far_slip_rate, self._slip_rate_inside)
 
-        def inside(i: int, at: CutPoints) -> Array:
-            if not self._panels.sense[i]:
-                return np.zeros(at.v.shape)
-            value = self._nodes.rate_starts[i] + self._rate(i, at)
-            return np.asarray(value - _carried(self._slope(slope, i, at), self._velocity(i, at)))
+    def _slip_rate_inside(self, i: int, at: CutPoints) -> Array:
+        """The same at points (m,) inside a panel."""
+        if not self._panels.sense[i]:
+            return np.zeros(at.v.shape)
+        value = self._nodes.rate_starts[i] + self._rate(i, at)
+        slope = self._slope(self.profile.rate_integral.density, i, at)
+        return np.asarray(value - _carried(slope, self._velocity(i, at)))
 
-        return self._piecewise(u, self._far_slip_rate, inside)
+    def moved_root(self, u: Array) -> Array:
+        """Of slownesses (m,) at which V is zero within a zone."""
+        slope = self.profile.rate_integral.density
+        with np.errstate(invalid="ignore"):
+            moved = self.slip_rate(u) / self._piecewise(
+                u, 0.0, lambda i, at: self._slope(slope, i, at)
+            )
+        return np.where(np.isnan(moved), 0.0, -moved)
 
     @cached_property
     def edge_slip_rate(self) -> float:
@@ -152,19 +172,18 @@ class VariedProfile:
         stencil, own = self.variation.stencil, self.profile.fields.factors
         if not self.variation.rates.poisson_ratio or stencil is None:
             return np.zeros(u.shape)
-        # Fixed between the fronts, which move
-        ahead, behind = u <= own.a, u >= 1
-        share = np.where(ahead | behind, 0.0, (u - own.a) / (1 - own.a))
+        between = (u > own.a) & (u < 1)  # of the fronts, that move: at a fixed share
+        share = np.where(between, (u - own.a) / (1 - own.a), 0.0)
         values, places = [], []
         for point in stencil.points:
             traction = stuck_traction(float(own.poisson_ratio + point), mode)
             a = traction.factors.a
-            place = np.where(behind, u, a + share * (1 - a))
-            places.append(place)
-            values.append(traction(place))
+            places.append(np.where(between, a + share * (1 - a), u))
+            values.append(traction(places[-1]))
         value, moved = (stencil.difference(np.stack(every), 0) for every in (values, places))
-        slope = stuck_traction(own.poisson_ratio, mode).derivative(u)
-        return np.where(ahead, 0.0, value - np.where(behind, 0.0, slope * moved))
+        inside = np.where(between, u, (1 + own.a) / 2)
+        slope = stuck_traction(own.poisson_ratio, mode).derivative(inside)
+        return np.where(u <= own.a, 0.0, value - np.where(between, slope * moved, 0.0))
 
     def pressure(self, u: Array) -> Array:
         """Of contact pressure."""
@@ -189,17 +208,28 @@ class VariedProfile:
     def traction(self, u: Array) -> Array:
         """Of the shear traction; infinite at edges that open slip slower than c_R."""
         rates, profile, nodes = self.variation.rates, self.profile, self._nodes
-        slope = profile._traction.density
+        slope = profile.traction_integral.density
 
         def inside(i: int, at: CutPoints) -> Array:
             sense = self._panels.sense[i]
             if sense:
-                return np.asarray(sense * self.strength(at.v))
+                return np.asarray(sense * self.strength(at.v) + self._resisted(i, at))
             value = nodes.traction_starts[i] + self._traction(i, at)
             value = value - _carried(self._slope(slope, i, at), self._velocity(i, at))
             return np.asarray(value + self._edge_traction(i, at.v))
 
         return self._piecewise(u, rates.base_shear - rates.far_slip_rate, inside)
+
+    def _resisted(self, i: int, at: CutPoints) -> Array | float:
+        """Of eta V inside a panel that slips."""
+        resistance, by_resistance = (
+            self.profile.fields.load.resistance,
+            self.variation.rates.resistance,
+        )
+        if resistance is None:
+            return 0.0
+        rate = self.profile.slip_rate_inside(i, at)
+        return np.asarray(resistance * self._slip_rate_inside(i, at) + by_resistance * rate)
 
     def _edge_traction(self, panel: int, v: Array) -> Array | float:
         """Of the part of the traction that is unbounded at a stuck edge, less what its start moves
@@ -208,12 +238,13 @@ class VariedProfile:
         if self._panels.right[panel] is not None:
             return 0.0
         left = self._panels.left[panel].v
-        mode = stuck_traction(profile.fields.factors.poisson_ratio, "II")
+        name = profile.fields.factors.mode
+        mode = stuck_traction(profile.fields.factors.poisson_ratio, name)
         moved = nodes.ends[0, panel]
-        started = self._stuck(left, "II")
+        started = self._stuck(left, name)
         if moved.any():  # beside an edge, not at the shear front
             started = started + mode.derivative(left) * moved
-        gained = self._stuck(v, "II") - started
+        gained = self._stuck(v, name) - started
         return np.asarray(
             nodes.intensity * (mode(v) - mode(left)) + profile.edge_intensity * gained
         )
@@ -235,17 +266,19 @@ class _Distances:
     pole: Array | float
 
     @classmethod
-    def of_nodes(cls, panels: Panels, panel: int) -> _Distances:
-        """Of all nodes, exact however small."""
-        left, right = panels.from_left[panel], panels.from_right[panel]
-        return cls._of(panels, panel, panels.at[panel], left, right)
+    def of_nodes(cls, panels: Panels, panel: int, nodes: np.ndarray) -> _Distances:
+        """Of some nodes, exact however small."""
+        left, right = panels.from_left[panel, nodes], panels.from_right[panel, nodes]
+        return cls._of(panels, panel, panels.at[panel][nodes], left, right)
 
     @classmethod
     def of_points(cls, panels: Panels, panel: int, at: CutPoints) -> _Distances:
-        """Of points (m,) inside."""
-        end = panels.right[panel]
-        right = at.v if end is None else np.maximum(-at.minus(end), 0.0)
-        return cls._of(panels, panel, at, np.maximum(at.minus(panels.left[panel]), 0.0), right)
+        """Of points (m,) inside; 0 where rounding of v leaves nothing else."""
+        end, rounding = panels.right[panel], 4 * np.finfo(float).eps * at.v
+        left = at.minus(panels.left[panel])
+        right = at.v if end is None else -at.minus(end)
+        left, right = (np.where(one < rounding, 0.0, one) for one in (left, right))
+        return cls._of(panels, panel, at, left, right)
 
     @classmethod
     def _of(
@@ -259,8 +292,17 @@ class _Distances:
             return cls(left / at.v, at.v, pole)
         return cls(left, right, pole)
 
+    def heard(self, density: Array, nodes: np.ndarray) -> np.ndarray:
+        """Nodes from the first to the last at which a density follows a power."""
+        steady = []
+        with np.errstate(divide="ignore", invalid="ignore"):
+            for distances in (self.left, self.right):
+                power = np.diff(np.log(np.abs(density))) / np.diff(np.log(distances))
+                steady.append(np.abs(np.diff(power)) < _STEADY)
+        return nodes[steady[0].argmax() : len(nodes) - steady[1][::-1].argmax()]
+
     def powers_of(self, density: Array) -> tuple[float, float]:
-        """Powers of the distances with which a density on all nodes begins and ends."""
+        """Powers of the distances with which a density on nodes begins and ends."""
         return _power(self.left[:2], density[:2]), _power(self.right[:-3:-1], density[:-3:-1])
 
     def product(self, left: float, right: float) -> Array:

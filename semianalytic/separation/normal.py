@@ -9,7 +9,7 @@ import numpy as np
 from semianalytic.cut.load import Load, Opened
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, CutPoints, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.separation import tuning
 from semianalytic.separation.opening import Opening, opening_of
@@ -45,23 +45,25 @@ class Normal:
         return np.stack([profile.panels.at.v.ravel(), pressure.ravel()])
 
 
-def with_opening(load: Load, poisson_ratio: float, rtol: float) -> tuple[Load, Normal | None]:
+def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Load, Normal | None]:
     """The load with the contact open where it opens, and the normal problem; None if it does not.
+
+    `factors` are those of shear, in or out of the plane.
 
     Raises
     ------
     ComputationError
         If the edges of the opening are not found.
     """
-    normal = normal_problem(load, poisson_ratio, rtol)
+    normal, of_mode = normal_problem(load, factors.poisson_ratio, rtol), factors.of_in_plane
     if normal is None:
         return load, None
     opened = Opened(
-        normal.opening.zone,
-        normal.opening.closing,
+        normal.opening.zone.seen_by(of_mode),
+        tuple((of_mode(edge), amount) for edge, amount in normal.opening.closing),
         load.base_pressure,
         load.load_pressure,
-        normal.pressure,
+        lambda at: normal.pressure(factors.seen_in_plane(at)),
         normal.known_pressure(),
     )
     return replace(load, opened=opened), normal

@@ -15,7 +15,7 @@ g_0 (1 + rho v / (e (e - v))), rho = r / R_0.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -62,10 +62,10 @@ def opening_of(poisson_ratio: float, base: float, step: float, tolerance: float)
     """
     if step < 0:
         return _from_contact_edge(poisson_ratio, -base / step)
-    below = 1 + base / (step * stuck_traction(poisson_ratio, "I").at_rayleigh_front) if step else 0
-    if below <= 0:
+    if not step or base >= -step * stuck_traction(poisson_ratio, "I").at_rayleigh_front:
         return None
-    return _detached(Detached(poisson_ratio, base / step, rule_for(tolerance)), step, below)
+    unit = _detached(poisson_ratio, base / step, tolerance)
+    return replace(unit, closing=tuple((edge, amount * step) for edge, amount in unit.closing))
 
 
 def _from_contact_edge(poisson_ratio: float, ratio: float) -> Opening:
@@ -75,9 +75,12 @@ def _from_contact_edge(poisson_ratio: float, ratio: float) -> Opening:
     return Opening(Zone(factors.cut([start]), None, 1), (), tuning.LEAST_ERROR)
 
 
-def _detached(problem: Detached, step: float, below: float) -> Opening:
-    """The opening around c, placed on a fine rule and compared with a coarser one; `below` is what
-    the base is below its threshold, over that."""
+@lru_cache(maxsize=64)
+def _detached(poisson_ratio: float, ratio: float, tolerance: float) -> Opening:
+    """The opening around c under P_0 = 1, placed on a fine rule and compared with a coarser one;
+    those of the 64 most recent scenes are kept, for friction and shear do not change them."""
+    problem = Detached(poisson_ratio, ratio, rule_for(tolerance))
+    below = 1 + ratio / stuck_traction(poisson_ratio, "I").at_rayleigh_front
     loose = max(min(tuning.LOOSE_RULE, tuning.LOOSE_SHARE * below), tuning.LEAST_LOOSE)
     unknowns, inverse = _located(replace(problem, rule=rule_for(loose)))
     least = max(tuning.LEAST_MOVE, problem.rule.tolerance / 2)
@@ -90,9 +93,9 @@ def _detached(problem: Detached, step: float, below: float) -> Opening:
     coarser = rule_for(tuning.COARSER_COMPANION * problem.rule.tolerance)
     move = -inverse @ Left(replace(problem, rule=coarser).fields(unknowns)).mismatch
     zone = problem.zone(unknowns)
-    assert zone.left is not None and zone.right is not None
+    assert zone.right is not None
     # R = R_0 (1 - rho / e): `ZoneFields` finds it from r = rho R_0 and P(0)
-    amount = float(left.term) * float(left.fields.constant[0]) * step
+    amount = float(left.term) * float(left.fields.constant[0])
     error = _shift(zone, problem.zone(unknowns + move))
     return Opening(zone, ((zone.right, amount),), tuning.LEAST_ERROR + tuning.SAFETY * error)
 

@@ -5,7 +5,7 @@ LOOSE_RULE = 1e-3
 LOOSE_SHARE, LEAST_LOOSE = 0.1, 1e-12
 """The same over what the base is below the threshold, relative, and at least: the opening is as
 wide as the root of that."""
-NEAREST_CLOSING, FARTHEST_CLOSING, CLOSINGS = 0.3, 60.0, 24
+NEAREST_CLOSING, FARTHEST_CLOSING, CLOSINGS = 0.3, 60.0, 12
 """Distances of the closing edge from c that are tried, over that of the opening edge: three times
 as far beside the threshold (docs/separation.md), 25 times at nu = 0.49."""
 MOST_NEWTON_STEPS = 30
@@ -20,8 +20,9 @@ MOST_CHORD_STEPS, LEAST_MOVE = 12, 1e-13
 """Steps on the finer rule, and the move that ends them, but for half the tolerance."""
 COARSER_COMPANION = 5.0
 """Tolerance of the rule the edges are compared with, over that."""
-SAFETY = 5.0
-"""Error estimate over the difference of two rules."""
+SAFETY = 15.0
+"""Error estimate over the difference of two rules: the rate of the gap changes several times as
+much as the edges, relative to itself."""
 LEAST_ERROR = 1e-14
 """Rounding, part of every estimate."""
 RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
@@ -29,6 +30,6 @@ RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
 find nothing missing in it.  Finer by the same share where edges are not placed that well."""
 EDGE_SHARE = 0.2
 """Error of edges over what is asked for, that is well enough."""
-AT_POLE = 6.0
-"""Error at points between nodes over the tolerance of a rule where the opening covers c; as of
-slip."""
+AT_POLE = 25.0
+"""Error of the rate of the gap over the tolerance of a rule: at points between nodes, where the
+opening covers c, relative to its largest value away from there.  13 and 20 were seen."""

@@ -78,21 +78,36 @@ def batches(
         yield from (part.tolist() for part in np.array_split(group, parts))
 
 
-def _chosen(load: Load, which: np.ndarray) -> Load:
-    """The loads of some sets of zones."""
-    friction, far = np.asarray(load.friction), np.asarray(load.far_slip_rate)
-    return replace(load, friction=friction[which], far_slip_rate=far[which])
+@dataclass(frozen=True)
+class ZoneSets:
+    """What k sets of zones between the same edges are asked for: these edges, and the loads."""
+
+    edges: Edges
+    load: Load
+
+    def chosen(self, which: np.ndarray) -> ZoneSets:
+        """Some of them."""
+        friction, far = np.asarray(self.load.friction), np.asarray(self.load.far_slip_rate)
+        load = replace(self.load, friction=friction[which], far_slip_rate=far[which])
+        return ZoneSets(self.edges.chosen(which), load)
+
+    def fields(self, unknowns: Array, rule: Rule) -> ZoneFields:
+        """Their fields at unknowns (e, k) on a rule."""
+        return ZoneFields(self.edges.factors, self.load, self.edges.zones(unknowns), rule)
+
+    def mismatch(self, unknowns: Array, rule: Rule) -> Array:
+        """What their edges leave unfulfilled, (e, k)."""
+        return self.edges.mismatch(unknowns, self.load, rule)
 
 
-def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, Array]:
+def linearised(sets: ZoneSets, unknowns: Array, rule: Rule) -> tuple[Array, Array]:
     """Inverse Jacobians (k, e, e) and mismatches (e, k) at unknowns (e, k); NaN if singular."""
     size, count = unknowns.shape
-    nudges = edges.nudges(unknowns)
+    nudges = sets.edges.nudges(unknowns)
     neighbours = np.repeat(unknowns[:, :, None], size + 1, axis=2)
     neighbours[np.arange(size), :, np.arange(1, size + 1)] += nudges
-    repeated = _chosen(load, np.repeat(np.arange(count), size + 1))
-    values = edges.mismatch(neighbours.reshape(size, -1), repeated, rule)
-    values = values.reshape(neighbours.shape)
+    repeated = sets.chosen(np.repeat(np.arange(count), size + 1))
+    values = repeated.mismatch(neighbours.reshape(size, -1), rule).reshape(neighbours.shape)
     jacobian = np.moveaxis(values[..., 1:] - values[..., :1], 0, 1) / nudges.T[:, None, :]
     try:
         inverse = np.asarray(np.linalg.inv(jacobian))
@@ -101,17 +116,17 @@ def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[A
     return inverse, values[..., 0]
 
 
-def _newton(edges: Edges, start: Array, load: Load, rule: Rule) -> tuple[Array, Array, Array, int]:
+def _newton(sets: ZoneSets, start: Array, rule: Rule) -> tuple[Array, Array, Array, int]:
     """Unknowns (e, k) near their places on a rule, inverse Jacobians (k, e, e), the last
     moves (k,), infinite for sets that did not get there, and the steps taken."""
     size, count = start.shape
     unknowns, inverse = start.copy(), np.zeros((count, size, size))
-    waiting = np.flatnonzero(edges.admits(unknowns))
+    waiting = np.flatnonzero(sets.edges.admits(unknowns))
     last, previous = np.full(count, np.inf), np.full(count, np.inf)
     step = 0
     while len(waiting) and step < tuning.MOST_STEPS:
         step += 1
-        part = linearised(edges, unknowns[:, waiting], _chosen(load, waiting), rule)
+        part = linearised(sets.chosen(waiting), unknowns[:, waiting], rule)
         inverse[waiting] = part[0]
         move = -moves(*part)
         largest = np.abs(move).max(axis=0)
@@ -121,15 +136,16 @@ def _newton(edges: Edges, start: Array, load: Load, rule: Rule) -> tuple[Array, 
             break
         share = np.minimum(1.0, tuning.LONGEST_MOVE / np.maximum(largest, 1e-300))
         unknowns[:, waiting] += move * share
-        admitted = edges.admits(unknowns[:, waiting]) & (largest < tuning.SLOW * previous[waiting])
+        admitted = sets.edges.chosen(waiting).admits(unknowns[:, waiting])
+        admitted &= largest < tuning.SLOW * previous[waiting]
         previous[waiting] = largest
         last[waiting] = np.where(admitted & (largest < tuning.NEAR), largest, np.inf)
         waiting = waiting[admitted & (largest >= tuning.NEAR)]
     return unknowns, inverse, last, step
 
 
-def _approached(
-    edges: Edges, start: Array, neighbours: Array, load: Load, rule: Rule
+def approached(
+    sets: ZoneSets, start: Array, neighbours: Array, rule: Rule
 ) -> tuple[Array, Array, Array, int]:
     """Broyden steps on a rule from neighbours' inverse Jacobians (k, e, e).
 
@@ -138,12 +154,14 @@ def _approached(
     """
     count = start.shape[1]
     unknowns, inverse = start.copy(), neighbours.copy()
-    waiting = np.flatnonzero(edges.admits(unknowns) & np.isfinite(neighbours).all(axis=(1, 2)))
+    sound = sets.edges.admits(unknowns) & np.isfinite(neighbours).all(axis=(1, 2))
+    waiting = np.flatnonzero(sound)
     left, previous = np.full(count, np.inf), np.full(count, 1 / tuning.SLOW)
     move = before = np.zeros((len(start), 0))
     step = 0
     while len(waiting) and step < tuning.BROYDEN_STEPS:
-        values = edges.mismatch(unknowns[:, waiting], _chosen(load, waiting), rule)
+        going = sets.chosen(waiting)
+        values = going.mismatch(unknowns[:, waiting], rule)
         if step:
             inverse[waiting] = broyden(inverse[waiting], move, values - before)
         step += 1
@@ -151,7 +169,7 @@ def _approached(
         largest = np.abs(move).max(axis=0)
         share = largest / previous[waiting]
         trial = unknowns[:, waiting] + np.where(share < 1, move, 0)
-        kept = (share < tuning.SLOW) & edges.admits(trial)
+        kept = (share < tuning.SLOW) & going.edges.admits(trial)
         waiting, move, before, share = waiting[kept], move[:, kept], values[:, kept], share[kept]
         unknowns[:, waiting] += move
         previous[waiting] = largest[kept]
@@ -164,7 +182,7 @@ def _approached(
 
 
 def _located(
-    edges: Edges, start: Array, neighbours: Array, doubt: Array, load: Load, rtol: float
+    sets: ZoneSets, start: Array, neighbours: Array, doubt: Array, rtol: float
 ) -> tuple[Array, Array, Array, int]:
     """Unknowns (e, k) near their places on the loose rule, inverse Jacobians (k, e, e), what a
     chord step with them leaves of itself (k,), infinite for sets that did not get there, and the
@@ -173,14 +191,12 @@ def _located(
     Where predictions (e, k) with little doubt (k,) lead nowhere there are other zones.
     """
     rule = rule_for(loose_tolerance(rtol))
-    unknowns, inverse, contraction, steps = _approached(edges, start, neighbours, load, rule)
+    unknowns, inverse, contraction, steps = approached(sets, start, neighbours, rule)
     arrived = contraction < np.inf
     misled = ~arrived & (doubt < tuning.LEADING_DOUBT)
     rest = np.flatnonzero(~misled & ~(arrived & (rtol >= tuning.LOOSE_RTOL)))
     if len(rest):
-        at_rest, inverse[rest], last, more = _newton(
-            edges, unknowns[:, rest], _chosen(load, rest), rule
-        )
+        at_rest, inverse[rest], last, more = _newton(sets.chosen(rest), unknowns[:, rest], rule)
         unknowns[:, rest], contraction[rest] = at_rest, 2 * last
         steps += more
     return unknowns, inverse, contraction, steps
@@ -201,11 +217,10 @@ class _PolishedZones:
 
 
 def _polished(
-    edges: Edges,
+    sets: ZoneSets,
     start: Array,
     inverse: Array,
     contraction: Array,
-    load: Load,
     rtol: float,
     tolerance: float,
 ) -> _PolishedZones:
@@ -218,8 +233,8 @@ def _polished(
     previous, sound = np.full(len(kept), np.inf), np.zeros(len(kept), dtype=bool)
     for step in range(tuning.MOST_STEPS):
         beside, left = unknowns, np.zeros(len(kept))
-        zones = edges.zones(beside)
-        fields = ZoneFields(edges.factors, _chosen(load, kept), zones, rule)
+        going = sets.chosen(kept)
+        fields = going.fields(beside, rule)
         if not len(start):
             sound[:] = True
             break
@@ -229,12 +244,12 @@ def _polished(
         left = size * contraction[kept]
         near = left <= max(LEFT_SHIFT * rtol, LEAST_LEFT_SHIFT)
         settled = near & (size <= tuning.LAST_MOVE * rtol)
-        going = edges.admits(unknowns) & (size < tuning.SLOW * previous)
-        if np.all(settled | ~going) or step == tuning.MOST_STEPS - 1:
+        converging = going.edges.admits(unknowns) & (size < tuning.SLOW * previous)
+        if np.all(settled | ~converging) or step == tuning.MOST_STEPS - 1:
             sound[kept] = settled
             unknowns = np.where(settled, unknowns, beside)
             break
-        kept, unknowns, previous = kept[going], unknowns[:, going], size[going]
+        kept, unknowns, previous = kept[converging], unknowns[:, converging], size[converging]
     return _PolishedZones(kept, sound[kept], unknowns, left, beside, fields, step + 1)
 
 
@@ -245,7 +260,7 @@ def _estimates(
     shifts that are left and slip that is missed."""
     fields = profile.fields
     rule = rule_for(COARSER_COMPANION * tolerance)
-    coarse = ZoneFields(edges.factors, fields.load, fields.zones, rule)
+    coarse = replace(fields, rule=rule)
     moved = zones.beside
     if edges.segments:
         moved = moved - np.clip(moves(inverse, coarse.mismatch()), -1.0, 1.0)
@@ -253,14 +268,12 @@ def _estimates(
     return difference(edges, zones.unknowns, moved, fields, coarse) + others
 
 
-def continued(
-    edges: Edges, predictions: list[Prediction], load: Load, rtol: float
-) -> ContinuedZones:
+def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> ContinuedZones:
     """Edges at several frictions from predictions, polished, estimated and checked.
 
     Those whose error estimate exceeds rtol are taken to finer rules.
     """
-    count, size = len(predictions), len(edges.segments)
+    count, size = len(predictions), len(sets.edges.segments)
     unknowns = np.array([one.unknowns for one in predictions]).T.reshape(size, count)
     inverse = np.array([one.inverse for one in predictions])
     tolerances = np.array([one.tolerance for one in predictions])
@@ -269,27 +282,28 @@ def continued(
     kept, steps, nodes = np.arange(count), 0, 0
     contraction = np.maximum(tuning.CONTRACTION * doubt, tuning.LEAST_CONTRACTION)
     if size and not np.all(doubt < tuning.TRUSTED_DOUBT):
-        unknowns, inverse, left, steps = _located(edges, unknowns, inverse, doubt, load, rtol)
+        unknowns, inverse, left, steps = _located(sets, unknowns, inverse, doubt, rtol)
         contraction = np.maximum(left, tuning.LEAST_CONTRACTION)
         kept = np.flatnonzero(left < np.inf)
         loose = loose_tolerance(rtol)
         if len(kept) and tolerances[kept].min() < tuning.FAR_RULES * loose:
             between = rule_for(float(np.sqrt(loose * tolerances[kept].min())))
-            values = edges.mismatch(unknowns[:, kept], _chosen(load, kept), between)
-            unknowns[:, kept] -= moves(inverse[kept], values)
-            kept = kept[edges.admits(unknowns[:, kept])]
+            going = sets.chosen(kept)
+            unknowns[:, kept] -= moves(inverse[kept], going.mismatch(unknowns[:, kept], between))
+            kept = kept[going.edges.admits(unknowns[:, kept])]
             steps += 1
     for _ in range(tuning.MOST_REFINEMENTS):
         if not len(kept):
             break
         finest = float(tolerances[kept].max())
-        start, loads = unknowns[:, kept], _chosen(load, kept)
-        zones = _polished(edges, start, inverse[kept], contraction[kept], loads, rtol, finest)
+        going, parts = sets.chosen(kept), (unknowns[:, kept], inverse[kept], contraction[kept])
+        zones = _polished(going, *parts, rtol, finest)
+        going = going.chosen(zones.kept)
         kept, steps = kept[zones.kept], steps + zones.steps
         unknowns[:, kept], tolerances[kept] = zones.unknowns, finest
         profile, nodes = Profile(zones.fields), zones.fields.panels.jacobian[:, 0].size
         lawful = zones.settled & admissible(profile, min(rtol, tuning.LOOSEST_LAW))
-        estimate[kept] = _estimates(edges, zones, profile, inverse[kept], finest)
+        estimate[kept] = _estimates(going.edges, zones, profile, inverse[kept], finest)
         sound[kept] = lawful & (estimate[kept] <= rtol)
         kept = kept[lawful & ~sound[kept]]
         finer = HOPED_ERROR * rtol / estimate[kept]

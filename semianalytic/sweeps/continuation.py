@@ -25,12 +25,12 @@ from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.edges import Edges, edges_of, moves
 from semianalytic.selfsimilar.estimate import loose_tolerance
-from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.motion import slip_zones
+from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
 from semianalytic.selfsimilar.tuning import FARTHEST, NUDGE
 from semianalytic.sweeps import tuning
-from semianalytic.sweeps.batches import Prediction, batches, continued, linearised
+from semianalytic.sweeps.batches import Prediction, ZoneSets, batches, continued, linearised
 from semianalytic.sweeps.interpolation import confirmed, fits, interpolated, lagrange
 
 FROM_SCRATCH, COMPUTED, INTERPOLATED = "from scratch", "computed", "interpolated"
@@ -172,7 +172,8 @@ class Continuation:
                     replace(scene, friction=float(scene.friction + h))
                     for scene, h in zip(scenes, step, strict=True)
                 ]
-                inverse, values = linearised(edges, start, common_load(scenes, self.unit), rule)
+                sets = ZoneSets(edges, common_load(scenes, self.unit))
+                inverse, values = linearised(sets, start, rule)
                 change = edges.mismatch(start, common_load(beside, self.unit), rule) - values
                 slope = -moves(inverse, change) / step
             for i, one, gain in zip(chosen, inverse, slope.T, strict=True):
@@ -220,7 +221,8 @@ class Continuation:
             load = common_load([self.scenes[i] for i in chosen], self.unit)
             # Edges that cross a cut of the panels on their way give no numbers, and are dropped.
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                corrected = continued(edges, [predictions[j] for j in batch], load, self.rtol)
+                chosen_predictions = [predictions[j] for j in batch]
+                corrected = continued(ZoneSets(edges, load), chosen_predictions, self.rtol)
             seconds = (perf_counter() - start) / len(batch)
             for j in np.flatnonzero(corrected.sound):
                 i, estimate = chosen[j], float(corrected.estimate[j])

@@ -66,3 +66,38 @@ DOUBT = 5.0
 INVERSION_STEPS, INVERSION_NUDGE = 4, 1e-4
 """Newton steps from a friction to the edge unknown there, and their nudge over its range.  Not
 recorded."""
+
+# Neighbours among friction and Poisson ratio (neighbours, plane)
+
+NEIGHBOURS = 32
+"""Known points that a polynomial is fitted to."""
+NEIGHBOURS_PER_TERM = 1.4
+"""At least, of a polynomial."""
+NEAREST_WEIGHT = 0.05
+"""Of distances squared over the farthest: neighbours nearer than its root weigh alike."""
+LEAST_PIVOT = 1e-14
+"""Added to pivots, for neighbours in a row."""
+CERTAIN_NEIGHBOURS = 8
+"""Nearest known points that have the same zones where these are not doubted."""
+NEAREST_ESTIMATES = 4
+"""Nearest known points whose largest error estimate is taken over."""
+FARTHEST_STEP = 1e-2
+"""Of a chord step on the rule that decides: longer ones tell little of what is left."""
+MORE_STEPS = 3
+"""Chord steps after the first, where that leaves too much."""
+LOOSE_SHARE, LEAST_ROOM = 0.5, 0.05
+"""Share of the room that neighbours' error estimates leave below rtol which the rule takes that
+edges are corrected on, and that room over rtol at least."""
+RULE_STEP = 0.25
+"""Between such rules, in powers of ten."""
+FIRST_LATTICE = 6
+"""Points to a side of the first lattice, solved from scratch; each further one has twice as many
+spaces."""
+PATTERNS_TRIED = 2
+"""Patterns of zones of the nearest known points that are tried."""
+PLANE_BATCH = 32
+"""Points in one batch."""
+FEWEST_IN_PLANE = 300
+"""Points from which neighbours of other Poisson ratios help."""
+FRICTIONS_ALONE = 400
+"""Frictions to a Poisson ratio from which these do without the other ratios."""

@@ -19,6 +19,7 @@ from matplotlib.colors import Normalize
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from compare.comparison.scales import wave_speeds
 from compare.figures.saving import save_figure
 from compare.figures.style import (
     OPEN_SHADE,
@@ -163,4 +164,4 @@ def _draw_speeds(panel: Axes, nu: float, points: Sequence[OpeningPoint]) -> None
     low, high = (10.0**end for end in RATIOS)
     panel.set(xscale="log", xlim=(low, high), ylim=(0, 1.06 * material.longitudinal_speed))
     panel.set(xlabel=r"$P_b/|P_0|$", title=rf"$\nu = {nu:.3g}$")
-    mark_waves(panel, material, 1.0, "horizontal")
+    mark_waves(panel, wave_speeds(material), 1.0, "horizontal")

@@ -9,10 +9,11 @@ import numpy as np
 
 from compare.studies.campaign.scenes import random_history_scene
 from semianalytic import Material, RateWeakening, Scene, SceneError, SlipWeakening, Tractions
-from semianalytic.cut.load import check_pressure
+from semianalytic.cut.load import contact_opens
+from semianalytic.regimes import opening_threshold
 from semianalytic.scene.named import NAMED_SCENES
 
-STEPS, HISTORIES = "steps", "histories"
+STEPS, HISTORIES, OPENINGS = "steps", "histories", "openings"
 
 RESOLUTIONS = (40, 44, 48, 52, 56, 60, 64)
 """Modest meshes, whose companions at 2h and 4h share nodes with them."""
@@ -22,6 +23,9 @@ _NAMED = (
     "preloaded",
     "auxetic",
     "pressure-drop",
+    "lift-off",
+    "lift-off-shear",
+    "tap",
     "ramp",
     "unload",
     "pulse",
@@ -39,10 +43,9 @@ def random_steps(random: np.random.Generator) -> Scene:
     Half of a draw's Poisson ratios are those of real solids; one in ten has no friction, one in
     five is a sudden remote load; shear acts either way, pressure on the slot or off it.
     """
-    nu = float(random.choice([random.uniform(-0.9, 0.49), random.choice(_SPECIAL_RATIOS)]))
-    friction = 0.0 if random.random() < 0.1 else float(random.uniform(0.01, 2.0))
+    solid, friction = _random_solid(random)
     shear = float(random.choice([-1, 1]) * random.lognormal(0.0, 0.5))
-    solid, share = Material(1.0, 1.0, nu), random.random()
+    share = random.random()
     if share < 0.2:
         remote = Tractions(1.0, shear)
         return Scene(solid, friction, remote, remote)
@@ -52,6 +55,30 @@ def random_steps(random: np.random.Generator) -> Scene:
         shear = 0.0
     base = Tractions(1.0, rest * friction)
     return Scene(solid, friction, base, Tractions(pressure, shear))
+
+
+def random_opening(random: np.random.Generator) -> Scene:
+    """A self-similar scene whose contact opens; raises SceneError where the draw is not admissible.
+
+    Half of them from the edge, half of them ahead of a sudden pressure on a small base; solids and
+    friction as in `random_steps`, three in ten without shear.
+    """
+    solid, friction = _random_solid(random)
+    shear = float(random.choice([-1, 1]) * random.lognormal(0.0, 0.5))
+    if random.random() < 0.3:
+        shear = 0.0
+    base, step = 1.0, -float(random.lognormal(-0.5, 0.7))
+    if random.random() < 0.5:
+        base, step = opening_threshold(solid.poisson_ratio) * float(random.uniform(0.05, 0.95)), 1.0
+    rest = float(random.choice([0.0, random.uniform(-1, 1)]))
+    return Scene(solid, friction, Tractions(base, rest * friction * base), Tractions(step, shear))
+
+
+def _random_solid(random: np.random.Generator) -> tuple[Material, float]:
+    """A material and a friction coefficient."""
+    nu = float(random.choice([random.uniform(-0.9, 0.49), random.choice(_SPECIAL_RATIOS)]))
+    friction = 0.0 if random.random() < 0.1 else float(random.uniform(0.01, 2.0))
+    return Material(1.0, 1.0, nu), friction
 
 
 def random_history(random: np.random.Generator) -> Scene:
@@ -75,22 +102,25 @@ class Draw:
 
 
 def draw(kind: str, random: np.random.Generator) -> Draw:
-    """The next admissible scene, of "steps" that leave the contact shut or of "histories"."""
+    """The next admissible scene, of "steps" that leave the contact shut, "histories" or
+    "openings"."""
     refusals = 0
     while True:
         resolution = int(random.choice(RESOLUTIONS))
         try:
             scene = _KINDS[kind](random)
-            if kind == STEPS:
-                check_pressure(scene)
-            return Draw(scene, resolution, refusals)
         except SceneError:
             refusals += 1
+            continue
+        if kind != STEPS or not contact_opens(scene):
+            return Draw(scene, resolution, refusals)
+        refusals += 1
 
 
 _KINDS: dict[str, Callable[[np.random.Generator], Scene]] = {
     STEPS: random_steps,
     HISTORIES: random_history,
+    OPENINGS: random_opening,
 }
 
 

@@ -23,7 +23,7 @@ class AlarmRow:
 
     Attributes
     ----------
-    group : str, "steps" or "histories"
+    group : str, "steps", "histories" or "openings"
     scenes : int
     refusals : int, draws that have no answer, or open the contact
     rows : int

@@ -16,7 +16,13 @@ from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import predict_like
 from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
 from compare.output.tables import append_rows, started_rows
-from compare.studies.stability.judge_scenes import HISTORIES, STEPS, draw, power_scenes
+from compare.studies.stability.judge_scenes import (
+    HISTORIES,
+    OPENINGS,
+    STEPS,
+    draw,
+    power_scenes,
+)
 from compare.studies.stability.spoils import SPOILS, Spoil, Window, effect, spoilt
 from compare.studies.workers import Progress, run_tasks
 from compare.studies.workers import Task as WorkerTask
@@ -26,8 +32,8 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 SEED = 14
-COUNTS = {STEPS: 200, HISTORIES: 60}
-QUICK_COUNTS = {STEPS: 8, HISTORIES: 3}
+COUNTS = {STEPS: 200, HISTORIES: 60, OPENINGS: 60}
+QUICK_COUNTS = {STEPS: 8, HISTORIES: 3, OPENINGS: 3}
 RESOLUTION, QUICK_RESOLUTION = 100, 40
 SHARES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 """Sizes of a spoil that are tried, over the usual one."""
@@ -43,7 +49,7 @@ class JudgedRow:
 
     Attributes
     ----------
-    group : str, "steps" or "histories"
+    group : str, "steps", "histories" or "openings"
     index : int, which seeds the draw
     of : int, rows of the scene, all of which have to be there
     refusals : int, draws before it that had no answer

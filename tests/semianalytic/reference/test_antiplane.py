@@ -1,7 +1,7 @@
 """Antiplane shear in closed form against multiprecision quadrature of what it was integrated from.
 
-Units c_t = mu = 1.  On the cut |T| = (1 + chi) sqrt(|v - b| / |v - u_s|) is pi v d tau/dv on stick and
-pi v m dV/dv on slip, m^2 = v^2 - b^2 (docs/antiplane.md).
+Units c_t = mu = 1.  On the cut |T| = (1 + chi) sqrt(|v - b| / |v - u_s|) is pi v d tau/dv on stick
+and pi v m dV/dv on slip, m^2 = v^2 - b^2 (docs/antiplane.md).
 """
 
 import mpmath as mp

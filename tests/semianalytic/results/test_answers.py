@@ -13,6 +13,7 @@ from semianalytic import (
     Harmonic,
     InterfaceHistory,
     Marched,
+    OpenInterval,
     Pulse,
     SceneError,
     SlipInterval,
@@ -25,7 +26,7 @@ from semianalytic import (
 )
 from semianalytic.results.answer import FIELDS, TOTALS
 from semianalytic.results.datasets import QUANTITIES
-from semianalytic.results.sampled import SampledAnswer, Totals, slip_intervals
+from semianalytic.results.sampled import SampledAnswer, Totals, open_intervals, slip_intervals
 from semianalytic.scene.named import NAMED_SCENES
 
 NODES = 400
@@ -283,6 +284,33 @@ def test_intervals_of_a_sampled_rate():
     assert 0.2 < zones[0].end < 0.3
     assert zones[2].end == np.inf
     assert slip_intervals(x, 0 * rate, 0.0) == ()
+
+
+def test_intervals_of_a_sampled_gap():
+    """By the law of a smooth end they are exact; those that hold the first or last sample go on."""
+    x = np.arange(1, 101) / 100
+    gap = np.maximum(x - 0.2037, 0) ** 1.5 * (x < 0.4)
+    gap += np.maximum(0.0951 - x, 0) ** 1.5 + 2 * np.maximum(x - 0.7512, 0) ** 1.5
+    first, second, third = open_intervals(x, gap)
+    assert (first.start, third.end) == (0, np.inf)
+    ends = [first.end, second.start, third.start]
+    np.testing.assert_allclose(ends, [0.0951, 0.2037, 0.7512], atol=1e-12)
+    assert open_intervals(x, 0 * gap) == ()
+    assert len(open_intervals(x, gap, 1.01 * gap[0])) == 2
+
+
+def test_zones_end_where_an_opening_begins_and_hold_nothing_open():
+    x, t = np.arange(1, 101) / 100, np.array([0.0, 1.0])
+    gap = np.outer(t, np.maximum(0.3051 - x, 0) ** 1.5)
+    rate = np.outer(t, 2 + np.sqrt(np.maximum(0.6049 - x, 0)) - 2 * (x > 0.6049))
+    recorded = Recorded(InterfaceHistory(x, t, rate, rate, rate, rate, gap))
+    (zone,), (opening,) = recorded.zones_at(1.0), recorded.openings_at(1.0)
+    assert opening == OpenInterval(0.0, pytest.approx(0.3051))
+    assert zone.start == opening.end
+    assert zone.end == pytest.approx(0.6049, abs=0.02)
+    assert recorded.openings_at(0.0) == ()
+    assert np.all(recorded.interface.rubbing_rate[1, x < 0.3] == 0)
+    np.testing.assert_array_equal(recorded.interface.rubbing_rate[1, 31:], rate[1, 31:])
 
 
 def test_zones_of_a_solution_move_with_its_edges():

@@ -1,5 +1,7 @@
 """Scenes by name, from TOML files and with overrides."""
 
+from dataclasses import replace
+
 import pytest
 
 from semianalytic import Material, Scene, Tractions
@@ -70,6 +72,12 @@ def test_file_gives_the_scene_it_describes(steel):
     assert scene_label(str(path)) == "steel"
 
 
+def test_a_file_may_turn_shear_along_z(steel):
+    _, rewrite = steel
+    path = rewrite("friction = 0.4", "friction = 0.4\nmode = 'antiplane'")
+    assert read_scene(path).mode == "antiplane"
+
+
 def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
     path, _ = steel
     plain = path.rename(tmp_path / "steel")
@@ -81,6 +89,8 @@ def test_a_file_without_the_ending_is_found_too(steel, tmp_path):
     [
         ("friction = 0.4", "frction = 0.4", "unknown key frction; did you mean friction?"),
         ("friction = 0.4", "friction = 0.4\nzzz = 1", "unknown key zzz; known are friction, "),
+        ("friction = 0.4", "friction = 0.4\nmdoe = 'antiplane'", "key mdoe; did you mean mode?"),
+        ("friction = 0.4", "friction = 0.4\nmode = 3", "mode must be in-plane or antiplane, got 3"),
         ("friction = 0.4", "", "friction is missing"),
         ("friction = 0.4", "friction = [1]", r"friction must be a number, got \[1\]"),
         ("density = 7800", "", "material.density is missing"),
@@ -139,6 +149,8 @@ def test_every_parameter_can_be_overridden():
     expected = Scene(Material(2.0, 3.0, 0.1), 0.7, Tractions(4.0, 0.5), Tractions(0.25, 6.0))
     scene = find_scene("preloaded")
     assert override_scene(scene, **values) == expected
+    out = override_scene(scene, mode="antiplane", **values)
+    assert out == replace(expected, mode="antiplane")
     assert override_scene(scene) == scene
 
 

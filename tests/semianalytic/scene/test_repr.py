@@ -13,6 +13,7 @@ SCENE = NAMED_SCENES["preloaded"].scene
 SHORT = {
     "plain": SCENE,
     "harmonic": replace(SCENE, shear_history=Harmonic(2.0), friction_law=SlipWeakening(0.5, 0.1)),
+    "antiplane": replace(SCENE, mode="antiplane"),
     "table": replace(SCENE, shear_history=Tabulated((0.0, 1.0), (0.0, 2.0))),
 }
 
@@ -23,6 +24,9 @@ def test_a_short_scene_is_made_again_by_what_it_shows(name):
     assert eval(repr(scene), vars(semianalytic)) == scene
     assert "Step()" not in repr(scene)
     assert "CoulombFriction" not in repr(scene)
+    assert ("mode" in repr(scene)) == (name == "antiplane")
+    assert "units" not in repr(scene)
+    assert "units='SI'" in repr(replace(scene, units="SI"))
 
 
 def test_a_long_table_does_not_fill_the_screen():

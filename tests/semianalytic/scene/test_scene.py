@@ -1,9 +1,12 @@
 import math
+from dataclasses import replace
 
 import pytest
 from catalogue import unit_scene
 
 from semianalytic import Material, Scene, SceneError, Tractions
+from semianalytic.scene.named import find_scene
+from semianalytic.scene.scene import scene_document, scene_from_document
 
 
 def test_wave_speeds_of_steel():
@@ -78,3 +81,40 @@ def test_unknown_histories_and_laws_are_refused(name):
     load = Tractions(1.0, 0.0)
     with pytest.raises(SceneError, match=f"{name} must be one of"):
         Scene(Material(1.0, 1.0, 0.3), 0.3, load, load, **{name: "sawtooth"})
+
+
+# --- the mode -----------------------------------------------------------------------------------
+
+
+def test_mode_is_in_plane_unless_given_and_kept_by_documents():
+    scene = find_scene("preloaded")
+    out = replace(scene, mode="antiplane")
+    assert (scene.mode, scene.shear_mode, scene.antiplane) == ("in-plane", "II", False)
+    assert (out.mode, out.shear_mode, out.antiplane) == ("antiplane", "III", True)
+    assert out != scene
+    assert "mode" not in scene_document(scene)
+    for one in (scene, out):
+        assert scene_from_document(scene_document(one)) == one
+
+
+@pytest.mark.parametrize("mode", ["III", "Antiplane", "", None, 3, ["antiplane"]])
+def test_unknown_modes_are_refused_with_both(mode):
+    with pytest.raises(SceneError, match="mode must be in-plane or antiplane, got"):
+        replace(find_scene("preloaded"), mode=mode)
+
+
+def test_first_wave_is_that_of_shear_where_it_acts_alone():
+    scene = find_scene("antiplane")
+    solid, soft = scene.material, Material(1.0, 4.0, 0.2)
+    assert scene.fastest_speed == solid.shear_speed
+    assert scene.fastest_in(soft) == soft.shear_speed
+    pressed = replace(scene, load=Tractions(0.1, 1.0))
+    assert pressed.fastest_speed == solid.longitudinal_speed
+    assert replace(scene, mode="in-plane").fastest_speed == solid.longitudinal_speed
+
+
+def test_static_modulus_knows_poisson_ratio_in_plane_only():
+    scene = find_scene("antiplane")
+    assert scene.static_modulus == scene.material.shear_modulus
+    in_plane = replace(scene, mode="in-plane").static_modulus
+    assert in_plane == pytest.approx(scene.material.shear_modulus / (1 - 1 / 3))

@@ -8,7 +8,7 @@ import pytest
 import semianalytic
 
 HOUSE = Path(semianalytic.__file__).parent
-FOLDERS = ("cut", "selfsimilar")
+FOLDERS = ("cut", "separation", "selfsimilar")
 STAGES = (
     "cut.tuning",
     "cut.layout",
@@ -18,11 +18,15 @@ STAGES = (
     "cut.strength",
     "cut.zones",
     "cut.profile",
+    "separation.tuning",
+    "separation.opening",
+    "separation.normal",
     "selfsimilar.tuning",
     "selfsimilar.edges",
     "selfsimilar.coulomb",
     "selfsimilar.collocation",
     "selfsimilar.guesses",
+    "selfsimilar.motion",
     "selfsimilar.corrections",
     "selfsimilar.estimate",
     "selfsimilar.rated",

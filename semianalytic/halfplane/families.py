@@ -1,0 +1,235 @@
+"""Half-planes of many Poisson ratios at once: what depends on the ratio is one more axis.
+
+The factors of k ratios hold (k, 1) arrays where those of one hold numbers, and so broadcast against
+the (p, k, n) arrays of k sets of zones.  Tables of many ratios are interpolated, between few that
+are tabulated, in the square root q of the longitudinal slowness, of which all of them are analytic
+functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.halfplane.rayleigh import (
+    Array,
+    CutPoints,
+    Mode,
+    RayleighFactors,
+    rayleigh_factors,
+)
+from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction_of
+
+_ENDS = (-0.999, -0.95, -0.8, -0.5, -0.2, 0.05, 0.2, 0.32, 0.4, 0.44, 0.47, 0.485)
+"""Poisson ratios between which tables are interpolated; beyond them each is worked out."""
+_NODES = 12
+"""Tabulated ratios in each of these intervals: they give all others to rounding (tests)."""
+
+
+@dataclass(frozen=True)
+class _Tables:
+    """Chebyshev series of k Poisson ratios, (m, k, 1): ln S_+, and the stuck tractions ahead of
+    and behind the shear front by mode."""
+
+    log_s_plus: Array
+    stuck: dict[Mode, tuple[Array, Array]]
+
+    def mapped(self, change: Callable[[Array], Array]) -> _Tables:
+        """With every series changed."""
+        stuck = {mode: (change(one), change(two)) for mode, (one, two) in self.stuck.items()}
+        return _Tables(change(self.log_s_plus), stuck)
+
+
+@dataclass(frozen=True, eq=False)
+class RayleighFamily(RayleighFactors):
+    """Rayleigh function and Wiener-Hopf factors of k Poisson ratios: numbers of `RayleighFactors`
+    are (k, 1) arrays.
+
+    Use `rayleigh_family(ratios)`.
+    """
+
+    poisson_ratio: Any  # (k, 1)
+    a: Any = field(kw_only=True, repr=False)
+    c: Any = field(kw_only=True, repr=False)
+    tables: _Tables = field(kw_only=True, repr=False)
+
+    def chosen(self, which: np.ndarray) -> RayleighFamily:
+        """The factors of some of the ratios."""
+        return RayleighFamily(
+            self.poisson_ratio[which],
+            a=self.a[which],
+            c=self.c[which],
+            tables=self.tables.mapped(lambda series: series[:, which]),
+        )
+
+    def single(self, index: int) -> RayleighFactors:
+        """The factors of one of the ratios."""
+        return rayleigh_factors(float(self.poisson_ratio[index, 0]))
+
+    def s_plus(self, k: ArrayLike) -> Array:
+        k, q = np.asarray(k, dtype=float), np.sqrt(self.a)
+        return np.exp(_summed((k - q) / (k + q), self.tables.log_s_plus))
+
+    @cached_property
+    def m_plus_at_zero(self) -> dict[Mode, Any]:
+        modes: tuple[Mode, ...] = ("I", "II", "III")
+        return {mode: self.m_plus(0.0, mode) for mode in modes}
+
+    @cached_property
+    def hidden_root(self) -> Any:
+        e1, e0 = self._spurious_roots
+        root = np.sqrt((-e1 + np.sqrt(np.asarray(e1 * e1 - 4 * e0, dtype=complex))) / 2)
+        return root.real + 1j * np.abs(root.imag)
+
+    def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:
+        """Impedance M(-v + i0) on the cut, all points on one side of the shear front."""
+        if at.from_b.flat[0] > 0:
+            return np.asarray(1j * self.impedance_behind(at, mode))
+        real, imag = self.impedance_ahead(at, mode)
+        return np.asarray(real + 1j * imag)
+
+    @cached_property
+    def hiding(self) -> np.ndarray:
+        """(k,) 2 where panels are cut beside the hidden root, 1 where it is complex but lies ahead
+        of them, 0 elsewhere: what k sets of zones must have in common to share panels."""
+        hidden = self.hidden_root
+        return np.asarray((hidden.imag > 0) * (1 + (hidden.real > self.a)))[:, 0]
+
+    @cached_property
+    def cuts(self) -> list[CutPoints]:
+        """Points at which fields change character; `hiding` is the same for all ratios."""
+        beside = [self.cut(self.hidden_root.real)] if self.hiding[0] == 2 else []
+        return [*beside, self.front_b]
+
+    @cached_property
+    def _fronts(self) -> Array:
+        return np.stack([np.zeros_like(self.a), self.a, np.ones_like(self.a), self.c])
+
+
+@dataclass(frozen=True)
+class _StuckFamily(StuckTraction):
+    """Stuck tractions of a family, at u that broadcasts to (..., k, n)."""
+
+    series: tuple[Array, Array]
+
+    @cached_property
+    def _scale(self) -> Any:
+        factors = self.factors
+        return 1 / (np.pi * factors.kappa * factors.m_plus_at_zero[self.mode])
+
+    @property
+    def _before_shear_front(self) -> Array:
+        return self.series[0]
+
+    @property
+    def _behind_shear_front(self) -> Array:
+        return self.series[1]
+
+    def __call__(self, u: ArrayLike) -> Array:
+        u, a = np.asarray(u, dtype=float), self.factors.a
+        s, near = np.sqrt(np.maximum(u - 1, 0.0)), np.clip(u, a, 1.0)
+        behind = (s + 1) * _summed((s - 1) / (s + 1), self.series[1])
+        power = 1.5 if self.mode == "II" else 0.5
+        ahead = (near - a) ** power * _summed(2 * (near - a) / (1 - a) - 1, self.series[0])
+        return np.where(u > 1, behind, ahead)
+
+
+@traction_of.register
+def _(factors: RayleighFamily, mode: Mode) -> StuckTraction:
+    return _StuckFamily(factors, mode, factors.tables.stuck[mode])
+
+
+def _summed(x: Array, series: Array) -> Array:
+    """Values at x (..., k, n) of Chebyshev series (m, k, 1)."""
+    return np.asarray(chebyshev.chebval(x, series, tensor=False))
+
+
+def rayleigh_family(ratios: Array) -> RayleighFamily:
+    """Factors of Poisson ratios (k,), in any order."""
+    different, place = np.unique(ratios, return_inverse=True)
+    interval = np.searchsorted(_ENDS, different, "right") - 1
+    parts = []
+    for i in np.unique(interval):
+        some = different[interval == i]
+        inside = 0 <= i < len(_ENDS) - 1
+        parts.append(_interpolated(int(i), some) if inside and len(some) > _NODES else _each(some))
+    tables = _joined(parts)
+    a = np.sqrt((1 - 2 * different) / (2 * (1 - different)))[:, None]
+    family = RayleighFamily(different[:, None], a=a, c=_rayleigh_slowness(a), tables=tables)
+    return family.chosen(place)
+
+
+def _rayleigh_slowness(a: Array) -> Array:
+    """c of longitudinal slownesses a, b = 1: the cubic of `Material.rayleigh_speed`, bisected."""
+    low, high = np.full_like(a, 0.1), np.ones_like(a)
+    while np.any((low < (middle := (low + high) / 2)) & (middle < high)):
+        cubic = ((middle - 8) * middle + 24 - 16 * a * a) * middle - 16 * (1 - a * a)
+        low, high = np.where(cubic < 0, middle, low), np.where(cubic < 0, high, middle)
+    return 1 / np.sqrt(high)
+
+
+def _each(ratios: Array) -> _Tables:
+    """Tables of Poisson ratios (k,), each worked out."""
+    return _joined([_single(rayleigh_factors(float(ratio))) for ratio in ratios])
+
+
+def _single(factors: RayleighFactors) -> _Tables:
+    """Tables of one Poisson ratio."""
+    modes: tuple[Mode, ...] = ("I", "II")
+    stuck = {mode: stuck_traction(factors.poisson_ratio, mode) for mode in modes}
+    series = {
+        mode: (one._before_shear_front, one._behind_shear_front) for mode, one in stuck.items()
+    }
+    return _Tables(factors._log_s_plus, series).mapped(lambda one: one[:, None, None])
+
+
+def _joined(parts: list[_Tables]) -> _Tables:
+    """Tables side by side, shorter series filled up with zeros."""
+
+    def together(series: list[Array]) -> Array:
+        longest = max(map(len, series))
+        padded = [np.pad(one, ((0, longest - len(one)), (0, 0), (0, 0))) for one in series]
+        return np.concatenate(padded, axis=1)
+
+    stuck = {
+        mode: (
+            together([part.stuck[mode][0] for part in parts]),
+            together([part.stuck[mode][1] for part in parts]),
+        )
+        for mode in parts[0].stuck
+    }
+    return _Tables(together([part.log_s_plus for part in parts]), stuck)
+
+
+def _root(ratio: ArrayLike) -> Array:
+    """q, the square root of the longitudinal slowness over the shear slowness."""
+    ratio = np.asarray(ratio, dtype=float)
+    return np.asarray(((1 - 2 * ratio) / (2 * (1 - ratio))) ** 0.25)
+
+
+@lru_cache(maxsize=16)
+def _tabulated(interval: int) -> tuple[Array, _Tables]:
+    """Roots q (m,) in an interval of Poisson ratios at which tables are worked out, and these."""
+    start, stop = _root(_ENDS[interval]), _root(_ENDS[interval + 1])
+    angle = np.pi * (np.arange(_NODES) + 0.5) / _NODES
+    q = (start + stop) / 2 + (start - stop) / 2 * np.cos(angle)
+    a2 = q**4
+    return q, _each((1 - 2 * a2) / (2 - 2 * a2))
+
+
+def _interpolated(interval: int, ratios: Array) -> _Tables:
+    """Tables of Poisson ratios (k,) in one interval, through those tabulated there."""
+    nodes, tables = _tabulated(interval)
+    away = _root(ratios)[:, None] - nodes
+    weights = np.sin(np.pi * (np.arange(_NODES) + 0.5) / _NODES) * (-1.0) ** np.arange(_NODES)
+    exact = away == 0
+    share = weights / np.where(exact, 1.0, away)
+    share = np.where(exact.any(axis=1, keepdims=True), exact, share)
+    share /= share.sum(axis=1, keepdims=True)
+    return tables.mapped(lambda series: np.einsum("kj,mjo->mko", share, series))

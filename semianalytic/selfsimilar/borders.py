@@ -1,0 +1,49 @@
+"""Where zones are about to change, so that derivatives hold to one side only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from semianalytic.cut.profile import Profile
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar import tuning
+from semianalytic.selfsimilar.coulomb import doubtful, excess_intensity
+
+
+def border(scene: Scene, profile: Profile, name: str) -> str:
+    """A sentence on what changes beside a solution when a parameter does; "" if nothing does."""
+    load = profile.fields.load
+    if name == "load_pressure" and not scene.load.pressure:
+        return "one-sided: a negative step of pressure would open the contact at its edge"
+    if load.frictionless:
+        return ""
+    margin = abs(float(load.friction) * load.base_pressure - abs(load.base_shear))
+    of_base = name in ("friction", "base_pressure", "base_shear") and not load.far_slip_rate
+    if of_base and margin < tuning.AT_BORDER:
+        return "one-sided: the base is at friction"
+    if not profile.edge_slips and abs(float(excess_intensity(profile))) < tuning.AT_BORDER:
+        return "one-sided: the contact edge is about to slip"
+    for zone, width, peak in _sizes(profile):
+        if min(width, peak) < tuning.AT_BORDER:
+            return f"one-sided: the zone at {zone:.6g} c_t is about to vanish"
+    wrong = profile.wrong_at_nodes[..., 1:-1]
+    near = np.argwhere(doubtful(profile) & (wrong > -tuning.AT_BORDER))
+    for panel, node in near:
+        xi = 1 / profile.panels.at.v[panel, node + 1]
+        what = "stop slipping" if profile.panels.sense[panel] else "slip"
+        return f"one-sided: the interface is about to {what} at {xi:.6g} c_t"
+    return ""
+
+
+def _sizes(profile: Profile) -> list[tuple[float, float, float]]:
+    """Of every zone: its velocity [c_t], its width over it, its slip rate over the largest."""
+    panels, layout = profile.panels, profile.panels.layout
+    rate, owners = np.abs(profile.slip_rate_at_nodes), np.array(layout.zone)
+    result = []
+    for index, zone in enumerate(profile.fields.zones):
+        here = layout.slipping & (owners == index)
+        outer = 1 / (panels.left[int(np.flatnonzero(here)[0])].v[0])
+        inner = 0.0 if zone.right is None else 1 / zone.right.v[0]
+        width = float(outer - inner if inner == 0 else 1 - inner / outer)
+        result.append((float(outer), width, float(rate[here].max() / profile.largest_rate)))
+    return result

@@ -1,0 +1,101 @@
+"""Values at scattered points from those at neighbours: local polynomials of two variables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.sweeps import tuning
+
+
+@dataclass(frozen=True)
+class Stencils:
+    """Neighbours of t points, m each, and what their values weigh at these points.
+
+    Attributes
+    ----------
+    near : (t, m) indices of neighbours
+    weights : (d, t, m) array, of polynomials of degree 0, 1 ...
+    """
+
+    near: np.ndarray
+    weights: Array
+
+    def best(self, known: Array) -> Blends:
+        """The two polynomials two degrees apart whose values of known ones (n, e) differ least.
+
+        One degree apart they agree, whatever they miss, amid neighbours that lie symmetrically.
+        """
+        points = np.arange(len(self.near))
+        if len(self.weights) < 3:
+            nearest = np.zeros(self.weights.shape[1:])
+            nearest[:, 0] = 1.0
+            return Blends(self.near, nearest, np.full_like(nearest, np.nan))
+        each = np.einsum("dtm,tme->dte", self.weights, known[self.near])
+        apart = np.abs(each[2:] - each[:-2]).max(axis=-1, initial=0.0)
+        lower = np.nan_to_num(apart, nan=np.inf).argmin(axis=0)
+        return Blends(self.near, self.weights[lower + 2, points], self.weights[lower, points])
+
+
+@dataclass(frozen=True)
+class Blends:
+    """Weights (t, m) of neighbours (t, m) in a polynomial, and those in the next best one."""
+
+    near: np.ndarray
+    weights: Array
+    others: Array
+
+    def __call__(self, known: Array) -> tuple[Array, Array]:
+        """Values (t, ...) of both, from known ones (n, ...)."""
+        near = known[self.near]
+        flat = near.reshape(*self.near.shape, -1)
+        both = (np.einsum("tm,tmo->to", one, flat) for one in (self.weights, self.others))
+        value, other = (one.reshape(len(near), *known.shape[1:]) for one in both)
+        return value, other
+
+
+@dataclass(frozen=True, eq=False)
+class Neighbourhood:
+    """Points (n, 2) at which something is known."""
+
+    places: Array
+
+    @cached_property
+    def _tree(self) -> Any:
+        from scipy.spatial import cKDTree  # here, for `import semianalytic` is to be quick
+
+        return cKDTree(self.places)
+
+    def nearest(self, to: Array, count: int) -> np.ndarray:
+        """Indices (t, m) of the m <= count points nearest to others (t, 2), the nearest first."""
+        count = min(count, len(self.places))
+        return np.asarray(self._tree.query(to, count)[1]).reshape(len(to), count)
+
+    def stencils(self, to: Array) -> Stencils:
+        """Local polynomials around points (t, 2): least squares over the nearest, weighted."""
+        near = self.nearest(to, tuning.NEIGHBOURS)
+        offset = self.places[near] - to[:, None]
+        radius = np.hypot(*np.moveaxis(offset, -1, 0)).max(axis=1)
+        offset = offset / np.where(radius > 0, radius, 1.0)[:, None, None]
+        terms = [np.ones(near.shape)]
+        degrees = [1]
+        while True:
+            degree = len(degrees)
+            if len(terms) + degree + 1 > near.shape[1] / tuning.NEIGHBOURS_PER_TERM:
+                break
+            x, y = np.moveaxis(offset, -1, 0)
+            terms += [x ** (degree - i) * y**i for i in range(degree + 1)]
+            degrees.append(len(terms))
+        distance = np.square(offset).sum(axis=-1)
+        own = 1 / np.sqrt(tuning.NEAREST_WEIGHT + distance)
+        q, r = np.linalg.qr(np.stack(terms, axis=-1) * own[..., None])
+        lower = np.swapaxes(r, 1, 2) + tuning.LEAST_PIVOT * np.eye(len(terms))
+        at_centre = np.zeros((len(to), len(terms), 1))
+        at_centre[:, 0] = 1.0
+        share = q * np.linalg.solve(lower, at_centre)[..., 0][:, None]
+        weights = np.cumsum(share, axis=-1)[..., np.array(degrees) - 1] * own[..., None]
+        return Stencils(near, np.ascontiguousarray(np.moveaxis(weights, -1, 0)))

@@ -1,0 +1,248 @@
+"""Zones over friction and Poisson ratio: found at a few points, followed to the rest.
+
+Points are taken lattice by lattice, each twice as fine as the one before.  At every point the
+edges are predicted by polynomials through those of the nearest points that have the same zones.
+Where neighbours agree on the zones and polynomials on the edges, a prediction is corrected on the
+loose rule: what that rule lacks is known at neighbours, and as smooth as the edges.  Elsewhere it
+is corrected on the fine rule like those of `continuation`, and becomes a neighbour others rest on;
+where it fails, the point is solved from scratch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from time import perf_counter
+
+import numpy as np
+
+from semianalytic.cut.load import common_load, scaled_load
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
+from semianalytic.halfplane.families import rayleigh_family
+from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
+from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.halfplane.stuck import traction_of
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.edges import Edges, edges_of, moves
+from semianalytic.selfsimilar.estimate import loose_tolerance, shift_error
+from semianalytic.selfsimilar.motion import slip_zones
+from semianalytic.selfsimilar.solution import Solution, Statistics
+from semianalytic.selfsimilar.solver import solve
+from semianalytic.sweeps import tuning
+from semianalytic.sweeps.batches import ZoneSets, continued, linearised
+from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
+from semianalytic.sweeps.interpolation import fits
+from semianalytic.sweeps.neighbours import Neighbourhood
+from semianalytic.sweeps.predictions import (
+    Followed,
+    Footing,
+    Pattern,
+    Predictions,
+    corrected,
+    predicted,
+)
+
+
+class Plane:
+    """Solutions so far of scenes that differ in friction and Poisson ratio."""
+
+    def __init__(self, scenes: Sequence[Scene], rtol: float) -> None:
+        self.scenes, self.rtol = scenes, rtol
+        self.loose = rule_for(loose_tolerance(rtol))
+        ratio = np.array([scene.material.poisson_ratio for scene in scenes])
+        friction = np.array([scene.friction for scene in scenes])
+        both = np.stack([friction, ratio], axis=1)
+        span = np.ptp(both, axis=0)
+        self.places = (both - both.min(axis=0)) / np.where(span > 0, span, 1.0)
+        self.family = rayleigh_family(ratio)
+        self.factors = {one: rayleigh_factors(one) for one in np.unique(ratio).tolist()}
+        self.unit = min(scaled_load(scene)[1] for scene in scenes)
+        self.solutions: dict[int, Solution] = {}
+        self.origin: dict[int, str] = {}
+        self.zones: dict[int, Followed] = {}
+
+    def run(self) -> None:
+        """Solve all scenes."""
+        for targets in self._lattices():
+            self._advance(targets)
+
+    @cached_property
+    def _closed(self) -> np.ndarray:
+        """(n,) whether the contact stays closed: pressure is least at the Rayleigh front, or at
+        once at the contact edge."""
+        base, step = self.scenes[0].base.pressure, self.scenes[0].load.pressure
+        change = traction_of(self.family, "I")(self.family.c)[:, 0]
+        return np.asarray((step >= 0) & (base + step * change >= 0))
+
+    def _lattices(self) -> Iterator[np.ndarray]:
+        """Points nearest to those of finer and finer lattices, and at last all that are left."""
+        left, spaces = np.ones(len(self.scenes), dtype=bool), tuning.FIRST_LATTICE - 1
+        everywhere = Neighbourhood(self.places)
+        while (spaces + 1) ** 2 < len(self.scenes):
+            side = np.linspace(0, 1, spaces + 1)
+            lattice = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+            nearest = np.unique(everywhere.nearest(lattice, 1))
+            yield nearest[left[nearest]]
+            left[nearest] = False
+            spaces *= 2
+        yield np.flatnonzero(left)
+
+    def _advance(self, targets: np.ndarray) -> None:
+        """Solve some points with the help of those that are known."""
+        if self.zones:
+            for rank in range(tuning.PATTERNS_TRIED):
+                waiting = [int(i) for i in targets if self._closed[i] and i not in self.origin]
+                for (pattern, certain), some in self._patterns(waiting, rank).items():
+                    self._follow(pattern, certain, np.array(some))
+        self._from_scratch([int(i) for i in targets if i not in self.origin])
+
+    def _patterns(self, targets: list[int], rank: int) -> dict[tuple[Pattern, bool], list[int]]:
+        """Points by the pattern of zones they may have, rank 0 the most likely one, and whether all
+        known points around have it."""
+        if not targets:
+            return {}
+        known = np.array(list(self.zones))
+        around = Neighbourhood(self.places[known])
+        near = known[around.nearest(self.places[targets], tuning.CERTAIN_NEIGHBOURS)]
+        result: dict[tuple[Pattern, bool], list[int]] = {}
+        for i, indices in zip(targets, near.tolist(), strict=True):
+            patterns = list(dict.fromkeys(self.zones[j].pattern for j in indices))
+            if rank < len(patterns) and fits(self._edges(patterns[rank], [i]), self.scenes[i]):
+                result.setdefault((patterns[rank], len(patterns) == 1), []).append(i)
+        return result
+
+    def _edges(self, pattern: Pattern, which: Sequence[int] | np.ndarray) -> Edges:
+        """The edges of some points."""
+        return Edges(self.family.chosen(np.asarray(which)), *pattern)
+
+    def _sets(self, pattern: Pattern, which: np.ndarray) -> ZoneSets:
+        """What is asked of the zones of some points."""
+        load = common_load([self.scenes[i] for i in which], self.unit)
+        return ZoneSets(self._edges(pattern, which), load)
+
+    def _batches(
+        self, pattern: Pattern, which: np.ndarray, unknowns: Array, kind: Array
+    ) -> Iterator[np.ndarray]:
+        """Points, as places in `which`, whose zones may share panels: edges on one side of every
+        cut, close to one front or to none; and of one `kind` (t,).
+
+        Those with narrow gaps, which need long panels, come together.
+        """
+        edges = self._edges(pattern, which)
+        parts, hiding = edges.parts(unknowns.T), self.family.hiding[which]
+        beyond = (hiding == 2) & (parts[0] > self.family.hidden_root.real[which, 0])
+        distances = np.abs(parts[1:])
+        nearest = np.where(
+            distances.min(axis=0) < tuning.CLOSE_TO_FRONT, distances.argmin(axis=0), 3
+        )
+        keys = np.concatenate([[hiding, kind], beyond, nearest])
+        _, group = np.unique(keys, axis=1, return_inverse=True)
+        from_c = distances[2].min(axis=0, initial=1.0)
+        for one in range(group.max() + 1):
+            some = np.flatnonzero(group == one)
+            some = some[np.argsort(from_c[some])]
+            yield from np.array_split(some, -(-len(some) // tuning.PLANE_BATCH))
+
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
+    def _follow(self, pattern: Pattern, certain: bool, targets: np.ndarray) -> None:
+        """Try a pattern of zones at some points; keep what fulfils Coulomb's law."""
+        known = [i for i, one in self.zones.items() if one.pattern == pattern]
+        parts = [self.zones[i] for i in known], self.places[known]
+        every = predicted(*parts, targets, self.places[targets], self.rtol)
+        rule = every.loose if certain else every.tolerance
+        led, near = every.doubt < tuning.LEADING_DOUBT, every.doubt < tuning.NEAR
+        kind = np.where(led, np.round(-np.log10(rule) / tuning.RULE_STEP) + near / 2, -1)
+        for batch in self._batches(pattern, targets, every.unknowns, kind):
+            some = every[batch]
+            if led[batch[0]]:
+                some = some[~self._correct(pattern, certain, some)]
+            if len(some):
+                self._compute(pattern, some)
+
+    def _correct(self, pattern: Pattern, certain: bool, some: Predictions) -> np.ndarray:
+        """Keep predictions that can be corrected on a loose rule; which these are."""
+        start = perf_counter()
+        done = corrected(self._sets(pattern, some.points), some, certain, self.rtol)
+        seconds = (perf_counter() - start) / len(some)
+        for j in np.flatnonzero(done.sound):
+            parts = done.unknowns[:, j], float(some.tolerance[j]), float(done.estimate[j])
+            followed = Followed(pattern, *parts)
+            self._add(int(some.points[j]), followed, INTERPOLATED, 1, done.nodes, seconds)
+        return done.sound
+
+    def _compute(self, pattern: Pattern, some: Predictions) -> None:
+        """Keep predictions that can be corrected on the fine rule."""
+        start, sets = perf_counter(), self._sets(pattern, some.points)
+        done = continued(sets, some.each(), self.rtol)
+        sound = np.flatnonzero(done.sound)
+        if not len(sound):
+            return
+        now, inverse = done.unknowns[:, sound], done.inverse[sound]
+        footings = _footings(sets.chosen(sound), now, inverse, self.loose)
+        seconds = (perf_counter() - start) / len(some)
+        for j, k in enumerate(sound):
+            parts = now[:, j], float(done.tolerances[k]), float(done.estimate[k])
+            followed = Followed(pattern, *parts, footings[j])
+            self._add(int(some.points[k]), followed, COMPUTED, done.steps, done.nodes, seconds)
+
+    def _from_scratch(self, targets: list[int]) -> None:
+        """Solve points without help; those with converged edges help others."""
+        by_pattern: dict[Pattern, list[tuple[int, Array, float, float]]] = {}
+        for i in targets:
+            solution = solve(self.scenes[i], rtol=self.rtol)
+            self.solutions[i], self.origin[i] = solution, FROM_SCRATCH
+            fields = solution.profile.fields
+            load = fields.load
+            if solution.status == "converged" and not (load.frictionless or load.opened):
+                edges, unknowns = edges_of(fields.factors, fields.zones)
+                pattern = (edges.kinds, edges.open_ends, edges.segments)
+                one = (i, unknowns, fields.rule.tolerance, solution.error_estimate)
+                by_pattern.setdefault(pattern, []).append(one)
+        for pattern, some in by_pattern.items():
+            which, unknowns = (
+                np.array([i for i, *_ in some]),
+                np.array([one for _, one, *_ in some]),
+            )
+            for batch in self._batches(pattern, which, unknowns, np.zeros(len(which))):
+                sets, now = self._sets(pattern, which[batch]), unknowns[batch].T
+                inverse = np.zeros((len(batch), 0, 0))
+                if len(now):
+                    inverse, _ = linearised(sets, now, self.loose)
+                footings = _footings(sets, now, inverse, self.loose)
+                for k, footing in zip(batch, footings, strict=True):
+                    i, one, tolerance, estimate = some[k]
+                    self.zones[i] = Followed(pattern, one, tolerance, estimate, footing)
+
+    def _add(
+        self, i: int, followed: Followed, origin: str, steps: int, nodes: int, seconds: float
+    ) -> None:
+        scene = self.scenes[i]
+        self.zones[i], self.origin[i] = followed, origin
+        load, stress = scaled_load(scene)
+        factors = self.factors[scene.material.poisson_ratio]
+        edges = Edges(factors, *followed.pattern)
+        zones = edges.zones(followed.unknowns)
+        profile = Profile(ZoneFields(factors, load, zones, rule_for(followed.tolerance)))
+        stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
+        statistics = Statistics(0, steps, 1, len(followed.unknowns), nodes, stages)
+        self.solutions[i] = Solution(
+            scene,
+            slip_zones(profile, scene.material.shear_speed),
+            "converged",
+            followed.estimate,
+            statistics,
+            profile,
+            stress,
+        )
+
+
+def _footings(sets: ZoneSets, unknowns: Array, inverse: Array, loose: Rule) -> list[Footing]:
+    """What others may rest on, from unknowns (e, k) that are right on the fine rule and inverse
+    Jacobians (k, e, e)."""
+    if not len(unknowns):
+        return [Footing(one, 0.0) for one in inverse]
+    fields = sets.fields(unknowns, loose)
+    moved = unknowns - moves(inverse, fields.mismatch())
+    shift = shift_error(sets.edges, unknowns, moved, fields)
+    return [Footing(one, float(size)) for one, size in zip(inverse, shift, strict=True)]

@@ -1,0 +1,191 @@
+"""Zones at many points of friction and Poisson ratio, predicted from neighbours and corrected.
+
+A prediction becomes an answer on a rule that is loose: what edges lack on it is known at
+neighbours, far less than the tolerance of the rule, and counts in the error estimate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.profile import Profile
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.selfsimilar.coulomb import admissible
+from semianalytic.selfsimilar.edges import moves
+from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, shift_error
+from semianalytic.selfsimilar.tuning import FARTHEST, SAFETY
+from semianalytic.sweeps import tuning
+from semianalytic.sweeps.batches import Prediction, ZoneSets, approached
+from semianalytic.sweeps.neighbours import Neighbourhood
+
+Pattern = tuple[tuple[Zone, ...], tuple[bool, bool], tuple[int, ...]]
+"""Kinds, open ends and segments of `Edges`, whatever the Poisson ratio."""
+
+
+@dataclass(frozen=True)
+class Footing:
+    """What others may rest on: the inverse Jacobian (e, e), and the error of edges that are right
+    on the loose rule instead of the fine one."""
+
+    inverse: Array
+    shift: float
+
+
+@dataclass(frozen=True)
+class Followed:
+    """Zones at one point: their pattern and unknowns (e,), the tolerance of their rule and the
+    error estimate; and what others may rest on, if they were found on the fine rule."""
+
+    pattern: Pattern
+    unknowns: Array
+    tolerance: float
+    estimate: float
+    footing: Footing | None = None
+
+
+@dataclass(frozen=True)
+class Predictions:
+    """Zones of one pattern predicted at t points.
+
+    Attributes
+    ----------
+    points : (t,) indices of the points
+    unknowns : (t, e) array
+    doubt : (t,) array, how far these may be off
+    inverse, others : (t, e, e) inverse Jacobians, from two polynomials
+    tolerance : (t,), of the fine rule
+    loose : (t,), of the loosest rule on which edges lack little
+    estimate : (t,) largest error estimate of neighbours, and what edges lack on that rule
+    """
+
+    points: np.ndarray
+    unknowns: Array
+    doubt: Array
+    inverse: Array
+    others: Array
+    tolerance: Array
+    loose: Array
+    estimate: Array
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __getitem__(self, which: np.ndarray) -> Predictions:
+        """Some of them."""
+        return Predictions(*(getattr(self, field.name)[which] for field in fields(self)))
+
+    def each(self) -> list[Prediction]:
+        """For correction on the fine rule, none of them trusted."""
+        doubt = np.maximum(self.doubt, tuning.LEADING_DOUBT)
+        parts = zip(self.unknowns, self.inverse, doubt, self.tolerance, strict=True)
+        return [Prediction(one, two, float(off), rule) for one, two, off, rule in parts]
+
+
+def predicted(
+    known: Sequence[Followed], at: Array, points: np.ndarray, places: Array, rtol: float
+) -> Predictions:
+    """Zones at places (t, 2) of points (t,) from those of one pattern known at others (n, 2)."""
+    values = np.array([one.unknowns for one in known])
+    unknowns, other = Neighbourhood(at).stencils(places).best(values)(values)
+    unknowns = np.clip(unknowns, -FARTHEST, FARTHEST)
+    doubt = np.abs(unknowns - other).max(axis=1, initial=0.0)
+    footed = [(one, one.footing) for one in known if one.footing is not None]
+    firm = np.array([one.footing is not None for one in known])
+    stencils = Neighbourhood(at[firm]).stencils(places)
+    inverse = np.array([footing.inverse for _, footing in footed])
+    near = stencils.near[:, : tuning.CERTAIN_NEIGHBOURS]
+    tolerance = np.median(np.array([one.tolerance for one, _ in footed])[near], axis=1)
+    nearest = near[:, : tuning.NEAREST_ESTIMATES]
+    estimate = np.array([one.estimate for one, _ in footed])[nearest].max(axis=1)
+    shift = np.array([footing.shift for _, footing in footed])[near].max(axis=1)
+    room = np.maximum(rtol - estimate, tuning.LEAST_ROOM * rtol)
+    loose = np.maximum(_loose_enough(shift, room, rtol), tolerance)
+    lacking = np.where(loose > tolerance, SAFETY * shift * loose / loose_tolerance(rtol), 0.0)
+    return Predictions(
+        points,
+        unknowns,
+        np.where(np.isnan(doubt), np.inf, doubt),
+        *stencils.best(values[firm])(inverse),
+        tolerance,
+        loose,
+        estimate + lacking,
+    )
+
+
+def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
+    """Tolerances, in steps, of rules on which errors (t,) of the loose rule, which fall like the
+    tolerance, take but a share of the room in the error estimate."""
+    most = tuning.LOOSE_SHARE * room / SAFETY
+    steps = np.ceil(np.log10(np.maximum(shift / most, 1.0)) / tuning.RULE_STEP)
+    return np.asarray(loose_tolerance(rtol) * 10 ** (-tuning.RULE_STEP * steps))
+
+
+@dataclass(frozen=True)
+class CorrectedZones:
+    """Corrected unknowns (e, k), error estimates (k,), which are sound, and nodes per set."""
+
+    unknowns: Array
+    estimate: Array
+    sound: np.ndarray
+    nodes: int
+
+
+def corrected(
+    sets: ZoneSets, predictions: Predictions, certain: bool, rtol: float
+) -> CorrectedZones:
+    """Correct predictions on the loosest rule that serves, or, where it is not certain that there
+    are these zones, on the fine one, and hold them against Coulomb's law as strictly as that rule
+    allows."""
+    loosest = loose_tolerance(rtol)
+    unknowns, inverse = predictions.unknowns.T, predictions.inverse
+    arrived = np.ones(len(predictions), dtype=bool)
+    if len(unknowns) and np.any(predictions.doubt >= tuning.NEAR):
+        unknowns, inverse, left, _ = approached(sets, unknowns, inverse, rule_for(loosest))
+        arrived = left < np.inf
+    rule = rule_for(float((predictions.loose if certain else predictions.tolerance).min()))
+    fields, estimate = sets.fields(unknowns, rule), predictions.estimate
+    profile, law = Profile(fields), tuning.LOOSE_CHECK * loosest
+    if not certain:
+        law, estimate = min(rtol, tuning.LOOSEST_LAW), estimate + missed_slip(profile)
+    sound = admissible(profile, law) & arrived
+    if len(unknowns):
+        unknowns, left = _stepped(
+            sets, unknowns, profile, (inverse, predictions.others), rtol - estimate
+        )
+        sound &= sets.edges.admits(unknowns)
+        estimate = estimate + SAFETY * left
+    nodes = fields.panels.jacobian[:, 0].size
+    return CorrectedZones(unknowns, estimate, sound & (estimate <= rtol), nodes)
+
+
+def _stepped(
+    sets: ZoneSets, start: Array, profile: Profile, inverse: tuple[Array, Array], room: Array
+) -> tuple[Array, Array]:
+    """Unknowns (e, k) after a chord step from `start`, where the profile is, or some more, and the
+    error that is left (k,): of what the two inverse Jacobians disagree upon, or of what the last
+    step leaves if it shrinks as before."""
+    fields = profile.fields
+    values = fields.mismatch()
+    move = -moves(inverse[0], values)
+    size = np.abs(move).max(axis=0)
+    unknowns, rest = start + move, np.abs(move + moves(inverse[1], values)) + np.square(size)
+    left = shift_error(sets.edges, unknowns, unknowns + rest, fields)
+    left[~(size < tuning.FARTHEST_STEP)] = np.inf
+    for _ in range(tuning.MORE_STEPS):
+        again = np.flatnonzero(left < np.inf)
+        again = again[SAFETY * left[again] > room[again]]
+        if not len(again):
+            break
+        some = sets.chosen(again)
+        fields = some.fields(unknowns[:, again], fields.rule)
+        move = -moves(inverse[0][again], fields.mismatch())
+        unknowns[:, again] += move
+        share = np.abs(move).max(axis=0) / size[again]
+        rest, size[again] = move * np.minimum(1.0, share), size[again] * share
+        left[again] = shift_error(some.edges, unknowns[:, again], unknowns[:, again] + rest, fields)
+    return unknowns, left

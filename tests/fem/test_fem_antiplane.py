@@ -1,0 +1,216 @@
+"""The scalar model of antiplane shear: matrices, mesh edge, closed forms, the other solvers."""
+
+import meshio
+import numpy as np
+import pytest
+from catalogue import REMOTE, STEEL, UNIT, unit_scene
+
+from fem import Settings, cost, load_simulation, simulate, with_companions
+from fem.assembly import FAMILIES, OUT_OF_PLANE, antiplane_stiffness, make_space
+from fem.edge import edge_offset, surface_stiffness
+from fem.plan import ANTIPLANE, ANTIPLANE_LOCKSTEP, TWO_MATERIALS, Plan
+from meshes import Blocks, cached_mesh
+from semianalytic import (
+    Material,
+    Scene,
+    SceneError,
+    SlipWeakening,
+    Tractions,
+    ViscousFriction,
+    march,
+    solve,
+)
+from semianalytic.halfplane.stuck_histories import stuck_shear
+from semianalytic.reference import antiplane_slip, antiplane_slip_rate
+from semianalytic.scene.loads import Step
+
+SOFT = Material(2.0, 3.0, 0.1)
+LINEAR = pytest.mark.parametrize("element", ["Q1", "P1"])
+
+
+def antiplane(friction, base=(1.0, 0.0), load=(0.0, 1.0), **parts):
+    return unit_scene(friction, base, load, mode="antiplane", **parts)
+
+
+def l1(found, wanted):
+    return np.abs(found - wanted).sum() / np.abs(wanted).sum()
+
+
+# --- the matrix and the edge of a mesh ----------------------------------------------------------
+
+
+@pytest.mark.parametrize("element", ["P1", "Q1", "Q2"])
+def test_energy_of_uniform_shear(element):
+    """mu/2 (u_x^2 + u_y^2) times the area; a shift costs nothing."""
+    family = FAMILIES[element]
+    space = make_space(cached_mesh(Blocks(0.25, 2, 3, 4, lower=True)), family)
+    stiffness = antiplane_stiffness(space, {"upper": SOFT, "lower": UNIT})
+    x, y = space.points
+    u = 0.3 * x + 0.2 * y
+    areas = 5 * 4 * 0.25**2
+    energy = areas * (SOFT.shear_modulus + UNIT.shear_modulus) / 2 * (0.3**2 + 0.2**2)
+    assert u @ (stiffness @ u) / 2 == pytest.approx(energy, rel=1e-12)
+    assert np.abs(stiffness @ np.ones(len(u))).max() < 1e-12
+
+
+@LINEAR
+def test_edge_of_a_stuck_contact_in_closed_form(element):
+    """g = sqrt(1 - s^2/3) or sqrt(1 + s^2), s = sin(theta/2), puts it sqrt(2/3)/4 or sqrt(2)/4
+    beside the first node; nu and moduli do not count."""
+    family, angles = FAMILIES[element], np.array([0.1, 1.0, 3.0])
+    square = np.sin(angles / 2) ** 2
+    shape = 1 - square / 3 if element == "Q1" else 1 + square
+    found = surface_stiffness(SOFT, family, angles, OUT_OF_PLANE)[:, 0, 0]
+    expected = SOFT.shear_modulus * 2 * np.sqrt(square * shape)
+    np.testing.assert_allclose(found, expected, rtol=1e-11)
+    edge = np.sqrt(2 / 3) / 4 if element == "Q1" else np.sqrt(2) / 4
+    for material in (UNIT, SOFT):
+        assert edge_offset([material], family, held=2) == pytest.approx(edge, abs=1e-6)
+
+
+@LINEAR
+def test_stuck_traction_is_seen_from_that_edge(element):
+    """Errors of 0.012 % (Q1) and 0.13 % (P1); 1.6 % and 3.0 % with the edge at the first node."""
+    scene = antiplane(80.0, load=(0.0, 0.01))
+    run = simulate(scene, resolution=100, element=element, every=10**6)
+    interface, beside = run.interface, edge_offset([UNIT], FAMILIES[element], held=2)
+    assert np.abs(interface.slip_rate).max() < 1e-15
+    seen = (interface.x > 0.03) & (interface.x < 0.8)
+    errors = []
+    for shift in (beside * run.element_size, 0.0):
+        exact = stuck_shear(Step(), 0.01, UNIT, interface.x[seen] + shift, 1.0, "III").value
+        errors.append(l1(interface.shear_traction[-1, seen], exact))
+    assert errors[0] < errors[1] / 15
+
+
+# --- answers --------------------------------------------------------------------------------------
+
+
+def test_slip_converges_to_the_closed_form():
+    """0.65, 0.27, 0.12 % of slip rate, 0.14, 0.046, 0.018 % of slip at h = 1/50 ... 1/200."""
+    scene, rates, slips = antiplane(0.5), [], []
+    for resolution in (50, 100, 200):
+        run = simulate(scene, resolution=resolution)
+        assert run.model == ANTIPLANE
+        x = run.interface.x
+        rates.append(l1(run.interface.slip_rate[-1], antiplane_slip_rate(UNIT, 1.0, 0.5, x)))
+        slips.append(l1(run.interface.slip[-1], antiplane_slip(UNIT, 1.0, 0.5, x, 1.0)))
+    assert rates[-1] < 2e-3
+    assert slips[-1] < 3e-4
+    assert np.log2(rates[0] / rates[-1]) / 2 > 1.0
+    energy = run.energy
+    stored = energy.kinetic + energy.strain + energy.friction + energy.damping + energy.impact
+    np.testing.assert_allclose(stored, energy.external, atol=1e-10 * energy.external.max())
+
+
+@pytest.mark.parametrize(
+    ("scene", "name"),
+    [
+        (antiplane(1.0, *REMOTE), ANTIPLANE_LOCKSTEP),
+        (antiplane(0.5, friction_law=ViscousFriction(0.25)), ANTIPLANE),
+        (antiplane(0.3, (1.0, 0.3), (1.0, 0.6)), ANTIPLANE_LOCKSTEP),
+    ],
+    ids=["shock", "viscous", "slip from the longitudinal front"],
+)
+def test_exact_solutions_are_met(scene, name):
+    run, exact = simulate(scene, resolution=100), solve(scene)
+    assert run.model == name
+    x = run.interface.x[run.interface.x > 0.02]
+    found = run.interface.slip[-1, -len(x) :]
+    assert l1(found, exact.slip(x, run.end_time)) < 5e-3
+
+
+def test_slip_weakening_agrees_with_a_march():
+    scene = antiplane(0.5, friction_law=SlipWeakening(0.5, 0.1))
+    run, marched = simulate(scene, resolution=100), march(scene, nodes=500)
+    x = run.interface.x[run.interface.x < marched.grid.x[-1]]
+    assert l1(run.interface.slip[-1, : len(x)], marched.slip(x, 1.0)) < 3e-3
+
+
+def test_slot_faces_move_along_z_and_normally():
+    scene = antiplane(1.0, *REMOTE)
+    run, exact = simulate(scene, resolution=100), solve(scene)
+    x = run.slot.x[run.slot.x < -0.03]
+    velocities = run.slot.velocity_x[-1, : len(x)], run.slot.velocity_y[-1, : len(x)]
+    for found, wanted in zip(velocities, exact.slot_velocity(x, 1.0), strict=True):
+        assert np.abs(found - wanted).mean() < 5e-3
+
+
+def test_units_do_not_matter():
+    scene = antiplane(0.5)
+    steel = Scene(STEEL, 0.5, Tractions(1e6, 0.0), Tractions(0.0, 1e6), mode="antiplane")
+    one, other = simulate(scene, resolution=20), simulate(steel, 1e-3, resolution=20)
+    unit = 1e6 / STEEL.shear_impedance
+    np.testing.assert_allclose(
+        other.interface.slip_rate / unit, one.interface.slip_rate, atol=1e-12
+    )
+
+
+# --- models ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("load", [(0.0, 1.0), (0.4, 1.0), (-1.0, 1.0)])
+def test_halves_and_two_blocks_are_the_same(load):
+    """The last opens: where it does, nothing holds slip along z."""
+    scene = antiplane(0.5, load=load)
+    one, two = (simulate(scene, 0.5, resolution=30, model=m) for m in ("auto", "two-blocks"))
+    for name in ("slip", "slip_rate", "shear_traction", "pressure"):
+        found = getattr(two.interface, name)
+        np.testing.assert_allclose(getattr(one.interface, name), found, atol=1e-10)
+    assert (one.opened is not None) == (load[0] < 0)
+
+
+def test_mesh_is_as_large_as_shear_waves_reach():
+    alone, pressed = (antiplane(0.5, load=load) for load in ((0.0, 1.0), (0.4, 1.0)))
+    blocks = [Plan(scene, 1.0, Settings(resolution=40)).blocks for scene in (alone, pressed)]
+    assert blocks[1].right > 1.7 * blocks[0].right
+    assert cost(alone, resolution=40).unknowns == simulate(alone, resolution=40).unknowns
+    assert cost(pressed, resolution=40).unknowns == simulate(pressed, resolution=40).unknowns
+
+
+def test_two_materials_slide_under_constant_pressure_only():
+    run = simulate(antiplane(0.5), 0.5, resolution=40, lower_material=SOFT)
+    assert run.model == TWO_MATERIALS
+    energy = run.energy
+    stored = energy.kinetic + energy.strain + energy.friction + energy.damping + energy.impact
+    np.testing.assert_allclose(stored, energy.external, atol=1e-10 * energy.external.max())
+    with pytest.raises(SceneError, match="slip along x as well"):
+        simulate(antiplane(0.5, load=(0.4, 1.0)), 0.5, resolution=40, lower_material=SOFT)
+
+
+def test_saved_runs_companions_and_checkpoints_keep_the_mode(tmp_path):
+    scene = antiplane(0.5, load=(0.4, 1.0))
+    run = with_companions(simulate(scene, 0.5, resolution=32))
+    assert run.companion.model == run.model
+    run.save(tmp_path / "run.h5")
+    assert load_simulation(tmp_path / "run.h5").scene == scene
+
+    def stop(step, steps):
+        if step == steps // 2:
+            raise KeyboardInterrupt
+
+    kept = tmp_path / "run.check"
+    with pytest.raises(KeyboardInterrupt):
+        simulate(scene, 0.5, resolution=32, checkpoint=kept, checkpoint_every=1, progress=stop)
+    again = simulate(scene, 0.5, resolution=32, checkpoint=kept, resume=True)
+    np.testing.assert_array_equal(again.interface.slip, run.interface.slip)
+
+
+def test_snapshots_show_displacement_along_z(tmp_path):
+    """Far left, behind the shear wave of the slot, stands the load; ahead of it the base."""
+    scene = antiplane(0.5, (1.0, 0.2), (0.0, 0.5))
+    frames = []
+    for model in ("auto", "two-blocks"):
+        simulate(scene, resolution=40, snapshots=tmp_path / model, frames=1, model=model)
+        frames.append(meshio.read(next((tmp_path / model).glob("*.vtu"))))
+    frame = frames[0]
+    assert not frame.point_data["velocity"][:, :2].any()
+    x, y, _ = frame.points[frame.cells[0].data].mean(axis=1).T
+    stress = frame.cell_data["sigma_yz"][0]
+    far = (x < -1.02) & (x > -1.15)
+    for where, expected in ((np.abs(y) < 0.8, 0.2 - 0.5), (np.abs(y) > 1.1, 0.2)):
+        assert (far & where).sum() > 10
+        assert stress[far & where].mean() == pytest.approx(expected, abs=5e-3)
+    order = [np.lexsort(f.points[f.cells[0].data].mean(axis=1).round(6).T) for f in frames]
+    one, two = (f.cell_data["sigma_yz"][0][o] for f, o in zip(frames, order, strict=True))
+    np.testing.assert_allclose(one, two, atol=1e-10)

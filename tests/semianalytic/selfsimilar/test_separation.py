@@ -1,0 +1,195 @@
+"""Slip beside what is open: laws, symmetry, honest estimates, and where the motion ends."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from laws import check_invariants, opening_scene
+
+from semianalytic import Material, Scene, TensionError, Tractions, ViscousFriction, solve
+from semianalytic.cut.load import scaled_load
+from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.selfsimilar.collocation import slip_on_grid
+from semianalytic.separation.normal import with_opening
+
+STEEL = Material(1.0, 1.0, 1 / 3)
+
+
+def tapped(friction=0.3, shear=1.0, base=0.02, held=0.0, **rest):
+    """A sudden pressure of 1, and shear, on a small base."""
+    return Scene(STEEL, friction, Tractions(base, held), Tractions(1.0, shear), **rest)
+
+
+def lifted(friction=0.3, shear=1.0, held=0.0, **rest):
+    """A pressure put on the slot faces."""
+    return Scene(STEEL, friction, Tractions(1.0, held), Tractions(-1.0, shear), **rest)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(st.integers(0, 10**9))
+def test_laws_hold_in_scenes_that_open(seed):
+    check_invariants(opening_scene(np.random.default_rng(seed)))
+
+
+@pytest.mark.parametrize("law", [{"friction_law": ViscousFriction(0.25)}, {"mode": "antiplane"}])
+@pytest.mark.parametrize("scene", [lifted(), lifted(held=-0.2), tapped(held=0.003), tapped(0.5)])
+def test_laws_hold_with_viscosity_and_out_of_the_plane(scene, law):
+    check_invariants(replace(scene, **law))
+
+
+@pytest.mark.parametrize("base", [0.0, -1.0])
+@pytest.mark.parametrize("step", [1.0, -1.0])
+def test_a_contact_that_nothing_holds_together_is_refused(base, step):
+    if base < 0:
+        with pytest.raises(Exception, match="base pressure"):
+            Scene(STEEL, 0.3, Tractions(base, 0.0), Tractions(step, 1.0))
+        return
+    with pytest.raises(TensionError, match=r"nothing holds the contact .*\(docs/limits"):
+        solve(Scene(STEEL, 0.3, Tractions(base, 0.0), Tractions(step, 1.0)))
+
+
+@pytest.mark.parametrize("scene", [tapped(shear=0.0), lifted(shear=0.0)])
+def test_nothing_moves_along_the_interface_without_shear(scene):
+    solution = solve(scene)
+    assert solution.zones == ()
+    assert len(solution.openings) == 1
+    x = np.linspace(0.05, 2.1, 60)
+    for name in ("slip_rate", "slip", "shear_traction", "path"):
+        assert np.all(getattr(solution, name)(x, 1.0) == 0), name
+    assert solution.accumulated_slip(1.0) == 0
+
+
+@pytest.mark.parametrize("scene", [tapped(held=0.004), lifted(held=0.2), tapped(5.0, 0.1)])
+def test_reversed_shear_reverses_slip(scene):
+    base, load = (replace(one, shear=-one.shear) for one in (scene.base, scene.load))
+    solution, mirrored = solve(scene), solve(replace(scene, base=base, load=load))
+    assert mirrored.openings == solution.openings
+    assert [zone.sense for zone in mirrored.zones] == [-zone.sense for zone in solution.zones]
+    x = np.linspace(0.05, 2.1, 60)
+    for name in ("slip_rate", "slip", "shear_traction"):
+        there, here = (getattr(one, name)(x, 1.0) for one in (mirrored, solution))
+        np.testing.assert_allclose(there, -here, rtol=0, atol=1e-9)
+
+
+def test_friction_decides_whether_slip_goes_on_behind_a_closing_edge():
+    """Strength rises behind it like the root of the distance, and so does a stuck traction."""
+    slips, sticks = solve(tapped(0.3)), solve(tapped(20.0))
+    (opening,) = slips.openings
+    assert sticks.openings[0].inner == pytest.approx(opening.inner, rel=1e-12)
+    assert slips.zones[0].outer == opening.inner
+    assert slips.zones[-1].inner == sticks.zones[0].inner == pytest.approx(opening.outer)
+    assert len(sticks.zones) == 1
+    beside = opening.inner * (1 - np.array([1e-6, 1e-5, 1e-4]))
+    ratio = sticks.shear_traction(beside, 1.0) / (20.0 * sticks.pressure(beside, 1.0))
+    assert np.ptp(ratio) < 0.01
+    assert 0 < ratio[0] < 1
+    rate = sticks.slip_rate(opening.inner * (1 + np.array([1e-7, 4e-7])), 1.0)
+    assert rate[1] / rate[0] == pytest.approx(2.0, rel=0.01)
+
+
+def test_slip_may_change_sense_across_an_opening():
+    solution = solve(tapped(1.0, -1.0, held=0.0183))
+    (opening,) = solution.openings
+    behind, ahead = solution.zones
+    assert (behind.outer, ahead.inner) == (opening.inner, opening.outer)
+    assert (behind.sense, ahead.sense) == (-1, 1)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [tapped(), tapped(3.0), tapped(1.0, -1.0, held=0.018), lifted(), tapped(mode="antiplane")],
+)
+def test_slip_agrees_with_complementarity_on_a_grid(scene):
+    solution, nu = solve(scene), scene.material.poisson_ratio
+    load, stress = scaled_load(scene)
+    load, _ = with_opening(load, rayleigh_factors(nu, scene.shear_mode), 1e-6)
+    grid = slip_on_grid(nu, load, 300, scene.shear_mode)
+    middle = (grid.xi[1:] + grid.xi[:-1]) / 2
+    seen = stress * (grid.slip_rate[1:] + grid.slip_rate[:-1])  # relative, averaged
+    rate = solution.slip_rate(middle, 1.0)
+    clear = np.abs(middle - scene.material.rayleigh_speed) > 0.03
+    error = np.abs(rate - seen)[clear] @ np.diff(grid.xi)[clear]
+    assert error < 0.02 * np.abs(rate)[clear] @ np.diff(grid.xi)[clear]
+
+
+@pytest.mark.parametrize("scene", [tapped(), tapped(1.0, -1.0, held=0.018), lifted(held=-0.2)])
+def test_motion_while_open_counts_as_slip_and_takes_no_work(scene):
+    solution = solve(scene)
+    (opening,) = solution.openings
+    assert np.all(solution.frictional_power(2.0, 2 * opening.inner, 2 * opening.outer) < 1e-12)
+    x = np.maximum(np.linspace(0.0, 2.0, 4001), 1e-9)
+    path, slip = solution.path(x, 1.0), solution.slip(x, 1.0)
+    assert np.all(path >= np.abs(slip) - 1e-12)
+    # by self-similarity the integral of path over x is half that of |slip rate| over x/t
+    total = np.trapezoid(np.abs(solution.slip_rate(x, 1.0)), x) / 2
+    assert solution.accumulated_slip(1.0) == pytest.approx(total, rel=2e-3)
+    assert np.trapezoid(path, x) == pytest.approx(total, rel=2e-3)
+    assert solution.max_slip(1.0) >= np.abs(slip).max() * (1 - 1e-9)
+
+
+CLEAR = 0.03
+FIELDS = ("slip", "path", "work_density", "gap")
+TOTALS = ("frictional_power", "frictional_work", "accumulated_slip", "max_slip")
+
+
+def errors(solution, exact):
+    """Errors that an estimate is to bound, by name."""
+    scene, speed = exact.scene, exact.scene.material.longitudinal_speed
+    marks = [exact.scene.material.rayleigh_speed]
+    result = {}
+    if [zone.sense for zone in solution.zones] == [zone.sense for zone in exact.zones]:
+        ends, known = (
+            np.array([(part.inner, part.outer) for part in (*one.zones, *one.openings)]).ravel()
+            for one in (solution, exact)
+        )
+        result["edges"] = np.abs(ends - known).max()
+        marks += known.tolist()
+    x = np.linspace(0.004, 0.999, 1500) * speed
+    far = np.abs(x[:, None] - np.array(marks)).min(axis=1) > CLEAR
+    for name in ("slip_rate", "gap_rate"):
+        found, known = (getattr(one, name)(x, 1.0)[far] for one in (solution, exact))
+        result[name] = np.abs(found - known).max() / max(np.abs(known).max(), 1e-300)
+    found, known = (one.shear_traction(x, 1.0)[far] for one in (solution, exact))
+    result["shear"] = (np.abs(found - known) / (exact.stress + np.abs(known))).max()
+    found, known = (one.pressure(x, 1.0)[far] for one in (solution, exact))
+    size = scene.base.pressure + abs(scene.load.pressure)
+    result["pressure"] = (np.abs(found - known) / (size + known)).max()
+    for name in FIELDS:
+        found, known = (getattr(one, name)(x, 1.0) for one in (solution, exact))
+        result[name] = np.abs(found - known).max() / max(np.abs(known).max(), 1e-300)
+    for name in TOTALS:
+        found, known = (float(getattr(one, name)(1.0)) for one in (solution, exact))
+        result[name] = abs(found - known) / max(known, 1e-300)
+    for mode, (found, known) in enumerate(
+        zip(solution.stress_intensity(1.0), exact.stress_intensity(1.0), strict=True)
+    ):
+        result[f"K {mode}"] = abs(float(found - known)) / max(abs(float(known)), 1e-300)
+    return result
+
+
+def check_estimates(seeds):
+    """Whether estimates bound all errors against solutions of eleven digits."""
+    checked = 0
+    for seed in seeds:
+        random = np.random.default_rng(seed)
+        scene, rtol = opening_scene(random), 10 ** random.uniform(-9, -3)
+        exact, solution = solve(scene, rtol=1e-11), solve(scene, rtol=rtol)
+        assert solution.status == "converged", scene
+        if exact.status != "converged":
+            continue  # rounding does not leave eleven digits
+        checked += 1
+        bound = solution.error_estimate + exact.error_estimate
+        for name, error in errors(solution, exact).items():
+            assert error <= bound, (name, error, bound, seed, scene)
+    assert checked > 0.8 * len(seeds)
+
+
+def test_estimates_bound_errors():
+    check_estimates(range(40))
+
+
+@pytest.mark.slow
+def test_estimates_bound_errors_in_three_hundred_scenes():
+    check_estimates(range(1000, 1300))
