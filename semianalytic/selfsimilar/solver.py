@@ -14,7 +14,7 @@ from time import perf_counter
 import numpy as np
 
 from semianalytic.cut.layout import Zone
-from semianalytic.cut.load import Load, check_pressure, scaled_load
+from semianalytic.cut.load import Load, check_pressure, contact_opens, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
@@ -69,10 +69,16 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
     )
+    check_pressure(scene)
+    if contact_opens(scene) and scene.friction_law != CoulombFriction():
+        raise SceneError(
+            "solve: where the contact opens strength that depends on slip rate would jump, which "
+            "this solver does not know; make base pressure larger, or simulate the scene with "
+            "finite elements (docs/limits.md)."
+        )
     if isinstance(scene.friction_law, RateWeakening):
         return _solve_rated(scene, rtol)
     load, stress = scaled_load(scene)
-    check_pressure(scene)
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
     load, normal = with_opening(load, factors, rtol)
     wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
@@ -107,11 +113,6 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     dry = solve(replace(scene, friction_law=CoulombFriction()), rtol=max(rtol, 1e-8))
     clock.append(perf_counter())
     law, speed = unit_law(scene, dry.stress), scene.material.shear_speed
-    if dry.openings:
-        raise SceneError(
-            "solve: friction that falls with slip rate is not known where the contact opens; raise "
-            "base pressure, or simulate the scene with finite elements (docs/limits.md)."
-        )
     check_rated(dry.profile, law, speed)
     loose = min(loose_tolerance(rtol), tuning.LOOSEST_RATE_RULE)
     rated, estimate = approached(dry.profile, law, loose, speed), np.inf

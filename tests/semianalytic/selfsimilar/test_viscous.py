@@ -1,12 +1,13 @@
 """Viscous friction: slip across the Rayleigh front, traction, energy, limits, march and sweep."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from catalogue import unit_scene
 
-from semianalytic import CoulombFriction, ViscousFriction, march, solve, sweep
+from semianalytic import CoulombFriction, SceneError, ViscousFriction, march, solve, sweep
 from semianalytic.reference.closed_forms import slip_rate_without_friction
 from semianalytic.regimes import (
     closing_limit,
@@ -48,7 +49,7 @@ def test_traction_follows_slip_rate_and_power_is_its_product(scene):
                 zone.outer,
             }
         )
-        for left, right in zip(ends, ends[1:], strict=False):
+        for left, right in pairwise(ends):
             angle = np.pi / 4 * (1 + node)
             x = left + (right - left) * np.sin(angle) ** 2
             rate, traction = solution.slip_rate(x, 1.0), solution.shear_traction(x, 1.0)
@@ -134,3 +135,9 @@ def test_work_of_opposite_loads_is_the_same():
     turned = replace(LOADED, base=Tractions(1.0, -0.1), load=Tractions(0.8, -1.0))
     one, other = solve(LOADED), solve(turned)
     assert float(one.frictional_work(1.0)) == float(other.frictional_work(1.0)) > 0
+
+
+def test_a_film_that_opens_is_left_to_the_finite_elements():
+    scene = unit_scene(0.3, (1.0, 0.0), (-1.0, 1.0), friction_law=ViscousFriction(0.2))
+    with pytest.raises(SceneError, match="where the contact opens"):
+        solve(scene)
