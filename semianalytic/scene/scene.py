@@ -283,7 +283,7 @@ class Scene:
 
     @property
     def is_self_similar(self) -> bool:
-        """Whether all fields depend on x/t alone: step loads, friction constant or of slip rate alone."""
+        """Whether all fields depend on x/t alone: step loads, friction that slip leaves alone."""
         return self.is_step and isinstance(self.friction_law, CoulombFriction | RateFriction)
 
     def check_self_similar(self) -> None:
