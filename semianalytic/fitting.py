@@ -17,6 +17,8 @@ from semianalytic.selfsimilar.derivative import PARAMETERS, Derivative
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 
+_SETTLED = 1e-5
+"""Change of chi2, relative, that ends a search: a hundredth of what noise does."""
 UNCONSTRAINED = 1.0
 """Standard error over the size of a parameter from which data are said not to constrain it."""
 LARGEST_CONDITION = 1e8
@@ -250,9 +252,9 @@ def fit(
         np.clip(start, bounds[0] + 1e-9, bounds[1] - 1e-9),
         jac=trials.jacobian,
         bounds=(bounds[0], bounds[1]),
-        xtol=1e-6,
-        ftol=1e-8,
-        gtol=1e-8,
+        xtol=1e-9,
+        ftol=_SETTLED,
+        gtol=_SETTLED,
     )
     solution = trials.solution(found.x)
     covariance, free = _covariance(trials.jacobian(found.x))

@@ -113,7 +113,7 @@ class Load:
 
     @property
     def rests(self) -> bool:
-        """Whether nothing slips, though the base may be at friction, or the contact open (one set)."""
+        """Whether nothing slips: the base may be at friction, the contact open (one set)."""
         drives = self.load_pressure if self.base_shear else 0.0
         return not (self.load_shear or drives or self.far_slip_rate)
 

@@ -37,7 +37,7 @@ class PressurePart:
         P / M_+^I where the contact is closed, P where it is open (panels of the mask `open`), both
         real; None if it is closed everywhere, where P / M_+^I is P_0 / M_+^I(0).
     open : (p,) mask of panels on which the contact is open
-    opened_at_edge : float, limit of P / M_+^I at the contact edge, with `opened`
+    opened_at_edge : float or array, limit of P / M_+^I at the contact edge, with `opened`
     """
 
     load: Load
@@ -45,7 +45,7 @@ class PressurePart:
     sense: int
     opened: Array | None
     open: np.ndarray
-    opened_at_edge: float = 0.0
+    opened_at_edge: float | Array = 0.0
 
     @property
     def _weight(self) -> float | Array:

@@ -53,15 +53,20 @@ def _turned_at_opening(zones: Sequence[Zone], opening: Zone) -> list[Zone] | Non
         if not _holds(zone, opening):
             continue
         closing, ahead = opening.right, opening.left
-        assert ahead is not None
-        if closing is not None and zone.right is not None and not zone.held:
-            if zone.right.minus(closing)[0] < tuning.NEAR_OPENING * closing.v[0]:
-                result[index] = replace(zone, right=closing, inward=0, held=True)
-                return result
-        if zone.left is not None and ahead.minus(zone.left)[0] < tuning.NEAR_OPENING * ahead.v[0]:
+        if not zone.held and _near(closing, zone.right):
+            result[index] = replace(zone, right=closing, inward=0, held=True)
+            return result
+        if _near(zone.left, ahead):
             result[index] = replace(zone, sense=-zone.sense, inward=zone.last_sense)
             return result
     return None
+
+
+def _near(outward: CutPoints | None, inward: CutPoints | None) -> bool:
+    """Whether one point lies not far inward of another."""
+    if outward is None or inward is None:
+        return False
+    return bool(inward.minus(outward)[0] < tuning.NEAR_OPENING * outward.v[0])
 
 
 def _holds(zone: Zone, opening: Zone) -> bool:

@@ -1,4 +1,4 @@
-"""The normal problem, solved: pressure and gap of a contact that opens, as functions of slowness."""
+"""The normal problem, solved: pressure and gap of a contact that opens, over slowness."""
 
 from __future__ import annotations
 

@@ -277,6 +277,22 @@ def test_what_has_no_derivative_is_refused():
         solve(PRELOADED).derivative("friction").slip_rate(-1.0, 1.0)
 
 
+@pytest.mark.parametrize("rtol", [1e-5, 1e-8])
+@pytest.mark.parametrize("name", ["friction", "load_shear", "poisson_ratio"])
+def test_error_estimates_bound_errors(name, rtol):
+    for scene in (PRELOADED, SHOCK, unit_scene(0.2, (1.0, -0.19), (0.5, 0.6))):
+        exact, solution = solve(scene, rtol=1e-11), solve(scene, rtol=rtol)
+        right, derivative = exact.derivative(name), solution.derivative(name)
+        x, bound = clear_positions(exact), derivative.error_estimate
+        for field in ("slip_rate", "slip", "shear_traction"):
+            expected = getattr(right, field)(x, 1.0)
+            error = np.abs(getattr(derivative, field)(x, 1.0) - expected).max()
+            least = np.abs(getattr(exact, field)(x, 1.0)).max() / abs(value(scene, name))
+            assert error <= bound * max(np.abs(expected).max(), least)
+        error = np.abs(edges_of(derivative) - edges_of(right)).max()
+        assert error <= bound * max(np.abs(edges_of(right)).max(), 1.0)
+
+
 def seconds(function):
     """The least of five, in turns with nothing."""
     best = np.inf

@@ -136,8 +136,7 @@ def test_polynomials_between_neighbours_reproduce_their_degree():
 
 
 def test_neighbours_of_other_ratios_save_most_of_the_time():
-    """Over 1,600 points to a sixth of what `solve` takes for each; 10,000 in the committed
-    benchmark to a twelfth."""
+    """Over 1,600 points a seventh of what `solve` takes for each is left."""
     friction, ratio = np.linspace(0.05, 1.0, 40), np.linspace(0.0, 0.45, 40)[:, None]
     start = process_time()
     swept = sweep(PRELOADED, friction, RTOL, poisson_ratio=ratio)
@@ -146,4 +145,4 @@ def test_neighbours_of_other_ratios_save_most_of_the_time():
     start = process_time()
     for one in some:
         solve(one.scene, rtol=RTOL)
-    assert quick < (process_time() - start) * len(swept) / len(some) / 3
+    assert quick < (process_time() - start) * len(swept) / len(some) / 4
