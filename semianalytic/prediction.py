@@ -18,6 +18,9 @@ METHODS = ("auto", "self-similar", "space-time")
 def chosen_method(scene: Scene, method: str = "auto") -> str:
     """ "self-similar" or "space-time": the one asked for, or the faster one that is right.
 
+    Friction that falls with slip rate is marched unless the other is asked for: the exact answer
+    takes longer, and is unstable (docs/rate.md).
+
     Raises
     ------
     SceneError
@@ -26,7 +29,8 @@ def chosen_method(scene: Scene, method: str = "auto") -> str:
     if method not in METHODS:
         raise SceneError(f"method must be one of {', '.join(METHODS)}, got {shown(method)}.")
     if method == "auto":
-        return "self-similar" if scene.is_self_similar else "space-time"
+        marched = not scene.is_self_similar or scene.friction_law.fall_with_rate > 0
+        return "space-time" if marched else "self-similar"
     if method == "self-similar":
         scene.check_self_similar()
     return method

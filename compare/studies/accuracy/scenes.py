@@ -79,6 +79,11 @@ QUANTITIES = {
         ("onset at x = 0.75 c_t T [T]", "onset at 0.75 c_t T"),
         ("frictional work, integral", "frictional work, L1"),
     ),
+    "viscous": (
+        ("zone, from the edge to [c_t]", "zone 1, outer edge"),
+        ("slip at T, integral", "slip, L1"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
     "antiplane": (
         ("zone, from the edge to [c_t]", "zone 1, outer edge"),
         ("slip at T, integral", "slip, L1"),
@@ -116,6 +121,7 @@ FIGURES = {
     "pulse": "sense.png",
     "harmonic": "sense.png",
     "pressure-drop": "sense.png",
+    "viscous": "slip_rate.png",
     "antiplane": "slip_rate.png",
     "lift-off": "gap.png",
     "lift-off-shear": "slip_rate.png",
