@@ -1,5 +1,6 @@
 """Slip on a frictional interface after a sudden load: exact where self-similar, else marched."""
 
+from semianalytic.fitting import Fit, Gauge, fit
 from semianalytic.prediction import predict
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
@@ -21,6 +22,7 @@ from semianalytic.scene.friction import (
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.selfsimilar.derivative import Derivative, ZoneDerivative
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
@@ -33,7 +35,10 @@ __all__ = [
     "ComputationError",
     "CoulombFriction",
     "DataFileError",
+    "Derivative",
+    "Fit",
     "FrictionLaw",
+    "Gauge",
     "Harmonic",
     "InterfaceHistory",
     "LoadHistory",
@@ -59,7 +64,9 @@ __all__ = [
     "TensionError",
     "Tractions",
     "ViscousFriction",
+    "ZoneDerivative",
     "find_scene",
+    "fit",
     "march",
     "march_on",
     "predict",

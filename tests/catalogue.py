@@ -36,7 +36,8 @@ TAGS = {
     "slides": "slip ahead of all waves",
     "thin": "a stick gap or a zone narrower than a hundredth of c_t",
     "remote": "a sudden remote load",
-    "march": "loads that rise and fall, or strength that changes: only `march` answers",
+    "rated": "strength follows slip rate: `solve` answers by Newton's method, in seconds",
+    "march": "loads that rise and fall, or strength that falls with slip: only `march` answers",
     "opens": "the contact opens: solved and simulated, not marched",
     "witness": "seen by a coarse finite-element model, and by a coarse march",
     "SI": "not in units in which c_t, density and load are 1",
@@ -173,7 +174,7 @@ PROBLEMS = (
         unit_scene(shear_history=Tabulated((0.05, 0.25, 0.25, 0.6), (0.0, 1.0, -1.0, 0.5))),
     ),
     _other("slip weakening", "march", unit_scene(friction_law=SlipWeakening(0.6, 0.1))),
-    _other("rate weakening", "march", unit_scene(friction_law=RateWeakening(0.4, 1.0))),
+    _other("rate weakening", "rated", unit_scene(friction_law=RateWeakening(0.4, 1.0))),
 )
 
 

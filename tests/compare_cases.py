@@ -9,11 +9,7 @@ from fem import EnergyHistory, Simulation, SlotHistory, simulate, with_companion
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.named import NAMED_SCENES
 
-SELF_SIMILAR = [
-    name
-    for name, named in NAMED_SCENES.items()
-    if named.scene.is_self_similar and named.scene.load.pressure >= 0
-]
+SELF_SIMILAR = [name for name, named in NAMED_SCENES.items() if named.scene.is_self_similar]
 
 
 def sampled_run(

@@ -23,7 +23,7 @@ from compare.comparison.documents import (
 from compare.comparison.judgement import Judgement, own_bars
 from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
 from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
-from compare.comparison.scales import WAVE_SYMBOLS, front_speeds, reference_values, speed_regime
+from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.units import unit
@@ -74,7 +74,7 @@ def zones_table(solution: Solution, title: str) -> Table:
 def facts_table(solution: Solution) -> Table:
     """Wave speeds, state of the edge, status, error estimate and statistics of a solution."""
     mode_one, sheared = solution.stress_intensity(1.0)
-    fronts = front_speeds(solution.scene)
+    fronts = scene_fronts(solution.scene)
     when = _measure(1.0, "time", solution.scene)
     table = Table("quantity", "value", "unit", show_header=False)
     for name, value, dimension in (

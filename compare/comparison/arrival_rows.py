@@ -25,7 +25,7 @@ from compare.comparison.arrivals import (
 from compare.comparison.bars import error_bar, observed_order
 from compare.comparison.case import Case, mesh_changes
 from compare.comparison.rows import Row
-from compare.comparison.scales import front_speeds
+from compare.comparison.scales import scene_fronts
 from semianalytic.scene.errors import SceneError
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     """
     if not _reaches(case):
         return
-    fronts = front_speeds(case.prediction.scene)
+    fronts = scene_fronts(case.prediction.scene)
     end, prediction = case.end_time, case.prediction
     ends = [(zone.start, zone.end) for zone in prediction.zones_at(end)]
     ends += [(opening.start, opening.end) for opening in prediction.openings_at(end)]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compare.comparison.history_rows import PROBES, SENSE_THRESHOLD
-from compare.comparison.scales import front_speeds, speed_regime
+from compare.comparison.scales import scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.scene import scene_document
@@ -117,7 +117,7 @@ def solution_document(solution: Solution, end_time: float | None = None) -> dict
     scene = solution.scene
     document = {
         "scene": scene_document(scene),
-        "wave_speeds": {_WAVES[name]: speed for name, speed in front_speeds(scene).items()},
+        "wave_speeds": {_WAVES[name]: speed for name, speed in scene_fronts(scene).items()},
         "zones": [
             {
                 "inner": zone.inner,

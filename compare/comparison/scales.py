@@ -51,7 +51,7 @@ def wave_speeds(material: Material) -> dict[str, float]:
     }
 
 
-def front_speeds(scene: Scene) -> dict[str, float]:
+def scene_fronts(scene: Scene) -> dict[str, float]:
     """Those of them that fields of a scene have: of antiplane shear alone, the S wave only."""
     speeds = wave_speeds(scene.material)
     alone = scene.fastest_speed == speeds["S"]

@@ -16,6 +16,7 @@ EXAMPLES = (
     "antiplane",
     "openings",
     "fit_friction",
+    "sensitivity",
     "sweep_friction",
     "custom_history",
     "friction_law",

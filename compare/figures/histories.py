@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 from compare.comparison.case import Case
 from compare.comparison.history_rows import sense_maps
 from compare.comparison.prediction import method_of
-from compare.comparison.scales import front_speeds, slip_rate_scale
+from compare.comparison.scales import scene_fronts, slip_rate_scale
 from compare.figures.interface import (
     POINTS,
     Array,
@@ -97,11 +97,11 @@ def sense_figure(case: Case) -> Figure:
         )
         panel.set(xlabel=PLACE_LABEL, xlim=(0, right), ylim=(0, 1))
         panel.set_title(title, pad=16)
-        mark_waves(panel, front_speeds(case.scene), material.shear_speed, "rays")
+        mark_waves(panel, scene_fronts(case.scene), material.shear_speed, "rays")
     panels[0].set_ylabel(TIME_LABEL)
     handles = [Patch(color=colour, label=kind) for kind, colour in shown]
     panels[1].legend(
-        handles=[*handles, waves_handle(front_speeds(case.scene))],
+        handles=[*handles, waves_handle(scene_fronts(case.scene))],
         loc="lower right",
         fontsize=SMALL,
     )
@@ -214,7 +214,7 @@ def march_figure(marched: Marched) -> Figure:
     )
     figure.colorbar(image, ax=upper, label=RATE_LABEL)
     upper.set(ylabel=TIME_LABEL, xlim=(0, fields.x[-1] / length), ylim=(0, 1))
-    mark_waves(upper, front_speeds(scene), scene.material.shear_speed, "rays")
+    mark_waves(upper, scene_fronts(scene), scene.material.shear_speed, "rays")
     lower.plot(fields.x / length, marched.final_path / (scale * marched.end_time), color=PREDICTION)
     lower.set(xlabel=PLACE_LABEL, ylabel=PATH_LABEL)
     return figure

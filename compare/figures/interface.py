@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from compare.comparison.scales import front_speeds, slip_rate_scale, stress_scale
+from compare.comparison.scales import scene_fronts, slip_rate_scale, stress_scale
 from compare.figures.style import (
     BLACK,
     GAP_LABEL,
@@ -74,7 +74,7 @@ def slip_rate_figure(
     lower.plot(velocity, difference, color=SIMULATION, linewidth=1)
     lower.axhline(0, color=PREDICTION, linewidth=0.8)
     for panel in (upper, lower):
-        mark_waves(panel, front_speeds(scene), unit, labels=panel is upper)
+        mark_waves(panel, scene_fronts(scene), unit, labels=panel is upper)
     if not solution.zones:
         _widen(upper, 0.1)
         _widen(lower, 0.01)
@@ -101,7 +101,7 @@ def tractions_figure(
     panel.plot(velocity, shear, ".", color=SIMULATION, markersize=3)
     for sign in (1, -1):
         panel.plot(velocity, sign * bound, "_", color=SIMULATION, markersize=3, alpha=0.6)
-    mark_waves(panel, front_speeds(scene), unit)
+    mark_waves(panel, scene_fronts(scene), unit)
     handles = (
         line_handle("shear traction, semi-analytic", PREDICTION),
         marker_handle("shear traction, finite elements", SIMULATION),
@@ -140,8 +140,8 @@ def fronts_figure(
     panel.set(xlabel=PLACE_LABEL, ylabel=TIME_LABEL, facecolor="0.9")
     panel.set(xlim=(0, _right_end(scene)), ylim=(0, 1))
     waves, edges = ("0.35", BLACK) if signed else ("white", ORANGE)
-    mark_waves(panel, front_speeds(scene), scene.material.shear_speed, "rays", colour=waves)
-    handles = [waves_handle(front_speeds(scene), waves)]
+    mark_waves(panel, scene_fronts(scene), scene.material.shear_speed, "rays", colour=waves)
+    handles = [waves_handle(scene_fronts(scene), waves)]
     lines: tuple[tuple[Iterable[SlipZone | OpenZone], str, LineStyle], ...] = (
         (solution.zones, "predicted zone edges", "-"),
         (solution.openings, "predicted ends of the opening", ":"),
@@ -169,7 +169,7 @@ def prediction_figure(solution: Solution, *, axes: tuple[Axes, ...] | None = Non
     unit, dense = scene.material.shear_speed, _speeds(scene)
     for panel in panels:
         _shade_zones(panel, solution)
-        mark_waves(panel, front_speeds(scene), unit, labels=panel is upper)
+        mark_waves(panel, scene_fronts(scene), unit, labels=panel is upper)
     rate = solution.slip_rate(dense, 1.0) / slip_rate_scale(scene)
     upper.plot(dense / unit, rate, color=PREDICTION)
     upper.set_ylabel(RATE_LABEL)

@@ -55,7 +55,8 @@ class Profile:
         return np.asarray(self.fields.stick_transform_at_edge * per_set(self._m_plus_at_zero))
 
     @cached_property
-    def _slip_rate(self) -> RunningIntegral:
+    def rate_integral(self) -> RunningIntegral:
+        """V on panels that slip, from its slope."""
         fields = self.fields
         tail = np.zeros(())
         if self.edge_slips:
@@ -63,7 +64,7 @@ class Profile:
         return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
 
     @cached_property
-    def _traction(self) -> RunningIntegral:
+    def traction_integral(self) -> RunningIntegral:
         """Traction on panels that stick, less what is unbounded at a stuck edge."""
         slope = self.fields.traction_slope
         if not self.edge_slips:
@@ -84,7 +85,7 @@ class Profile:
         return self.edge_intensity[..., None] * gained
 
     @cached_property
-    def _starts(self) -> tuple[Array, Array]:
+    def starts(self) -> tuple[Array, Array]:
         """At the left end of each panel, (p, ...): slip rate, and traction where it sticks."""
         panels, load = self.panels, self._load
         rate, traction = np.zeros((2, *panels.jacobian.shape[:-1]))
@@ -92,10 +93,10 @@ class Profile:
         traction[0] = load.base_shear - per_set(load.far_slip_rate)
         for i in range(len(panels.left) - 1):
             if not panels.sense[i]:
-                traction[i + 1] = traction[i] + self._traction.totals[i]
+                traction[i + 1] = traction[i] + self.traction_integral.totals[i]
                 continue
             if panels.sense[i + 1]:
-                rate[i + 1] = rate[i] + self._slip_rate.totals[i]
+                rate[i + 1] = rate[i] + self.rate_integral.totals[i]
                 continue
             right = panels.right[i]
             assert right is not None
@@ -105,7 +106,7 @@ class Profile:
     @cached_property
     def _slip_starts(self) -> Array:
         """Slip / x at the left end of each panel, (p,)."""
-        panels, rate = self.panels, self._starts[0]
+        panels, rate = self.panels, self.starts[0]
         slip = np.zeros(len(panels.left))
         slip[0] = self._load.far_slip_rate * panels.left[0].v[0]
         for i in range(len(slip) - 1):
@@ -113,20 +114,20 @@ class Profile:
             if panels.sense[i]:
                 left, right = panels.left[i], panels.right[i]
                 assert right is not None
-                end = rate[i] + self._slip_rate.totals[i]
-                _, moment = self._slip_rate.with_moment(i, right)
+                end = rate[i] + self.rate_integral.totals[i]
+                _, moment = self.rate_integral.with_moment(i, right)
                 slip[i + 1] += end * right.v[0] - rate[i] * left.v[0] - moment[0]
         return slip
 
     @cached_property
     def slip_rate_at_nodes(self) -> Array:
         """(p, ..., n): V at the nodes of all panels."""
-        return self._starts[0][..., None] + self._slip_rate.at_nodes
+        return self.starts[0][..., None] + self.rate_integral.at_nodes
 
     @cached_property
     def traction_at_nodes(self) -> Array:
         """(p, ..., n): tau at the nodes of panels that stick (meaningless elsewhere)."""
-        traction = self._starts[1][..., None] + self._traction.at_nodes
+        traction = self.starts[1][..., None] + self.traction_integral.at_nodes
         if not self.edge_slips:
             traction[-1] += self._edge_traction(len(traction) - 1, self.panels.at.v[-1])
         return traction
@@ -193,16 +194,16 @@ class Profile:
         if self._open[panel]:
             return np.full(at.v.shape, _LAWFUL)
         if sense:
-            rate = self._starts[0][panel] + self._slip_rate(panel, at)
+            rate = self.starts[0][panel] + self.rate_integral(panel, at)
             return np.asarray(-sense * rate / self.largest_rate)
-        traction = self._starts[1][panel] + self._traction(panel, at)
+        traction = self.starts[1][panel] + self.traction_integral(panel, at)
         traction = traction + self._edge_traction(panel, at.v)
         region = next(part for part in self.panels.layout.closed_regions if panel in part)
         return self._excess(region, self.fields.strength(at)[None], traction[None])[0]
 
     def residues(self, panel: int) -> Array:
         """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
-        return np.asarray(self._slip_rate.residues[panel])
+        return np.asarray(self.rate_integral.residues[panel])
 
     def residue(self, panel: int) -> float:
         """The same for one set of zones."""
@@ -211,11 +212,12 @@ class Profile:
     @cached_property
     def edge_slip_rate(self) -> float:
         """V at the contact edge."""
-        return float(self._starts[0][-1] + self._slip_rate.totals[-1]) if self.edge_slips else 0.0
+        return float(self.starts[0][-1] + self.rate_integral.totals[-1]) if self.edge_slips else 0.0
 
-    def _piecewise(
+    def piecewise(
         self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
+        """A field at slownesses (m,): a value ahead of all waves, and inside each panel."""
         return self._piecewise_at(self.fields.factors.cut(u), ahead, inside)
 
     def _piecewise_at(
@@ -232,7 +234,7 @@ class Profile:
         """V at points (m,) inside a panel."""
         if not self.panels.sense[panel]:
             return np.zeros(at.v.shape)
-        return np.asarray(self._starts[0][panel] + self._slip_rate(panel, at))
+        return np.asarray(self.starts[0][panel] + self.rate_integral(panel, at))
 
     def slip_rate(self, u: Array) -> Array:
         """V at slownesses u."""
@@ -244,16 +246,16 @@ class Profile:
 
     def slip_over_time(self, u: Array) -> Array:
         """Slip / t at slownesses u: the mean of V over slownesses up to u."""
-        rate, slip = self._starts[0], self._slip_starts
+        rate, slip = self.starts[0], self._slip_starts
 
         def inside(i: int, at: CutPoints) -> Array:
             if not self.panels.sense[i]:
                 return slip[i] / at.v
-            gain, moment = self._slip_rate.with_moment(i, at)
+            gain, moment = self.rate_integral.with_moment(i, at)
             start = slip[i] - rate[i] * self.panels.left[i].v
             return rate[i] + gain + (start - moment) / at.v
 
-        return self._piecewise(u, self._load.far_slip_rate, inside)
+        return self.piecewise(u, self._load.far_slip_rate, inside)
 
     def pressure_change(self, u: Array) -> Array:
         """p - P_b at slownesses u."""
@@ -299,7 +301,7 @@ class Profile:
             sense = self.panels.sense[i]
             if sense:
                 return sense * self.carried(at.v, self._speed(i, at)) - load.base_shear
-            bounded = self._starts[1][i] + self._traction(i, at) - load.base_shear
+            bounded = self.starts[1][i] + self.traction_integral(i, at) - load.base_shear
             return bounded + self._edge_traction(i, at.v)
 
         return self._piecewise_at(at, -load.far_slip_rate, inside)
@@ -310,12 +312,12 @@ class Profile:
         By parts: V is unbounded at c, but its slope has a principal value there, which the rule
         of the panels knows.
         """
-        panels, rate, total = self.panels, self._slip_rate, 0.0
+        panels, rate, total = self.panels, self.rate_integral, 0.0
         density = weight / np.square(panels.at.v)
         passed = panels.rule.running(density * panels.jacobian)
         whole, lost = panels.integrals(density), panels.integrals(passed * rate.density)
         for i in panels.layout.slip:
-            end = self._starts[0][i] + rate.totals[i]
+            end = self.starts[0][i] + rate.totals[i]
             total += panels.sense[i] * float(end * whole[i] - lost[i])
         return total
 

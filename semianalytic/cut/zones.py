@@ -40,7 +40,7 @@ from semianalytic.halfplane.rayleigh import (
     RayleighFactors,
     rayleigh_factors,
 )
-from semianalytic.halfplane.rules import Rule
+from semianalytic.halfplane.rules import Rule, finer_rule
 
 
 @dataclass(frozen=True)
@@ -72,11 +72,20 @@ class ZoneFields:
             return replace(self.shared, layout=layout)
         sets, load = np.shape(self.load.friction), self.load
         by_slip = load.resists_rate or load.given_slope is not None
-        tail = (
-            self.tail or by_slip or self.factors.mode == "III"
-        )  # slip behind the last edge counts
+        tail = self.tail or by_slip  # then slip behind the last edge counts
         opening = load.opened.zone if load.opened else None
-        return lay_panels(self.factors, self.zones, self.rule, sets, tail, self._cuts, opening)
+        rule = finer_rule(self.rule, self._strip, 0.0)
+        return lay_panels(self.factors, self.zones, rule, sets, tail, self._cuts, opening)
+
+    @property
+    def _strip(self) -> float:
+        """Strip of analyticity, over pi, that slip up to the contact edge has where strong
+        resistance meets it: M + eta vanishes at about v = i eta / kappa."""
+        edge = self.zones[-1].left if self.zones and self.zones[-1].right is None else None
+        if edge is None or self.load.resistance is None:
+            return 1.0
+        root = float(np.max(np.abs(self.load.resistance))) / self.factors.kappa
+        return 1 - float(np.arctan(root / edge.first[0])) / np.pi
 
     @cached_property
     def _cuts(self) -> tuple[CutPoints, ...]:

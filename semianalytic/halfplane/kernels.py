@@ -18,7 +18,8 @@ slip at x' runs to the edge with slowness w and from there to x with slowness v.
 loses it in (4.30): across the cut the root changes sign and the direction reverses, so the two
 integrals add instead of cancelling.
 
-Of the two terms of Im M one is positive, the other negative; the print gives both one sign.
+Of the two terms of Im M one is positive, the other negative; the print gives both one sign.  In
+antiplane shear (mode III) there is one, sqrt(u^2 - b^2), and V is along z.
 """
 
 from __future__ import annotations
@@ -67,8 +68,11 @@ def impedance_terms(poisson_ratio: float, u: ArrayLike, mode: Mode) -> KernelTer
     """Terms of Im M(-u + i0) over slowness u, b = mu = 1: -u K_b, -u K_a of (4.42) in mode II.
 
     `square` = (1 - 2u^2)^2 / sqrt(u^2 - b^2), `four` = 4 u^2 sqrt(u^2 - a^2); in mode I a and b
-    change places.  Each is 0 ahead of its front.
+    change places; in mode III `four` is sqrt(u^2 - b^2), `square` 0.  Each is 0 ahead of its front.
     """
+    if mode == "III":
+        ahead = np.sqrt(np.maximum(np.square(np.asarray(u, dtype=float)) - 1, 0.0))
+        return KernelTerms(np.zeros_like(ahead), ahead)
     first, second = _fronts(poisson_ratio, mode)
     u = np.asarray(u, dtype=float)
     behind, ahead = np.where(u > first, u, first + 1), np.where(u > second, u, second + 1)
@@ -85,6 +89,10 @@ def _fronts(poisson_ratio: float, mode: Mode) -> tuple[float, float]:
 
 def _curvature_terms(poisson_ratio: float, u: Array, mode: Mode) -> KernelTerms:
     """Second derivatives of `impedance_terms` in u: the numerators of (4.35), (4.38)."""
+    if mode == "III":
+        behind = np.where(u > 1, u, 2.0)
+        bend = np.where(u > 1, -((np.square(behind) - 1) ** -1.5), 0.0)
+        return KernelTerms(np.zeros_like(bend), bend)
     first, second = _fronts(poisson_ratio, mode)
     e, g = first**2, second**2
     behind, ahead = np.where(u > first, u, first + 1), np.where(u > second, u, second + 1)
@@ -100,8 +108,8 @@ def point_kernel(
 ) -> Array:
     """Traction under the point displacement delta(x) delta(t), off its fronts: (4.35), (4.38).
 
-    A full-plane kernel, hypersingular at |x| = c_l t and c_t t; sigma_xy in mode II, sigma_yy in
-    mode I [stress / (length^2 time)].
+    A full-plane kernel, hypersingular at |x| = c_l t and c_t t; sigma_xy in mode II, sigma_yz in
+    mode III, sigma_yy in mode I [stress / (length^2 time)].
 
     Parameters
     ----------
@@ -122,7 +130,7 @@ def regularised_kernel(
     """Kernel that multiplies the slip-rate gradient dV/dx in (4.39), (4.40), off t = 0.
 
     Its part concentrated at t = 0 is -M(0) H(x) delta(t), `local_impedance`.  Static limit for
-    t >> b|x|: -(2 mu (b^2 - a^2)/(pi b^2)) / x.
+    t >> b|x|: -(2 mu (b^2 - a^2)/(pi b^2)) / x, in mode III -(mu/pi) / x.
 
     Parameters
     ----------
@@ -142,7 +150,7 @@ def regularised_kernel(
 
 def local_impedance(material: Material, mode: Mode) -> float:
     """M(0): traction per face velocity of a plane wave, rho c_t or rho c_l (mode I)."""
-    speed = material.shear_speed if mode == "II" else material.longitudinal_speed
+    speed = material.longitudinal_speed if mode == "I" else material.shear_speed
     return material.density * speed
 
 
@@ -247,9 +255,9 @@ def interface_traction(
     Parameters
     ----------
     slip : SlipHistory
-        Of the upper face: tangential velocity in mode II, normal velocity in mode I.
-    mode : "II" for the shear traction sigma_xy, "I" for the pressure (positive if the faces are
-        driven apart).
+        Of the upper face: tangential velocity in modes II and III, normal velocity in mode I.
+    mode : "II" for the shear traction sigma_xy, "III" for sigma_yz, "I" for the pressure (positive
+        if the faces are driven apart).
     material : Material
     x, t : positions other than 0 [length] and times [time]; they broadcast.
     slot : "free" for slot faces without traction, so that the value at x < 0 is 0; "held" for
@@ -262,9 +270,11 @@ def interface_traction(
     SceneError
         If an option is not known, a position is 0, or the error estimate stays above rtol.
     """
-    if slot not in ("free", "held") or mode not in ("I", "II"):
-        raise SceneError("interface_traction: slot must be 'free' or 'held', mode 'I' or 'II'.")
-    factors = rayleigh_factors(material.poisson_ratio)
+    if slot not in ("free", "held") or mode not in ("I", "II", "III"):
+        raise SceneError(
+            "interface_traction: slot must be 'free' or 'held', mode 'I', 'II' or 'III'."
+        )
+    factors = _factors(material.poisson_ratio, mode)
     x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
     if np.any(x == 0):
         raise SceneError("the traction at the edge x = 0 itself is not defined; move off it.")
@@ -277,7 +287,7 @@ def interface_traction(
     )
     local = local_impedance(material, mode) / material.shear_impedance
     points = list(zip((x / speed).ravel(), t.ravel(), strict=True))
-    sign = (-1 if mode == "II" else 1) * material.shear_impedance
+    sign = (1 if mode == "I" else -1) * material.shear_impedance
 
     def evaluate(panels: int) -> Array:
         values = np.zeros(len(points))
@@ -305,6 +315,11 @@ def interface_traction(
     )
 
 
+def _factors(poisson_ratio: float, mode: Mode) -> RayleighFactors:
+    """Those whose kappa is that of the mode."""
+    return rayleigh_factors(poisson_ratio, "III" if mode == "III" else "II")
+
+
 def self_similar_transform(
     poisson_ratio: float,
     velocity: ArrayLike,
@@ -326,7 +341,7 @@ def self_similar_transform(
     k : k >= 0, any shape [1 / c_t].
     far : V(inf), slip rate ahead of all waves.
     """
-    factors = rayleigh_factors(poisson_ratio)
+    factors = _factors(poisson_ratio, mode)
     k = np.asarray(k, dtype=float)
     u = 1 / np.asarray(velocity, dtype=float)
     density = factors.m_plus(u, mode) * np.asarray(rise, dtype=float)

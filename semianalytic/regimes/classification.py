@@ -22,7 +22,8 @@ def regime(solution: Solution) -> Regime:
         "stuck"; "slow", one zone slower than the Rayleigh wave; "front", slip around the shear
         front with the contact edge stuck; "two", a slow zone and one around the shear front;
         "one", a zone that covers c_R (its stick gap there under 1e-14); "everywhere"; "reverse";
-        "failed" unless the status of the solution is "converged".
+        "failed" unless the status of the solution is "converged".  In antiplane shear the shear
+        wave stands for the Rayleigh wave.
     """
     if solution.status != "converged":
         return "failed"
@@ -34,7 +35,8 @@ def regime(solution: Solution) -> Regime:
         return "stuck"
     if math.isinf(solution.zones[-1].outer):
         return "everywhere"
-    rayleigh = scene.material.rayleigh_speed
+    material = scene.material
+    rayleigh = material.shear_speed if scene.antiplane else material.rayleigh_speed
     if any(zone.inner < rayleigh < zone.outer for zone in solution.zones):
         return "one"
     if solution.zones[0].inner > 0:

@@ -137,7 +137,7 @@ class ViscousFriction(RateFriction):
         viscosity = checked_number(
             "viscous friction: viscosity",
             self.viscosity,
-            "not be negative",
+            "be a finite number, 0 or more",
             lambda given: given >= 0,
         )
         object.__setattr__(self, "viscosity", viscosity)

@@ -283,7 +283,7 @@ class Scene:
 
     @property
     def is_self_similar(self) -> bool:
-        """Whether all fields depend on x/t alone: step loads, friction constant or of slip rate alone."""
+        """Whether all fields depend on x/t alone: step loads, friction that slip leaves alone."""
         return self.is_step and isinstance(self.friction_law, CoulombFriction | RateFriction)
 
     def check_self_similar(self) -> None:
@@ -382,10 +382,10 @@ def _named(name: str, kinds: Mapping[str, type], table: Any) -> Any:
     unknown = [key for key in given if key not in known]
     if unknown:
         raise SceneError(
-            f"{name}: a {kind} has no {shown(unknown[0])}; "
+            f"{name}: kind {kind} has no {shown(unknown[0])}; "
             f"it takes {', '.join(known) or 'nothing'}."
         )
     try:
         return description(**given)
     except TypeError as error:
-        raise SceneError(f"{name}: a {kind} needs {', '.join(known)}.") from error
+        raise SceneError(f"{name}: kind {kind} needs {', '.join(known)}.") from error

@@ -65,9 +65,10 @@ class Derivative:
         "converged"; a sentence where zones are about to change, so that the derivative holds to
         one side only, or what to distrust in the solution.
     error_estimate : float
-        Of edges, relative to the largest of their derivatives, and of slip rate, slip and
-        tractions, relative to their largest derivative, at points further than 0.03 c_t from zone
-        edges and from wave fronts; nearer they are infinite or nearly so.
+        Of edges, slip rate, slip and tractions, relative to their largest derivative or, where that
+        is less, to c_t and the largest values of the fields over that of the parameter; at points
+        further than 0.03 c_t from zone edges and from wave fronts: nearer they are infinite or
+        nearly so.
     varied : VariedProfile
         The fields over slowness, in units b = mu = 1 and `stress`.
     stress : float

@@ -65,8 +65,10 @@ def guesses(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
 
 def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
     """Guesses that do not look for narrow zones at the longitudinal front."""
-    if factors.mode == "III" and not load.load_pressure:
-        yield Guess(antiplane_zones(factors, load))
+    if factors.mode == "III" and load.opened is None:
+        zones = antiplane_zones(factors, load)
+        if zones is not None:
+            yield Guess(zones)
     with_wave = factors.has_rayleigh_wave and load.opened is None
     weak = weak_friction_zones(factors, load) if with_wave else None
     if weak is not None:
@@ -82,12 +84,20 @@ def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
         yield Guess(zones, grid.pivots, size > tuning.GRIDS[0])
 
 
-def antiplane_zones(factors: RayleighFactors, load: Load) -> list[Zone]:
+def antiplane_zones(factors: RayleighFactors, load: Load) -> list[Zone] | None:
     """The zone of antiplane shear under constant strength, u_s = b (1 + chi_b)^2; from the shear
-    front, or everywhere, where the base is at friction."""
-    sense = int(np.sign(load.far_slip_rate or load.load_shear))
-    strength = float(load.friction) * load.base_pressure - sense * load.base_shear
-    if load.far_slip_rate or strength <= 0:
+    front, or everywhere, where the base is at friction.
+
+    Where pressure changes that of the strength at the shear front, if friction is weak; else None.
+    """
+    sense, pressure = int(np.sign(load.far_slip_rate or load.load_shear)), load.base_pressure
+    if load.load_pressure:
+        pressure += load.load_pressure * float(stuck_traction(factors.poisson_ratio, "I")(1.0))
+    strength = float(load.friction) * pressure - sense * load.base_shear
+    if load.load_pressure:
+        if load.far_slip_rate or not 0 < strength < tuning.WEAK_FRICTION * abs(load.load_shear):
+            return None
+    elif load.far_slip_rate or strength <= 0:
         return [Zone(None, None, sense)]
     ratio = strength / abs(load.load_shear)
     return [Zone(factors.beside("b", [ratio * (2 + ratio)]), None, sense)]

@@ -21,7 +21,7 @@ from semianalytic.cut.layout import Zone, lies_between
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import SceneError
@@ -38,22 +38,27 @@ _LOCATED, _LEFT = 1e-7, 1e-13  # shifts of edges at which Newton's method and Br
 
 @dataclass(frozen=True)
 class UnitLaw:
-    """A law in units of stress and of the one-sided slip rate, b = mu = 1."""
+    """A law in units of stress and of the one-sided slip rate, b = mu = 1.
+
+    Of what it makes of constant friction only a `share`, on the way there.
+    """
 
     law: RateFriction
     stress: float
     rate: float
+    share: float = 1.0
 
     def strength(self, frictional: Array, speed: Array) -> Array:
         """S(f p, |V|)."""
         whole = self.law.strength(self.stress * frictional, self.rate * speed, 0.0)
-        return np.asarray(whole / self.stress)
+        return np.asarray((1 - self.share) * frictional + self.share / self.stress * whole)
 
     def slopes(self, frictional: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
         """Derivatives by f p, |V|, both, and |V| twice."""
         given = self.law.rate_slopes(self.stress * frictional, self.rate * speed)
-        by_friction, by_rate, mixed, twice = given
+        by_friction, by_rate, mixed, twice = (self.share * one for one in given)
         unit = self.rate / self.stress
+        by_friction = by_friction + (1 - self.share)
         return by_friction, unit * by_rate, self.rate * mixed, unit * self.rate * twice
 
 
@@ -143,8 +148,9 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
     tolerance : of the rule
     """
     factors, load = start.fields.factors, replace(start.fields.load, linearised=None)
-    rule = _held_rule(factors, load, zones, law, tolerance)
-    panels = ZoneFields(factors, load, tuple(zones), rule).panels
+    beginning = ZoneFields(factors, load, tuple(zones), rule_for(tolerance))
+    rule = _held_rule(beginning, law, tolerance)
+    panels = replace(beginning, rule=rule).panels
     rate = np.stack([start.slip_rate_at(panels.at[p]) for p in range(len(panels.sense))])
     slipping = panels.layout.slipping[:, None]
     rate = np.where(slipping, rate, 0.0)
@@ -154,15 +160,17 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
     changes: list[float] = []
     profile = start
     while placement.converged and len(changes) < tuning.MOST_RATE_STEPS:
+        mixed: list[tuple[Array, Array]] = []
         for _ in range(tuning.MOST_RATE_ITERATIONS if changes else 1):
             fields = ZoneFields(factors, replace(load, linearised=step), placement.zones, rule)
             placement, fields, _ = polish_edges(placement, fields, rule, _LEFT)
             profile = Profile(fields)
             new, largest = profile.slip_rate_at_nodes, float(profile.largest_rate)
             moved = float(np.abs(new - step.last).max()) / largest
-            step = replace(step, last=new)
+            mixed = [*mixed[-tuning.MIXED_ITERATES :], (step.last, new)]
             if not moved > tuning.RATE_ROUNDING:
                 break
+            step = replace(step, last=_mixed(mixed))
         changes.append(float(np.abs(new - step.before).max()) / largest)
         step = RateStep(
             law, load, nu, new, profile.fields.slip_rate_slope * fields.panels.jacobian, new
@@ -173,20 +181,36 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
     return Rated(placement, profile, tuple(changes), settled)
 
 
-def _held_rule(
-    factors: RayleighFactors, load: Load, zones: Sequence[Zone], law: UnitLaw, tolerance: float
-) -> Rule:
-    """A rule of a tolerance, as long as V asks for beside edges slower than c_t, where it vanishes
-    like |v - e|^(1/2 - theta / pi), tan(theta) = -eta / m."""
-    rule, least = rule_for(tolerance), 0.5
-    for edge in (edge for zone in zones for edge in (zone.left, zone.right)):
+def _mixed(iterates: Sequence[tuple[Array, Array]]) -> Array:
+    """Next iterate x of x = g(x) from the last pairs (x, g(x)): Anderson's, of least residual."""
+    before, after = (
+        np.stack([part.ravel() for part in parts]) for parts in zip(*iterates, strict=True)
+    )
+    if len(before) == 1:
+        return iterates[-1][1]
+    left = after - before
+    weights, *_ = np.linalg.lstsq(np.diff(left, axis=0).T, left[-1], rcond=None)
+    mixed = after[-1] - weights @ np.diff(after, axis=0)
+    return np.asarray(mixed.reshape(iterates[-1][1].shape))
+
+
+def _least_exponent(fields: ZoneFields, law: UnitLaw) -> float:
+    """Of V beside edges slower than c_t: |v - e|^(1/2 - theta / pi), tan(theta) = -eta / m."""
+    least = 0.5
+    for edge in (edge for zone in fields.zones for edge in (zone.left, zone.right)):
         if edge is not None and edge.first[2] > 0:
-            bound = ZoneFields(factors, load, tuple(zones), rule).strength(edge)
-            eta = float(law.slopes(bound, np.zeros(1))[1][0])
-            impedance = abs(float(factors.impedance_behind(edge)[0]))
+            eta = float(law.slopes(fields.strength(edge), np.zeros(1))[1][0])
+            impedance = abs(float(fields.factors.impedance_behind(edge)[0]))
             least = min(least, 0.5 - np.arctan2(max(-eta, 0.0), impedance) / np.pi)
-    longer = replace(rule, reach=rule.reach * 0.5 / max(least, tuning.LEAST_RATE_EXPONENT))
-    return replace(ZoneFields(factors, load, tuple(zones), longer).panels.rule, held=True)
+    return least
+
+
+def _held_rule(fields: ZoneFields, law: UnitLaw, tolerance: float) -> Rule:
+    """A rule of a tolerance, as long as V asks for beside the edges of zones."""
+    rule = rule_for(tolerance)
+    reach = min(rule.reach * 0.5 / _least_exponent(fields, law), tuning.FARTHEST_RATE_REACH)
+    longer = replace(rule, reach=max(reach, rule.reach))
+    return replace(replace(fields, rule=longer).panels.rule, held=True)
 
 
 def check_rated(profile: Profile, law: UnitLaw, speed: float) -> None:
@@ -217,6 +241,19 @@ def check_rated(profile: Profile, law: UnitLaw, speed: float) -> None:
         )
 
 
+def approached(start: Profile, law: UnitLaw, tolerance: float, speed: float) -> Rated | None:
+    """Zones from a profile under constant friction, at once or in steps of `UnitLaw.share`."""
+    rated = settled_zones(start, law, tolerance, speed)
+    if rated is not None:
+        return rated
+    for share in tuning.RATE_SHARES:
+        rated = settled_zones(start, replace(law, share=share), tolerance, speed)
+        if rated is None:
+            return None
+        start = rated.profile
+    return rated
+
+
 def settled_zones(start: Profile, law: UnitLaw, tolerance: float, speed: float) -> Rated | None:
     """Zones corrected from those of a profile until the law of friction holds; None if none do."""
     zones, profile = list(start.fields.zones), start
@@ -241,6 +278,7 @@ def companion_error(fine: Rated, law: UnitLaw, tolerance: float) -> float:
     coarse = rated_zones(fine.profile, fine.placement.zones, law, coarser)
     if not coarse.converged:
         return np.inf
-    edges, unknowns = fine.placement.edges, fine.placement.unknowns
+    edges, unknowns, fields = fine.placement.edges, fine.placement.unknowns, fine.profile.fields
     moved = coarse.placement.unknowns
-    return float(difference(edges, unknowns, moved, fine.profile.fields, coarse.profile.fields))
+    cut_off = np.exp(-fields.rule.reach * _least_exponent(fields, law))
+    return float(difference(edges, unknowns, moved, fields, coarse.profile.fields) + cut_off)

@@ -14,7 +14,7 @@ from time import perf_counter
 import numpy as np
 
 from semianalytic.cut.layout import Zone
-from semianalytic.cut.load import Load, check_pressure, scaled_load
+from semianalytic.cut.load import Load, check_pressure, contact_opens, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
@@ -30,7 +30,13 @@ from semianalytic.selfsimilar.edges import Placement, locate_edges, placement_of
 from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, numerical_error
 from semianalytic.selfsimilar.guesses import guesses
 from semianalytic.selfsimilar.motion import slip_zones
-from semianalytic.selfsimilar.rated import check_rated, companion_error, settled_zones, unit_law
+from semianalytic.selfsimilar.rated import (
+    approached,
+    check_rated,
+    companion_error,
+    settled_zones,
+    unit_law,
+)
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.separation.normal import with_opening
 
@@ -63,10 +69,16 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
     )
+    check_pressure(scene)
+    if contact_opens(scene) and scene.friction_law != CoulombFriction():
+        raise SceneError(
+            "solve: where the contact opens strength that depends on slip rate would jump, which "
+            "this solver does not know; make base pressure larger, or simulate the scene with "
+            "finite elements (docs/limits.md)."
+        )
     if isinstance(scene.friction_law, RateWeakening):
         return _solve_rated(scene, rtol)
     load, stress = scaled_load(scene)
-    check_pressure(scene)
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
     load, normal = with_opening(load, factors, rtol)
     wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
@@ -100,18 +112,18 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     clock = [perf_counter()]
     dry = solve(replace(scene, friction_law=CoulombFriction()), rtol=max(rtol, 1e-8))
     clock.append(perf_counter())
-    law, speed, tolerance = unit_law(scene, dry.stress), scene.material.shear_speed, rtol
-    if dry.openings:
-        raise SceneError("solve: friction that falls with slip rate under a contact that opens")
+    law, speed = unit_law(scene, dry.stress), scene.material.shear_speed
     check_rated(dry.profile, law, speed)
-    loose = loose_tolerance(rtol) if dry.zones else rtol
-    rated, estimate = settled_zones(dry.profile, law, loose, speed), np.inf
-    best, tolerance = rated, rtol / tuning.RULE_SHARE
-    while rated is not None and estimate > rtol and tolerance > 1e-3 * tuning.LEAST_LEFT_SHIFT:
+    loose = min(loose_tolerance(rtol), tuning.LOOSEST_RATE_RULE)
+    rated, estimate = approached(dry.profile, law, loose, speed), np.inf
+    best = rated
+    for share in tuning.RATE_RULE_SHARES:
+        if rated is None or estimate <= rtol:
+            break
+        tolerance = max(share * rtol, tuning.FINEST_RATE_RULE)
         best = rated = settled_zones(rated.profile, law, tolerance, speed)
         if rated is not None:
             estimate = companion_error(rated, law, tolerance)
-        tolerance *= tuning.SLOWEST_REFINEMENT
     clock.append(perf_counter())
     if best is None:
         return replace(dry, scene=scene, status=_UNSETTLED, error_estimate=np.inf)

@@ -93,11 +93,21 @@ LEAST_WIDTH = 1e-10
 MOST_RATE_STEPS, MOST_RATE_ITERATIONS = 12, 60
 """Newton steps for the slip rate, of which four are the rule, and iterations of the term that holds
 the new one, which shrink it ten times or more unless strength nearly falls as radiation rises."""
+MIXED_ITERATES = 6
+"""That the next iterate is made of, besides the last.  Not recorded."""
 RATE_ROUNDING, RATE_SETTLED = 1e-13, 1e-11
 """Change of the slip rate, over the largest, that ends these iterations, and the steps: the next
 step would be the square."""
-LEAST_RATE_EXPONENT = 0.1
-"""Of slip rates beside edges, down to which rules are made longer.  Not recorded."""
+FARTHEST_RATE_REACH = 120.0
+"""Reach in y of rules that are made longer for slip rates of small exponent beside edges: at 200
+products of distances underflow."""
+LOOSEST_RATE_RULE, FINEST_RATE_RULE = 1e-5, 1e-13
+"""Tolerances of the first rule, and the least.  Not recorded."""
+RATE_RULE_SHARES = (0.1, 0.01)
+"""Tolerances of the rules after it, over rtol, one after the other until the error is below rtol:
+what the length of a rule leaves out no finer one brings back."""
+RATE_SHARES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0)
+"""Of what a law makes of constant friction, on the way to it where it is not reached at once."""
 
 # Coulomb's law at nodes and between them (coulomb)
 

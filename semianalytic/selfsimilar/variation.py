@@ -125,15 +125,15 @@ class NodeFields:
     @classmethod
     def of(cls, profile: Profile) -> NodeFields:
         """Of a profile; of k sets of zones with an axis of k, at the place `_SETS` says."""
-        panels, (rate, traction) = profile.panels, profile._starts
+        panels, (rate, traction) = profile.panels, profile.starts
         return cls(
-            profile._slip_rate.density * panels.jacobian,
-            profile._traction.density * panels.jacobian,
+            profile.rate_integral.density * panels.jacobian,
+            profile.traction_integral.density * panels.jacobian,
             rate,
             traction,
             panels.ends.parts,
             panels.skew,
-            np.asarray(profile._slip_rate.tail),
+            np.asarray(profile.rate_integral.tail),
             np.asarray(profile.edge_intensity),
         )
 

@@ -24,8 +24,8 @@ from semianalytic.selfsimilar.variation import NodeFields, Variation
 
 _KEPT = 0.6
 """Of the reach of a rule, for slopes between nodes: further out principal values are noise."""
-_NOISE = 1e-14
-"""Share of the largest of what is integrated, below which a slope that falls to 0 is noise too."""
+_STEADY = 1e-7
+"""What a power may change by from node to node: where it changes more there is but noise."""
 _HALF_POWER = 1e-4
 """What a power read off the last of those may differ from a multiple of one half that it is."""
 
@@ -71,7 +71,7 @@ class VariedProfile:
         """The integral whose moment is what that of dV/dv changes by at fixed nodes."""
         panels = self._panels
         velocity = np.stack([self._velocity(i, panels.at[i]) for i in range(len(panels.left))])
-        carried = self.profile._slip_rate.density * velocity / panels.at.v
+        carried = self.profile.rate_integral.density * velocity / panels.at.v
         return self._integral(self._nodes.rate / panels.jacobian + carried)
 
     @cached_property
@@ -89,10 +89,8 @@ class VariedProfile:
         It is interpolated without its powers at the ends, and less the limits that this leaves.
         """
         panels, rule = self._panels, self._panels.rule
-        size = np.abs(density[panel] * panels.jacobian[panel])
-        heard = np.abs(rule.y) < _KEPT * rule.reach + rule.further
-        heard &= size >= _NOISE * size.max()
-        kept = np.arange(len(heard))[heard.argmax() : len(heard) - heard[::-1].argmax()]
+        kept = np.flatnonzero(np.abs(rule.y) < _KEPT * rule.reach + rule.further)
+        kept = _Distances.of_nodes(panels, panel, kept).heard(density[panel, kept], kept)
         at_nodes, values = _Distances.of_nodes(panels, panel, kept), density[panel, kept]
         powers = at_nodes.powers_of(values)
         smooth = values / at_nodes.product(*powers)
@@ -106,7 +104,7 @@ class VariedProfile:
     def _piecewise(
         self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
-        return self.profile._piecewise(u, ahead, inside)
+        return self.profile.piecewise(u, ahead, inside)
 
     @property
     def _far_slip_rate(self) -> float:
@@ -121,12 +119,12 @@ class VariedProfile:
         if not self._panels.sense[i]:
             return np.zeros(at.v.shape)
         value = self._nodes.rate_starts[i] + self._rate(i, at)
-        slope = self._slope(self.profile._slip_rate.density, i, at)
+        slope = self._slope(self.profile.rate_integral.density, i, at)
         return np.asarray(value - _carried(slope, self._velocity(i, at)))
 
     def moved_root(self, u: Array) -> Array:
         """Of slownesses (m,) at which V is zero within a zone."""
-        slope = self.profile._slip_rate.density
+        slope = self.profile.rate_integral.density
         with np.errstate(invalid="ignore"):
             moved = self.slip_rate(u) / self._piecewise(
                 u, 0.0, lambda i, at: self._slope(slope, i, at)
@@ -210,7 +208,7 @@ class VariedProfile:
     def traction(self, u: Array) -> Array:
         """Of the shear traction; infinite at edges that open slip slower than c_R."""
         rates, profile, nodes = self.variation.rates, self.profile, self._nodes
-        slope = profile._traction.density
+        slope = profile.traction_integral.density
 
         def inside(i: int, at: CutPoints) -> Array:
             sense = self._panels.sense[i]
@@ -275,10 +273,12 @@ class _Distances:
 
     @classmethod
     def of_points(cls, panels: Panels, panel: int, at: CutPoints) -> _Distances:
-        """Of points (m,) inside."""
-        end = panels.right[panel]
-        right = at.v if end is None else np.maximum(-at.minus(end), 0.0)
-        return cls._of(panels, panel, at, np.maximum(at.minus(panels.left[panel]), 0.0), right)
+        """Of points (m,) inside; 0 where rounding of v leaves nothing else."""
+        end, rounding = panels.right[panel], 4 * np.finfo(float).eps * at.v
+        left = at.minus(panels.left[panel])
+        right = at.v if end is None else -at.minus(end)
+        left, right = (np.where(one < rounding, 0.0, one) for one in (left, right))
+        return cls._of(panels, panel, at, left, right)
 
     @classmethod
     def _of(
@@ -291,6 +291,15 @@ class _Distances:
         if panels.right[panel] is None:
             return cls(left / at.v, at.v, pole)
         return cls(left, right, pole)
+
+    def heard(self, density: Array, nodes: np.ndarray) -> np.ndarray:
+        """Nodes from the first to the last at which a density follows a power."""
+        steady = []
+        with np.errstate(divide="ignore", invalid="ignore"):
+            for distances in (self.left, self.right):
+                power = np.diff(np.log(np.abs(density))) / np.diff(np.log(distances))
+                steady.append(np.abs(np.diff(power)) < _STEADY)
+        return nodes[steady[0].argmax() : len(nodes) - steady[1][::-1].argmax()]
 
     def powers_of(self, density: Array) -> tuple[float, float]:
         """Powers of the distances with which a density on nodes begins and ends."""

@@ -266,7 +266,7 @@ def _check_pressure(scene: Scene, level: Level, spacing: float) -> None:
     if pressure[node] < 0:
         raise TensionError(
             f"the pressure would turn tensile at x = {(node + 0.5) * spacing:.4g}, "
-            f"t = {level.time:.4g}; raise the base pressure, use `solve` if all loads are steps, or "
-            "simulate the scene with finite elements (docs/limits.md)."
+            f"t = {level.time:.4g}; raise the base pressure, use `solve` if all loads are steps, "
+            "or simulate the scene with finite elements (docs/limits.md)."
         )
     scene.check_weakening(float(pressure.max()))

@@ -11,11 +11,12 @@ where it fails, the point is solved from scratch.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from time import perf_counter
 
 import numpy as np
 
-from semianalytic.cut.load import check_pressure, common_load, scaled_load
+from semianalytic.cut.load import common_load, scaled_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.families import rayleigh_family
@@ -63,16 +64,16 @@ class Plane:
 
     def run(self) -> None:
         """Solve all scenes."""
-        self._check_pressure()
         for targets in self._lattices():
             self._advance(targets)
 
-    def _check_pressure(self) -> None:
-        """Refuse the first scene in which the contact pressure turns tensile."""
-        one = self.scenes[0]
+    @cached_property
+    def _closed(self) -> np.ndarray:
+        """(n,) whether the contact stays closed: pressure is least at the Rayleigh front, or at
+        once at the contact edge."""
+        base, step = self.scenes[0].base.pressure, self.scenes[0].load.pressure
         change = traction_of(self.family, "I")(self.family.c)[:, 0]
-        least = one.base.pressure + one.load.pressure * change
-        check_pressure(self.scenes[int(np.argmin(least))])
+        return np.asarray((step >= 0) & (base + step * change >= 0))
 
     def _lattices(self) -> Iterator[np.ndarray]:
         """Points nearest to those of finer and finer lattices, and at last all that are left."""
@@ -91,7 +92,7 @@ class Plane:
         """Solve some points with the help of those that are known."""
         if self.zones:
             for rank in range(tuning.PATTERNS_TRIED):
-                waiting = [int(i) for i in targets if i not in self.origin]
+                waiting = [int(i) for i in targets if self._closed[i] and i not in self.origin]
                 for (pattern, certain), some in self._patterns(waiting, rank).items():
                     self._follow(pattern, certain, np.array(some))
         self._from_scratch([int(i) for i in targets if i not in self.origin])
@@ -192,7 +193,8 @@ class Plane:
             solution = solve(self.scenes[i], rtol=self.rtol)
             self.solutions[i], self.origin[i] = solution, FROM_SCRATCH
             fields = solution.profile.fields
-            if solution.status == "converged" and not fields.load.frictionless:
+            load = fields.load
+            if solution.status == "converged" and not (load.frictionless or load.opened):
                 edges, unknowns = edges_of(fields.factors, fields.zones)
                 pattern = (edges.kinds, edges.open_ends, edges.segments)
                 one = (i, unknowns, fields.rule.tolerance, solution.error_estimate)

@@ -166,8 +166,9 @@ def corrected(
 def _stepped(
     sets: ZoneSets, start: Array, profile: Profile, inverse: tuple[Array, Array], room: Array
 ) -> tuple[Array, Array]:
-    """Unknowns (e, k) after a chord step from `start`, where the profile is, or two, and the error
-    that is left (k,): of what the two inverse Jacobians disagree upon, or a second step leaves."""
+    """Unknowns (e, k) after a chord step from `start`, where the profile is, or some more, and the
+    error that is left (k,): of what the two inverse Jacobians disagree upon, or of what the last
+    step leaves if it shrinks as before."""
     fields = profile.fields
     values = fields.mismatch()
     move = -moves(inverse[0], values)
@@ -175,13 +176,16 @@ def _stepped(
     unknowns, rest = start + move, np.abs(move + moves(inverse[1], values)) + np.square(size)
     left = shift_error(sets.edges, unknowns, unknowns + rest, fields)
     left[~(size < tuning.FARTHEST_STEP)] = np.inf
-    again = np.flatnonzero(left < np.inf)
-    again = again[SAFETY * left[again] > room[again]]
-    if len(again):
+    for _ in range(tuning.MORE_STEPS):
+        again = np.flatnonzero(left < np.inf)
+        again = again[SAFETY * left[again] > room[again]]
+        if not len(again):
+            break
         some = sets.chosen(again)
         fields = some.fields(unknowns[:, again], fields.rule)
         move = -moves(inverse[0][again], fields.mismatch())
         unknowns[:, again] += move
-        rest = move * np.minimum(1.0, np.abs(move).max(axis=0) / size[again])
+        share = np.abs(move).max(axis=0) / size[again]
+        rest, size[again] = move * np.minimum(1.0, share), size[again] * share
         left[again] = shift_error(some.edges, unknowns[:, again], unknowns[:, again] + rest, fields)
     return unknowns, left

@@ -1,9 +1,10 @@
-"""A scene over many friction coefficients: what is asked, and the answer."""
+"""A scene over many friction coefficients and Poisson ratios: what is asked, and the answer."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, overload
 
 import numpy as np
@@ -14,13 +15,17 @@ from semianalytic.results.datasets import QUANTITIES
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
+from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
+from semianalytic.sweeps import tuning
 from semianalytic.sweeps.continuation import FROM_SCRATCH, Continuation
+from semianalytic.sweeps.plane import Plane
 
 _FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 _OF_SWEEPS = {
     "friction": ("1", "Coulomb friction coefficient"),
+    "poisson_ratio": ("1", "Poisson ratio"),
     "edge": ("", "which edge of a slip zone"),
     "edges": ("length / time", "velocity of the edge of a slip zone"),
     "error_estimate": ("1", "relative error estimate"),
@@ -32,7 +37,8 @@ _OF_SWEEPS = {
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """Solutions of one scene with different friction coefficients: a sequence of `Solution`.
+    """Solutions of one scene with different friction coefficients and Poisson ratios: a sequence of
+    `Solution`.
 
     As all results that hold arrays, a sweep equals only itself.
 
@@ -42,15 +48,18 @@ class Sweep:
         The scene; its own friction plays no part.
     friction : (n,) array
         Coulomb friction coefficients, in the order asked for.
+    poisson_ratio : (n,) array
+        Poisson ratios that go with them.
     solutions : tuple of Solution, one per friction
     origin : tuple of str, one per friction
         "from scratch": solved without help from neighbours; "computed": edges corrected from a
         prediction, and checked like those from scratch; "interpolated" between such with the
-        same zones, edges and Coulomb's law checked on the loose rule alone.
+        same zones, edges and Coulomb's law checked on a loose rule alone.
     """
 
     scene: Scene
     friction: Array
+    poisson_ratio: Array
     solutions: tuple[Solution, ...]
     origin: tuple[str, ...]
 
@@ -69,8 +78,8 @@ class Sweep:
         over a slice of it."""
         if not isinstance(index, slice):
             return self.solutions[index]
-        part = self.friction[index], self.solutions[index], self.origin[index]
-        return Sweep(self.scene, *part)
+        part = self.friction[index], self.poisson_ratio[index]
+        return Sweep(self.scene, *part, self.solutions[index], self.origin[index])
 
     def __repr__(self) -> str:
         if not len(self):
@@ -105,7 +114,9 @@ class Sweep:
 
         Fields have the dimensions friction, t and x, `edges` friction, zone (from the contact edge
         outward) and edge ("inner", "outer"); `error_estimate`, `status` and `origin` friction
-        alone.  Every variable has the attributes `units` and `long_name`.
+        alone.  Over several Poisson ratios the dimension is `point` instead of friction, which then
+        is a coordinate along it, like poisson_ratio.  Every variable has the attributes `units` and
+        `long_name`.
 
         Raises
         ------
@@ -118,18 +129,19 @@ class Sweep:
             import xarray
 
         x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
+        along, places = "friction", {"friction": ("friction", self.friction)}
+        if len(set(self.poisson_ratio.tolist())) > 1:
+            along = "point"
+            places = {name: (along, getattr(self, name)) for name in ("friction", "poisson_ratio")}
         data = xarray.Dataset(
             {
-                **{
-                    name: (("friction", "t", "x"), self._field(name, x, t[:, None]))
-                    for name in _FIELDS
-                },
-                "edges": (("friction", "zone", "edge"), self.edges),
-                "error_estimate": ("friction", self.error_estimate),
-                "status": ("friction", np.array(self.status, dtype=str)),
-                "origin": ("friction", np.array(self.origin, dtype=str)),
+                **{name: ((along, "t", "x"), self._field(name, x, t[:, None])) for name in _FIELDS},
+                "edges": ((along, "zone", "edge"), self.edges),
+                "error_estimate": (along, self.error_estimate),
+                "status": (along, np.array(self.status, dtype=str)),
+                "origin": (along, np.array(self.origin, dtype=str)),
             },
-            coords={"friction": self.friction, "t": t, "x": x, "edge": ["inner", "outer"]},
+            coords={**places, "t": t, "x": x, "edge": ["inner", "outer"]},
             attrs={"title": repr(self)},
         )
         for name, (units, meaning) in {**QUANTITIES, **_OF_SWEEPS}.items():
@@ -164,8 +176,15 @@ class Sweep:
         return result
 
 
-def sweep(scene: Scene, friction: ArrayLike, rtol: float = 1e-8) -> Sweep:
-    """Solve a scene for many friction coefficients, faster than one by one: the more, the faster.
+def sweep(
+    scene: Scene,
+    friction: ArrayLike,
+    rtol: float = 1e-8,
+    *,
+    poisson_ratio: ArrayLike | None = None,
+) -> Sweep:
+    """Solve a scene for many friction coefficients, and Poisson ratios, faster than one by one: the
+    more, the faster.
 
     Parameters
     ----------
@@ -174,30 +193,83 @@ def sweep(scene: Scene, friction: ArrayLike, rtol: float = 1e-8) -> Sweep:
         Coulomb friction coefficients, in any order.
     rtol : float
         Wanted accuracy, as for `solve`.
+    poisson_ratio : array, optional
+        Poisson ratios; without them that of the scene.  Friction may then have any shape, and the
+        two are broadcast: ``sweep(scene, f, poisson_ratio=nu[:, None])`` solves a grid.  The
+        answers are in a row, in C order: ``.error_estimate.reshape(len(nu), len(f))``.
 
     Returns
     -------
     Sweep
         Solutions that are "from scratch" or "computed" have passed the same checks as that of
-        `solve`.  Those "interpolated" lie between two such with the same zones; their Coulomb
-        inequalities and their edges were checked on the loose rule only (to 1e-3 and, in edge
-        unknowns, 1e-2); finer than that they rest on the difference of interpolations through
-        fewer and more neighbours.
+        `solve`.  Those "interpolated" lie between such with the same zones.  Over friction their
+        Coulomb inequalities and their edges were checked on the loose rule only (to 1e-3 and, in
+        edge unknowns, 1e-2); finer than that they rest on the difference of interpolations through
+        fewer and more neighbours.  Over friction and Poisson ratio their edges fulfil the edge
+        conditions on a rule that is as loose as neighbours show to be enough; Coulomb's
+        inequalities are checked there to 1e-3, beside other zones to `rtol` on the fine rule.
 
     Raises
     ------
     SceneError
-        If friction is not one-dimensional or not of numbers, a value of it does not make a scene,
-        or rtol is out of range.
+        If friction is not one-dimensional (without Poisson ratios) or not of numbers, a value does
+        not make a scene, the shapes do not broadcast, or rtol is out of range.
     TensionError
-        If the contact pressure would turn tensile.
+        If the contact would open all the way to infinity.
     """
     given = np.asarray(friction, dtype=object)
-    if given.ndim != 1:
+    ratio = np.asarray(scene.material.poisson_ratio)
+    if poisson_ratio is not None:
+        ratio = np.asarray(poisson_ratio, dtype=object)
+        given, ratio = _broadcast(given, ratio)
+    elif given.ndim != 1:
         raise SceneError(f"friction must be one-dimensional, got the shape {given.shape}.")
-    values = np.array([checked_number("sweep: friction", value) for value in given], dtype=float)
-    different, place = np.unique(values, return_inverse=True)
-    continuation = Continuation([replace(scene, friction=float(f)) for f in different], rtol)
-    continuation.run()
-    solutions = tuple(continuation.solutions[i] for i in place)
-    return Sweep(scene, values, solutions, tuple(continuation.origin[i] for i in place))
+    values = _numbers("friction", given)
+    ratios = np.broadcast_to(_numbers("Poisson ratio", ratio), values.shape)
+    points, place = np.unique(np.stack([ratios, values]), axis=1, return_inverse=True)
+    solutions, origin = _solved(scene, points, rtol)
+    place = np.ravel(place)
+    chosen = tuple(solutions[i] for i in place)
+    return Sweep(scene, values, ratios, chosen, tuple(origin[i] for i in place))
+
+
+def _broadcast(friction: np.ndarray, ratio: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Both in a row."""
+    try:
+        friction, ratio = np.broadcast_arrays(friction, ratio)
+    except ValueError:
+        raise SceneError(
+            f"friction of the shape {friction.shape} and Poisson ratios of the shape {ratio.shape} "
+            "do not broadcast; give both one shape, or a grid as f and nu[:, None]."
+        ) from None
+    return friction.ravel(), ratio.ravel()
+
+
+def _numbers(name: str, given: np.ndarray) -> Array:
+    """Finite numbers."""
+    values = [checked_number(f"sweep: {name}", value) for value in np.ravel(given)]
+    return np.array(values, dtype=float)
+
+
+def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], list[str]]:
+    """Solutions of a scene at different Poisson ratios and frictions (2, n), in order, and their
+    origins."""
+    materials = {
+        ratio: replace(scene.material, poisson_ratio=ratio) for ratio in set(points[0].tolist())
+    }
+    scenes = [replace(scene, material=materials[nu], friction=f) for nu, f in points.T.tolist()]
+    coulomb = type(scene.friction_law) is CoulombFriction and scene.shear_mode == "II"
+    scattered = len(scenes) < tuning.FRICTIONS_ALONE * len(materials)
+    runs: list[Continuation | Plane] = []
+    if coulomb and scattered and len(materials) > 1 and len(scenes) >= tuning.FEWEST_IN_PLANE:
+        runs.append(Plane(scenes, rtol))
+    else:
+        bounds = [0, *(np.flatnonzero(np.diff(points[0])) + 1), len(scenes)]
+        runs += [Continuation(scenes[start:stop], rtol) for start, stop in pairwise(bounds)]
+    solutions: list[Solution] = []
+    origin: list[str] = []
+    for run in runs:
+        run.run()
+        solutions += [run.solutions[i] for i in range(len(run.scenes))]
+        origin += [run.origin[i] for i in range(len(run.scenes))]
+    return solutions, origin

@@ -83,6 +83,8 @@ NEAREST_ESTIMATES = 4
 """Nearest known points whose largest error estimate is taken over."""
 FARTHEST_STEP = 1e-2
 """Of a chord step on the rule that decides: longer ones tell little of what is left."""
+MORE_STEPS = 3
+"""Chord steps after the first, where that leaves too much."""
 LOOSE_SHARE, LEAST_ROOM = 0.5, 0.05
 """Share of the room that neighbours' error estimates leave below rtol which the rule takes that
 edges are corrected on, and that room over rtol at least."""
@@ -95,3 +97,7 @@ PATTERNS_TRIED = 2
 """Patterns of zones of the nearest known points that are tried."""
 PLANE_BATCH = 32
 """Points in one batch."""
+FEWEST_IN_PLANE = 300
+"""Points from which neighbours of other Poisson ratios help."""
+FRICTIONS_ALONE = 400
+"""Frictions to a Poisson ratio from which these do without the other ratios."""

@@ -13,7 +13,7 @@ from fem.interface import coulomb_traction
 from fem.model import build_model
 from fem.plan import LOCKSTEP, Plan, Settings
 from meshes import Blocks, cached_mesh
-from semianalytic import solve
+from semianalytic import march, solve
 from semianalytic.scene.errors import SceneError, TensionError
 from semianalytic.scene.scene import Material, Scene, Tractions
 
@@ -132,9 +132,19 @@ def test_state_says_what_each_node_does(scene):
         assert (sense * increment[state[:-1] == sense] > -1e-15).all()
 
 
-def test_unloading_is_refused_by_the_solver_and_opens_in_the_simulation():
+def test_gap_converges_to_the_exact_one_with_second_order():
+    exact, errors = solve(UNLOADED), []
+    for resolution in (50, 100):
+        history = simulate(UNLOADED, resolution=resolution).interface
+        expected = exact.gap(history.x, history.t[-1])
+        errors.append(np.abs(history.gap[-1] - expected).sum() / expected.sum())
+    assert errors[0] < 5e-3
+    assert errors[1] < 0.35 * errors[0]
+
+
+def test_unloading_is_refused_by_a_march_and_opens_in_the_simulation():
     with pytest.raises(TensionError):
-        solve(UNLOADED)
+        march(UNLOADED, nodes=100)
     run = simulate(UNLOADED)
     opened = run.state == 2
     assert opened.any()

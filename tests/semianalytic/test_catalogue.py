@@ -26,6 +26,12 @@ def test_laws_hold(problem):
     check_invariants(problem.scene)
 
 
+@over("rated")
+def test_laws_hold_where_strength_follows_slip_rate(problem):
+    assert solve(problem.scene).status == "converged"
+    check_invariants(problem.scene)
+
+
 @over("exact")
 def test_error_is_honest(problem):
     fine = solve(problem.scene, rtol=1e-11)
@@ -72,7 +78,7 @@ def test_units_do_not_matter(problem):
     law, speed = scene.friction_law, material.shear_speed
     if isinstance(law, ViscousFriction):
         law = ViscousFriction(law.viscosity * material.shear_impedance)
-    there = Scene(material, scene.friction, base, load, friction_law=law)
+    there = Scene(material, scene.friction, base, load, friction_law=law, mode=scene.mode)
     solution, other = solve(scene), solve(there)
     np.testing.assert_allclose(other.edge_speeds, solution.edge_speeds * speed, rtol=1e-7)
     x = np.linspace(0.02, 1.95, 50)

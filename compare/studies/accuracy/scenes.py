@@ -84,11 +84,28 @@ QUANTITIES = {
         ("slip at T, integral", "slip, L1"),
         ("frictional work, integral", "frictional work, L1"),
     ),
+    "lift-off": (
+        ("open up to [c_t]", "opening 1, outer edge"),
+        ("gap at T, integral", "gap, L1"),
+    ),
+    "lift-off-shear": (
+        ("open up to [c_t]", "opening 1, outer edge"),
+        ("slow zone, to [c_t]", "zone 1, outer edge"),
+        ("second zone, from [c_t]", "zone 2, inner edge"),
+        ("to [c_t]", "zone 2, outer edge"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
+    "tap": (
+        ("open from [c_t]", "opening 1, inner edge"),
+        ("to [c_t]", "opening 1, outer edge"),
+        ("gap at T, integral", "gap, L1"),
+        ("largest gap", "largest gap"),
+    ),
 }
 """What docs/scenes.md says of a scene: how it is called there, and in the judgement."""
 
-COMPARED = tuple(name for name in NAMED_SCENES if name != "lift-off")
-"""Of `lift-off` nothing is predicted."""
+COMPARED = tuple(NAMED_SCENES)
+"""Scenes of the tables."""
 
 FIGURES = {
     "remote-shock": "slip_rate.png",
@@ -100,6 +117,9 @@ FIGURES = {
     "harmonic": "sense.png",
     "pressure-drop": "sense.png",
     "antiplane": "slip_rate.png",
+    "lift-off": "gap.png",
+    "lift-off-shear": "slip_rate.png",
+    "tap": "gap.png",
 }
 """Which figure of `slipfront compare SCENE` docs/scenes.md shows."""
 
@@ -223,8 +243,9 @@ def quantities(resolution: int = RESOLUTION) -> list[QuantityRow]:
 
 def _quantities(scene: str, resolution: int) -> Iterator[QuantityRow]:
     judgement, rows = _judgement(scene, resolution), _rows(scene, resolution)
-    predicted, simulated = largest_rates(judgement.case)
-    yield QuantityRow(scene, "largest forward V", math.nan, predicted, simulated, math.nan, "")
+    if judgement.case.slips:
+        predicted, simulated = largest_rates(judgement.case)
+        yield QuantityRow(scene, "largest forward V", math.nan, predicted, simulated, math.nan, "")
     for name, quantity in QUANTITIES[scene]:
         row = rows[quantity]
         exact, at_nodes, simulated = map(_number, (row.exact, row.at_nodes, row.simulated))

@@ -1,12 +1,14 @@
 """How long solutions, sweeps and the import take, as ratios measured in the same run.
 
-Run as ``python -m compare.studies.chart.benchmark solve sweep import``; ``--csv docs/data`` writes
-what docs/solver.md shows. Solutions are set against a dense 400 x 400
+Run as ``python -m compare.studies.chart.benchmark solve sweep batch import``; ``--csv docs/data``
+writes what docs/solver.md shows. Solutions are set against a dense 400 x 400
 solve, next to the error reached (relative L1 of the slip rate against rtol = 1e-12); a sweep over
 100 and 1,000 frictions against solving them one by one (of 1,000 every tenth, times ten), next to
-the largest difference of edges and how its solutions were found; the import of ``semianalytic``
-against that of numpy and scipy.linalg. Times are processor times on one thread, medians of
-interleaved repetitions, so that other work on the machine disturbs both sides alike.
+the largest difference of edges and how its solutions were found; a batch of 10,000 points of
+friction and Poisson ratio, in a grid and scattered, against solving every hundredth; the import of
+``semianalytic`` against that of numpy and scipy.linalg. Times are processor times on one thread,
+medians of interleaved repetitions, so that other work on the machine disturbs both sides alike; a
+batch is timed once.
 """
 
 from __future__ import annotations
@@ -39,6 +41,7 @@ _MANY_FRICTIONS = 1000
 _SWEEP_TOLERANCES = (1e-3, 1e-6, 1e-8)
 _GAP = 1e-13  # over c_t; zones as near as that count as one
 SCENES = ("preloaded", "remote-shock")
+RATIOS = (0.0, 0.45)
 TOLERANCES = (1e-3, 1e-8, 1e-11)
 
 
@@ -168,6 +171,61 @@ def measure_sweep(
     )
 
 
+@dataclass(frozen=True)
+class BatchTiming:
+    """A batch over friction and Poisson ratio: milliseconds a point and ratio of the time one by
+    one to its own, next to what `SweepTiming` holds of solutions."""
+
+    scene_name: str
+    places: str
+    points: int
+    rtol: float
+    milliseconds: float
+    ratio: float
+    scratch: int
+    computed: int
+    interpolated: int
+    difference: float
+    other_zones: int
+
+
+def batch_points(name: str, places: str, side: int) -> tuple[np.ndarray, np.ndarray]:
+    """Frictions and Poisson ratios of side^2 points, in a "grid" or "scattered"."""
+    if places == "grid":
+        friction, ratio = np.linspace(*SWEEPS[name], side), np.linspace(*RATIOS, side)
+        return np.tile(friction, side), np.repeat(ratio, side)
+    random = np.random.default_rng(0)
+    return random.uniform(*SWEEPS[name], side**2), random.uniform(*RATIOS, side**2)
+
+
+def measure_batch(name: str, places: str, rtol: float = 1e-6, side: int = 100) -> BatchTiming:
+    """Time a batch, and solving every hundredth of its points one by one, after it."""
+    friction, ratio = batch_points(name, places, side)
+    start = process_time()
+    done = sweep(find_scene(name), friction, rtol, poisson_ratio=ratio)
+    quick = (process_time() - start) / len(done)
+    chosen = done[:: max(1, len(done) // 100)]
+    start = process_time()
+    singles = [solve(one.scene, rtol=rtol) for one in chosen]
+    slow = (process_time() - start) / len(chosen)
+    pairs = zip(chosen, singles, strict=True)
+    differences = [edge_difference(one, other) for one, other in pairs]
+    known = [one for one in differences if one is not None]
+    return BatchTiming(
+        name,
+        places,
+        len(done),
+        rtol,
+        1e3 * quick,
+        slow / quick,
+        done.origin.count(FROM_SCRATCH),
+        done.origin.count(COMPUTED),
+        done.origin.count(INTERPOLATED),
+        max(known),
+        len(differences) - len(known),
+    )
+
+
 def import_ratio(repetitions: int = 9) -> float:
     """Time to start Python and import semianalytic, over that for numpy and scipy.linalg."""
     codes = ("import numpy, scipy.linalg", "import semianalytic")
@@ -202,6 +260,9 @@ def sweeps() -> list[SweepTiming]:
 STUDIES: dict[str, Study] = {
     "solve": measure,
     "sweep": sweeps,
+    "batch": lambda: [
+        measure_batch(name, places) for name, places in product(SWEEPS, ("grid", "scattered"))
+    ],
     "import": lambda: [ImportRow(import_ratio())],
 }
 

@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from compare.comparison.case import EDGE_CELLS
-from compare.comparison.scales import WAVE_SYMBOLS, front_speeds, slip_rate_scale, stress_scale
+from compare.comparison.scales import WAVE_SYMBOLS, scene_fronts, slip_rate_scale, stress_scale
 from compare.figures.style import (
     BLACK,
     BLUE,
@@ -121,7 +121,7 @@ def opening_figure(evidence: SceneEvidence) -> Figure:
     )
     panel.set(xlabel=PLACE_LABEL, ylabel=TIME_LABEL, xlim=(0, place[-1]), ylim=(0, 1))
     panel.set_title("open (dark) or closed", pad=16)
-    mark_waves(panel, front_speeds(evidence.scene), speed, "rays")
+    mark_waves(panel, scene_fronts(evidence.scene), speed, "rays")
     return figure
 
 
@@ -152,7 +152,7 @@ def profiles(anchor: str, evidence: SceneEvidence) -> dict[str, Any]:
     if evidence.published is not None:
         rates[PUBLISHED] = evidence.published_rate()[levels] / rate
     tractions = [*_curves(shear, around_shear), *_curves(bound, around_shear, bound=True)]
-    fronts = front_speeds(scene).items()
+    fronts = scene_fronts(scene).items()
     return {
         "x": [round(float(x), 5) for x in place],
         "t": [round(float(t), 5) for t in first.t[levels] / end],
@@ -216,7 +216,7 @@ def _pair(evidence: SceneEvidence) -> tuple[Figure, tuple[Axes, Axes], Array]:
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     for panel in (upper, lower):
         panel.axhline(0, color="0.6", linewidth=0.6)
-        mark_waves(panel, front_speeds(evidence.scene), material.shear_speed, labels=panel is upper)
+        mark_waves(panel, scene_fronts(evidence.scene), material.shear_speed, labels=panel is upper)
     lower.set(xlabel=PLACE_LABEL, xlim=(0, place[-1]))
     return figure, (upper, lower), place
 

@@ -15,7 +15,7 @@ from compare.comparison.judgement import Judgement
 from compare.comparison.measures import sampled_zones
 from compare.comparison.prediction import FINER, method_of, seconds_of
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, shown_number
-from compare.comparison.scales import front_speeds, slip_rate_scale, speed_regime, stress_scale
+from compare.comparison.scales import scene_fronts, slip_rate_scale, speed_regime, stress_scale
 from compare.figures.histories import history_figure, sense_figure, wear_figure
 from compare.figures.interface import fronts_figure
 from compare.studies.evidence.figures import (
@@ -152,7 +152,7 @@ def _zones(evidence: SceneEvidence) -> str:
     material, simulation = evidence.scene.material, evidence.simulation
     speeds = [
         (f"{name} wave", number(f"{speed / material.shear_speed:.6f}"))
-        for name, speed in front_speeds(evidence.scene).items()
+        for name, speed in scene_fronts(evidence.scene).items()
     ]
     parts = [table(("front", "speed / c_t"), speeds, "Wave speeds")]
     rows = []

@@ -113,7 +113,7 @@ def _openings(quick: bool) -> tuple[list[OpeningPoint], list[OpeningPoint]]:
     columns = [(opening_column, (nu, size)) for nu in poisson_ratios(size).tolist()]
     speeds = [(opening_speeds, (nu, count)) for nu in FRONT_POISSON_RATIOS]
     parts: tuple[list[OpeningPoint], list[OpeningPoint]] = ([], [])
-    for index, points in run_tasks([*columns, *speeds]):
+    for index, points in run_tasks([*columns, *speeds], progress=None):
         parts[index >= size].extend(points)
     return sorted_openings(parts[0]), sorted_openings(parts[1])
 

@@ -181,9 +181,9 @@ def test_documents_of_scenes_come_back(named):
     ("table", "message"),
     [
         ('[shear_history]\nkind = "sawtooth"\n', "kind must be one of step, ramp"),
-        ('[shear_history]\nkind = "ramp"\n', "a ramp needs rise_time"),
+        ('[shear_history]\nkind = "ramp"\n', "kind ramp needs rise_time"),
         ('[shear_history]\nkind = "ramp"\nrise_time = -1.0\n', "0 or more, got -1.0"),
-        ('[shear_history]\nkind = "ramp"\nrise = 1.0\n', "a ramp has no 'rise'"),
+        ('[shear_history]\nkind = "ramp"\nrise = 1.0\n', "kind ramp has no 'rise'"),
         ('[shear_history]\nkind = "pulse"\nduration = nan\n', "must be a positive number"),
         (
             '[shear_history]\nkind = "tabulated"\nt = [1, 0]\nvalue_at_t = [0, 1]\n',

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from compare.comparison.scales import (
-    front_speeds,
+    scene_fronts,
     slip_rate_scale,
     speed_regime,
     stress_scale,
@@ -55,8 +55,8 @@ def test_regimes_by_speed(speed, name):
 
 def test_antiplane_shear_knows_one_front_and_pressure_the_others():
     scene = find_scene("antiplane")
-    assert front_speeds(scene) == {"S": scene.material.shear_speed}
+    assert scene_fronts(scene) == {"S": scene.material.shear_speed}
     pressed = replace(scene, base=Tractions(1.0, 0.0), load=Tractions(0.5, 1.0))
-    assert front_speeds(pressed) == wave_speeds(scene.material)
+    assert scene_fronts(pressed) == wave_speeds(scene.material)
     assert speed_regime(0.95, scene) == speed_regime(0.5, scene) == "sub-shear"
     assert speed_regime(1.5, pressed) == "c_t–c_l"

@@ -10,6 +10,7 @@ from matplotlib.image import imread
 
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
+from compare.comparison.scales import scene_fronts
 from compare.figures.histories import comparison_figures, curve
 from compare.figures.interface import (
     fronts_figure,
@@ -46,7 +47,8 @@ def test_slip_rate_figure_shows_both_answers_and_their_difference(case):
     assert upper.get_ylabel().startswith("slip rate")
     assert lower.get_xlabel() == r"$\xi/c_t = x/(c_t t)$"
     assert lower.get_ylabel() == "difference"
-    assert marked_fronts(upper) == {"$c_R$", "$c_t$", "$c_l$"}
+    in_plane = {"$c_R$", "$c_t$", "$c_l$"}
+    assert marked_fronts(upper) == ({"$c_t$"} if solution.scene.antiplane else in_plane)
     for panel in (upper, lower):
         assert_finite(panel)
     # A run that samples the prediction differs from it by nothing but rounding.
@@ -70,18 +72,19 @@ def test_fronts_figure_maps_position_and_time(case):
     assert panel.get_xlabel() == r"$x/(c_t T)$"
     assert panel.get_ylabel() == r"$t/T$"
     assert colour_bar.get_ylabel().startswith("slip rate")
-    edges = [e for z in solution.zones for e in (z.inner, z.outer) if 0 < e < np.inf]
-    assert len(panel.get_lines()) == 3 + len(edges)
+    parts = (*solution.zones, *solution.openings)
+    edges = [e for part in parts for e in (part.inner, part.outer) if 0 < e < np.inf]
+    assert len(panel.get_lines()) == len(scene_fronts(solution.scene)) + len(edges)
     (mesh,) = panel.collections
     assert np.isfinite(mesh.get_array()).all()
 
 
 def test_prediction_figure_needs_no_simulation(case):
     solution, _ = case
-    upper, lower = prediction_figure(solution).axes
-    assert upper.get_ylabel().startswith("slip rate")
-    assert lower.get_ylabel().startswith("traction")
-    for panel in (upper, lower):
+    panels = prediction_figure(solution).axes
+    labels = ["slip rate", "traction", *("gap" for _ in solution.openings)]
+    for panel, label in zip(panels, labels, strict=True):
+        assert panel.get_ylabel().startswith(label)
         assert_finite(panel)
 
 
@@ -104,6 +107,26 @@ def test_reverse_slip_is_named_in_the_legend_and_mapped_with_two_colours():
     assert "reverse slip" in [text.get_text() for text in upper.get_legend().get_texts()]
     (mesh,) = fronts_figure(mirrored, history).axes[0].collections
     assert mesh.norm.vmin == -mesh.norm.vmax
+
+
+def test_what_is_open_is_shaded_named_and_drawn():
+    solution = solve(NAMED_SCENES["lift-off-shear"].scene)
+    run = sampled_run(solution, resolution=50)
+    upper, _ = slip_rate_figure(solution, run.interface).axes
+    assert [text.get_text() for text in upper.get_legend().get_texts()][-1] == "open"
+    case = side_by_side(solution, run)
+    figures = comparison_figures(case)
+    gap, pressure = figures["gap.png"](case).axes
+    assert (gap.get_ylabel()[:3], pressure.get_ylabel()[:8]) == ("gap", "pressure")
+    predicted, seen = gap.get_lines()[-2:]  # at the end
+    assert predicted.get_ydata().max() > 0.1
+    np.testing.assert_allclose(
+        np.interp(seen.get_xdata(), *predicted.get_data()), seen.get_ydata(), atol=1e-3
+    )
+    sense, *_ = figures["sense.png"](case).axes
+    assert sense.collections[0].get_array().max() == 2
+    closed = solve(NAMED_SCENES["preloaded"].scene)
+    assert "gap.png" not in comparison_figures(side_by_side(closed, sampled_run(closed, 50)))
 
 
 @pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
@@ -153,6 +176,7 @@ def test_units_are_named_by_the_traction_they_are():
     assert "τ₀ = shear of the load = 1" in scene_words(scene)
     resting = replace(scene, load=type(scene.load)(0.0, 0.0))
     assert "τ₀ = pressure of the base = 1" in scene_words(resting)
+    assert scene_words(replace(scene, mode="antiplane")).startswith("antiplane shear,  ν = ")
     assert "(RateWeakening)" in scene_words(replace(scene, friction_law=RateWeakening(0.4, 1.0)))
 
 
@@ -161,7 +185,8 @@ def test_symbols_of_neighbouring_waves_keep_to_their_own_side(case):
     sides = {
         text.get_text(): text.get_ha() for text in slip_rate_figure(solution, history).axes[0].texts
     }
-    assert (sides["$c_R$"], sides["$c_t$"]) == ("right", "left")
+    assert sides["$c_t$"] == "left"
+    assert sides.get("$c_R$") == (None if solution.scene.antiplane else "right")
 
 
 @pytest.mark.parametrize("method", ["self-similar", "space-time"])

@@ -11,12 +11,19 @@ from compare.docs import read_data
 from compare.output.tables import append_rows, started_rows
 from compare.studies.stability import judge_trials, spoils
 from compare.studies.stability.held_slot import held_slot
-from compare.studies.stability.judge_scenes import HISTORIES, STEPS, draw, power_scenes
+from compare.studies.stability.judge_scenes import (
+    HISTORIES,
+    OPENINGS,
+    STEPS,
+    draw,
+    power_scenes,
+)
 from compare.studies.stability.judge_tables import SURE, alarm_rows, bar_rows, power_rows
 from compare.studies.stability.judge_trials import SHARES, TRUTH, JudgedRow, SpoiltRow, run_trials
 from compare.studies.stability.spoils import SPOILS, Window, effect, spoilt
 from compare.studies.stability.spoilt_answers import profiled
 from semianalytic import Answer, CoulombFriction, SlipWeakening, march, solve
+from semianalytic.cut.load import contact_opens
 from semianalytic.scene.named import find_scene
 from tests.catalogue import SHOCK, over, unit_scene
 
@@ -32,12 +39,12 @@ def wrong(name, right, share=1.0):
 # --- scenes -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", [STEPS, HISTORIES])
+@pytest.mark.parametrize("kind", [STEPS, HISTORIES, OPENINGS])
 def test_draws_are_the_same_for_the_same_seed_only(kind):
     one, same, other = (draw(kind, np.random.default_rng([1, index])) for index in (4, 4, 5))
     assert one == same
     assert one.scene != other.scene
-    assert one.scene.is_self_similar is (kind == STEPS)
+    assert one.scene.is_self_similar is (kind != HISTORIES)
 
 
 def test_draws_reach_all_kinds_of_step():
@@ -49,6 +56,15 @@ def test_draws_reach_all_kinds_of_step():
     ratios = [scene.material.poisson_ratio for scene in scenes]
     assert min(ratios) < -0.5
     assert max(ratios) > 0.4
+
+
+def test_openings_open_from_the_edge_and_ahead_and_steps_do_not():
+    scenes = [draw(OPENINGS, np.random.default_rng([1, index])).scene for index in range(12)]
+    inner = [solve(scene).openings[0].inner for scene in scenes]
+    assert {speed > 0 for speed in inner} == {True, False}
+    assert {scene.load.shear == 0 for scene in scenes} == {True, False}
+    steps = [draw(STEPS, np.random.default_rng([1, index])).scene for index in range(60)]
+    assert not any(contact_opens(scene) for scene in steps)
 
 
 def test_histories_weaken_with_slip_if_at_all():

@@ -9,6 +9,7 @@ from scipy.integrate import quad
 
 from compare.output.tables import append_rows
 from compare.studies.regimes import study as regimes
+from compare.studies.regimes.openings import opening_point
 from compare.studies.regimes.points import (
     MapPoint,
     frictions,
@@ -23,7 +24,7 @@ from compare.studies.regimes.study import write_regimes
 from compare.studies.workers import run_tasks
 from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.reference import edge_speed_under_shear_step
+from semianalytic.reference import edge_speed_of_opening, edge_speed_under_shear_step
 from semianalytic.regimes import (
     crossing_poisson_ratio,
     edge_threshold,
@@ -33,6 +34,7 @@ from semianalytic.regimes import (
     log_frictionless_half_width,
     log_narrow_reverse_threshold,
     nucleation,
+    opening_threshold,
     regime,
     reverse_threshold,
     scene_of,
@@ -188,7 +190,20 @@ def quickly(monkeypatch):
     """One Poisson ratio per kind of task, in this process."""
     monkeypatch.setattr(regimes, "FRONT_POISSON_RATIOS", (THIRD,))
     monkeypatch.setattr(regimes, "REVERSE_POISSON_RATIOS", (-0.5,))
+    monkeypatch.setattr(regimes, "_OPENING_COUNTS", {True: (2, 3)})
     monkeypatch.setattr(regimes, "run_tasks", lambda tasks, progress: run_tasks(tasks, 1, progress))
+
+
+@pytest.mark.parametrize("poisson_ratio", [-0.5, THIRD])
+def test_the_contact_opens_below_its_threshold_and_from_the_edge(poisson_ratio):
+    threshold, material = opening_threshold(poisson_ratio), Material(1.0, 1.0, poisson_ratio)
+    above, below = (opening_point(poisson_ratio, 1, part * threshold) for part in (1.001, 0.999))
+    assert (above.inner, above.outer) == (0, 0)
+    assert below.inner < material.rayleigh_speed < below.outer
+    assert below.outer - below.inner < 0.1
+    edge = opening_point(poisson_ratio, -1, 0.7)
+    assert edge.inner == 0
+    assert edge.outer == pytest.approx(edge_speed_of_opening(material, 0.7), rel=1e-8)
 
 
 def test_an_interrupted_map_continues(tmp_path, monkeypatch):
@@ -224,14 +239,17 @@ def test_an_interrupted_map_continues(tmp_path, monkeypatch):
         "boundaries.csv",
         "front-speeds.csv",
         "front-speeds.png",
+        "openings.csv",
+        "openings.png",
     }
 
 
 @pytest.mark.slow
-def test_all_figures_and_tables_are_written_and_agree(tmp_path):
+def test_all_figures_and_tables_are_written_and_agree(tmp_path, monkeypatch):
+    monkeypatch.setattr(regimes, "_OPENING_COUNTS", {False: (6, 9)})
     write_regimes(tmp_path, size=12)
     names = {path.name for path in tmp_path.iterdir()}
-    tables = {"regimes-preload", "regimes-remote", "front-speeds", "reverse-slip"}
+    tables = {"regimes-preload", "regimes-remote", "front-speeds", "reverse-slip", "openings"}
     assert names == {f"{name}.{form}" for name in tables for form in ("csv", "png")} | {
         "boundaries.csv"
     }

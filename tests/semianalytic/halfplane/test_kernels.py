@@ -29,19 +29,20 @@ from semianalytic.selfsimilar.solver import solve
 SOLID = Material(2.0, 0.5, 0.3)
 
 
-@pytest.mark.parametrize("mode", ["I", "II"])
+@pytest.mark.parametrize("mode", ["I", "II", "III"])
 def test_terms_are_the_impedance_on_the_cut(mode):
-    """Im (mu/b^2) R / beta (alpha) at -u + i0, with mpmath's roots just above the cut."""
+    """Im (mu/b^2) R / beta (alpha), or beta, at -u + i0, with mpmath's roots just above the cut."""
     a = rayleigh_factors(0.3).a
     for u in (0.6, 0.9, 1.01, 1.5, 7.0):
         k = mp.mpc(-u, 1e-18)
         alpha, beta = mp.sqrt(a**2 - k**2), mp.sqrt(1 - k**2)
         rayleigh = (1 - 2 * k**2) ** 2 + 4 * k**2 * alpha * beta
-        expected = float(mp.im(rayleigh / (beta if mode == "II" else alpha)))
+        impedance = {"I": rayleigh / alpha, "II": rayleigh / beta, "III": beta}[mode]
+        expected = float(mp.im(impedance))
         assert impedance_terms(0.3, u, mode).right == pytest.approx(expected, rel=1e-12, abs=1e-12)
 
 
-@pytest.mark.parametrize("mode", ["I", "II"])
+@pytest.mark.parametrize("mode", ["I", "II", "III"])
 def test_point_kernel_is_the_derivative_of_the_regularised_one(mode):
     """(4.35), (4.38) against numerical differentiation: d^2/dx dt of (4.39), (4.40)."""
     for x, t in ((1.0, 0.45), (1.0, 0.8), (-0.7, 2.0)):
@@ -60,6 +61,8 @@ def test_point_kernel_is_the_derivative_of_the_regularised_one(mode):
 
 
 def _mp_terms(u, mode):
+    if mode == "III":
+        return mp.mpf(0), mp.sqrt(u * u - 1) if u > 1 else mp.mpf(0)
     a = mp.mpf(rayleigh_factors(0.3).a)
     first, second = (mp.mpf(1), a) if mode == "II" else (a, mp.mpf(1))
     square = (1 - 2 * u * u) ** 2 / mp.sqrt(u * u - first**2) if u > first else mp.mpf(0)
@@ -101,15 +104,18 @@ def _power(exponent):
     )
 
 
-@pytest.mark.parametrize("mode", ["I", "II"])
+@pytest.mark.parametrize("mode", ["I", "II", "III"])
 def test_uniform_slip_with_a_free_slot_is_the_stuck_problem(mode):
     """V(t) on all of x > 0 takes the traction -M(0) [V + int V' q*]: theory and another code."""
     x, t = np.array([0.2, 0.7, 1.5, 3.0]), 1.1
     found = interface_traction(_power(3), mode, SOLID, x, t, rtol=1e-7)
     times = np.linspace(0, t, 4001)
     table = Tabulated(tuple(times), tuple(times**3))
-    stuck = (stuck_shear if mode == "II" else stuck_pressure)(table, 1.0, SOLID, x, t).value
-    sign = -1 if mode == "II" else 1
+    if mode == "I":
+        stuck = stuck_pressure(table, 1.0, SOLID, x, t).value
+    else:
+        stuck = stuck_shear(table, 1.0, SOLID, x, t, mode).value
+    sign = 1 if mode == "I" else -1
     expected = sign * local_impedance(SOLID, mode) * (t**3 + stuck)
     np.testing.assert_allclose(found.value, expected, rtol=2e-6)  # the table's interpolation
     held = interface_traction(_power(3), mode, SOLID, x, t, slot="held", rtol=1e-6)

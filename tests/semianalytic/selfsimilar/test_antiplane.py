@@ -17,6 +17,7 @@ from semianalytic.reference import (
     viscous_antiplane_slip_rate,
 )
 from semianalytic.reference.known_answers import closed_form
+from semianalytic.regimes import regime
 
 SHARES = np.array([1e-3, 0.1, 0.5, 0.9, 0.97])
 """Of the speed of the zone's edge."""
@@ -163,3 +164,16 @@ def test_contacts_open_as_in_plane(load):
     x = np.linspace(0.1, 1.9, 30)
     np.testing.assert_array_equal(solution.gap(x, 1.0), in_plane.gap(x, 1.0))
     check_invariants(scene)
+
+
+@pytest.mark.parametrize(
+    ("friction", "base", "load", "name"),
+    [
+        (1e-3, (1.0, 0.0), (0.0, 1.0), "slow"),
+        (2.0, *REMOTE, "stuck"),
+        (0.5, *REMOTE, "everywhere"),
+        (0.3, (1.0, 0.298), (1.0, 0.1), "one"),
+    ],
+)
+def test_regimes_are_told_by_the_shear_wave(friction, base, load, name):
+    assert regime(solve(antiplane(friction, base, load))) == name

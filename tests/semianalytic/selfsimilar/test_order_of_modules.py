@@ -29,6 +29,7 @@ STAGES = (
     "selfsimilar.motion",
     "selfsimilar.corrections",
     "selfsimilar.estimate",
+    "selfsimilar.rated",
 )
 """In the order of docs/solver.md; `solver` leads through them, `solution` is what it gives."""
 

@@ -1,0 +1,102 @@
+"""Strength that depends on slip rate: Newton's method, what it agrees with, what it refuses."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from catalogue import REMOTE, unit_scene
+
+from semianalytic import (
+    CoulombFriction,
+    RateWeakening,
+    SceneError,
+    ViscousFriction,
+    march,
+    solve,
+)
+from semianalytic.reference import viscous_edge_speed, viscous_slip_rate
+from semianalytic.scene.scene import Material
+from semianalytic.selfsimilar.rated import rated_zones, unit_law
+
+ONE_ZONE = unit_scene(1.0, friction_law=RateWeakening(0.4, 1.0))
+
+
+def dry(scene):
+    return solve(replace(scene, friction_law=CoulombFriction()))
+
+
+def test_newtons_method_converges_quadratically():
+    start = dry(ONE_ZONE)
+    zones = start.profile.fields.zones
+    rated = rated_zones(start.profile, zones, unit_law(ONE_ZONE, start.stress), 1e-6)
+    assert rated.converged
+    _, first, second, *_ = rated.moves
+    assert first > 1e-5
+    assert second < 10 * first**2
+
+
+def test_a_linear_law_is_one_step_to_the_closed_form():
+    law = ViscousFriction(0.25)
+    scene, start = unit_scene(1.0, friction_law=law), dry(ONE_ZONE)
+    profile = start.profile
+    rated = rated_zones(profile, profile.fields.zones, unit_law(scene, start.stress), 1e-10)
+    assert max(rated.moves[1:]) < 1e-11
+    material = Material(1.0, 1.0, 1 / 3)
+    (zone,) = rated.placement.zones
+    assert 1 / zone.left.v[0] == pytest.approx(viscous_edge_speed(material, 1.0, 0.25), abs=1e-10)
+    at_edge = viscous_slip_rate(material, 1.0, 1.0, 0.25, 0.0)
+    assert 2 * rated.profile.edge_slip_rate == pytest.approx(float(at_edge), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        ONE_ZONE,
+        unit_scene(friction_law=RateWeakening(0.4, 1.0)),
+        unit_scene(0.5, friction_law=RateWeakening(0.3, 1.0), mode="antiplane"),
+    ],
+    ids=["one zone", "two zones", "antiplane"],
+)
+def test_strength_and_slip_rate_agree_and_the_error_is_honest(scene):
+    fine, loose = solve(scene, rtol=1e-7), solve(scene, rtol=1e-4)
+    assert fine.status == loose.status == "converged"
+    shift = np.abs(fine.edge_speeds - loose.edge_speeds).max()
+    assert shift <= loose.error_estimate
+    x = np.linspace(0.02, 1.95, 200)
+    rate, traction = fine.slip_rate(x, 1.0), fine.shear_traction(x, 1.0)
+    strength = scene.friction_law.strength(scene.friction, rate, 0.0)
+    np.testing.assert_allclose(traction[rate > 0], strength[rate > 0], rtol=1e-12)
+    assert np.all(np.abs(traction) <= strength + 1e-6)
+    assert np.all(rate >= 0)
+    more = fine.accumulated_slip(1.0) / dry(scene).accumulated_slip(1.0)
+    assert 1.01 < float(more) < 1.5
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+def test_march_converges_to_the_answer(mode):
+    scene = unit_scene(1.0, friction_law=RateWeakening(0.4, 4.0), mode=mode)
+    exact, errors = solve(scene, rtol=1e-6), []
+    for nodes in (50, 100, 200, 400):
+        marched = march(scene, nodes=nodes, every=10**6)
+        x = marched.interface.x
+        slip = exact.slip(x[x > 0], 1.0)
+        errors.append(np.abs(marched.interface.slip[-1][x > 0] - slip).sum() / slip.sum())
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[-1] < 2e-4
+    assert orders.min() > 1.0
+
+
+def test_weakening_across_the_rayleigh_front_is_refused():
+    law = RateWeakening(0.2, 5.0)
+    for scene in (
+        unit_scene(0.5, *REMOTE, friction_law=law),
+        unit_scene(0.3, (1.0, 0.295), (1.0, 0.0), friction_law=law),
+    ):
+        with pytest.raises(SceneError, match="cover the Rayleigh front"):
+            solve(scene)
+
+
+def test_weakening_that_pressure_makes_steeper_than_radiation_is_refused():
+    scene = unit_scene(1.0, (1.0, 0.0), (0.5, 1.5), friction_law=RateWeakening(0.45, 1.0))
+    with pytest.raises(SceneError, match="faster than radiation can balance, at x/t"):
+        solve(scene)

@@ -1,0 +1,143 @@
+"""Viscous friction: slip across the Rayleigh front, traction, energy, limits, march and sweep."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from catalogue import unit_scene
+
+from semianalytic import CoulombFriction, SceneError, ViscousFriction, march, solve, sweep
+from semianalytic.reference.closed_forms import slip_rate_without_friction
+from semianalytic.regimes import (
+    closing_limit,
+    closing_poisson_ratio,
+    regime,
+    scene_of,
+    viscous_closing,
+    viscous_nucleation,
+)
+from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.scene import Material, Tractions
+
+VISCOUS = NAMED_SCENES["viscous"].scene
+LOADED = unit_scene(0.2, (1.0, 0.1), (0.8, 1.0), nu=0.25, friction_law=ViscousFriction(0.2))
+
+
+@pytest.mark.parametrize("scene", [VISCOUS, LOADED])
+def test_slip_rate_is_least_and_flat_at_the_rayleigh_front(scene):
+    """V'(c) = -s f p'(c) / eta = 0: pressure is least there."""
+    solution, speed = solve(scene, rtol=1e-10), scene.material.rayleigh_speed
+    assert any(zone.inner < speed < zone.outer for zone in solution.zones)
+    step = 1e-3 * np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+    rate = solution.slip_rate(speed + step, 1.0)
+    assert rate[2] == rate.min() > 0
+    slope = (rate[3] - rate[1]) / 2e-3
+    assert abs(slope) < 1e-2 * (rate[4] - 2 * rate[2] + rate[0]) / 4e-6
+
+
+@pytest.mark.parametrize("scene", [VISCOUS, LOADED])
+def test_traction_follows_slip_rate_and_power_is_its_product(scene):
+    solution = solve(scene, rtol=1e-10)
+    node, weight = np.polynomial.legendre.leggauss(400)
+    power = 0.0
+    for zone in solution.zones:
+        ends = sorted(
+            {
+                zone.inner,
+                *(v for v in (scene.material.rayleigh_speed, 1.0) if zone.inner < v < zone.outer),
+                zone.outer,
+            }
+        )
+        for left, right in pairwise(ends):
+            angle = np.pi / 4 * (1 + node)
+            x = left + (right - left) * np.sin(angle) ** 2
+            rate, traction = solution.slip_rate(x, 1.0), solution.shear_traction(x, 1.0)
+            frictional = scene.friction * solution.pressure(x, 1.0)
+            expected = zone.sense * scene.friction_law.strength(frictional, rate, 0.0)
+            np.testing.assert_allclose(traction, expected, rtol=1e-12)
+            power += np.pi / 4 * (right - left) * (weight * np.sin(2 * angle)) @ (traction * rate)
+    assert float(solution.frictional_power(1.0)) == pytest.approx(power, rel=1e-6)
+    assert float(solution.frictional_power(1.0, 0.0, 9.0)) == pytest.approx(power, rel=1e-6)
+
+
+def test_march_converges_to_the_exact_answer():
+    exact, errors = solve(VISCOUS), []
+    for nodes in (100, 200, 400, 800):
+        marched = march(VISCOUS, nodes=nodes, every=10**6)
+        x = marched.interface.x
+        slip = exact.slip(x[x > 0], 1.0)
+        errors.append(np.abs(marched.interface.slip[-1][x > 0] - slip).sum() / slip.sum())
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[-1] < 2e-4
+    assert orders.min() > 1.0
+
+
+def test_no_viscosity_is_constant_friction_and_little_is_near_it():
+    scene = unit_scene()
+    none, little, constant = (
+        solve(replace(scene, friction_law=law))
+        for law in (ViscousFriction(0.0), ViscousFriction(1e-7), CoulombFriction())
+    )
+    np.testing.assert_array_equal(none.edge_speeds, constant.edge_speeds)
+    np.testing.assert_allclose(little.edge_speeds, constant.edge_speeds, atol=1e-6)
+    assert np.abs(little.edge_speeds - constant.edge_speeds).max() > 1e-9
+
+
+def test_little_viscosity_alone_is_lambs_problem():
+    x = np.array([0.3, 0.7, 1.2, 1.7])
+    solution = solve(unit_scene(0.0, friction_law=ViscousFriction(1e-8)))
+    lamb = slip_rate_without_friction(Material(1.0, 1.0, 1 / 3), 1.0, x)
+    np.testing.assert_allclose(solution.slip_rate(x, 1.0), lamb, rtol=1e-6)
+
+
+def test_slip_everywhere_is_balanced_by_viscosity_far_ahead():
+    """f P_b + (rho c_t / 2 + viscosity) V = Q_b."""
+    scene = unit_scene(0.5, (1.0, 1.0), (1.0, 1.0), friction_law=ViscousFriction(0.25))
+    assert scene.far_slip_rate == pytest.approx(0.5 / 0.75)
+    ahead = solve(scene).shear_traction(3.0, 1.0)
+    assert float(ahead) == pytest.approx(0.5 + 0.25 * scene.far_slip_rate)
+
+
+def test_sweep_is_solve():
+    frictions = [0.15, 0.2, 0.25]
+    for one in sweep(VISCOUS, frictions).solutions:
+        alone = solve(one.scene)
+        np.testing.assert_allclose(one.edge_speeds, alone.edge_speeds, atol=2e-8)
+
+
+@pytest.mark.parametrize("viscosity", [1e-3, 0.3, 10.0])
+def test_gap_closes_and_shear_front_slips_where_the_thresholds_say(viscosity):
+    nu = 1 / 3
+    closing, nucleation = viscous_closing(nu, viscosity), viscous_nucleation(nu, viscosity)
+    law = ViscousFriction(viscosity / 2)
+    seen = [
+        regime(solve(replace(scene_of("preload", nu, chi), friction_law=law)))
+        for chi in (
+            closing * (1 - 1e-3),
+            closing * (1 + 1e-3),
+            nucleation * (1 - 1e-2),
+            nucleation * (1 + 1e-2),
+        )
+    ]
+    assert seen == ["one", "two", "two", "slow"]
+
+
+def test_where_the_gap_never_closes():
+    assert viscous_closing(1 / 3, 0.0) is None
+    assert viscous_closing(1 / 3, 1e-9) is None
+    assert closing_limit(closing_poisson_ratio()) == pytest.approx(0, abs=1e-12)
+    assert viscous_closing(closing_poisson_ratio() - 0.05, 100.0) is None
+    assert viscous_closing(1 / 3, 1e4) == pytest.approx(closing_limit(1 / 3), rel=1e-3)
+
+
+def test_work_of_opposite_loads_is_the_same():
+    turned = replace(LOADED, base=Tractions(1.0, -0.1), load=Tractions(0.8, -1.0))
+    one, other = solve(LOADED), solve(turned)
+    assert float(one.frictional_work(1.0)) == float(other.frictional_work(1.0)) > 0
+
+
+def test_a_film_that_opens_is_left_to_the_finite_elements():
+    scene = unit_scene(0.3, (1.0, 0.0), (-1.0, 1.0), friction_law=ViscousFriction(0.2))
+    with pytest.raises(SceneError, match="where the contact opens"):
+        solve(scene)
