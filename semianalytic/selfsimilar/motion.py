@@ -11,6 +11,7 @@ import numpy as np
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.guesses import slip_senses
 
@@ -47,9 +48,9 @@ class OpenZone:
     outer: float
 
 
-def slip_zones(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
+def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
     """Zones of slip in contact, in velocity [length / time], from the contact edge outward; without
-    friction cut by sense of slip.  `speed` is c_t."""
+    friction cut by sense of slip."""
     fields = profile.fields
     opening = fields.load.opened.zone if fields.load.opened else None
     if fields.load.frictionless:
@@ -58,8 +59,9 @@ def slip_zones(profile: Profile, speed: float) -> tuple[SlipZone, ...]:
         parts = [Zone(zone.left, zone.right, zone.sense, zone.inward) for zone in fields.zones]
     if opening is not None:
         parts = [part for zone in parts for part in _in_contact(zone, opening)]
-    zones = (_in_velocity(zone, profile, speed) for zone in reversed(parts))
-    return tuple(one for one in zones if one.outer - one.inner > tuning.NO_ZONE * speed)
+    zones = (_in_velocity(zone, profile, material) for zone in reversed(parts))
+    least = tuning.NO_ZONE * material.shear_speed
+    return tuple(one for one in zones if one.outer - one.inner > least)
 
 
 def motion(
@@ -69,10 +71,12 @@ def motion(
     return tuple(sorted((*zones, *_in_opening(profile, opening, speed)), key=lambda z: z.inner))
 
 
-def _in_velocity(zone: Zone, profile: Profile, speed: float) -> SlipZone:
-    load, factors = profile.fields.load, profile.fields.factors
-    sheared = factors.mode == "III" and (load.frictionless or not load.load_pressure)
-    ahead = np.inf if load.far_slip_rate else speed / (1.0 if sheared else factors.a)
+def _in_velocity(zone: Zone, profile: Profile, material: Material) -> SlipZone:
+    load, speed = profile.fields.load, material.shear_speed
+    mode = profile.fields.factors.mode
+    sheared = mode == "III" and (load.frictionless or not load.load_pressure)
+    front = speed if sheared else material.longitudinal_speed
+    ahead = np.inf if load.far_slip_rate else front
     return SlipZone(
         0.0 if zone.right is None else float(speed / zone.right.v[0]),
         float(ahead if zone.left is None else speed / zone.left.v[0]),

@@ -102,7 +102,7 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     )
     estimate += normal.error if normal else 0.0
     status = _status(best, estimate, wanted)
-    zones = slip_zones(best.profile, scene.material.shear_speed)
+    zones = slip_zones(best.profile, scene.material)
     return Solution(scene, zones, status, estimate, statistics, best.profile, stress, normal)
 
 
@@ -137,7 +137,7 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     )
     exceeded = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
     status = "converged" if estimate <= rtol else exceeded
-    zones = slip_zones(profile, speed)
+    zones = slip_zones(profile, scene.material)
     return Solution(scene, zones, status, estimate, statistics, profile, dry.stress)
 
 

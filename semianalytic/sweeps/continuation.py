@@ -238,7 +238,7 @@ class Continuation:
         profile = Profile(ZoneFields(edges.factors, load, zones, rule_for(known.tolerance)))
         stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
         statistics = Statistics(0, steps, 1, len(known.unknowns), nodes, stages)
-        zones_in_velocity = slip_zones(profile, scene.material.shear_speed)
+        zones_in_velocity = slip_zones(profile, scene.material)
         self.solutions[i] = Solution(
             scene, zones_in_velocity, "converged", known.estimate, statistics, profile, stress
         )

@@ -228,7 +228,7 @@ class Plane:
         statistics = Statistics(0, steps, 1, len(followed.unknowns), nodes, stages)
         self.solutions[i] = Solution(
             scene,
-            slip_zones(profile, scene.material.shear_speed),
+            slip_zones(profile, scene.material),
             "converged",
             followed.estimate,
             statistics,

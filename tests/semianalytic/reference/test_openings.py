@@ -36,7 +36,7 @@ def test_gap_rate_vanishes_at_the_edge_of_the_opening_like_a_square_root():
     assert np.all(gap_rate_of_opening(MATERIAL, -1.0, 1.0, [edge, 1.0, 3.0]) == 0)
 
 
-# Of mpmath at 18 digits, with its own Rayleigh speed, factors and nested quadratures: the outer
+# Of a prototype with trapezoidal rules of its own, good across the shear front as well: the outer
 # edge, the inner edge and P_b / P_0 at nu = 1/3.
 @pytest.mark.parametrize(
     ("outer", "inner", "ratio"), [(0.98, 0.8055372604836609, 0.047640821955792)]
