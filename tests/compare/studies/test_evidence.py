@@ -140,7 +140,7 @@ def test_methods_are_those_that_apply(found):
     assert shock.methods == ("self-similar", "space-time", FEM, PUBLISHED)
     assert pulse.methods == ("space-time", FEM)
     assert opens.methods == (FEM,)
-    assert "opens the contact" in opens.obstacle
+    assert "turn tensile" in opens.obstacle  # of the march
     assert worst_row(opens) is None
     assert opens.simulation.companion is None  # nothing to be judged by it
     with pytest.raises(SceneError, match="does not apply"):
