@@ -243,10 +243,14 @@ def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
     scene = find_scene(source)
     simulation = simulate(scene, resolution=resolution)
     methods = ("self-similar", "space-time") if scene.is_self_similar else ("space-time",)
-    try:
-        predictions = [predict_like(simulation, method) for method in methods]
-    except TensionError as error:
-        return SceneEvidence(source, simulation, (), published_answer(scene), str(error))
+    predictions, obstacle = [], ""
+    for method in methods:
+        try:
+            predictions.append(predict_like(simulation, method))
+        except TensionError as error:  # of a march, where the contact opens
+            obstacle = str(error)
+    if not predictions:
+        return SceneEvidence(source, simulation, (), published_answer(scene), obstacle)
     simulation = with_companions(simulation)
     judgements = tuple(judge(prediction, simulation) for prediction in predictions)
     return SceneEvidence(source, simulation, judgements, published_answer(scene), "")
