@@ -261,7 +261,7 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
     scattered = len(scenes) < tuning.FRICTIONS_ALONE * len(materials)
     runs: list[Any] = []
     if coulomb and scattered and len(materials) > 1 and len(scenes) >= tuning.FEWEST_IN_PLANE:
-        from semianalytic.sweeps.plane import Plane  # here, for `import semianalytic` is to be quick
+        from semianalytic.sweeps.plane import Plane  # here, for a quick import
 
         runs.append(Plane(scenes, rtol))
     else:
