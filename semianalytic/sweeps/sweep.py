@@ -20,7 +20,6 @@ from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.continuation import FROM_SCRATCH, Continuation
-from semianalytic.sweeps.plane import Plane
 
 _FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 _OF_SWEEPS = {
@@ -260,8 +259,10 @@ def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], l
     scenes = [replace(scene, material=materials[nu], friction=f) for nu, f in points.T.tolist()]
     coulomb = type(scene.friction_law) is CoulombFriction and scene.shear_mode == "II"
     scattered = len(scenes) < tuning.FRICTIONS_ALONE * len(materials)
-    runs: list[Continuation | Plane] = []
+    runs: list[Any] = []
     if coulomb and scattered and len(materials) > 1 and len(scenes) >= tuning.FEWEST_IN_PLANE:
+        from semianalytic.sweeps.plane import Plane  # here, for a quick import
+
         runs.append(Plane(scenes, rtol))
     else:
         bounds = [0, *(np.flatnonzero(np.diff(points[0])) + 1), len(scenes)]
