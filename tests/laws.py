@@ -8,6 +8,7 @@ from semianalytic import (
     Material,
     Scene,
     SceneError,
+    TensionError,
     Tractions,
     ViscousFriction,
     solve,
@@ -81,8 +82,12 @@ def check_invariants(scene):
     """Coulomb's law, dissipation, causality and self-similarity of the answer to a scene."""
     try:
         solution = solve(scene)
-    except SceneError:
-        return  # tension: refused, as it must be
+    except TensionError:
+        return  # nothing holds the contact together
+    except SceneError as refusal:
+        if "where the contact opens strength that depends on slip rate" in str(refusal):
+            return
+        raise
     if solution.status != "converged":
         # Allowed only next to a threshold, where a zone is about to close at the contact edge.
         assert solution.zones[0].inner == 0

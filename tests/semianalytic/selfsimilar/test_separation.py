@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from laws import check_invariants, opening_scene
 
-from semianalytic import Material, Scene, TensionError, Tractions, ViscousFriction, solve
+from semianalytic import Material, Scene, TensionError, Tractions, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.selfsimilar.collocation import slip_on_grid
@@ -27,16 +27,15 @@ def lifted(friction=0.3, shear=1.0, held=0.0, **rest):
     return Scene(STEEL, friction, Tractions(1.0, held), Tractions(-1.0, shear), **rest)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10**9))
 def test_laws_hold_in_scenes_that_open(seed):
     check_invariants(opening_scene(np.random.default_rng(seed)))
 
 
-@pytest.mark.parametrize("law", [{"friction_law": ViscousFriction(0.25)}, {"mode": "antiplane"}])
 @pytest.mark.parametrize("scene", [lifted(), lifted(held=-0.2), tapped(held=0.003), tapped(0.5)])
-def test_laws_hold_with_viscosity_and_out_of_the_plane(scene, law):
-    check_invariants(replace(scene, **law))
+def test_laws_hold_out_of_the_plane(scene):
+    check_invariants(replace(scene, mode="antiplane"))
 
 
 @pytest.mark.parametrize("base", [0.0, -1.0])
@@ -187,7 +186,7 @@ def check_estimates(seeds):
 
 
 def test_estimates_bound_errors():
-    check_estimates(range(40))
+    check_estimates(range(12))
 
 
 @pytest.mark.slow
