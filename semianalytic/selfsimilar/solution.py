@@ -72,6 +72,8 @@ class Solution:
           relative to its largest value there, and the shear traction there, relative to itself
           plus the largest load.  Nearer the error may be larger: a shift e of an edge changes
           the square root at it by up to e^(1/2), and the logarithm at c_R has no largest value;
+        - edges of openings, relative to c_t, and the gap, relative to its largest value, in L1;
+          its rate as the slip rate, and pressure, relative to base plus step;
         - slip, path and work of friction at every point, relative to their largest value;
         - frictional power and work of the whole contact or of a part, relative to the whole, and
           accumulated slip, relative to itself;

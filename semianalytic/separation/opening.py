@@ -37,7 +37,8 @@ class Opening:
     ----------
     zone : Zone, its sense 1; right None is the contact edge
     closing : tuple of (edge, r), the term r / (k + edge) where it closes; none at the contact edge
-    error : float, estimate of the error of its edges, relative to c_t
+    error : float, estimate of the error of its edges, relative to c_t, and of its gap, relative to
+        the largest
     """
 
     zone: Zone
@@ -101,11 +102,13 @@ def _detached(poisson_ratio: float, ratio: float, tolerance: float) -> Opening:
 
 
 def _shift(one: Zone, other: Zone) -> float:
-    """Largest difference of velocities of edges, over c_t."""
+    """Largest difference of velocities of edges, over c_t; of an opening that is narrow, over its
+    width in so far: the gap follows that."""
     pairs = ((one.left, other.left), (one.right, other.right))
-    return max(
-        abs(float(1 / p.v[0] - 1 / q.v[0])) for p, q in pairs if p is not None and q is not None
-    )
+    ends = [(float(1 / p.v[0]), float(1 / q.v[0])) for p, q in pairs if p and q]
+    largest = max(abs(before - after) for before, after in ends)
+    width = abs(ends[0][0] - ends[-1][0])
+    return largest / min(1.0, width / tuning.NARROW)
 
 
 def _located(problem: Detached) -> tuple[Array, Array]:

@@ -23,6 +23,9 @@ COARSER_COMPANION = 5.0
 SAFETY = 15.0
 """Error estimate over the difference of two rules: the rate of the gap changes several times as
 much as the edges, relative to itself."""
+NARROW = 0.2
+"""Width [c_t] below which edges are to be known over the width: the gap's error over its size is
+about 15 times theirs over the width, which `SAFETY` leaves room for down to here."""
 LEAST_ERROR = 1e-14
 """Rounding, part of every estimate."""
 RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14

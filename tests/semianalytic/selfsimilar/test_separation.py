@@ -11,6 +11,7 @@ from laws import check_invariants, opening_scene
 from semianalytic import Material, Scene, TensionError, Tractions, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.regimes import opening_threshold
 from semianalytic.selfsimilar.collocation import slip_on_grid
 from semianalytic.separation.normal import with_opening
 
@@ -187,6 +188,23 @@ def check_estimates(seeds):
 
 def test_estimates_bound_errors():
     check_estimates(range(12))
+
+
+@pytest.mark.parametrize("nu", [-0.5, 0.2, 0.45])
+@pytest.mark.parametrize("below", [1e-3, 1e-4, 1e-6])
+def test_estimates_cover_the_gap_of_narrow_openings(nu, below):
+    """Just below the threshold, where the gap follows the width of the opening."""
+    base = opening_threshold(nu) * (1 - below)
+    scene = Scene(Material(1.0, 1.0, nu), 0.3, Tractions(base, 0.0), Tractions(1.0, 0.0))
+    exact = solve(scene, rtol=1e-9)
+    (opening,) = exact.openings
+    angle = np.linspace(0, np.pi, 200)[1:-1]
+    x = opening.inner + (opening.outer - opening.inner) * np.sin(angle / 2) ** 2
+    weight, gap = np.sin(angle), exact.gap(x, 1.0)
+    for rtol in (1e-3, 1e-5):
+        solution = solve(scene, rtol=rtol)
+        error = weight @ np.abs(solution.gap(x, 1.0) - gap) / (weight @ gap)
+        assert error < solution.error_estimate <= rtol
 
 
 @pytest.mark.slow
