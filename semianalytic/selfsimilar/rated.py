@@ -229,6 +229,12 @@ def check_rated(profile: Profile, law: UnitLaw, speed: float) -> None:
             "admits no self-similar answer; use the space-time solver for this scene, `march` or "
             "`method` space-time, or the finite elements (docs/limits.md)."
         )
+    if profile.edge_slips and fields.load.load_pressure > 0:
+        raise SceneError(
+            "solve: a step of pressure makes pressure infinite at the contact edge, and friction "
+            "that falls with slip rate there falls faster than radiation can balance; leave load "
+            "pressure out, or take friction that keeps the edge stuck (docs/limits.md)."
+        )
     at, slip = profile.panels.at.v, profile.panels.layout.slip
     bound = profile.strength(at[slip].ravel())
     _, slopes, _, _ = law.slopes(bound, np.abs(profile.slip_rate_at_nodes[slip].ravel()))

@@ -109,8 +109,10 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
 def _solve_rated(scene: Scene, rtol: float) -> Solution:
     """Solve a scene whose strength depends on slip rate, from its answer under constant friction:
     where there are several solutions, that to which Newton's method leads from there."""
-    clock = [perf_counter()]
-    dry = solve(replace(scene, friction_law=CoulombFriction()), rtol=max(rtol, 1e-8))
+    clock, coulomb = [perf_counter()], replace(scene, friction_law=CoulombFriction())
+    dry = solve(coulomb, rtol=max(rtol, 1e-8))
+    if not dry.zones:  # nothing weakens
+        return replace(dry if rtol >= 1e-8 else solve(coulomb, rtol=rtol), scene=scene)
     clock.append(perf_counter())
     law, speed = unit_law(scene, dry.stress), scene.material.shear_speed
     check_rated(dry.profile, law, speed)
