@@ -60,7 +60,7 @@ def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
     if opening is not None:
         parts = [part for zone in parts for part in _in_contact(zone, opening)]
     zones = (_in_velocity(zone, profile, material) for zone in reversed(parts))
-    least = tuning.NO_ZONE * material.shear_speed
+    least = 0.0 if opening is None else tuning.NO_ZONE * material.shear_speed
     return tuple(one for one in zones if one.outer - one.inner > least)
 
 

@@ -159,11 +159,11 @@ def test_grids_on_which_pivoting_fails_are_passed_over(monkeypatch):
     """Lemke's method may end on a ray by rounding; then the next grid is tried, or a status."""
     slip_on_grid, sizes = guesses.slip_on_grid, []
 
-    def failing(poisson_ratio, load, size, most=1):
+    def failing(poisson_ratio, load, size, mode, most=1):
         sizes.append(size)
         if len(sizes) <= most:
             raise ComputationError("ended on a ray")
-        return slip_on_grid(poisson_ratio, load, size)
+        return slip_on_grid(poisson_ratio, load, size, mode)
 
     expected = solve(unit_scene(0.3, nu=0.25)).zones
     monkeypatch.setattr(guesses, "slip_on_grid", failing)
