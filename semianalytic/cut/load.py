@@ -167,10 +167,11 @@ def _in_unit(
 def check_pressure(scene: Scene) -> None:
     """Raise TensionError where the contact of a scene would open all the way to infinity."""
     base, step = scene.base.pressure, scene.load.pressure
-    if base < 0 or (base == 0 and step != 0):
+    if base < 0 or (step != 0 and base <= tuning.LEAST_BASE * step):
         raise TensionError(
             f"scene: under a base pressure of {base:.4g} nothing holds the contact together far "
-            "ahead; make the base pressure positive, however small (docs/limits.md)."
+            f"ahead; make the base pressure positive, at least {tuning.LEAST_BASE:.0e} of the step "
+            "(docs/limits.md)."
         )
 
 
@@ -179,4 +180,4 @@ def contact_opens(scene: Scene) -> bool:
     the Rayleigh front first, P_b + P_0 p*(c) < 0."""
     base, step = scene.base.pressure, scene.load.pressure
     stuck = stuck_traction(scene.material.poisson_ratio, "I")
-    return step < 0 or base + step * stuck.at_rayleigh_front < 0
+    return step < -tuning.LEAST_BASE * base or base + step * stuck.at_rayleigh_front < 0

@@ -4,6 +4,9 @@
 
 NEGLIGIBLE_FRICTION = 1e-15
 """Strength over the step of shear that rounding alone would take from it."""
+LEAST_BASE = 1e-30
+"""Base pressure over its step, or step over base, that is nothing beside it: an opening ends within
+1e-60 of a wave front or of the contact edge there."""
 CRITICAL_BASE = 1e-12
 """What a base may lack of friction, relative, to be at it: rounding of the two products."""
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from semianalytic.cut.load import Load, Opened
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.tuning import LEAST_BASE
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
@@ -55,6 +56,8 @@ def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Loa
     ComputationError
         If the edges of the opening are not found.
     """
+    if -LEAST_BASE * load.base_pressure <= load.load_pressure < 0:
+        return replace(load, load_pressure=0.0), None
     normal, of_mode = normal_problem(load, factors.poisson_ratio, rtol), factors.of_in_plane
     if normal is None:
         return load, None

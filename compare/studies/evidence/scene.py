@@ -104,7 +104,8 @@ def _parameters(evidence: SceneEvidence) -> str:
     document = scene_document(evidence.scene)
     items = [("friction", document.pop("friction"))]
     for group, values in document.items():
-        items += [(f"{group}.{name}", value) for name, value in values.items()]
+        named = values if isinstance(values, dict) else {"": values}
+        items += [(f"{group}.{name}".rstrip("."), value) for name, value in named.items()]
     return code(
         f"{name} = {f'{value:.6g}' if isinstance(value, float) else value}" for name, value in items
     ).rstrip()
