@@ -167,6 +167,8 @@ def check_random_scenes(count, names_of):
     """Derivatives in random scenes against differences, and how many of them there were."""
     compared = 0
     for index, exact in enumerate(random_scenes(count, rtol=1e-11)):
+        if exact.openings:  # where there is none
+            continue
         for name in names_of(index):
             found = errors(exact, name)
             if found is not None:
@@ -224,7 +226,8 @@ def test_small_viscosity_where_slip_covers_the_shear_front(viscosity):
     """Next to that front, over distances as small, V turns from a square root to finite."""
     base = Tractions(1.0, -0.4059)
     law = ViscousFriction(viscosity)
-    remote = Scene(Material(1.0, 1.0, 0.1542), 0.3095, base, base, "antiplane", friction_law=law)
+    rock = Material(1.0, 1.0, 0.1542)
+    remote = Scene(rock, 0.3095, base, base, mode="antiplane", friction_law=law)
     found = errors(solve(remote, rtol=1e-11), "poisson_ratio")
     assert found is not None
     assert max(found.values()) < 1e-8, found
@@ -236,6 +239,14 @@ def test_stick_behind_a_longitudinal_zone():
     found = errors(solve(Scene(UNIT, 0.16008413167845315, base, load), rtol=1e-11), "poisson_ratio")
     assert found is not None
     assert max(found.values()) < 1e-8, found
+
+
+def test_slip_right_behind_the_longitudinal_front():
+    friction = 0.6437263231181864
+    base, load = Tractions(1.0, friction), Tractions(1.0, 0.7377745962954552)
+    found = errors(solve(Scene(UNIT, friction, base, load), rtol=1e-11), "poisson_ratio")
+    assert found is not None
+    assert max(found.values()) < 1e-9, found
 
 
 def test_slip_rate_changes_infinitely_fast_at_its_edges():
