@@ -24,7 +24,6 @@ from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.edges import Edges, edges_of, linearised
 
-
 _OF_POISSON = 0.25
 """Of the distance from its bounds, what the Poisson ratio is stepped by: the longitudinal front
 moves, and fields on nodes right behind it bend faster than the ratio itself."""
