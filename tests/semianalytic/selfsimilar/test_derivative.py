@@ -304,6 +304,10 @@ def test_what_has_no_derivative_is_refused():
         solve(unit_scene(0.0)).derivative("friction")
     with pytest.raises(SceneError, match="needs ViscousFriction"):
         solve(PRELOADED).derivative("viscosity")
+    opened = solve(unit_scene(0.5, (1.0, 0.0), (-2.0, 0.0)))
+    assert opened.openings
+    with pytest.raises(SceneError, match="parts of this contact are open"):
+        opened.derivative("load_pressure")
     law = RateWeakening(0.5, 1.24)
     weakening = Scene(UNIT, 0.607, Tractions(1, 0), Tractions(0, -0.504), friction_law=law)
     for name in NAMES:
