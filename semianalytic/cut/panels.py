@@ -394,6 +394,21 @@ class RunningIntegral:
         regular = self.panels.rule.interpolate_running(y, self._regular[panel])
         return regular + self._of_pole(panel, at)
 
+    def slope(self, panel: int, at: CutPoints) -> Array:
+        """What the integral grows by per v inside a panel, g between its nodes (one set of zones).
+
+        To a share of the largest g dv/dy: near ends where that is small g itself is less exact.
+        """
+        left, right, v = self.panels.left[panel], self.panels.right[panel], at.v
+        per_y = at.minus(left)
+        if right is not None:
+            per_y = per_y * -at.minus(right) / self.panels.widths[panel]
+        y = self.panels.coordinate(panel, at)
+        pole = self.residues[panel] / at.from_c if panel == self._pole else np.zeros(v.shape)
+        if right is None:
+            pole = pole * np.square(self.c / v)
+        return np.asarray(self.panels.rule.interpolate(y, self._regular[panel]) / per_y + pole)
+
     @cached_property
     def at_nodes(self) -> Array:
         """(p, ..., n): integrals of g from the left end of each panel to its nodes."""

@@ -76,6 +76,10 @@ class Rule:
         """1 / sinh((y_i - y_j) / 2) where i - j is odd, 0 elsewhere."""
         return _alternate(len(self.y), self.spacing)
 
+    def interpolate(self, y: Array, density: Array) -> Array:
+        """The sinc interpolant of `density` (n,) at y."""
+        return np.asarray(np.sinc((y[:, None] - self.y) / self.spacing) @ density)
+
     def interpolate_running(self, y: Array, density: Array) -> Array:
         """Integral from -inf to y of the sinc interpolant of `density` ((n,) or (k, n))."""
         return self.spacing * _sinc_step((y[:, None] - self.y) / self.spacing) @ density.T

@@ -205,7 +205,7 @@ def _rates(scene: Scene, load: Load, stress: float, name: str) -> Rates:
             "derivative: parts of this contact are open; raise the base pressure until it stays "
             "closed, or difference two solutions (docs/limits.md)."
         )
-    if load.given_slope is not None or np.ndim(load.resistance or 0.0):
+    if load.linearised is not None:
         raise SceneError(
             "derivative: there is one for constant and viscous friction only; difference two "
             "solutions (docs/limits.md)."

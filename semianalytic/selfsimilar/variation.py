@@ -24,6 +24,10 @@ from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.edges import Edges, edges_of, linearised
 
+_OF_POISSON = 0.25
+"""Of the distance from its bounds, what the Poisson ratio is stepped by: the longitudinal front
+moves, and fields on nodes right behind it bend faster than the ratio itself."""
+
 
 @dataclass(frozen=True)
 class Rates:
@@ -257,7 +261,7 @@ class Surroundings:
         if moved.any():
             steps.append(1 / float(np.abs(moved).max()))
         if rates.poisson_ratio:
-            steps.append(min(0.5 - nu, 1 + nu))
+            steps.append(_OF_POISSON * min(0.5 - nu, 1 + nu))
         if rates.resistance:
             steps.append(float(np.max(self._fields.load.resistance or 0.0)))
         return tuning.VARIED_STEP * min(steps)

@@ -22,12 +22,11 @@ from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.selfsimilar.variation import NodeFields, Variation
 
-_KEPT = 0.6
-"""Of the reach of a rule, for slopes between nodes: further out principal values are noise."""
-_STEADY = 1e-7
-"""What a power may change by from node to node: where it changes more there is but noise."""
-_HALF_POWER = 1e-4
-"""What a power read off the last of those may differ from a multiple of one half that it is."""
+_CLOSE = 12.0
+"""Distance in y from the middle of a panel, and from where its middle is: further out a slope is
+continued by its power, for there slope times dv/dy is too small to tell it."""
+_HALF_POWER = 1e-2
+"""What a power read off there may differ from a multiple of one half that it is."""
 
 
 @dataclass(frozen=True)
@@ -83,23 +82,24 @@ class VariedProfile:
             self._panels, density, self.profile.fields.factors.c, self._nodes.tail
         )
 
-    def _slope(self, density: Array, panel: int, at: CutPoints) -> Array:
-        """A density (p, n) at points (m,) inside a panel, infinite where it is so at its ends.
-
-        It is interpolated without its powers at the ends, and less the limits that this leaves.
-        """
-        panels, rule = self._panels, self._panels.rule
-        kept = np.flatnonzero(np.abs(rule.y) < _KEPT * rule.reach + rule.further)
-        kept = _Distances.of_nodes(panels, panel, kept).heard(density[panel, kept], kept)
-        at_nodes, values = _Distances.of_nodes(panels, panel, kept), density[panel, kept]
-        powers = at_nodes.powers_of(values)
-        smooth = values / at_nodes.product(*powers)
-        first, last = smooth[0], smooth[-1]
-        rest = smooth - first - (last - first) * rule.share[kept]
-        y = np.clip(panels.coordinate(panel, at), rule.y[kept[0]], rule.y[kept[-1]])
-        value = first + (last - first) / (1 + np.exp(-y))
-        value = value + np.sinc((y[:, None] - rule.y[kept]) / rule.spacing) @ rest
-        return np.asarray(value * _Distances.of_points(panels, panel, at).product(*powers))
+    def _slope(self, integral: RunningIntegral, panel: int, at: CutPoints) -> Array:
+        """Of an integral at points (m,) inside a panel, infinite where it is so at its ends."""
+        panels, v = self._panels, at.v
+        right, rounding = panels.right[panel], 4 * np.finfo(float).eps * v
+        y = np.where(at.minus(panels.left[panel]) < rounding, -np.inf, panels.coordinate(panel, at))
+        if right is not None:
+            y = np.where(-at.minus(right) < rounding, np.inf, y)
+        skew = 0.0 if right is None else float(np.log(panels.skew[panel, 0]))
+        first, last = min(skew, 0.0) - _CLOSE, max(skew, 0.0) + _CLOSE
+        within = panels.inside(panel, np.clip(y, first, last))
+        value = integral.slope(panel, within)
+        for end, outward in ((first, -1.0), (last, 1.0)):
+            beyond = outward * (y - end) > 0
+            if beyond.any():
+                pair = panels.inside(panel, end - outward * np.array([0.0, 1.0]))
+                growth = _growth(integral.slope(panel, pair))
+                value[beyond] *= np.exp(growth * (outward * (y[beyond] - end)))
+        return value
 
     def _piecewise(
         self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
@@ -119,15 +119,15 @@ class VariedProfile:
         if not self._panels.sense[i]:
             return np.zeros(at.v.shape)
         value = self._nodes.rate_starts[i] + self._rate(i, at)
-        slope = self._slope(self.profile.rate_integral.density, i, at)
+        slope = self._slope(self.profile.rate_integral, i, at)
         return np.asarray(value - _carried(slope, self._velocity(i, at)))
 
     def moved_root(self, u: Array) -> Array:
         """Of slownesses (m,) at which V is zero within a zone."""
-        slope = self.profile.rate_integral.density
+        rate = self.profile.rate_integral
         with np.errstate(invalid="ignore"):
             moved = self.slip_rate(u) / self._piecewise(
-                u, 0.0, lambda i, at: self._slope(slope, i, at)
+                u, 0.0, lambda i, at: self._slope(rate, i, at)
             )
         return np.where(np.isnan(moved), 0.0, -moved)
 
@@ -208,14 +208,14 @@ class VariedProfile:
     def traction(self, u: Array) -> Array:
         """Of the shear traction; infinite at edges that open slip slower than c_R."""
         rates, profile, nodes = self.variation.rates, self.profile, self._nodes
-        slope = profile.traction_integral.density
+        integral = profile.traction_integral
 
         def inside(i: int, at: CutPoints) -> Array:
             sense = self._panels.sense[i]
             if sense:
                 return np.asarray(sense * self.strength(at.v) + self._resisted(i, at))
             value = nodes.traction_starts[i] + self._traction(i, at)
-            value = value - _carried(self._slope(slope, i, at), self._velocity(i, at))
+            value = value - _carried(self._slope(integral, i, at), self._velocity(i, at))
             return np.asarray(value + self._edge_traction(i, at.v))
 
         return self._piecewise(u, rates.base_shear - rates.far_slip_rate, inside)
@@ -256,65 +256,10 @@ def _carried(slope: Array, velocity: Array) -> Array:
         return np.where(velocity == 0, 0.0, slope * velocity)
 
 
-@dataclass(frozen=True)
-class _Distances:
-    """Of points of a panel from its ends, (m,), v instead beyond the last end; and 1 / (v - c) over
-    1 / v if the panel has a pole there, else 1."""
-
-    left: Array
-    right: Array
-    pole: Array | float
-
-    @classmethod
-    def of_nodes(cls, panels: Panels, panel: int, nodes: np.ndarray) -> _Distances:
-        """Of some nodes, exact however small."""
-        left, right = panels.from_left[panel, nodes], panels.from_right[panel, nodes]
-        return cls._of(panels, panel, panels.at[panel][nodes], left, right)
-
-    @classmethod
-    def of_points(cls, panels: Panels, panel: int, at: CutPoints) -> _Distances:
-        """Of points (m,) inside; 0 where rounding of v leaves nothing else."""
-        end, rounding = panels.right[panel], 4 * np.finfo(float).eps * at.v
-        left = at.minus(panels.left[panel])
-        right = at.v if end is None else -at.minus(end)
-        left, right = (np.where(one < rounding, 0.0, one) for one in (left, right))
-        return cls._of(panels, panel, at, left, right)
-
-    @classmethod
-    def _of(
-        cls, panels: Panels, panel: int, at: CutPoints, left: Array, right: Array
-    ) -> _Distances:
-        pole: Array | float = 1.0
-        if panel == panels.layout.pole:
-            with np.errstate(divide="ignore"):
-                pole = at.v / at.from_c
-        if panels.right[panel] is None:
-            return cls(left / at.v, at.v, pole)
-        return cls(left, right, pole)
-
-    def heard(self, density: Array, nodes: np.ndarray) -> np.ndarray:
-        """Nodes from the first to the last at which a density follows a power."""
-        steady = []
-        with np.errstate(divide="ignore", invalid="ignore"):
-            for distances in (self.left, self.right):
-                power = np.diff(np.log(np.abs(density))) / np.diff(np.log(distances))
-                steady.append(np.abs(np.diff(power)) < _STEADY)
-        return nodes[steady[0].argmax() : len(nodes) - steady[1][::-1].argmax()]
-
-    def powers_of(self, density: Array) -> tuple[float, float]:
-        """Powers of the distances with which a density on nodes begins and ends."""
-        return _power(self.left[:2], density[:2]), _power(self.right[:-3:-1], density[:-3:-1])
-
-    def product(self, left: float, right: float) -> Array:
-        """Powers of the distances, with the pole."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(self.left**left * self.right**right * self.pole)
-
-
-def _power(distances: Array, values: Array) -> float:
-    """The power that leads from the first value to the second; 0 where there is none."""
-    if not values.all():
+def _growth(pair: Array) -> float:
+    """Of the logarithm of a slope per y outward, from it at a point and at one y inward."""
+    if not np.all(pair[0] * pair[1] > 0):
         return 0.0
-    power = float(np.log(values[1] / values[0]) / np.log(distances[1] / distances[0]))
-    halves = round(2 * power) / 2
-    return halves if abs(power - halves) < _HALF_POWER else power
+    growth = float(np.log(pair[0] / pair[1]))
+    halves = round(2 * growth) / 2
+    return halves if abs(growth - halves) < _HALF_POWER else growth
