@@ -183,7 +183,10 @@ def test_differences_of_solutions_agree_in_random_scenes():
 
 @pytest.mark.slow
 def test_differences_of_solutions_agree_in_two_hundred_scenes():
-    assert check_random_scenes(200, lambda index: NAMES) >= 600
+    """With respect to two of the parameters in each, in turn."""
+    count = len(NAMES)
+    pairs = [(NAMES[i], NAMES[(i + count // 2) % count]) for i in range(count)]
+    assert check_random_scenes(200, lambda index: pairs[index % count]) >= 200
 
 
 @over("exact", without="stuck")
