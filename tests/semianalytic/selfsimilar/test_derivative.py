@@ -181,14 +181,6 @@ def test_differences_of_solutions_agree_in_random_scenes():
     assert check_random_scenes(25, lambda index: [NAMES[index % len(NAMES)]]) >= 12
 
 
-@pytest.mark.slow
-def test_differences_of_solutions_agree_in_two_hundred_scenes():
-    """With respect to two of the parameters in each, in turn."""
-    count = len(NAMES)
-    pairs = [(NAMES[i], NAMES[(i + count // 2) % count]) for i in range(count)]
-    assert check_random_scenes(200, lambda index: pairs[index % count]) >= 200
-
-
 @over("exact", without="stuck")
 def test_shear_is_homogeneous_in_tractions(problem):
     """Of degree 1 in all tractions, and a function of friction times pressure."""

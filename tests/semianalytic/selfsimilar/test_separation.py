@@ -205,8 +205,3 @@ def test_estimates_cover_the_gap_of_narrow_openings(nu, below):
         solution = solve(scene, rtol=rtol)
         error = weight @ np.abs(solution.gap(x, 1.0) - gap) / (weight @ gap)
         assert error < solution.error_estimate <= rtol
-
-
-@pytest.mark.slow
-def test_estimates_bound_errors_in_three_hundred_scenes():
-    check_estimates(range(1000, 1300))
