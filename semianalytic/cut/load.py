@@ -167,7 +167,7 @@ def _in_unit(
 def check_pressure(scene: Scene) -> None:
     """Raise TensionError where the contact of a scene would open all the way to infinity."""
     base, step = scene.base.pressure, scene.load.pressure
-    if base < 0 or (step != 0 and base <= tuning.LEAST_BASE * step):
+    if base < 0 or (step != 0 and base <= max(tuning.LEAST_BASE * step, 0.0)):
         raise TensionError(
             f"scene: under a base pressure of {base:.4g} nothing holds the contact together far "
             f"ahead; make the base pressure positive, at least {tuning.LEAST_BASE:.0e} of the step "

@@ -78,13 +78,6 @@ def test_truth_is_within_the_error_bars_at_the_stated_rate(truth):
     check_coverage(truth, 20, START, ("friction", "load_shear"), np.array([0.3, 1.0]))
 
 
-@pytest.mark.slow
-def test_truth_is_within_the_error_bars_in_two_hundred_trials(truth):
-    start = replace(PRELOADED, friction=0.4)
-    names = ("friction", "poisson_ratio")
-    check_coverage(truth, 200, start, names, np.array([0.3, 1 / 3]), noise=0.005)
-
-
 def test_without_noise_the_truth_is_met(truth):
     (gauge,) = records(truth, 0, noise=1e-9, places=(0.4,))
     found = fit([gauge], START, ("friction", "load_shear"), rtol=1e-9)

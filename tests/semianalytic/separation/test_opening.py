@@ -44,7 +44,8 @@ def test_detached_opening_slower_than_the_shear_front(poisson_ratio, share):
     (opening,) = solution.openings
     assert opening.outer == pytest.approx(outer, rel=1e-11)
     assert opening.inner == pytest.approx(expected.inner, rel=1e-11)
-    assert solution.error_estimate < 1e-10
+    # of the gap too, which of a narrow opening is known less well than its edges
+    assert solution.error_estimate < 1e-9
 
 
 # Of a prototype with quadratures of its own: the opening edge over c_t, where it closes, P_b / P_0.
