@@ -98,7 +98,7 @@ def check_invariants(scene):
     frictional = scene.friction * solution.pressure(x, 1.0)
     strength = scene.friction_law.strength(frictional, rate, 0.0)
     largest = max(np.abs(rate).max(), abs(solution.edge_slip_rate), 1e-300)
-    load = solution.stress
+    load = solution.stress_unit
     slips, parted = (inside(x, parts) for parts in (solution.zones, solution.openings))
     tolerance = 100 * solution.error_estimate
     # Coulomb's law at every point

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from semianalytic.cut.canonical import CanonicalFunction, log_share
 from semianalytic.cut.load import Load
@@ -134,6 +135,19 @@ class PressurePart:
         """A / M_+ at the nodes of panels that stick: behind the shear front, where it is real, or
         the real part ahead of it."""
         return np.asarray(self.amount_on(panels) * self.mode_ratio[0][panels])
+
+    @property
+    def on_slip(self) -> NDArray[np.complex128]:
+        """A(-v + i0) at the nodes of panels that slip, (s, ..., n)."""
+        canonical, slip = self.canonical, self.canonical.layout.slip
+        factors, at = canonical.factors, canonical.panels.at[slip]
+        if not self.analytic:
+            return np.zeros(at.v.shape, dtype=complex)
+        normal = factors.in_plane
+        plane = factors.seen_in_plane(at)
+        unit = normal.impedance_on_cut(plane, "I") / (normal.kappa * factors.m_plus(at.v, "I"))
+        unit = np.where(self._per_panel(self.open[slip]), 1.0, unit)
+        return np.asarray(self.amount_on(slip) * unit)
 
     def _per_panel(self, values: np.ndarray) -> np.ndarray:
         """(p,) values with the axes of nodes."""

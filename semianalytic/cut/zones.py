@@ -28,6 +28,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from semianalytic.cut.canonical import CanonicalFunction
 from semianalytic.cut.layout import Layout, Zone, lies_between, outline
@@ -243,6 +244,22 @@ class ZoneFields:
         if pressure.analytic:
             first = self.layout.ahead if self.factors.mode == "II" else 0
             result[first:] += pressure.on_stick(slice(first, None))
+        return result
+
+    @cached_property
+    def transform(self) -> NDArray[np.complex128]:
+        """(p, ..., n): T(-v + i0) itself at the nodes of all panels."""
+        canonical, panels = self.canonical, self.panels
+        own = self.factors.impedance_on_cut(panels.at) / (self.factors.kappa * canonical.m_plus)
+        result = own * self.stick_transform
+        slip, pressure = self.layout.slip, self._pressure
+        if not len(slip):
+            return result
+        _, missed = pressure.sources
+        parts = self._reduced[slip] + 1j * (canonical.values * missed)[slip]
+        if canonical.resistance is not None:
+            parts = parts * np.exp(-1j * canonical.excess_impedance[1])
+        result[slip] = parts + pressure.on_slip
         return result
 
     def stick_transform_off_cut(self, k: Array) -> Array:

@@ -114,7 +114,7 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     if not dry.zones:  # nothing weakens
         return replace(dry if rtol >= 1e-8 else solve(coulomb, rtol=rtol), scene=scene)
     clock.append(perf_counter())
-    law, speed = unit_law(scene, dry.stress), scene.material.shear_speed
+    law, speed = unit_law(scene, dry.stress_unit), scene.material.shear_speed
     check_rated(dry.profile, law, speed)
     loose = min(loose_tolerance(rtol), tuning.LOOSEST_RATE_RULE)
     rated, estimate = approached(dry.profile, law, loose, speed), np.inf
@@ -140,7 +140,7 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     exceeded = f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
     status = "converged" if estimate <= rtol else exceeded
     zones = slip_zones(profile, scene.material)
-    return Solution(scene, zones, status, estimate, statistics, profile, dry.stress)
+    return Solution(scene, zones, status, estimate, statistics, profile, dry.stress_unit)
 
 
 _UNSETTLED = "Newton's method found no slip rate that agrees with the strength it leaves"

@@ -196,3 +196,9 @@ DERIVATIVE_SHARE = 20.0
 AT_BORDER = 1e-7
 """Of what Coulomb's law leaves to spare, of widths and of slip rates over the largest: zones are
 about to change below it."""
+
+# Fields in the bodies (solution)
+
+FIELD_RULE_SHARE, FINEST_FIELD_RULE = 0.1, 1e-14
+"""Tolerance of their rule over that of the solution: transforms that grow like k^1/2 lose some of
+it far out; and the least."""

@@ -107,8 +107,8 @@ def errors(solution, name):
     found = {field: getattr(derivative, field)(x, 1.0) for field in FIELDS}
     found["edges"] = edges_of(derivative)
     scale = {field: solution._rate_unit for field in ("slip_rate", "slip")}
-    scale |= {field: solution.stress for field in ("shear_traction", "pressure")}
-    unit = 1.0 if name in ("friction", "poisson_ratio") else solution.stress
+    scale |= {field: solution.stress_unit for field in ("shear_traction", "pressure")}
+    unit = 1.0 if name in ("friction", "poisson_ratio") else solution.stress_unit
     scale["edges"] = solution.scene.material.shear_speed
     return {
         field: np.abs(found[field] - expected[field]).max(initial=0.0)
@@ -187,7 +187,7 @@ def test_shear_is_homogeneous_in_tractions(problem):
     solution = solve(problem.scene)
     scene, x = problem.scene, clear_positions(solution)
     parts = {name: solution.derivative(name) for name in TRACTIONS}
-    for field, size in (("slip_rate", solution._rate_unit), ("shear_traction", solution.stress)):
+    for field, size in (("slip_rate", solution._rate_unit), ("shear_traction", solution.stress_unit)):
         each = {n: value(scene, n) * getattr(one, field)(x, 1.0) for n, one in parts.items()}
         expected, tolerance = getattr(solution, field)(x, 1.0), 3e-7 * size
         np.testing.assert_allclose(sum(each.values()), expected, rtol=0, atol=tolerance)

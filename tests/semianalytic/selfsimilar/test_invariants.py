@@ -63,7 +63,7 @@ def pointwise_errors(solution, exact):
     rate, traction = exact.slip_rate(x, 1.0), exact.shear_traction(x, 1.0)
     rates = np.abs(solution.slip_rate(x, 1.0) - rate) / max(np.abs(rate).max(), 1e-300)
     tractions = np.abs(solution.shear_traction(x, 1.0) - traction)
-    return rates.max(), (tractions / (exact.stress + np.abs(traction))).max()
+    return rates.max(), (tractions / (exact.stress_unit + np.abs(traction))).max()
 
 
 def errors_of_integrals(solution, exact):

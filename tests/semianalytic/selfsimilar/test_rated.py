@@ -28,7 +28,7 @@ def dry(scene):
 def test_newtons_method_converges_quadratically():
     start = dry(ONE_ZONE)
     zones = start.profile.fields.zones
-    rated = rated_zones(start.profile, zones, unit_law(ONE_ZONE, start.stress), 1e-6)
+    rated = rated_zones(start.profile, zones, unit_law(ONE_ZONE, start.stress_unit), 1e-6)
     assert rated.converged
     _, first, second, *_ = rated.moves
     assert first > 1e-5
@@ -39,7 +39,7 @@ def test_a_linear_law_is_one_step_to_the_closed_form():
     law = ViscousFriction(0.25)
     scene, start = unit_scene(1.0, friction_law=law), dry(ONE_ZONE)
     profile = start.profile
-    rated = rated_zones(profile, profile.fields.zones, unit_law(scene, start.stress), 1e-10)
+    rated = rated_zones(profile, profile.fields.zones, unit_law(scene, start.stress_unit), 1e-10)
     assert max(rated.moves[1:]) < 1e-11
     material = Material(1.0, 1.0, 1 / 3)
     (zone,) = rated.placement.zones

@@ -152,7 +152,7 @@ def errors(solution, exact):
         found, known = (getattr(one, name)(x, 1.0)[far] for one in (solution, exact))
         result[name] = np.abs(found - known).max() / max(np.abs(known).max(), 1e-300)
     found, known = (one.shear_traction(x, 1.0)[far] for one in (solution, exact))
-    result["shear"] = (np.abs(found - known) / (exact.stress + np.abs(known))).max()
+    result["shear"] = (np.abs(found - known) / (exact.stress_unit + np.abs(known))).max()
     found, known = (one.pressure(x, 1.0)[far] for one in (solution, exact))
     size = scene.base.pressure + abs(scene.load.pressure)
     result["pressure"] = (np.abs(found - known) / (size + known)).max()

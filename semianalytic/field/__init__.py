@@ -1,0 +1,1 @@
+"""Whole fields: what the tractions of the interface send into the bodies, exactly."""

@@ -1,0 +1,131 @@
+"""Velocity, stress and displacement of a scene anywhere in both bodies, exactly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.cut.load import Load
+from semianalytic.cut.zones import ZoneFields
+from semianalytic.field import tuning
+from semianalytic.field.body import is_singular, upper
+from semianalytic.field.cells import Primitives
+from semianalytic.field.transform import Transform
+from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Scene
+
+_SHEARED = np.array([-1, 1, -1, -1, 1, -1, 1])
+"""Signs in the lower body of what shear does at the mirrored place in the upper one."""
+_ALONG = np.array([-1, -1, 1, -1])
+"""The same of antiplane shear; what pressure does has the signs -_SHEARED."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """Fields in both bodies of a self-similar scene; what its `Solution` is asked for.
+
+    Attributes
+    ----------
+    scene : Scene
+    shear : ZoneFields
+        Of the shear tractions, b = mu = 1 and in `stress_unit`.
+    opened : ZoneFields or None
+        Of the normal problem, minus pressure for traction, where the contact opens.
+    stress_unit : float
+        [stress].
+    tolerance : float
+        Of the rule on which transforms are formed.
+    """
+
+    scene: Scene
+    shear: ZoneFields
+    opened: ZoneFields | None
+    stress_unit: float
+    tolerance: float
+
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """See `Solution.velocity`."""
+        unit = self.stress_unit / self.scene.material.shear_impedance
+        return unit * self._rows(x, y, t)[[0, 1, 7] if self.scene.antiplane else [0, 1]]
+
+    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """See `Solution.stress`."""
+        rows = self._rows(x, y, t)[[2, 3, 4, 8, 9] if self.scene.antiplane else [2, 3, 4]]
+        rows *= self.stress_unit
+        rows[1] -= self.scene.base.pressure
+        rows[-1] += self.scene.base.shear
+        return rows
+
+    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """See `Solution.displacement`."""
+        unit = self.stress_unit / self.scene.material.shear_modulus
+        return unit * self._rows(x, y, t)[[5, 6, 10] if self.scene.antiplane else [5, 6]]
+
+    @cached_property
+    def error(self) -> float:
+        """Estimate of the error of stresses over the largest load, from a coarser rule."""
+        coarse = replace(self, tolerance=tuning.COARSER * self.tolerance)
+        rng = np.random.default_rng(0)
+        angle, radius = np.pi * rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
+        at = radius * np.cos(angle), radius * np.sin(angle), 1 / self.scene.material.shear_speed
+        return float(np.abs(self._rows(*at) - coarse._rows(*at))[2:].max()) / tuning.COARSER
+
+    def _rows(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Rows of `body.upper`, those of antiplane shear after the others, in either body."""
+        points = [np.asarray(one, dtype=float) for one in (x, y, t)]
+        if not all(np.all(np.isfinite(one)) for one in points):
+            raise SceneError("positions and times must be finite numbers.")
+        x, y, t = np.broadcast_arrays(*points)
+        rows = np.zeros((11 if self.scene.antiplane else 7, *x.shape))
+        begun = t > 0
+        time, below = self.scene.material.shear_speed * t[begun], np.signbit(y[begun])
+        rows[:, begun] = self._finite_or_not(x[begun], np.abs(y[begun]), time, below)
+        return rows
+
+    def _finite_or_not(self, x: Array, y: Array, t: Array, below: np.ndarray) -> Array:
+        """The same at points (m,), with the sign of what is infinite."""
+        rows = self._near(x, y, t, below, tuning.CLOSE[0])
+        singular = np.zeros(x.shape, dtype=bool)
+        for part in (self._shear, self._normal):
+            if part is not None:
+                singular |= is_singular(part, x, y, t)
+        if singular.any():
+            few = rows[:, singular]
+            at = x[singular], y[singular], t[singular], below[singular]
+            grown = few - self._near(*at, tuning.CLOSE[1])
+            large = np.abs(grown) > tuning.GROWN * (1 + np.abs(few))
+            rows[:, singular] = np.where(large, np.copysign(np.inf, grown), few)
+        return rows
+
+    def _near(self, x: Array, y: Array, t: Array, below: np.ndarray, close: float) -> Array:
+        """The same, so close to where they are singular."""
+        antiplane = self.scene.antiplane
+        rows = np.zeros((11 if antiplane else 7, len(x)))
+        sheared, signs = (slice(7, 11), _ALONG) if antiplane else (slice(0, 7), _SHEARED)
+        rows[sheared] = upper(self._shear, x, y, t, close) * np.where(below, signs[:, None], 1)
+        if self._normal is not None:
+            mirrored = np.where(below, -_SHEARED[:, None], 1)
+            rows[:7] += upper(self._normal, x, y, t, close) * mirrored
+        return rows
+
+    @cached_property
+    def _shear(self) -> Primitives:
+        return self._primitives(self.shear)
+
+    @cached_property
+    def _normal(self) -> Primitives | None:
+        """Those of pressure; None if it does not change."""
+        load = self.shear.load
+        if not load.load_pressure or self.opened is not None:
+            return None if self.opened is None else self._primitives(self.opened)
+        factors = rayleigh_factors(self.scene.material.poisson_ratio, "I")
+        closed = Load(0.0, 0.0, -load.base_pressure, 0.0, -load.load_pressure, 0.0)
+        return self._primitives(ZoneFields(factors, closed, (), self.shear.rule))
+
+    def _primitives(self, fields: ZoneFields) -> Primitives:
+        return Primitives(Transform(replace(fields, rule=rule_for(self.tolerance), tail=True)))

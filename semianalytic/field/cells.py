@@ -1,0 +1,277 @@
+"""Integrals of the densities of waves from a fixed point to any k of the upper half-plane.
+
+They are analytic there, and singular at a few points of the real axis: wave fronts, zone edges, 0.
+About each of these the half-plane is cut into cells along lines of ln(k - centre): over every cell
+whatever grows like a power or a logarithm is a polynomial of low degree, down to the centre.  Cells
+are formed when a point falls into them.  Each takes its constant from the next one nearer to where
+it is known, between 0 and -a, where nothing has arrived yet.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from semianalytic.field import tuning
+from semianalytic.field.transform import Centre, Transform
+from semianalytic.field.waves import SHEAR, Complex, Slowness, ahead_of_waves, densities
+from semianalytic.halfplane.rayleigh import Array, Mode
+
+
+class Cell(NamedTuple):
+    """A cell: about which centre, on which side of it (1 left, 0 right), how far, which sector.
+
+    Centre -1 is what lies far outside, about 0 in all sectors from the right.
+    """
+
+    centre: int
+    left: int
+    level: int
+    sector: int
+
+
+_STEP = np.pi / tuning.SECTORS
+"""Size of a cell in ln(k - centre), real and imaginary."""
+_HALF = _STEP / np.sqrt(2.0)
+"""Half its diagonal."""
+_QUARTER = tuning.SECTORS // 2
+
+
+@lru_cache(maxsize=1)
+def _pattern() -> tuple[Complex, Complex]:
+    """Nodes on the border of a cell, (m,), in units of half the diagonal; and the matrix that makes
+    coefficients (n + 1, m) of values there."""
+    side = np.cos(np.pi * (np.arange(tuning.NODES_PER_SIDE) + 0.5) / tuning.NODES_PER_SIDE)
+    corner = 1 / np.sqrt(2.0)
+    nodes = np.concatenate([(side + 1j) * corner * 1j**turn for turn in range(4)])
+    powers = nodes[:, None] ** np.arange(tuning.DEGREE + 1)
+    return nodes, np.asarray(np.linalg.pinv(powers), dtype=complex)
+
+
+@dataclass(frozen=True)
+class Primitives:
+    """Integrals of all densities (see `waves`), and the density of v_x in the S wave.
+
+    Attributes
+    ----------
+    transform : Transform
+    """
+
+    transform: Transform
+    _cells: dict[Cell, Complex] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def centres(self) -> list[Centre]:
+        """From left to right."""
+        fields = self.transform.fields
+        factors = fields.factors
+        ends = [Centre(-1, end, index) for index, end in enumerate(fields.panels.left)]
+        if fields.layout.slips_at_c and all(end.first[3] for end in fields.panels.left):
+            ends.append(Centre(-1, factors.front_c))
+            ends.sort(key=lambda centre: centre.place, reverse=True)
+        right = [*factors.cuts, factors.front_c] if factors.has_rayleigh_wave else [factors.front_b]
+        if factors.has_rayleigh_wave:
+            right.insert(0, factors.front_a)
+        return [*reversed(ends), Centre(0), *(Centre(1, point) for point in right)]
+
+    @cached_property
+    def _places(self) -> Array:
+        return np.array([centre.place for centre in self.centres])
+
+    @cached_property
+    def _zero(self) -> int:
+        return next(i for i, centre in enumerate(self.centres) if not centre.sign)
+
+    @cached_property
+    def _extent(self) -> float:
+        """|k| from which on all centres are near 0."""
+        return 2 * float(np.abs(self._places).max())
+
+    @cached_property
+    def _gaps(self) -> Array:
+        """(c, 2): distances of each centre to its neighbours on the right and on the left."""
+        between = [a.distance(b) for a, b in zip(self.centres, self.centres[1:], strict=False)]
+        return np.array([[*between, 2 * self._extent], [2 * self._extent, *between]]).T
+
+    @cached_property
+    def _tops(self) -> Array:
+        """(c, 2): ln of the radius that a side has beside the axis."""
+        return np.log(self._gaps / (2 * np.cos(_STEP)))
+
+    @property
+    def slownesses(self) -> tuple[float, ...]:
+        """Of the waves: a and b, in antiplane shear b."""
+        return (1.0,) if self._mode == "III" else (self.transform.fields.factors.a, 1.0)
+
+    def _nearest(self, k: Complex) -> np.ndarray:
+        """(m,) centres nearest to points."""
+        return np.searchsorted((self._places[1:] + self._places[:-1]) / 2, k.real)
+
+    def at_centre(self, k: Complex) -> np.ndarray:
+        """(m,) whether points are at a centre, as far as can be told."""
+        places = self._places[self._nearest(k)]
+        return np.asarray(np.abs(k - places) <= tuning.SAME * np.abs(places))
+
+    def located(self, k: Complex, close: float) -> tuple[np.ndarray, Complex]:
+        """Cells (m, 4) of points (m,), and ln(k - centre); what is at a centre comes so close."""
+        centre, far = self._nearest(k), np.abs(k) > self._extent
+        offset = np.where(far, k, k - self._places[centre])
+        offset = np.where(self.at_centre(k), close, offset)
+        log = np.log(np.abs(offset)) + 1j * np.angle(offset)
+        left = ~far & (log.imag > np.pi / 2)
+        angle = np.where(left, np.pi - log.imag, log.imag)
+        last = np.where(far, 2 * _QUARTER, _QUARTER) - 1
+        sector = np.clip((angle / _STEP).astype(int), 0, last)
+        top = np.where(far, np.log(self._extent), self._tops[centre, left.astype(int)])
+        level = np.ceil((log.real - top) / _STEP).astype(int)
+        level = np.where(~far & (sector == 0), np.minimum(level, 0), level)
+        level = np.where(far, np.maximum(level, 1), level)
+        return np.stack([np.where(far, -1, centre), left, level, sector], axis=1), log
+
+    def _middle(self, cell: Cell) -> complex:
+        """ln(k - centre) in the middle of a cell."""
+        far = cell.centre < 0
+        top = float(np.log(self._extent)) if far else float(self._tops[cell.centre, cell.left])
+        angle = (cell.sector + 0.5) * _STEP
+        return complex(top + (cell.level - 0.5) * _STEP, np.pi - angle if cell.left else angle)
+
+    def _link(self, cell: Cell) -> tuple[Cell, complex, complex] | None:
+        """The cell from which one takes its constant, and a point of both, as either sees it."""
+        centre, left, level, sector = cell
+        middle = self._middle(cell)
+        if centre < 0:
+            inner = middle - _STEP / 2
+            if level > 1:
+                return cell._replace(level=level - 1), inner, inner
+            k = np.array([np.exp(inner) * (1 - 1e-12)])
+            (key,), log = self.located(k, tuning.CLOSE[0])
+            return Cell(*map(int, key)), inner, complex(log[0])
+        if level:
+            step = -1 if level > 0 else 1
+            between = middle + step * _STEP / 2
+            return cell._replace(level=level + step), between, between
+        home = int(centre > self._zero or centre == self._zero)
+        turn = 1j * _STEP / 2 * (-1 if left else 1)
+        if left != home:
+            if sector < _QUARTER - 1:
+                return cell._replace(sector=sector + 1), middle + turn, middle + turn
+            between = complex(middle.real, np.pi / 2)
+            top = float(self._tops[centre, home])
+            level = int(np.ceil((between.real - top) / _STEP))
+            return Cell(centre, home, level, sector), between, between
+        if sector:
+            return cell._replace(sector=sector - 1), middle - turn, middle - turn
+        if centre == self._zero:
+            return None
+        half = np.log(self._gaps[centre, left] / 2)
+        next_one = centre - 1 if left else centre + 1
+        facing = Cell(next_one, 1 - left, 0, 0)
+        return facing, complex(half, np.pi * left), complex(half, np.pi * (1 - left))
+
+    def _missing(self, cells: list[Cell]) -> list[Cell]:
+        """Those of some cells that are not there yet, and all they take their constants from, those
+        first."""
+        order: dict[Cell, None] = {}
+        for cell in cells:
+            chain = []
+            at: Cell | None = cell
+            while at is not None and at not in self._cells and at not in order:
+                chain.append(at)
+                link = self._link(at)
+                at = link[0] if link else None
+            order.update(dict.fromkeys(reversed(chain)))
+        return list(order)
+
+    def _form(self, cells: list[Cell]) -> None:
+        """Add cells, each after that from which it takes its constant."""
+        nodes, matrix = _pattern()
+        middles = np.array([self._middle(cell) for cell in cells])
+        offsets = np.exp(middles[:, None] + _HALF * nodes)
+        offsets = offsets.real + 1j * np.maximum(offsets.imag, 0.0)
+        largest = np.maximum(np.abs(offsets).max(axis=1), 1.0)
+        sizes = np.floor(np.log(largest) / np.log(tuning.SCALES))
+        owners = np.array([cell.centre for cell in cells])
+        for owner in np.unique(owners):
+            for size in np.unique(sizes[owners == owner]):
+                these = np.flatnonzero((owners == owner) & (sizes == size))
+                scale = tuning.SCALES ** float(size + 1)
+                values = self._densities(int(owner), offsets[these], scale)
+                integrands = values * (offsets[these] * _HALF)
+                grown = np.einsum("nm,fcm->cnf", matrix, integrands)
+                grown /= np.arange(1.0, len(matrix) + 1)[:, None]
+                coefs = np.concatenate([np.zeros_like(grown[:, :1]), grown], axis=1)
+                if self.kept is not None:
+                    series = np.einsum("nm,cm->cn", matrix, values[self.kept])
+                    coefs[:, :, self.kept] = np.pad(series, ((0, 0), (0, 1)))
+                self._cells.update(zip((cells[i] for i in these), coefs, strict=True))
+        for cell in cells:
+            self._add_constant(cell)
+
+    def _add_constant(self, cell: Cell) -> None:
+        """Make a new cell begin with what the one before it ends with."""
+        link, coefs = self._link(cell), self._cells[cell]
+        if link is None:
+            half = np.log(self._gaps[cell.centre, cell.left] / 2)
+            known, own = self._ahead, complex(half, np.pi)
+        else:
+            (known,), own = self._values(link[0], np.array([link[2]])), link[1]
+        (gained,) = self._values(cell, np.array([own]))
+        kept = coefs[0, self.kept] if self.kept is not None else 0.0
+        coefs[0] += known - gained
+        if self.kept is not None:
+            coefs[0, self.kept] = kept
+
+    @property
+    def kept(self) -> int | None:
+        """The row of a density that is not integrated, if there is one."""
+        return SHEAR if self._mode != "III" else None
+
+    @property
+    def _mode(self) -> Mode:
+        return self.transform.fields.factors.mode
+
+    @cached_property
+    def _ahead(self) -> Complex:
+        """All integrals where nothing has arrived."""
+        far = np.asarray(self.transform.fields.load.far_slip_rate).ravel()
+        return ahead_of_waves(float(far[0]), self._mode)
+
+    def _values(self, cell: Cell, log: Complex) -> Complex:
+        """(m, f): all integrals at points of a cell, from ln(k - centre)."""
+        coefs = self._cells[cell]
+        within = (log - self._middle(cell)) / _HALF
+        return np.vander(within, len(coefs), increasing=True) @ coefs
+
+    def _densities(self, owner: int, offset: Complex, scale: float) -> Complex:
+        """(f, ...): all densities at centre + offset."""
+        centre = self.centres[owner] if owner >= 0 else Centre(0)
+        factors = self.transform.fields.factors
+        fronts = np.array([factors.a, 1.0, factors.in_plane.c])
+        left, right = (offset + gaps[:, None, None] for gaps in centre.fronts(fronts))
+        at = Slowness(factors, centre.place + offset, left, right)
+        values = self.transform.near(centre, offset, scale)
+        return densities(at, values, factors.mode)
+
+    def __call__(self, k: Complex, close: float = tuning.CLOSE[0]) -> Complex:
+        """(f, m): the integrals of all densities at k (m,), Im k >= 0; S_v itself in its row.
+
+        Where they are singular, so close to that.
+        """
+        if not len(k):
+            return np.zeros((len(self._ahead), 0), dtype=complex)
+        keys, logs = self.located(k, close)
+        cells, inverse = np.unique(keys, axis=0, return_inverse=True)
+        names = [Cell(*map(int, key)) for key in cells]
+        missing = self._missing(names)
+        if missing:
+            self._form(missing)
+        order = np.argsort(inverse, kind="stable")
+        starts = np.searchsorted(inverse[order], np.arange(len(names) + 1))
+        result = np.empty((len(k), self._cells[names[0]].shape[1]), dtype=complex)
+        for index, name in enumerate(names):
+            here = order[starts[index] : starts[index + 1]]
+            result[here] = self._values(name, logs[here])
+        return result.T

@@ -1,0 +1,146 @@
+"""The transform of a surface traction anywhere in the upper half of the plane of slowness.
+
+T(k) = int dtau(xi) / (1 + k xi) is analytic off the cut k < -a, on which `semianalytic.cut` knows
+it.  At any k above the real axis it follows from its values on the axis by Cauchy's integral, over
+that of a function known everywhere:
+
+    T(k) = sum_j W_j rho_j T_j / (w_j - k)  /  sum_j W_j rho_j / (w_j - k),
+
+in which the errors of the rule, those of a pole nearby above all, are the same above and below.
+rho falls off fast enough at infinity and has its only pole in the lower half.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.cut.zones import ZoneFields
+from semianalytic.field import tuning
+from semianalytic.halfplane.rayleigh import Array, CutPoints
+
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Centre:
+    """A point of the real axis: k = -v or v of a point on the cut, or 0 (None).
+
+    Attributes
+    ----------
+    sign : -1, 1; 0 for k = 0
+    point : CutPoints or None
+    end : index of the end of panels that it is, or None
+    """
+
+    sign: int
+    point: CutPoints | None = None
+    end: int | None = None
+
+    @property
+    def place(self) -> float:
+        """k."""
+        return 0.0 if self.point is None else self.sign * self.point.first[0]
+
+    def fronts(self, fronts: Array) -> tuple[Array, Array]:
+        """Its distances from the fronts (3,): k + front, k - front."""
+        if self.point is None:
+            return fronts, -fronts
+        gaps = np.array(self.point.first[1:])
+        far = self.point.first[0] + fronts
+        return (-gaps, -far) if self.sign < 0 else (far, gaps)
+
+    def distance(self, other: Centre) -> float:
+        """How far another one is to the right."""
+        if self.point is None or other.point is None or self.sign != other.sign:
+            return other.place - self.place
+        return float(self.sign * other.point.minus(self.point)[0])
+
+
+@dataclass(frozen=True)
+class Transform:
+    """T in the closed upper half-plane, b = mu = 1.
+
+    Attributes
+    ----------
+    fields : ZoneFields, of one set of zones, its unbounded panel included
+    """
+
+    fields: ZoneFields
+
+    @cached_property
+    def _beyond(self) -> tuple[Array, Array]:
+        """(2 n,): k + a at the nodes right of the cut, in two panels, and what one y is of it."""
+        rule, width = self.fields.panels.rule, self.fields.factors.a + tuning.MIDDLE
+        near, far = width * rule.share, np.exp(rule.y)
+        return np.append(near, width + far), np.append(width * rule.bell, far)
+
+    @cached_property
+    def _right(self) -> Array:
+        """(2 n,): T there, from its imaginary part on the cut, which is the slope of traction."""
+        panels, load = self.fields.panels, self.fields.load
+        at, sent = panels.at, self._cut.imag / (np.pi * panels.at.v) * panels.jacobian
+        beyond, _ = self._beyond
+        kernel = 1 / (at.from_a.ravel() + beyond[:, None])
+        gained = panels.rule.spacing * (kernel @ sent.ravel())
+        k = beyond - self.fields.factors.a
+        return np.asarray(load.load_shear - load.far_slip_rate + k * gained)
+
+    @cached_property
+    def _cut(self) -> Complex:
+        return self.fields.transform
+
+    @cached_property
+    def _values(self) -> Complex:
+        """(m,): T at all nodes of the axis."""
+        return np.concatenate([self._cut.ravel(), self._right])
+
+    @cached_property
+    def _weights(self) -> Array:
+        panels = self.fields.panels
+        every = np.concatenate([panels.jacobian.ravel(), self._beyond[1]])
+        return panels.rule.spacing * every
+
+    def _offsets(self, centre: Centre) -> Array:
+        """(m,): w - centre at all nodes."""
+        panels, a = self.fields.panels, self.fields.factors.a
+        if centre.point is None or centre.sign > 0:
+            left, right = -panels.at.v - centre.place, self._beyond[0] - a - centre.place
+        else:
+            right = self._beyond[0] + centre.point.first[1]
+            own = panels.from_ends[centre.end] if centre.end is not None else panels.at.from_c
+            left = -own
+        return np.concatenate([left.ravel(), right])
+
+    def near(self, centre: Centre, offset: Complex, scale: float) -> Complex:
+        """T at k = centre + offset, (m,), Im >= 0, with |k| not far above `scale`."""
+        distances, place = self._offsets(centre), centre.place
+        fading = self._weights * (1 + (distances + place) / (1j * scale)) ** -tuning.FADING
+        carried, least = fading * self._values, float(np.abs(offset).min())
+        sizes = (np.abs(carried) + np.abs(fading)) / (np.abs(distances) + least)
+        kept = sizes > tuning.NEGLIGIBLE * self.fields.panels.rule.tolerance * sizes.max()
+        parts = (carried.real, carried.imag, fading.real, fading.imag)
+        weights = np.stack([part[kept] for part in parts], axis=1)
+        above, below = _cauchy(distances[kept], weights, offset.ravel())
+        return np.asarray(above / below).reshape(offset.shape)
+
+
+def _cauchy(place: Array, weights: Array, at: Complex) -> tuple[Complex, Complex]:
+    """Sums of two complex weights over place - at, (m,); weights (n, 4), real and imaginary."""
+    real, imag = np.empty((2, len(at), 4))
+    step = max(1, tuning.CACHED_KERNEL // len(place))
+    for start in range(0, len(at), step):
+        part = slice(start, start + step)
+        along = place - at.real[part, None]
+        over = np.square(along)
+        over += np.square(at.imag[part, None])
+        np.reciprocal(over, out=over)
+        imag[part] = (over @ weights) * at.imag[part, None]
+        along *= over
+        real[part] = along @ weights
+    first = real[:, ::2] - imag[:, 1::2]
+    above, below = (first + 1j * (real[:, 1::2] + imag[:, ::2])).T
+    return above, below

@@ -1,0 +1,133 @@
+"""What surface tractions of one slowness send into the upper body: P wave, S wave and their sum.
+
+A shear traction of transform T = M S, or a change of sigma_yy of transform N = M^I U, gives
+velocities and stresses (1/pi) Im [F_P(k_P) + F_S(k_S)], F = int (density) dk, from two densities
+alone, those of v_x in either wave:
+
+    P_v = -2 k S  or  (q / alpha) U,        S_v = -(q / k) S  or  -2 beta U,
+
+            v_y                sigma_xx                        sigma_yy        sigma_xy
+    P   -(alpha / k) P_v   (1 - 2 a^2 + 2 k^2) / k P_v    (q / k) P_v    -2 alpha P_v
+    S   (k / beta) S_v     2 k S_v                        -2 k S_v       -(q / beta) S_v
+
+(b = mu = 1, alpha = (a^2 - k^2)^1/2, beta = (1 - k^2)^1/2, q = 1 - 2 k^2).  Displacement takes the
+same with the phase t + k x - alpha y, t + k x - beta y as a factor.  Beside the edge, k large, the
+two waves nearly cancel; their sums are formed without that.  In antiplane shear there is one wave,
+of v_z = -S / k, sigma_xz = -S and sigma_yz = T / k.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.halfplane.rayleigh import Mode, RayleighFactors
+
+Complex = NDArray[np.complex128]
+
+SHEAR = 0
+"""Row of `densities` that holds S_v."""
+P_WAVE = slice(1, 6)
+"""Rows that hold P_v times 1, k, 1 / k, alpha and alpha / k: what a P wave is made of."""
+S_WAVE = slice(6, 11)
+"""S_v times 1, k, k / beta, 1 / beta and k^2 / beta."""
+SUMS = slice(11, 20)
+"""Of both waves v_x, v_y, sigma_xx, sigma_yy, sigma_xy; k v_x, k v_y; and v_x, v_y with the factors
+alpha and beta."""
+
+
+@dataclass(frozen=True)
+class Slowness:
+    """Points k of the upper half-plane with their distances from all fronts, exact however small.
+
+    Attributes
+    ----------
+    factors : RayleighFactors
+    k : (...) array
+    from_left, from_right : (3, ...) arrays
+        k + a, k + b, k + c, and k - a, k - b, k - c.
+    """
+
+    factors: RayleighFactors
+    k: Complex
+    from_left: Complex
+    from_right: Complex
+
+    @cached_property
+    def alpha(self) -> Complex:
+        """(a^2 - k^2)^1/2, with the sign it has in the upper half-plane."""
+        return -1j * np.sqrt(self.from_left[0]) * np.sqrt(self.from_right[0])
+
+    @cached_property
+    def beta(self) -> Complex:
+        """(1 - k^2)^1/2."""
+        return -1j * np.sqrt(self.from_left[1]) * np.sqrt(self.from_right[1])
+
+    @cached_property
+    def q(self) -> Complex:
+        """1 - 2 k^2."""
+        return 1 - 2 * np.square(self.k)
+
+    @cached_property
+    def rayleigh(self) -> Complex:
+        """R(k), without cancellation near c and far out."""
+        z, product = np.square(self.k), 4 * np.square(self.k) * self.alpha * self.beta
+        square = np.square(self.q)
+        direct, conjugate = square + product, square - product
+        e1, e0 = self.factors.in_plane._spurious_roots
+        over = -self.from_left[2] * self.from_right[2] * (z * (z + e1) + e0)
+        lead = 16 * (1 - self.factors.a**2)
+        rational = np.abs(conjugate) > np.abs(direct)
+        return np.where(rational, lead * over / np.where(rational, conjugate, 1.0), direct)
+
+    def impedance(self, mode: Mode) -> Complex:
+        """M(k)."""
+        if mode == "III":
+            return self.beta
+        return self.rayleigh / (self.beta if mode == "II" else self.alpha)
+
+
+def densities(at: Slowness, transform: Complex, mode: Mode) -> Complex:
+    """Densities of all parts, (20, ...), in antiplane shear (3, ...), from T or N at `at`."""
+    k, alpha, beta, q, a = at.k, at.alpha, at.beta, at.q, at.factors.a
+    rate, z = transform / at.impedance(mode), np.square(k)
+    if mode == "III":
+        return np.stack([-rate / k, -rate, transform / k])
+    difference = (a * a - 1) / (alpha + beta)  # alpha - beta
+    static = (4 * a * a - 1 - 4 * a * a * z) / (2 * alpha * beta + q)  # 2 alpha beta - q
+    none = np.zeros_like(k)
+    if mode == "II":
+        compression, shear = -2 * k * rate, -q / k * rate
+        sums = [-rate / k, rate * static / beta, -4 * (1 - a * a) * rate, none, transform / k]
+        across = [-rate * (2 * z * difference + beta) / k, (2 * a * a - 1) * rate]
+    else:
+        compression, shear = q / alpha * rate, -2 * beta * rate
+        press = transform / k
+        stretch = 2 * (1 - a * a) * q / (alpha * k) * rate - press
+        sums = [-rate * static / alpha, -rate / k, stretch, press, none]
+        across = [-rate, -rate * (alpha - 2 * z * difference) / k]
+    return np.stack(
+        [
+            shear,
+            *(compression * factor for factor in (1, k, 1 / k, alpha, alpha / k)),
+            *(shear * factor for factor in (1, k, k / beta, 1 / beta, z / beta)),
+            *sums,
+            *(k * velocity for velocity in sums[:2]),
+            *across,
+        ]
+    )
+
+
+def ahead_of_waves(far_slip_rate: float, mode: Mode) -> Complex:
+    """Integrals of all densities between 0 and -a: i pi times the plane S wave of slip ahead of all
+    waves, which moves the upper face at a rate [unit / (mu b)]."""
+    wave = 1j * np.pi * far_slip_rate
+    if mode == "III":
+        return np.array([wave, 0, -wave])
+    result = np.zeros(20, dtype=complex)
+    result[S_WAVE] = np.array([wave, 0, 0, wave, 0])
+    result[SUMS] = np.array([wave, 0, 0, 0, -wave, 0, 0, wave, 0])
+    return result
