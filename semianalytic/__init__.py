@@ -1,5 +1,6 @@
 """Slip on a frictional interface after a sudden load: exact where self-similar, else marched."""
 
+from semianalytic.field.derived import fringe_order, fringes, strain
 from semianalytic.fitting import Fit, Gauge, fit
 from semianalytic.prediction import predict
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
@@ -67,9 +68,12 @@ __all__ = [
     "ZoneDerivative",
     "find_scene",
     "fit",
+    "fringe_order",
+    "fringes",
     "march",
     "march_on",
     "predict",
     "solve",
+    "strain",
     "sweep",
 ]
