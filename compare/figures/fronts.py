@@ -87,9 +87,10 @@ def fronts(fields: WholeFields, time: float) -> Iterator[Front]:
             yield Front(name, radius * np.cos(angle), radius * np.sin(angle), share)
     for name, load in (("P", scene.load.pressure), ("S", scene.load.shear)):
         if load and name in speeds:
-            right = 100.0 if name == "S" and scene.far_slip_rate else 0.0
-            x = np.linspace(-MARGIN, right, 41) * scene.fastest_speed * time
-            yield Front(f"plane {name}", x, np.full(41, speeds[name] * time), 0.2)
+            far = 1e3 * scene.fastest_speed * time
+            right = far if name == "S" and scene.far_slip_rate else 0.0
+            x = np.array([-far, -0.8 * scene.fastest_speed * time, right])
+            yield Front(f"plane {name}", x, np.full(3, speeds[name] * time), 0.5)
     slow = speeds["S"]
     if "P" in speeds:
         yield _tangent("head wave", -speeds["P"], slow, time, 0.4)
