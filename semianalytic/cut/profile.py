@@ -61,7 +61,7 @@ class Profile:
         tail = np.zeros(())
         if self.edge_slips:
             tail = fields.transform_at_edge[..., 0] / (np.pi * per_set(fields.factors.kappa))
-        return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
+        return fields.rate_integral(tail)
 
     @cached_property
     def traction_integral(self) -> RunningIntegral:

@@ -23,6 +23,8 @@ MANY_NODES = 100
 """Nodes per panel from which it pays to leave some out."""
 NEGLIGIBLE_WEIGHT = 1e-6
 """Share of what the reach of a rule leaves out that may be left out as well.  Not recorded."""
+LEAST_SHARE = 1e-16
+"""Of a panel, up to where a power is told from the rest of a density beside its end: rounding."""
 EARLIEST = 1e-200
 """Slowness of what has not begun."""
 PIECE_GROWTH = 4.0
