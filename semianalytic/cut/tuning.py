@@ -23,8 +23,9 @@ MANY_NODES = 100
 """Nodes per panel from which it pays to leave some out."""
 NEGLIGIBLE_WEIGHT = 1e-6
 """Share of what the reach of a rule leaves out that may be left out as well.  Not recorded."""
-LEAST_SHARE = 1e-16
-"""Of a panel, up to where a power is told from the rest of a density beside its end: rounding."""
+LEAST_SHARE, SHARE_LOGARITHM = 1e-8, 2.0
+"""Of a panel, down to where a density beside its end is taken as it is, and the logarithm of the
+shares between the nodes from which it is followed further: to 1e-16, as far as rounding."""
 EARLIEST = 1e-200
 """Slowness of what has not begun."""
 PIECE_GROWTH = 4.0
