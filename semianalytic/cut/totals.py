@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from semianalytic.cut import tuning
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rules import Rule
 
 
 def largest_slip_over_time(profile: Profile) -> float:
@@ -33,7 +35,7 @@ def largest_slip_over_time(profile: Profile) -> float:
 
 def dissipation(profile: Profile, u: Array) -> Array:
     """(2, m): `running_integrals` of what the contact takes, |tau V|."""
-    return running_integrals(profile, u, profile.carried)
+    return running_integrals(profile, u, profile.carried_inside)
 
 
 def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) -> float:
@@ -52,7 +54,7 @@ def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) ->
     beyond = {0.0: total}
     ends = np.array([end for edges in against for end in edges if end])
     if len(ends):
-        inside = running_integrals(profile, 1 / ends, lambda v, _: np.ones_like(v))[0]
+        inside = running_integrals(profile, 1 / ends, lambda _, v, __: np.ones_like(v))[0]
         beyond.update(zip(ends.tolist(), inside.tolist(), strict=True))
     return total - 2 * sum(beyond[inner] - beyond[outer] for inner, outer in against)
 
@@ -64,28 +66,29 @@ def _named_sense(profile: Profile, inner: float, outer: float) -> int:
     return profile.panels.sense[max(int(np.searchsorted(lefts, between)) - 1, 0)]
 
 
-def running_integrals(profile: Profile, u: Array, weight: Callable[[Array, Array], Array]) -> Array:
+def running_integrals(profile: Profile, u: Array, weight: Callable[[int, Array, Array], Array]) -> Array:
     """(2, m): integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
 
-    At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of slowness
-    and |V|, which is V times the sense of its panel.  The first integral is negative where the
+    At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of panel,
+    slowness and |V|, which is V times the sense of its panel.  The first integral is negative where the
     interface slips ahead of all waves and u is there.
     """
     panels = profile.panels
     front = panels.left[0].v[0]
     speed = np.array([panels.sense[0] * float(profile.fields.load.far_slip_rate)])
-    ahead = weight(np.zeros(1), speed) * speed
+    ahead = weight(0, np.zeros(1), speed) * speed
     reached = np.minimum(u, front)
     result = ahead * np.stack([1 / front - 1 / np.maximum(reached, tuning.EARLIEST), reached])
     at = profile.fields.factors.cut(u)
     for panel in panels.layout.slip:
+        rule = _rule_on(profile, int(panel))
         for left, right in _pieces(profile, int(panel), float(u.max(initial=0.0))):
-            density = _density(profile, int(panel), left, right, weight)
+            density = _density(profile, int(panel), rule, (left, right), weight)
             from_left, to_right = at.minus(left), -at.minus(right)
             inside, behind = (from_left > 0) & (to_right > 0), to_right <= 0
             y = np.log(from_left[inside] / to_right[inside])
-            result[:, inside] += panels.rule.interpolate_running(y, density).T
-            result[:, behind] += panels.rule.spacing * density.sum(axis=1)[:, None]
+            result[:, inside] += rule.interpolate_running(y, density).T
+            result[:, behind] += rule.spacing * density.sum(axis=1)[:, None]
     return result
 
 
@@ -104,16 +107,26 @@ def _pieces(profile: Profile, panel: int, most: float) -> Iterator[tuple[CutPoin
     return pairwise(ends)
 
 
+def _rule_on(profile: Profile, panel: int) -> Rule:
+    """The rule of the panels, longer where V^2 is nearly too large beside a border of an opening:
+    like s^(2 exponent)."""
+    rule, exponent = profile.panels.rule, -0.25
+    for power in profile.rate_integral.powers:
+        if power.panel == panel:
+            exponent = min(exponent, float(power.exponent[0]))
+    return replace(rule, reach=min(rule.reach * 0.5 / (1 + 2 * exponent), tuning.FARTHEST_REACH))
+
+
 def _density(
     profile: Profile,
     panel: int,
-    left: CutPoints,
-    right: CutPoints,
-    weight: Callable[[Array, Array], Array],
+    rule: Rule,
+    ends: tuple[CutPoints, CutPoints],
+    weight: Callable[[int, Array, Array], Array],
 ) -> Array:
-    """(2, n): weight |V| / v^2 and weight |V| at the nodes of the rule between two points, times
+    """(2, n): weight |V| / v^2 and weight |V| at the nodes of a rule between two points, times
     dv/dy."""
-    panels, rule = profile.panels, profile.panels.rule
+    panels, (left, right) = profile.panels, ends
     width = right.minus(left)
     at = CutPoints(
         np.where(
@@ -121,5 +134,5 @@ def _density(
         )
     )
     speed = panels.sense[panel] * profile.slip_rate_inside(panel, at)
-    power = weight(at.v, speed) * speed * width * rule.bell
+    power = weight(panel, at.v, speed) * speed * width * rule.bell
     return np.stack([power / np.square(at.v), power])

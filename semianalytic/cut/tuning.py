@@ -26,6 +26,11 @@ NEGLIGIBLE_WEIGHT = 1e-6
 LEAST_SHARE, SHARE_LOGARITHM = 1e-8, 2.0
 """Of a panel, down to where a density beside its end is taken as it is, and the logarithm of the
 shares between the nodes from which it is followed further: to 1e-16, as far as rounding."""
+BESIDE_BORDER = 0.1
+"""Share of a panel beside a border of an opening where slip rate is infinite, of no account for the
+largest.  Not recorded."""
+FARTHEST_REACH = 600.0
+"""In y, of a rule for a power beside an end: exp(-600) is not yet 0 in a product of two."""
 EARLIEST = 1e-200
 """Slowness of what has not begun."""
 PIECE_GROWTH = 4.0

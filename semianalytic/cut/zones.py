@@ -229,11 +229,26 @@ class ZoneFields:
             slope = self._by_impedance(self.canonical.values * self._share(edge))
             slope /= np.pi * panels.at.v
             powers: list[Power] = []
-            if panel in exponents:
+            if self._jumps_at(panel):
+                _, jump = self._jump(panel, edge)
+                powers.append(Power(panel + 1, True, exponents[panel], jump))
+            elif panel in exponents:
                 for one, at_left in ((panel, False), (panel + 1, True)):
                     powers.append(split_power(panels, slope, one, at_left, exponents[panel]))
             result.append(RunningIntegral(panels, slope, self.factors.c, powers=tuple(powers)))
         return tuple(result)
+
+    def _jumps_at(self, panel: int) -> bool:
+        """Whether slip rate and traction jump at a border: ahead of all waves M is real."""
+        ahead = panel + 1 < self.layout.ahead and not self.factors.has_rayleigh_wave
+        return ahead and panel in dict(self._borders)
+
+    def _jump(self, panel: int, edge: CutPoints) -> tuple[Array, Array]:
+        """Slip rate ahead of a border where it jumps, and how much, per term r, (..., 1): traction
+        falls from eta V to 0."""
+        canonical, row = self.canonical, int(np.searchsorted(self.layout.slip, panel))
+        fall = canonical.values[panel, ..., -1:] / edge.v
+        return fall / canonical.eta[row, ..., -1:], fall / canonical.impedance[0][panel, ..., -1:]
 
     @cached_property
     def _terms(self) -> tuple[tuple[CutPoints, float | Array], ...]:
@@ -253,11 +268,13 @@ class ZoneFields:
             [self.panels.integrals(plain), *(sharp.totals for sharp in self._sharp)], axis=-1
         )
         rows = []
-        for panel, _ in self._vanishing:
+        for index, (panel, edge) in enumerate(self._vanishing):
             here = np.flatnonzero(self.layout.slipping & (zone == zone[panel]))
             row = totals[here[here <= panel]].sum(axis=0)
             if self.zones[zone[panel]].left is None:
                 row[..., 0] += per_set(self.load.far_slip_rate)
+            if self._jumps_at(panel):
+                row[..., index + 1] -= self._jump(panel, edge)[0][..., 0]
             rows.append(row)
         both = np.stack(rows, axis=-2)
         return tuple(np.moveaxis(_solved(both[..., 1:], -both[..., 0])[..., None], -2, 0))
