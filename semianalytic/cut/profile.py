@@ -11,7 +11,7 @@ import numpy as np
 from semianalytic.cut import tuning
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, per_set
-from semianalytic.cut.panels import Panels, RunningIntegral, lay_panels
+from semianalytic.cut.panels import Panels, Power, RunningIntegral, lay_panels
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import StuckTraction, traction_of
@@ -63,6 +63,13 @@ class Profile:
         if self.edge_slips:
             tail = fields.transform_at_edge[..., 0] / (np.pi * per_set(fields.factors.kappa))
         return fields.rate_integral(tail)
+
+    @property
+    def infinite_rates(self) -> list[Power]:
+        """Those of `rate_integral` on closed panels that reach infinity, at their right ends: where
+        the contact opens more slowly than its sides radiate."""
+        powers = self.rate_integral.powers
+        return [one for one in powers if not self._open[one.panel] and np.all(one.exponent < 0)]
 
     @cached_property
     def traction_integral(self) -> RunningIntegral:
@@ -330,13 +337,13 @@ class Profile:
             left = passed[i] if power.at_left else passed[i] - whole[i]
             lost[i] += panels.rule.spacing * np.sum(left * by_y)
             lost[i] += 0.0 if power.at_left else whole[i] * float(power.total)
-        closed = {power.panel: power for power in rate.powers if not self._open[power.panel]}
+        infinite = [power.panel for power in self.infinite_rates]
         for i in panels.layout.slip:
             end = self.starts[0][i] + rate.totals[i]
             gained = float(end * whole[i] - lost[i])
-            if i in closed:  # weight and V are powers there
+            if i in infinite:  # and perhaps the weight
                 product = (density * panels.jacobian)[i] * self.slip_rate_at_nodes[i]
-                gained = _summed(product[:: -1 if closed[i].at_left else 1], panels.rule.spacing)
+                gained = _summed(product, panels.rule.spacing)
             total += panels.sense[i] * gained
         return total
 

@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from semianalytic.cut import tuning
+from semianalytic.cut.panels import Power
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
-from semianalytic.halfplane.rules import Rule
 
 
 def largest_slip_over_time(profile: Profile) -> float:
@@ -80,15 +80,42 @@ def running_integrals(profile: Profile, u: Array, weight: Callable[[int, Array, 
     reached = np.minimum(u, front)
     result = ahead * np.stack([1 / front - 1 / np.maximum(reached, tuning.EARLIEST), reached])
     at = profile.fields.factors.cut(u)
+    infinite = {power.panel: power for power in profile.infinite_rates}
     for panel in panels.layout.slip:
-        rule = _rule_on(profile, int(panel))
+        if panel in infinite:
+            result += _beside_opening(profile, infinite[panel], at, weight)
+            continue
         for left, right in _pieces(profile, int(panel), float(u.max(initial=0.0))):
-            density = _density(profile, int(panel), rule, (left, right), weight)
+            density = _density(profile, int(panel), left, right, weight)
             from_left, to_right = at.minus(left), -at.minus(right)
             inside, behind = (from_left > 0) & (to_right > 0), to_right <= 0
             y = np.log(from_left[inside] / to_right[inside])
-            result[:, inside] += rule.interpolate_running(y, density).T
-            result[:, behind] += rule.spacing * density.sum(axis=1)[:, None]
+            result[:, inside] += panels.rule.interpolate_running(y, density).T
+            result[:, behind] += panels.rule.spacing * density.sum(axis=1)[:, None]
+    return result
+
+
+def _beside_opening(
+    profile: Profile, rate: Power, at: CutPoints, weight: Callable[[int, Array, Array], Array]
+) -> Array:
+    """(2, m): the same, gained on a closed panel at whose right end, an opening, slip rate is
+    infinite, and weight |V| a power as well, perhaps hardly an integrable one."""
+    panels, panel = profile.panels, rate.panel
+    left, right, v = panels.left[panel], panels.right[panel], panels.at.v[panel]
+    assert right is not None
+    speed = panels.sense[panel] * profile.slip_rate_at_nodes[panel]
+    power = weight(panel, v, speed) * speed * panels.jacobian[panel]
+    density = np.stack([power / np.square(v), power])
+    last = density[:, -2:]
+    exponent = np.log(last[:, :1] / last[:, 1:]) / panels.rule.spacing
+    unit = Power(panel, False, exponent, np.ones_like(exponent))
+    unit = replace(unit, amount=last[:, 1:] / unit.by_y(panels)[:, -1:])
+    rest = density - unit.by_y(panels)
+    inside, behind = (at.minus(left) > 0) & (at.minus(right) < 0), at.minus(right) >= 0
+    result = np.zeros((2, len(at.v)))
+    y = panels.coordinate(panel, at[inside])
+    result[:, inside] = panels.rule.interpolate_running(y, rest).T + unit.inside(panels, at[inside])
+    result[:, behind] = (panels.rule.spacing * rest.sum(axis=1) + unit.total)[:, None]
     return result
 
 
@@ -107,26 +134,16 @@ def _pieces(profile: Profile, panel: int, most: float) -> Iterator[tuple[CutPoin
     return pairwise(ends)
 
 
-def _rule_on(profile: Profile, panel: int) -> Rule:
-    """The rule of the panels, longer where V^2 is nearly too large beside a border of an opening:
-    like s^(2 exponent)."""
-    rule, exponent = profile.panels.rule, -0.25
-    for power in profile.rate_integral.powers:
-        if power.panel == panel:
-            exponent = min(exponent, float(power.exponent[0]))
-    return replace(rule, reach=min(rule.reach * 0.5 / (1 + 2 * exponent), tuning.FARTHEST_REACH))
-
-
 def _density(
     profile: Profile,
     panel: int,
-    rule: Rule,
-    ends: tuple[CutPoints, CutPoints],
+    left: CutPoints,
+    right: CutPoints,
     weight: Callable[[int, Array, Array], Array],
 ) -> Array:
-    """(2, n): weight |V| / v^2 and weight |V| at the nodes of a rule between two points, times
+    """(2, n): weight |V| / v^2 and weight |V| at the nodes of the rule between two points, times
     dv/dy."""
-    panels, (left, right) = profile.panels, ends
+    panels, rule = profile.panels, profile.panels.rule
     width = right.minus(left)
     at = CutPoints(
         np.where(

@@ -29,8 +29,6 @@ shares between the nodes from which it is followed further: to 1e-16, as far as 
 BESIDE_BORDER = 0.1
 """Share of a panel beside a border of an opening where slip rate is infinite, of no account for the
 largest.  Not recorded."""
-FARTHEST_REACH = 600.0
-"""In y, of a rule for a power beside an end: exp(-600) is not yet 0 in a product of two."""
 EARLIEST = 1e-200
 """Slowness of what has not begun."""
 PIECE_GROWTH = 4.0
