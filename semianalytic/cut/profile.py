@@ -335,6 +335,9 @@ class Profile:
         for power in rate.powers:
             i, by_y = power.panel, power.by_y(panels)
             left = passed[i] if power.at_left else passed[i] - whole[i]
+            if power.at_left:  # rounding would count
+                near = power.share(panels) < tuning.LEAST_SHARE
+                left[near] = (density * panels.from_left)[i, near]
             lost[i] += panels.rule.spacing * np.sum(left * by_y)
             lost[i] += 0.0 if power.at_left else whole[i] * float(power.total)
         infinite = [power.panel for power in self.infinite_rates]

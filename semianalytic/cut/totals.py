@@ -66,7 +66,9 @@ def _named_sense(profile: Profile, inner: float, outer: float) -> int:
     return profile.panels.sense[max(int(np.searchsorted(lefts, between)) - 1, 0)]
 
 
-def running_integrals(profile: Profile, u: Array, weight: Callable[[int, Array, Array], Array]) -> Array:
+def running_integrals(
+    profile: Profile, u: Array, weight: Callable[[int, Array, Array], Array]
+) -> Array:
     """(2, m): integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
 
     At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of panel,
