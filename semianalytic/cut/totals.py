@@ -72,8 +72,8 @@ def running_integrals(
     """(2, m): integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
 
     At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of panel,
-    slowness and |V|, which is V times the sense of its panel.  The first integral is negative where the
-    interface slips ahead of all waves and u is there.
+    slowness and |V|, which is V times the sense of its panel.  The first integral is negative where
+    the interface slips ahead of all waves and u is there.
     """
     panels = profile.panels
     front = panels.left[0].v[0]

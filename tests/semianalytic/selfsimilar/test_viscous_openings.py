@@ -1,4 +1,4 @@
-"""A viscous film that opens: slip rate beside the borders of the opening, laws, a grid, estimates."""
+"""A viscous film that opens: slip rate at borders of the opening, laws, a grid, estimates."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -43,7 +43,7 @@ def test_laws_hold(scene, mode):
     check_invariants(replace(scene, mode=mode))
 
 
-@pytest.mark.parametrize("seed", range(2, 14))
+@pytest.mark.parametrize("seed", range(2, 10))
 def test_laws_hold_in_scenes_that_open(seed):
     random = np.random.default_rng(seed)
     scene = opening_scene(random)
