@@ -19,7 +19,8 @@ forms from neighbouring zones (`edges`).  b = mu = 1; V is one-sided.
 
 The normal problem is the same in mode I, with opening for slip, no friction and minus the
 pressure for traction.  Where a gap closes behind its opening it does so smoothly, which one term
-more allows for each closing edge e, T = X (C + R + r / (k + e)).
+more allows for each closing edge e, T = X (C + R + r / (k + e)).  So does slip that meets
+resistance where it borders on an opening: V, or its finite part, is 0 there (docs/rate.md).
 """
 
 from __future__ import annotations
