@@ -84,10 +84,6 @@ def check_invariants(scene):
         solution = solve(scene)
     except TensionError:
         return  # nothing holds the contact together
-    except SceneError as refusal:
-        if "where the contact opens strength that depends on slip rate" in str(refusal):
-            return
-        raise
     if solution.status != "converged":
         # Allowed only next to a threshold, where a zone is about to close at the contact edge.
         assert solution.zones[0].inner == 0

@@ -8,9 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from semianalytic.cut import tuning
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, per_set
-from semianalytic.cut.panels import Panels, RunningIntegral, lay_panels
+from semianalytic.cut.panels import Panels, Power, RunningIntegral, lay_panels
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import StuckTraction, traction_of
@@ -61,7 +62,14 @@ class Profile:
         tail = np.zeros(())
         if self.edge_slips:
             tail = fields.transform_at_edge[..., 0] / (np.pi * per_set(fields.factors.kappa))
-        return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
+        return fields.rate_integral(tail)
+
+    @property
+    def infinite_rates(self) -> list[Power]:
+        """Those of `rate_integral` on closed panels that reach infinity, at their right ends: where
+        the contact opens more slowly than its sides radiate."""
+        powers = self.rate_integral.powers
+        return [one for one in powers if not self._open[one.panel] and np.all(one.exponent < 0)]
 
     @cached_property
     def traction_integral(self) -> RunningIntegral:
@@ -167,8 +175,12 @@ class Profile:
 
     @cached_property
     def largest_rate(self) -> Array:
-        """Largest |V| at the nodes, () or (k,)."""
-        return np.asarray(np.abs(self.slip_rate_at_nodes).max(axis=(0, -1)))
+        """Largest |V| at the nodes, () or (k,), off borders of the opening where it is infinite."""
+        size = np.abs(self.slip_rate_at_nodes)
+        for power in self.rate_integral.powers:
+            beside = (power.exponent < 0) & (power.share(self.panels) < tuning.BESIDE_BORDER)
+            size[power.panel][beside] = 0.0
+        return np.asarray(size.max(axis=(0, -1)))
 
     @cached_property
     def wrong_at_nodes(self) -> Array:
@@ -267,20 +279,24 @@ class Profile:
         """Friction bound f p at slownesses u: all that a stuck interface can carry."""
         return np.asarray(self.fields.strength(self.fields.factors.cut(u)))
 
-    def carried(self, v: Array, speed: Array) -> Array:
-        """Traction in the sense of slip at slownesses v, f p + eta V; `speed` V in that sense."""
+    def carried(self, v: Array, speed: Array, is_open: bool | np.ndarray = False) -> Array:
+        """Traction in the sense of slip at slownesses v, f p + eta V, 0 where the contact is open;
+        `speed` V in that sense."""
         if self._load.linearised is not None:
             return self._load.linearised.carried(self.strength(v), speed)
         if self._load.resistance is None:
             return self.strength(v)
-        resisted = self._load.resistance * speed
-        if self._load.opened is not None:
-            opening = self._load.opened.zone
-            closed = v <= opening.left.v[0] if opening.left is not None else np.zeros(v.shape, bool)
-            if opening.right is not None:
-                closed |= v >= opening.right.v[0]
-            resisted = resisted * closed
-        return np.asarray(self.strength(v) + resisted)
+        return np.where(is_open, 0.0, self.strength(v) + self._load.resistance * speed)
+
+    @cached_property
+    def carried_at_nodes(self) -> Array:
+        """(p, n): the same at the nodes of panels that slip (meaningless elsewhere)."""
+        sense = np.array(self.panels.sense)[:, None]
+        return self.carried(self.panels.at.v, sense * self.slip_rate_at_nodes, self._open[:, None])
+
+    def carried_inside(self, panel: int, v: Array, speed: Array) -> Array:
+        """The same at slownesses v inside a panel that slips."""
+        return self.carried(v, speed, bool(self._open[panel]))
 
     def _speed(self, panel: int, at: CutPoints) -> Array:
         """V in the sense of a panel that slips, at points inside it, where traction depends on it;
@@ -300,7 +316,7 @@ class Profile:
         def inside(i: int, at: CutPoints) -> Array:
             sense = self.panels.sense[i]
             if sense:
-                return sense * self.carried(at.v, self._speed(i, at)) - load.base_shear
+                return sense * self.carried_inside(i, at.v, self._speed(i, at)) - load.base_shear
             bounded = self.starts[1][i] + self.traction_integral(i, at) - load.base_shear
             return bounded + self._edge_traction(i, at.v)
 
@@ -316,9 +332,22 @@ class Profile:
         density = weight / np.square(panels.at.v)
         passed = panels.rule.running(density * panels.jacobian)
         whole, lost = panels.integrals(density), panels.integrals(passed * rate.density)
+        for power in rate.powers:
+            i, by_y = power.panel, power.by_y(panels)
+            left = passed[i] if power.at_left else passed[i] - whole[i]
+            if power.at_left:  # rounding would count
+                near = power.share(panels) < tuning.LEAST_SHARE
+                left[near] = (density * panels.from_left)[i, near]
+            lost[i] += panels.rule.spacing * np.sum(left * by_y)
+            lost[i] += 0.0 if power.at_left else whole[i] * float(power.total)
+        infinite = [power.panel for power in self.infinite_rates]
         for i in panels.layout.slip:
             end = self.starts[0][i] + rate.totals[i]
-            total += panels.sense[i] * float(end * whole[i] - lost[i])
+            gained = float(end * whole[i] - lost[i])
+            if i in infinite:  # and perhaps the weight
+                product = (density * panels.jacobian)[i] * self.slip_rate_at_nodes[i]
+                gained = _summed(product, panels.rule.spacing)
+            total += panels.sense[i] * gained
         return total
 
     @cached_property
@@ -399,3 +428,9 @@ class Profile:
                     value[here] += integral(int(i), factors.cut(v[here]))
             result.append(np.where(v > factors.c, value + jump, value) if coupled else value)
         return result[0], result[1]
+
+
+def _summed(values: Array, spacing: float) -> float:
+    """Trapezoidal sum of values (n,), that go on beyond the last like a geometric series."""
+    ratio = values[-1] / values[-2] if values[-2] else 0.0
+    return float(spacing * (values.sum() + values[-1] * ratio / (1 - ratio)))

@@ -131,10 +131,14 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
 
 def _points_in_opening(profile: Profile) -> CutPoints:
     """Nodes of the panels that are open, and points ever closer to c where that is open, in order
-    of slowness."""
+    of slowness; where slip rate is a power beside an end none that rounding puts there."""
     panels, factors = profile.panels, profile.fields.factors
     open_panels = np.flatnonzero(panels.layout.open)
-    parts = [panels.at.parts[:, open_panels].reshape(4, -1)]
+    off_ends = np.ones(panels.jacobian[open_panels].shape, dtype=bool)
+    if profile.rate_integral.powers:
+        nearest = np.minimum(panels.from_left, panels.from_right)[open_panels]
+        off_ends = nearest > tuning.OFF_ENDS * panels.at.v[open_panels]
+    parts = [panels.at.parts[:, open_panels][:, off_ends]]
     if panels.layout.over_c in open_panels:
         reach = -float(panels.left[panels.layout.over_c].from_c[0])
         near = np.exp(

@@ -347,11 +347,7 @@ class Solution:
     @cached_property
     def _whole_power(self) -> float:
         """Frictional power over time, in units of `profile`."""
-        profile = self.profile
-        sense = np.array(profile.panels.sense)[:, None]
-        return profile.contact_integral(
-            profile.carried(profile.panels.at.v, sense * profile.slip_rate_at_nodes)
-        )
+        return self.profile.contact_integral(self.profile.carried_at_nodes)
 
     @cached_property
     def _whole_rate(self) -> float:

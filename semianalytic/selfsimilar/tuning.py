@@ -167,6 +167,8 @@ GAUSS_PER_ELEMENT = 6
 NO_ZONE = 1e-9
 """Width [c_t] of slip beside an opening that is none: out of the plane nothing drives it ahead of
 the shear front."""
+OFF_ENDS = 1e-13
+"""Distance in slowness, relative, from an end of an opening that rounding leaves some digits."""
 NARROW_GAP = 0.1
 """Gap over slowness between zones that may have met.  Not recorded."""
 NEAR_OPENING = 0.05

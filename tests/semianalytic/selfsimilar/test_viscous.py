@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from catalogue import unit_scene
 
-from semianalytic import CoulombFriction, SceneError, ViscousFriction, march, solve, sweep
+from semianalytic import CoulombFriction, ViscousFriction, march, solve, sweep
 from semianalytic.reference.closed_forms import slip_rate_without_friction
 from semianalytic.regimes import (
     closing_limit,
@@ -135,9 +135,3 @@ def test_work_of_opposite_loads_is_the_same():
     turned = replace(LOADED, base=Tractions(1.0, -0.1), load=Tractions(0.8, -1.0))
     one, other = solve(LOADED), solve(turned)
     assert float(one.frictional_work(1.0)) == float(other.frictional_work(1.0)) > 0
-
-
-def test_a_film_that_opens_is_left_to_the_finite_elements():
-    scene = unit_scene(0.3, (1.0, 0.0), (-1.0, 1.0), friction_law=ViscousFriction(0.2))
-    with pytest.raises(SceneError, match="where the contact opens"):
-        solve(scene)
