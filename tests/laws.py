@@ -11,6 +11,7 @@ from semianalytic import (
     TensionError,
     Tractions,
     ViscousFriction,
+    march,
     solve,
 )
 from semianalytic.regimes import opening_threshold
@@ -72,6 +73,19 @@ def scenes(draw):
     viscosity = draw(st.sampled_from([0.0, 0.0, 0.0, 1e-4, 0.01, 0.1, 0.5, 3.0]))
     law = ViscousFriction(viscosity) if viscosity else CoulombFriction()
     return Scene(Material(1.0, 1.0, poisson_ratio), friction, base, load, friction_law=law)
+
+
+def check_march_converges(exact, nodes):
+    """Marched slip at t = 1 comes to the exact one by more than first order, grid by grid."""
+    errors = []
+    for count in nodes:
+        marched = march(exact.scene, nodes=count, every=10**6)
+        x = marched.interface.x
+        slip = exact.slip(x[x > 0], 1.0)
+        errors.append(np.abs(marched.interface.slip[-1][x > 0] - slip).sum() / slip.sum())
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[-1] < 2e-4
+    assert orders.min() > 1.0
 
 
 # Positions over all velocities, denser towards the edge.

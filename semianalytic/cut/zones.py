@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from semianalytic.cut.canonical import CanonicalFunction
 from semianalytic.cut.layout import Layout, Zone, lies_between, outline
-from semianalytic.cut.load import Load, per_set
+from semianalytic.cut.load import Load, normal_load, per_set
 from semianalytic.cut.panels import Panels, Power, RunningIntegral, lay_panels, split_power
 from semianalytic.cut.strength import PressurePart
 from semianalytic.halfplane.rayleigh import (
@@ -156,7 +156,7 @@ class ZoneFields:
             panels = panels.seen_by(seen)
         return ZoneFields(
             factors,
-            opened.normal_load,
+            normal_load(opened.base, opened.step),
             (opened.zone.seen_by(seen),),
             self.rule,
             self.tail,
