@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,10 +20,12 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.derivative import Derivative, Known, differentiated, over_slowness
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion
-from semianalytic.selfsimilar.variation import Surroundings
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion, over_slowness
 from semianalytic.separation.normal import Normal
+
+if TYPE_CHECKING:  # imported where they are asked for, for a quick import
+    from semianalytic.selfsimilar.derivative import Derivative
+    from semianalytic.selfsimilar.variation import Surroundings
 
 
 @dataclass(frozen=True)
@@ -374,6 +376,8 @@ class Solution:
     @cached_property
     def _surroundings(self) -> Surroundings:
         """What all derivatives share."""
+        from semianalytic.selfsimilar.variation import Surroundings
+
         return Surroundings(self.profile)
 
     def derivative(self, name: str) -> Derivative:
@@ -400,6 +404,8 @@ class Solution:
         ComputationError
             If zones on either side, however near, are of another kind.
         """
+        from semianalytic.selfsimilar.derivative import Known, differentiated
+
         zones = tuple((zone.inner, zone.outer, zone.sense) for zone in self.zones)
         known = Known(zones, self.status, self.error_estimate)
         return differentiated(self.scene, self._surroundings, self.stress, known, name)
