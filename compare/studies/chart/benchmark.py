@@ -206,8 +206,8 @@ def measure_batch(name: str, places: str, rtol: float = 1e-6, side: int = 100) -
     start = process_time()
     singles = [solve(done[i].scene, rtol=rtol) for i in chosen]
     slow = (process_time() - start) / len(chosen)
-    times = 1e3 * quick, slow / quick
-    return BatchTiming(name, places, len(done), rtol, *times, *_checked(done, chosen, singles))
+    checked = _checked(done, chosen, singles)
+    return BatchTiming(name, places, len(done), rtol, 1e3 * quick, slow / quick, *checked)
 
 
 def import_ratio(repetitions: int = 9) -> float:
