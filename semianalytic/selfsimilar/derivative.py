@@ -14,6 +14,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.borders import border
+from semianalytic.selfsimilar.motion import over_slowness
 from semianalytic.selfsimilar.variation import Rates, Surroundings
 from semianalytic.selfsimilar.varied import VariedProfile
 
@@ -140,26 +141,6 @@ class Known:
     zones: tuple[tuple[float, float, int], ...]
     status: str
     error_estimate: float
-
-
-def over_slowness(
-    shear_speed: float, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]
-) -> Array:
-    """A field over slowness (m,), or several (k, m), at positions and times; 0 before t = 0.
-
-    Raises
-    ------
-    SceneError
-        If a position is not positive, or x or t is not finite.
-    """
-    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-    if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))):
-        raise SceneError("positions and times must be finite numbers.")
-    if np.any(x <= 0):
-        raise SceneError("the contact is x > 0; ask for positive positions.")
-    u = (t * shear_speed / x).ravel()
-    value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
-    return value.reshape((*value.shape[:-1], *x.shape))
 
 
 def differentiated(

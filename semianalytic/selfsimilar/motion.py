@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.guesses import slip_senses
@@ -149,3 +151,23 @@ def _points_in_opening(profile: Profile) -> CutPoints:
         parts += [factors.beside("c", -near).parts, factors.beside("c", beyond).parts]
     every = np.concatenate(parts, axis=1)
     return CutPoints(every[:, np.argsort(every[3], kind="stable")])
+
+
+def over_slowness(
+    shear_speed: float, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]
+) -> Array:
+    """A field over slowness (m,), or several (k, m), at positions and times; 0 before t = 0.
+
+    Raises
+    ------
+    SceneError
+        If a position is not positive, or x or t is not finite.
+    """
+    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+    if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))):
+        raise SceneError("positions and times must be finite numbers.")
+    if np.any(x <= 0):
+        raise SceneError("the contact is x > 0; ask for positive positions.")
+    u = (t * shear_speed / x).ravel()
+    value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
+    return value.reshape((*value.shape[:-1], *x.shape))
