@@ -190,6 +190,21 @@ def test_estimates_bound_errors():
     check_estimates(range(12))
 
 
+@pytest.mark.parametrize("seed", [1058, 1074, 1121, 1258])
+def test_estimates_bound_work_on_narrow_slip_ahead_of_an_opening(seed):
+    """Pressure is small there, and friction works nowhere else."""
+    check_estimates([seed])
+
+
+def test_estimates_bound_work_between_nodes():
+    check_estimates([1176])
+
+
+@pytest.mark.slow
+def test_estimates_bound_errors_in_three_hundred_scenes():
+    check_estimates(range(1000, 1300))
+
+
 @pytest.mark.parametrize("nu", [-0.5, 0.2, 0.45])
 @pytest.mark.parametrize("below", [1e-3, 1e-4, 1e-6])
 def test_estimates_cover_the_gap_of_narrow_openings(nu, below):
