@@ -118,6 +118,7 @@ SCENE_OPTIONS = (
     "base-shear",
     "load-pressure",
     "load-shear",
+    "viscosity",
     "mode",
 )
 WRONG_COMMANDS = [

@@ -118,12 +118,16 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
 
 def _at_nodes(profile: Profile, region: list[int], misses: Array) -> list[Violation]:
     """Violations at the nodes of a zone or a stretch of stick, `misses` (m,) of them all in a row;
-    those two nodes apart are one."""
+    those two nodes apart are one.  What slips the wrong way from the outer end of its zone on does
+    so however little it slips at the nodes next to that."""
     wrong = misses != 0
     if not wrong.any():
         return []
     panels, result, last = profile.panels, [], len(wrong) - 1
     sense, unbounded = panels.sense[region[0]], panels.right[region[-1]] is None
+    if sense:
+        first = int(np.argmax(wrong))
+        wrong[:first] = np.all(profile.wrong_at_nodes[region].ravel()[:first] > 0)
     zone = panels.layout.zone[region[0]] if sense else -1
     at = CutPoints(panels.at.parts[:, region].reshape(4, -1))
     wrong[1:-1] |= wrong[:-2] & wrong[2:]
