@@ -144,6 +144,21 @@ def test_a_base_at_friction_that_hardly_slips_the_wrong_way_at_the_front_is_seen
     assert solution.statistics.zone_sets <= 3
 
 
+def test_slip_at_the_front_is_mended_at_a_strict_tolerance_too():
+    """The strip is 2e-5 wide, and beside the front slip rate is below rounding of the rule."""
+    friction, base = 0.0021214, 0.0270694
+    scene = Scene(
+        Material(1.0, 1.0, -0.212977),
+        friction,
+        Tractions(base, friction * base),
+        Tractions(-1.0, 0.114371),
+    )
+    solution = solve(scene, rtol=1e-11)
+    assert solution.status == "converged"
+    assert [zone.sense for zone in solution.zones] == [1, -1, 1]
+    assert solution.statistics.zone_sets <= 3
+
+
 CLEAR = 0.03
 FIELDS = ("slip", "path", "work_density", "gap")
 TOTALS = ("frictional_power", "frictional_work", "accumulated_slip", "max_slip")
