@@ -118,7 +118,6 @@ SCENE_OPTIONS = (
     "base-shear",
     "load-pressure",
     "load-shear",
-    "viscosity",
     "mode",
 )
 WRONG_COMMANDS = [
