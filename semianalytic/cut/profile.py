@@ -98,7 +98,7 @@ class Profile:
         panels, load = self.panels, self._load
         rate, traction = np.zeros((2, *panels.jacobian.shape[:-1]))
         rate[0] = per_set(load.far_slip_rate)
-        traction[0] = load.base_shear - per_set(load.far_slip_rate)
+        traction[0] = self.fields.base_traction
         for i in range(len(panels.left) - 1):
             if not panels.sense[i]:
                 traction[i + 1] = traction[i] + self.traction_integral.totals[i]
@@ -108,7 +108,11 @@ class Profile:
                 continue
             right = panels.right[i]
             assert right is not None
-            traction[i + 1] = panels.sense[i] * self.fields.strength(right)[..., 0]
+            if self.normal is None:
+                strength = self.fields.strength(right)[..., 0]
+            else:
+                strength = -per_set(load.friction) * self.normal.starts[1][i + 1]
+            traction[i + 1] = panels.sense[i] * strength
         return rate, traction
 
     @cached_property
@@ -211,7 +215,7 @@ class Profile:
         traction = self.starts[1][panel] + self.traction_integral(panel, at)
         traction = traction + self._edge_traction(panel, at.v)
         region = next(part for part in self.panels.layout.closed_regions if panel in part)
-        return self._excess(region, self.fields.strength(at)[None], traction[None])[0]
+        return self._excess(region, self._strength_at(at)[None], traction[None])[0]
 
     def residues(self, panel: int) -> Array:
         """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
@@ -271,13 +275,26 @@ class Profile:
 
     def pressure_change(self, u: Array) -> Array:
         """p - P_b at slownesses u."""
-        factors = self.fields.factors
-        pressure = self._load.pressure(factors, factors.cut(u))
-        return pressure - self._load.base_pressure
+        return self._pressure_at(self.fields.factors.cut(u)) - self._load.base_pressure
 
     def strength(self, u: Array) -> Array:
         """Friction bound f p at slownesses u: all that a stuck interface can carry."""
-        return np.asarray(self.fields.strength(self.fields.factors.cut(u)))
+        return self._strength_at(self.fields.factors.cut(u))
+
+    def _strength_at(self, at: CutPoints) -> Array:
+        """The same at points on the cut, any shape."""
+        return np.asarray(self._load.friction * self._pressure_at(at))
+
+    def _pressure_at(self, at: CutPoints) -> Array:
+        """Contact pressure at points on the cut, any shape; 0 where it is open.
+
+        That is small beside an opening, and is found on the panels of slip for it to be known
+        relative to itself there.
+        """
+        if self.normal is None:
+            return self._load.pressure(self.fields.factors, at)
+        seen = self.fields.factors.seen_in_plane(CutPoints(at.parts.reshape(4, -1)))
+        return -self.normal.traction_at(seen).reshape(at.v.shape)
 
     def carried(self, v: Array, speed: Array, is_open: bool | np.ndarray = False) -> Array:
         """Traction in the sense of slip at slownesses v, f p + eta V, 0 where the contact is open;
@@ -307,20 +324,18 @@ class Profile:
 
     def shear_change(self, u: Array) -> Array:
         """tau - Q_b at slownesses u."""
-        return self.shear_change_at(self.fields.factors.cut(u))
+        return self.traction_at(self.fields.factors.cut(u)) - self._load.base_shear
 
-    def shear_change_at(self, at: CutPoints) -> Array:
-        """The same at points (m,) of exact distances from the fronts."""
+    def traction_at(self, at: CutPoints) -> Array:
+        """tau at points (m,) of exact distances from the fronts."""
         load = self._load
 
         def inside(i: int, at: CutPoints) -> Array:
-            sense = self.panels.sense[i]
-            if sense:
-                return sense * self.carried_inside(i, at.v, self._speed(i, at)) - load.base_shear
-            bounded = self.starts[1][i] + self.traction_integral(i, at) - load.base_shear
-            return bounded + self._edge_traction(i, at.v)
+            if sense := self.panels.sense[i]:
+                return sense * self.carried_inside(i, at.v, self._speed(i, at))
+            return self.starts[1][i] + self.traction_integral(i, at) + self._edge_traction(i, at.v)
 
-        return self._piecewise_at(at, -load.far_slip_rate, inside)
+        return self._piecewise_at(at, load.base_shear - load.far_slip_rate, inside)
 
     def contact_integral(self, weight: Array) -> float:
         """Integral of weight |V| over xi, of slip behind the longitudinal front; weight (p, n).

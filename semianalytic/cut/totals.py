@@ -12,6 +12,7 @@ from semianalytic.cut import tuning
 from semianalytic.cut.panels import Power
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rules import Rule, finer_rule
 
 
 def largest_slip_over_time(profile: Profile) -> float:
@@ -73,9 +74,12 @@ def running_integrals(
 
     At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of panel,
     slowness and |V|, which is V times the sense of its panel.  The first integral is negative where
-    the interface slips ahead of all waves and u is there.
+    the interface slips ahead of all waves and u is there.  The rule is finer than that of the
+    panels: beyond their ends the second integrand grows as slip rate does not, which shows between
+    nodes.
     """
     panels = profile.panels
+    rule = finer_rule(panels.rule, tuning.TOTALS_STRIP, panels.rule.further)
     front = panels.left[0].v[0]
     speed = np.array([panels.sense[0] * float(profile.fields.load.far_slip_rate)])
     ahead = weight(0, np.zeros(1), speed) * speed
@@ -88,12 +92,12 @@ def running_integrals(
             result += _beside_opening(profile, infinite[panel], at, weight)
             continue
         for left, right in _pieces(profile, int(panel), float(u.max(initial=0.0))):
-            density = _density(profile, int(panel), left, right, weight)
+            density = _density(profile, int(panel), (left, right), weight, rule)
             from_left, to_right = at.minus(left), -at.minus(right)
             inside, behind = (from_left > 0) & (to_right > 0), to_right <= 0
             y = np.log(from_left[inside] / to_right[inside])
-            result[:, inside] += panels.rule.interpolate_running(y, density).T
-            result[:, behind] += panels.rule.spacing * density.sum(axis=1)[:, None]
+            result[:, inside] += rule.interpolate_running(y, density).T
+            result[:, behind] += rule.spacing * density.sum(axis=1)[:, None]
     return result
 
 
@@ -139,19 +143,19 @@ def _pieces(profile: Profile, panel: int, most: float) -> Iterator[tuple[CutPoin
 def _density(
     profile: Profile,
     panel: int,
-    left: CutPoints,
-    right: CutPoints,
+    ends: tuple[CutPoints, CutPoints],
     weight: Callable[[int, Array, Array], Array],
+    rule: Rule,
 ) -> Array:
-    """(2, n): weight |V| / v^2 and weight |V| at the nodes of the rule between two points, times
-    dv/dy."""
-    panels, rule = profile.panels, profile.panels.rule
+    """(2, n): weight |V| / v^2 and weight |V| at the nodes of a rule between two points of a panel,
+    times dv/dy."""
+    left, right = ends
     width = right.minus(left)
     at = CutPoints(
         np.where(
             rule.y < 0, left.parts + width * rule.share, right.parts - width * rule.share[::-1]
         )
     )
-    speed = panels.sense[panel] * profile.slip_rate_inside(panel, at)
+    speed = profile.panels.sense[panel] * profile.slip_rate_inside(panel, at)
     power = weight(panel, at.v, speed) * speed * width * rule.bell
     return np.stack([power / np.square(at.v), power])

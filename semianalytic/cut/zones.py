@@ -448,6 +448,19 @@ class ZoneFields:
         slope[self.layout.slip] = 0.0
         return slope
 
+    @cached_property
+    def base_traction(self) -> float | Array:
+        """Traction ahead of all waves, a number or (k,).
+
+        In the normal problem that under which, on these panels exactly, pressure falls to zero
+        where the contact opens: beside it pressure is small against the base, and so is what
+        strength it leaves to slip that ends there.
+        """
+        if self.factors.mode != "I":
+            return self.load.base_shear - per_set(self.load.far_slip_rate)
+        ahead = self.panels.integrals(self.traction_slope)[self.layout.regions[0]]
+        return np.asarray(-ahead.sum(axis=0))
+
     def strength(self, edge: CutPoints) -> Array:
         """Friction bound f p at an edge."""
         return self.load.friction * self.load.pressure(self.factors, edge)
@@ -495,7 +508,8 @@ class ZoneFields:
         the stick before it, over the width of a narrow gap to the zone outward of it."""
         load = self.load
         if outward is None:
-            strength = per_set(load.friction) * load.base_pressure
+            base = load.base_pressure if self.normal is None else -self.normal.base_traction
+            strength = per_set(load.friction) * base
             return gain + load.base_shear - per_set(load.far_slip_rate) - zone.sense * strength
         if zone.left is None or outward.right is None:
             return gain

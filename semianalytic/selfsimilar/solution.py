@@ -227,10 +227,10 @@ class Solution:
         pressure = scene.load.pressure
         if self.normal is not None:
             pressure = -self.stress_unit * float(self.normal.profile.edge_intensity)
-        mode_one = pressure * mode_one
+        mode_one = pressure * mode_one + 0.0  # 0 where open, not -0
         if self.profile.edge_slips:
-            return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one
-        return mode_one, self.stress_unit * self.profile.edge_intensity * sheared
+            return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one + 0.0
+        return mode_one, self.stress_unit * self.profile.edge_intensity * sheared + 0.0
 
     def path(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Accumulated |slip| [length], the time integral of |slip rate|; raises as `slip_rate`."""

@@ -262,7 +262,7 @@ def _checked(trial: _Trial, refined: _Trial, estimate: float, rtol: float) -> tu
     if not broken or not trial.lawful:
         return refined, estimate
     zones, rule = corrected(fields.zones, broken, fields.load), rule_for(rtol / tuning.RULE_SHARE)
-    rules = _Rules(rule, max(tuning.LOCATED_SHIFT * rtol, tuning.LEAST_LOCATED_SHIFT), rule)
+    rules = _Rules(rule, max(tuning.LOCATED_SHIFT * rtol, tuning.LEAST_LEFT_SHIFT), rule)
     again = _settled(fields.factors, zones, fields.load, rules)
     last, estimate = _refined(again, rtol)
     steps = refined.steps + again.steps + last.steps

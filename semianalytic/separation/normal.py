@@ -33,10 +33,7 @@ class Normal:
 
     def pressure(self, at: CutPoints) -> Array:
         """Contact pressure at points on the cut, any shape; 0 where the contact is open."""
-        flat = CutPoints(at.parts.reshape(4, -1))
-        change = self.profile.shear_change_at(flat)
-        base = self.profile.fields.load.base_shear
-        return -(base + change).reshape(at.v.shape)
+        return -self.profile.traction_at(CutPoints(at.parts.reshape(4, -1))).reshape(at.v.shape)
 
     def known_pressure(self) -> Array:
         """(2, n): slownesses of the nodes, increasing, and the pressures there."""
