@@ -18,9 +18,10 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
     if load.frictionless:
         return ""
     margin = abs(float(load.friction) * load.base_pressure - abs(load.base_shear))
-    of_base = name in ("friction", "base_pressure", "base_shear") and not load.far_slip_rate
+    of_base = name in ("friction", "base_pressure", "base_shear")
     if of_base and margin < tuning.AT_BORDER:
-        return "one-sided: the base is at friction"
+        does = "slides" if load.far_slip_rate else "sticks"
+        return f"one-sided: the base is at friction, and this holds as long as it {does}"
     if not profile.edge_slips and abs(float(excess_intensity(profile))) < tuning.AT_BORDER:
         return "one-sided: the contact edge is about to slip"
     for zone, width, peak in _sizes(profile):
@@ -33,6 +34,12 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
         what = "stop slipping" if profile.panels.sense[panel] else "slip"
         return f"one-sided: the interface is about to {what} at {xi:.6g} c_t"
     return ""
+
+
+def starts_at_front(profile: Profile) -> bool:
+    """Whether slip begins ahead of all waves, or at the longitudinal front of a base at friction."""
+    zones = profile.fields.zones
+    return bool(zones) and zones[0].left is None
 
 
 def _sizes(profile: Profile) -> list[tuple[float, float, float]]:

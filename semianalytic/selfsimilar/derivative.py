@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.cut.load import Load
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.cut.profile import Profile
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.borders import border
+from semianalytic.selfsimilar.borders import border, starts_at_front
 from semianalytic.selfsimilar.variation import Rates, Surroundings
 from semianalytic.selfsimilar.varied import VariedProfile
 
@@ -64,24 +66,54 @@ class Derivative:
     status : str
         "converged"; a sentence where zones are about to change, so that the derivative holds to
         one side only, or what to distrust in the solution.
-    error_estimate : float
-        Of edges, slip rate, slip and tractions, relative to their largest derivative or, where that
-        is less, to c_t and the largest values of the fields over that of the parameter; at points
-        further than 0.03 c_t from zone edges and from wave fronts: nearer they are infinite or
-        nearly so.
     varied : VariedProfile
         The fields over slowness, in units b = mu = 1 and `stress`.
     stress : float
         Unit of stress of `varied`.
+    surroundings : Surroundings
+        Of the zones of the solution.
     """
 
     scene: Scene
     name: str
     zones: tuple[ZoneDerivative, ...]
     status: str
-    error_estimate: float
     varied: VariedProfile
     stress: float
+    surroundings: Surroundings
+
+    @cached_property
+    def error_estimate(self) -> float:
+        """Of edges, slip rate, slip and tractions, for zones as they are.
+
+        Relative to their largest derivative or, where that is less, to c_t and the largest values
+        of the fields over that of the parameter (over 1, or the unit of stress, where that is 0);
+        at points further than 0.03 c_t from zone edges and from wave fronts: nearer they are
+        infinite or nearly so.  It takes a second, coarser derivative, and is formed when it is
+        asked for.
+        """
+        fine, profile = self.varied, self.varied.profile
+        coarse = VariedProfile(
+            self.surroundings.companion.profile,
+            self.surroundings.companion.variation(fine.variation.rates),
+        )
+        size, u = self._size, _compared(profile)
+        pairs = (
+            (fine.slip_rate, coarse.slip_rate, profile.slip_rate),
+            (fine.slip_over_time, coarse.slip_over_time, profile.slip_over_time),
+            (fine.traction, coarse.traction, profile.shear_change),
+        )
+        worst = _share(_edges_moved(fine), _edges_moved(coarse), 1 / size)
+        for one, other, field in pairs:
+            worst = max(worst, _share(one(u), other(u), float(np.abs(field(u)).max()) / size))
+        return tuning.LEAST_DERIVATIVE_ERROR + tuning.SAFETY * worst
+
+    @property
+    def _size(self) -> float:
+        """The parameter in the units of `varied`; 1 if it is 0."""
+        size = abs(parameter(self.scene, self.name))
+        is_traction = self.name.startswith(("base_", "load_"))
+        return (size / self.stress if is_traction else size) or 1.0
 
     def __repr__(self) -> str:
         speeds = ", ".join(f"{one.inner:.4g} and {one.outer:.4g}" for one in self.zones)
@@ -135,11 +167,10 @@ class Derivative:
 
 @dataclass(frozen=True)
 class Known:
-    """Of a solution: its zones as (inner, outer, sense), its status and its error estimate."""
+    """Of a solution: its zones as (inner, outer, sense), and its status."""
 
     zones: tuple[tuple[float, float, int], ...]
     status: str
-    error_estimate: float
 
 
 def over_slowness(
@@ -180,7 +211,7 @@ def differentiated(
         If zones on either side of these, however near, have other panels.
     """
     profile = surroundings.profile
-    rates = _rates(scene, profile.fields.load, stress, name)
+    rates = _rates(scene, profile, stress, name)
     varied = VariedProfile(profile, surroundings.variation(rates))
     status = known.status
     if status == "converged":
@@ -190,14 +221,54 @@ def differentiated(
         name,
         _zones(scene, varied, known.zones),
         status,
-        tuning.LEAST_DERIVATIVE_ERROR + tuning.DERIVATIVE_SHARE * known.error_estimate,
         varied,
         stress,
+        surroundings,
     )
 
 
-def _rates(scene: Scene, load: Load, stress: float, name: str) -> Rates:
-    """What a parameter of a scene changes of its load."""
+def parameter(scene: Scene, name: str) -> float:
+    """The value of one of `PARAMETERS` in a scene."""
+    if name == "friction":
+        return scene.friction
+    if name == "poisson_ratio":
+        return scene.material.poisson_ratio
+    if name == "viscosity":
+        law = scene.friction_law
+        return law.viscosity if isinstance(law, ViscousFriction) else 0.0
+    part, kind = name.split("_")
+    return float(getattr(getattr(scene, part), kind))
+
+
+def _compared(profile: Profile) -> Array:
+    """Slownesses at which a derivative is compared: away from zone edges and wave fronts."""
+    factors = profile.fields.factors
+    marks = np.array([edge.v[0] for edge in _edges(profile)] + [factors.a, 1.0, factors.c])
+    xi = np.geomspace(tuning.CLEAR_OF_EDGES, 1 / factors.a, tuning.COMPARED_POINTS)
+    return np.asarray(1 / xi[np.abs(xi[:, None] - 1 / marks).min(axis=1) > tuning.CLEAR_OF_EDGES])
+
+
+def _edges(profile: Profile) -> list[CutPoints]:
+    """Edges of the slip zones, from the longitudinal front inward."""
+    zones = profile.fields.zones
+    return [edge for zone in zones for edge in (zone.left, zone.right) if edge is not None]
+
+
+def _edges_moved(varied: VariedProfile) -> Array:
+    """(e,) derivatives of the velocities of these edges [c_t]."""
+    edges = _edges(varied.profile)
+    return np.array([-varied.moved(edge)[0] / edge.v[0] ** 2 for edge in edges])
+
+
+def _share(one: Array, other: Array, least: float) -> float:
+    """Largest difference of derivatives over the largest of them, or what they count at least."""
+    away, size = np.abs(one - other).max(initial=0.0), np.abs(one).max(initial=0.0)
+    return float(away / max(size, least)) if away else 0.0
+
+
+def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
+    """What a parameter of a scene changes of its load; of a base at friction as long as it sticks."""
+    load = profile.fields.load
     if name not in PARAMETERS:
         raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
     if load.opened is not None:
@@ -225,12 +296,19 @@ def _rates(scene: Scene, load: Load, stress: float, name: str) -> Rates:
     else:
         plain = name in ("friction", "poisson_ratio")
         rates = Rates(**{name: 1.0 if plain else 1 / stress})
-    far = load.far_slip_rate
-    if not far:
+    if not starts_at_front(profile):
         return rates
+    sense, far = profile.fields.zones[0].sense, load.far_slip_rate
     strength = rates.friction * load.base_pressure + load.friction * rates.base_pressure
-    excess = rates.base_shear - np.sign(far) * strength - rates.resistance * far
-    return replace(rates, far_slip_rate=float(excess / (1 + (load.resistance or 0.0))))
+    excess = float(rates.base_shear - sense * strength - rates.resistance * far)
+    if far:
+        return replace(rates, far_slip_rate=excess / (1 + (load.resistance or 0.0)))
+    if excess and profile.fields.factors.mode == "III":
+        raise SceneError(
+            "derivative: the base is at friction, and out of the plane this solver does not know "
+            "how slip lets go of the shear front; lower the base shear a little (docs/limits.md)."
+        )
+    return replace(rates, front_excess=excess)
 
 
 def _zones(
@@ -238,17 +316,20 @@ def _zones(
 ) -> tuple[ZoneDerivative, ...]:
     """How the edges of zones (inner, outer, sense) move, from the contact edge outward."""
     fields, unit = varied.profile.fields, scene.material.shear_speed
-    edges = [edge for zone in fields.zones for edge in (zone.left, zone.right) if edge is not None]
-    known = {float(unit / edge.v[0]): varied.moved(edge)[0] / edge.v[0] ** 2 for edge in edges}
+    speeds_of = [float(unit / edge.v[0]) for edge in _edges(varied.profile)]
+    known = dict(zip(speeds_of, _edges_moved(varied).tolist(), strict=True))
     known |= {0.0: 0.0, np.inf: 0.0, scene.fastest_speed: 0.0}
     if scene.fastest_speed > unit:
-        known[scene.fastest_speed] = varied.moved(fields.factors.front_a)[0] / fields.factors.a**2
+        known[scene.fastest_speed] = -varied.moved(fields.factors.front_a)[0] / fields.factors.a**2
+    excess = varied.variation.rates.front_excess
+    if excess and not fields.load.load_pressure:  # as the 2/3 power; under a step of pressure, 2
+        known[scene.fastest_speed] = float(np.copysign(np.inf, excess * fields.zones[0].sense))
 
     def moved(speed: float) -> float:
         if speed not in known:  # where the sense of free slip changes
             u = np.array([unit / speed])
-            known[speed] = varied.moved_root(u)[0] / u[0] ** 2
-        return -unit * float(known[speed])
+            known[speed] = -varied.moved_root(u)[0] / u[0] ** 2
+        return unit * float(known[speed])
 
     return tuple(
         ZoneDerivative(moved(inner), moved(outer), sense) for inner, outer, sense in speeds

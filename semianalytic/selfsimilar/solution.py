@@ -401,7 +401,7 @@ class Solution:
             If zones on either side, however near, are of another kind.
         """
         zones = tuple((zone.inner, zone.outer, zone.sense) for zone in self.zones)
-        known = Known(zones, self.status, self.error_estimate)
+        known = Known(zones, self.status)
         return differentiated(self.scene, self._surroundings, self.stress, known, name)
 
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:

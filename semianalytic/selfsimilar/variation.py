@@ -40,6 +40,8 @@ class Rates:
     far_slip_rate : of V(inf) [stress unit / (mu b)]
     resistance : of eta [mu b]
     poisson_ratio : 1 for the Poisson ratio itself
+    front_excess : of the base shear less friction, where slip starts at the longitudinal front of a
+        base at friction; what sticks ahead of it then [stress unit]
     """
 
     friction: float = 0.0
@@ -50,6 +52,7 @@ class Rates:
     far_slip_rate: float = 0.0
     resistance: float = 0.0
     poisson_ratio: float = 0.0
+    front_excess: float = 0.0
 
     def of_load(self, load: Load) -> Load | None:
         """The load whose fields are the derivatives of those of a load, for zones that stay.
@@ -196,9 +199,31 @@ class Variation:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Placed zones, and what their neighbours on the same nodes show."""
+    """Placed zones, and what their neighbours on the same nodes show.
+
+    Attributes
+    ----------
+    profile : Profile, of the zones
+    finer : Surroundings of which these are the `companion`, or None
+    """
 
     profile: Profile
+    finer: Surroundings | None = None
+
+    @cached_property
+    def companion(self) -> Surroundings:
+        """The same zones on a coarser rule, with edges where that one wants them.
+
+        Their derivatives share nothing with those of the zones but the Jacobian, which only says
+        where to look: the rule, its nodes, the edges and the step of differences are others.
+        """
+        (edges, unknowns), fields = self._placed, self._fields
+        rule = rule_for(tuning.COARSER_COMPANION * fields.rule.tolerance)
+        if len(unknowns):
+            left = replace(fields, rule=rule).mismatch()
+            unknowns = unknowns - self._inverse @ left.reshape(-1)
+        placed = replace(fields, rule=rule, zones=edges.zones(unknowns))
+        return Surroundings(Profile(placed), self)
 
     @property
     def _fields(self) -> ZoneFields:
@@ -220,6 +245,8 @@ class Surroundings:
     @cached_property
     def _inverse(self) -> Array:
         """(e, e) inverse Jacobian of the mismatch, to about six digits."""
+        if self.finer is not None:
+            return self.finer._inverse
         edges, unknowns = self._placed
         if not len(unknowns):
             return np.zeros((0, 0))
@@ -264,7 +291,12 @@ class Surroundings:
             steps.append(_OF_POISSON * min(0.5 - nu, 1 + nu))
         if rates.resistance:
             steps.append(float(np.max(self._fields.load.resistance or 0.0)))
-        return tuning.VARIED_STEP * min(steps)
+        return self._share_of_step * min(steps)
+
+    @property
+    def _share_of_step(self) -> float:
+        shorter = 1.0 if self.finer is None else tuning.COMPANION_STEP
+        return tuning.VARIED_STEP * shorter
 
     def _stencil(self, rates: Rates, moved: Array) -> Stencil | None:
         """Points at which neighbours in a direction have the same panels; None if none moves."""
@@ -292,7 +324,7 @@ class Surroundings:
         load, moved = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
         nodes, unfulfilled = NodeFields.zero(self.profile), moved
         if load is not None:
-            fixed = replace(self._fields, load=load, rule=self._rule)
+            fixed = self._let_go(replace(self._fields, load=load, rule=self._rule), rates)
             nodes = NodeFields.of(Profile(fixed)).of_resting_panels
             unfulfilled = fixed.mismatch().reshape(-1)
             moved = -self._inverse @ unfulfilled
@@ -310,6 +342,23 @@ class Surroundings:
             unfulfilled = unfulfilled + self._unfulfilled(beside, stencil)
             moved, nodes = self._improved(moved, nodes, unfulfilled)
         return Variation(rates, moved, nodes, stencil)
+
+    def _let_go(self, fields: ZoneFields, rates: Rates) -> ZoneFields:
+        """Fields with what a base just below friction keeps back of slip at the longitudinal front.
+
+        From there on the traction is what strength is: it jumps by minus the excess, as a term
+        r / (k + a) of T does, and the slip rate by that over the impedance.  A strip that sticks
+        behind the front makes both smooth; its width is of higher order.
+        """
+        if not rates.front_excess:
+            return fields
+        factors, load, front = fields.factors, fields.load, self.profile.panels.left[0]
+        impedance = np.square(1 - 2 * factors.a**2) / np.sqrt(1 - factors.a**2)
+        rate = rates.front_excess / float(impedance + (load.resistance or 0.0))
+        amount = impedance * rate * factors.a / self._fields.canonical.values[0, ..., 0]
+        # T(0) is that of the load: V behind the front is no far slip rate
+        load = replace(load, far_slip_rate=rate, load_shear=load.load_shear + rate)
+        return replace(fields, load=load, closing=((front, float(amount)),))
 
     def _improved(
         self, moved: Array, nodes: NodeFields, unfulfilled: Array
