@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from semianalytic.cut.profile import Profile
+from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import doubtful, excess_intensity
@@ -15,6 +16,10 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
     load = profile.fields.load
     if name == "load_pressure" and not scene.load.pressure:
         return "one-sided: a negative step of pressure would open the contact at its edge"
+    if name in ("base_pressure", "load_pressure", "poisson_ratio") and load.load_pressure > 0:
+        stuck = stuck_traction(profile.fields.factors.poisson_ratio, "I").at_rayleigh_front
+        if abs(load.base_pressure / load.load_pressure + stuck) < tuning.AT_BORDER:
+            return "one-sided: the contact is about to open, or to close, at the Rayleigh front"
     if load.frictionless:
         return ""
     margin = abs(float(load.friction) * load.base_pressure - abs(load.base_shear))
@@ -37,7 +42,7 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
 
 
 def starts_at_front(profile: Profile) -> bool:
-    """Whether slip begins ahead of all waves, or at the longitudinal front of a base at friction."""
+    """Whether slip begins ahead of all waves, or right at the front of a base at friction."""
     zones = profile.fields.zones
     return bool(zones) and zones[0].left is None
 

@@ -49,6 +49,21 @@ class ZoneDerivative:
     sense: int
 
 
+@dataclass(frozen=True)
+class OpenDerivative:
+    """How fast the edges of an opening change with a parameter.
+
+    Attributes
+    ----------
+    inner, outer : float
+        Derivatives of the velocities of its edges [length / time per unit of the parameter]; 0 at
+        the contact edge.
+    """
+
+    inner: float
+    outer: float
+
+
 @dataclass(frozen=True, eq=False)
 class Derivative:
     """Derivatives of a solution with respect to one parameter of its scene, all else held.
@@ -63,6 +78,7 @@ class Derivative:
     name : str, the parameter: one of "friction", "poisson_ratio", "base_pressure", "base_shear",
         "load_pressure", "load_shear" and "viscosity"
     zones : tuple of ZoneDerivative, from the contact edge outward, as `Solution.zones`
+    openings : tuple of OpenDerivative, likewise
     status : str
         "converged"; a sentence where zones are about to change, so that the derivative holds to
         one side only, or what to distrust in the solution.
@@ -106,6 +122,13 @@ class Derivative:
         worst = _share(_edges_moved(fine), _edges_moved(coarse), 1 / size)
         for one, other, field in pairs:
             worst = max(worst, _share(one(u), other(u), float(np.abs(field(u)).max()) / size))
+        if profile.normal is not None and fine.normal and coarse.normal:
+            pairs = (
+                (fine.normal.traction, coarse.normal.traction, profile.normal.shear_change),
+                (fine.normal.slip_rate, coarse.normal.slip_rate, profile.normal.slip_rate),
+            )
+            for one, other, field in pairs:
+                worst = max(worst, _share(one(u), other(u), float(np.abs(field(u)).max()) / size))
         return tuning.LEAST_DERIVATIVE_ERROR + tuning.SAFETY * worst
 
     @property
@@ -158,6 +181,42 @@ class Derivative:
         before = self.varied.variation.rates.base_pressure
         change = self._evaluate(x, t, lambda u: self.varied.pressure(u) - before)
         return self.stress * (before + change)
+
+    @property
+    def openings(self) -> tuple[OpenDerivative, ...]:
+        """Of where the contact is open, from the contact edge outward."""
+        opened = self.varied.profile.fields.load.opened
+        if opened is None:
+            return ()
+        unit, ends = self.scene.material.shear_speed, (opened.zone.right, opened.zone.left)
+        inner, outer = (0.0 if end is None else unit * _moved(self.varied, end) for end in ends)
+        return (OpenDerivative(inner, outer),)
+
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Of the gap [length per unit of the parameter], 0 where closed; raises as `slip_rate`."""
+        time = np.asarray(t, dtype=float)
+        return self._rate_unit * time * self._of_gap(x, t, VariedProfile.slip_over_time)
+
+    def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Of its rate [length / time per unit of the parameter]; raises as `slip_rate`.
+
+        Plus or minus infinity at edges where the rate has a square root.
+        """
+        return self._rate_unit * self._of_gap(x, t, VariedProfile.slip_rate)
+
+    def _of_gap(
+        self, x: ArrayLike, t: ArrayLike, field: Callable[[VariedProfile, Array], Array]
+    ) -> Array:
+        normal, opened = self.varied.normal, self.varied.profile.fields.load.opened
+        if normal is None or opened is None:
+            return self._evaluate(x, t, np.zeros_like)
+        start, end = opened.zone.left, opened.zone.right
+        first, last = 0.0 if start is None else start.v[0], np.inf if end is None else end.v[0]
+
+        def inside(u: Array) -> Array:
+            return np.where((u >= first) & (u <= last), field(normal, u), 0.0)
+
+        return self._evaluate(x, t, inside)
 
     @property
     def edge_slip_rate(self) -> float:
@@ -249,15 +308,22 @@ def _compared(profile: Profile) -> Array:
 
 
 def _edges(profile: Profile) -> list[CutPoints]:
-    """Edges of the slip zones, from the longitudinal front inward."""
-    zones = profile.fields.zones
+    """Edges of the slip zones, from the longitudinal front inward, and of what is open."""
+    zones, opened = profile.fields.zones, profile.fields.load.opened
+    if opened is not None:
+        zones = (*zones, opened.zone)
     return [edge for zone in zones for edge in (zone.left, zone.right) if edge is not None]
 
 
 def _edges_moved(varied: VariedProfile) -> Array:
     """(e,) derivatives of the velocities of these edges [c_t]."""
     edges = _edges(varied.profile)
-    return np.array([-varied.moved(edge)[0] / edge.v[0] ** 2 for edge in edges])
+    return np.array([_moved(varied, edge) for edge in edges])
+
+
+def _moved(varied: VariedProfile, edge: CutPoints) -> float:
+    """Derivative of the velocity [c_t] of a zone edge or front at which a panel begins."""
+    return float(-varied.moved(edge)[0] / edge.v[0] ** 2)
 
 
 def _share(one: Array, other: Array, least: float) -> float:
@@ -267,15 +333,10 @@ def _share(one: Array, other: Array, least: float) -> float:
 
 
 def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
-    """What a parameter of a scene changes of its load; of a base at friction as long as it sticks."""
+    """What a parameter changes of the load of a scene; of a base at friction while it sticks."""
     load = profile.fields.load
     if name not in PARAMETERS:
         raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
-    if load.opened is not None:
-        raise SceneError(
-            "derivative: parts of this contact are open; raise the base pressure until it stays "
-            "closed, or difference two solutions (docs/limits.md)."
-        )
     if load.linearised is not None:
         raise SceneError(
             "derivative: there is one for constant and viscous friction only; difference two "
@@ -302,7 +363,7 @@ def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
     strength = rates.friction * load.base_pressure + load.friction * rates.base_pressure
     excess = float(rates.base_shear - sense * strength - rates.resistance * far)
     if far:
-        return replace(rates, far_slip_rate=excess / (1 + (load.resistance or 0.0)))
+        return replace(rates, far_slip_rate=float(excess / (1 + (load.resistance or 0.0))))
     if excess and profile.fields.factors.mode == "III":
         raise SceneError(
             "derivative: the base is at friction, and out of the plane this solver does not know "
@@ -320,7 +381,7 @@ def _zones(
     known = dict(zip(speeds_of, _edges_moved(varied).tolist(), strict=True))
     known |= {0.0: 0.0, np.inf: 0.0, scene.fastest_speed: 0.0}
     if scene.fastest_speed > unit:
-        known[scene.fastest_speed] = -varied.moved(fields.factors.front_a)[0] / fields.factors.a**2
+        known[scene.fastest_speed] = _moved(varied, fields.factors.front_a)
     excess = varied.variation.rates.front_excess
     if excess and not fields.load.load_pressure:  # as the 2/3 power; under a step of pressure, 2
         known[scene.fastest_speed] = float(np.copysign(np.inf, excess * fields.zones[0].sense))

@@ -184,6 +184,8 @@ BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 
 VARIED_STEP = 3e-3
 """Of logits and logarithms between neighbours: truncation is some 1e-11, rounding as much."""
+VARIED_OPENING = 1e-12
+"""Accuracy of the openings between which is differenced."""
 DIRECTION_RULE = 1e-6
 """Tolerance of the rule on which the direction of a derivative is found: as good as a Jacobian from
 one-sided differences."""

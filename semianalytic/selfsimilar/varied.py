@@ -187,9 +187,18 @@ class VariedProfile:
         slope = stuck_traction(own.poisson_ratio, mode).derivative(inside)
         return np.where(u <= own.a, 0.0, value - np.where(between, slope * moved, 0.0))
 
+    @cached_property
+    def normal(self) -> VariedProfile | None:
+        """Of the normal problem, minus pressure for traction and the opening of one side for slip;
+        None if it stays, or the contact is closed."""
+        profile, variation = self.profile.normal, self.variation.of_normal
+        return VariedProfile(profile, variation) if profile and variation else None
+
     def pressure(self, u: Array) -> Array:
         """Of contact pressure."""
         load, rates = self.profile.fields.load, self.variation.rates
+        if load.opened is not None:
+            return np.zeros(u.shape) if self.normal is None else -self.normal.traction(u)
         result = np.full(u.shape, rates.base_pressure)
         if rates.load_pressure:
             mode_one = stuck_traction(self.profile.fields.factors.poisson_ratio, "I")
