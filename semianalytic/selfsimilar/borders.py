@@ -20,6 +20,12 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
         stuck = stuck_traction(profile.fields.factors.poisson_ratio, "I").at_rayleigh_front
         if abs(load.base_pressure / load.load_pressure + stuck) < tuning.AT_BORDER:
             return "one-sided: the contact is about to open, or to close, at the Rayleigh front"
+    if (
+        load.opened is not None
+        and not profile.fields.zones
+        and name in ("base_shear", "load_shear")
+    ):
+        return "one-sided: with any shear the interface moves where it is open, and slips beside it"
     if load.frictionless:
         return ""
     margin = abs(float(load.friction) * load.base_pressure - abs(load.base_shear))

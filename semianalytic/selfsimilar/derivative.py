@@ -114,21 +114,18 @@ class Derivative:
             self.surroundings.companion.variation(fine.variation.rates),
         )
         size, u = self._size, _compared(profile)
-        pairs = (
-            (fine.slip_rate, coarse.slip_rate, profile.slip_rate),
-            (fine.slip_over_time, coarse.slip_over_time, profile.slip_over_time),
-            (fine.traction, coarse.traction, profile.shear_change),
-        )
         worst = _share(_edges_moved(fine), _edges_moved(coarse), 1 / size)
-        for one, other, field in pairs:
-            worst = max(worst, _share(one(u), other(u), float(np.abs(field(u)).max()) / size))
-        if profile.normal is not None and fine.normal and coarse.normal:
-            pairs = (
-                (fine.normal.traction, coarse.normal.traction, profile.normal.shear_change),
-                (fine.normal.slip_rate, coarse.normal.slip_rate, profile.normal.slip_rate),
-            )
-            for one, other, field in pairs:
-                worst = max(worst, _share(one(u), other(u), float(np.abs(field(u)).max()) / size))
+        compared = [
+            (fine.slip_rate(u), coarse.slip_rate(u), profile.slip_rate(u)),
+            (fine.slip_over_time(u), coarse.slip_over_time(u), profile.slip_over_time(u)),
+            (fine.traction(u), coarse.traction(u), profile.shear_change(u)),
+        ]
+        if profile.normal and fine.normal and coarse.normal:
+            near, far, normal = fine.normal, coarse.normal, profile.normal
+            compared.append((near.slip_rate(u), far.slip_rate(u), normal.slip_rate(u)))
+            compared.append((near.traction(u), far.traction(u), normal.shear_change(u)))
+        for one, other, field in compared:
+            worst = max(worst, _share(one, other, float(np.abs(field).max()) / size))
         return tuning.LEAST_DERIVATIVE_ERROR + tuning.SAFETY * worst
 
     @property
@@ -347,6 +344,11 @@ def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
             "derivative: without friction the sense of slip is free, and friction of any size "
             "opens stick gaps; take a small positive friction."
         )
+    if name in ("base_pressure", "load_pressure") and load.frictionless and scene.friction:
+        raise SceneError(
+            "derivative: without pressure the sense of slip is free, and friction under any "
+            "pressure opens stick gaps; take a small positive base pressure."
+        )
     if name == "viscosity" and load.resistance is None:
         raise SceneError(
             "derivative: with respect to viscosity the scene needs ViscousFriction of a positive "
@@ -357,14 +359,15 @@ def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
     else:
         plain = name in ("friction", "poisson_ratio")
         rates = Rates(**{name: 1.0 if plain else 1 / stress})
-    if not starts_at_front(profile):
+    free = load.frictionless and not load.far_slip_rate
+    if free or not starts_at_front(profile):
         return rates
     sense, far = profile.fields.zones[0].sense, load.far_slip_rate
     strength = rates.friction * load.base_pressure + load.friction * rates.base_pressure
     excess = float(rates.base_shear - sense * strength - rates.resistance * far)
     if far:
         return replace(rates, far_slip_rate=float(excess / (1 + (load.resistance or 0.0))))
-    if excess and profile.fields.factors.mode == "III":
+    if excess and profile.fields.factors.mode == "III" and not load.load_pressure:
         raise SceneError(
             "derivative: the base is at friction, and out of the plane this solver does not know "
             "how slip lets go of the shear front; lower the base shear a little (docs/limits.md)."

@@ -338,13 +338,20 @@ class Surroundings:
             return own, replace(load, resistance=resistance, far_slip_rate=far_slip_rate)
         if load.opened is None:
             return own, load
-        load = replace(
-            load,
-            base_pressure=load.base_pressure + rates.base_pressure * point,
-            load_pressure=load.load_pressure + rates.load_pressure * point,
-            opened=None,
-        )
-        return own, with_opening(load, own, tuning.VARIED_OPENING)[0]
+        if (rates, point) not in self._opened:
+            pressures = {
+                name: getattr(load, name) + getattr(rates, name) * point
+                for name in ("base_pressure", "load_pressure")
+            }
+            closed = replace(load, **pressures, opened=None)
+            opened, _ = with_opening(closed, own, tuning.VARIED_OPENING)
+            self._opened[rates, point] = opened
+        return own, self._opened[rates, point]
+
+    @cached_property
+    def _opened(self) -> dict[tuple[Rates, float], Load]:
+        """Loads with what is open under them, of the neighbours that were met."""
+        return {}
 
     def _unfulfilled(self, beside: list[ZoneFields], stencil: Stencil) -> Array:
         """(e,) derivatives of the mismatch from neighbours."""
@@ -438,7 +445,8 @@ class Surroundings:
         if not rates.front_excess:
             return fields
         factors, load, front = fields.factors, fields.load, self.profile.panels.left[0]
-        impedance = np.square(1 - 2 * factors.a**2) / np.sqrt(1 - factors.a**2)
+        root = float(np.sqrt(1 - factors.a**2))
+        impedance = root if factors.mode == "III" else (1 - 2 * factors.a**2) ** 2 / root
         rate = rates.front_excess / float(impedance + (load.resistance or 0.0))
         amount = impedance * rate * factors.a / self._fields.canonical.values[0, ..., 0]
         # T(0) is that of the load: V behind the front is no far slip rate

@@ -22,6 +22,7 @@ from semianalytic.reference import edge_speed_under_shear_step, slip_rate_under_
 TRACTIONS = ("base_pressure", "base_shear", "load_pressure", "load_shear")
 NAMES = ("friction", "poisson_ratio", *TRACTIONS)
 FIELDS = ("slip_rate", "slip", "shear_traction", "pressure")
+OPENED = (*FIELDS, "gap", "gap_rate")
 CLEAR = 0.05
 """Distance from edges and fronts [c_t] from which differences of solutions are any good."""
 EIGHTH_ORDER = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))
@@ -194,6 +195,70 @@ def test_differences_of_solutions_agree_in_two_hundred_scenes():
     assert check_random_scenes(200, lambda index: pairs[index % count]) >= 200
 
 
+def opened_errors(solution, name):
+    """The same where the contact opens, of gap and openings, too."""
+    scene, x = solution.scene, clear_positions(solution)
+    ends = edges_of_openings(solution.openings)
+    x = x[np.abs(x[:, None] - ends).min(axis=1) > CLEAR]
+    derivative = solution.derivative(name)
+    assert derivative.status == "converged"
+    step = 1e-3 * abs(value(scene, name))
+    expected = dict.fromkeys((*OPENED, "edges", "openings"), 0.0)
+    for steps, weight in EIGHTH_ORDER:
+        for sign in (1, -1):
+            beside = changed(scene, name, value(scene, name) + sign * steps * step)
+            one, share = solve(beside, rtol=1e-12), sign * weight / step
+            for field in OPENED:
+                expected[field] = expected[field] + share * getattr(one, field)(x, 1.0)
+            expected["edges"] = expected["edges"] + share * edges_of(one)
+            expected["openings"] = expected["openings"] + share * edges_of_openings(one.openings)
+    found = {field: getattr(derivative, field)(x, 1.0) for field in OPENED}
+    found["edges"] = edges_of(derivative)
+    found["openings"] = edges_of_openings(derivative.openings)
+    return {
+        field: np.abs(found[field] - expected[field]).max(initial=0.0)
+        / max(np.abs(expected[field]).max(initial=0.0), 1e-2)
+        for field in found
+    }
+
+
+def edges_of_openings(openings):
+    return np.array([end for one in openings for end in (one.inner, one.outer)])
+
+
+EDGE_OPENS = unit_scene(0.5, (1.0, 0.1), (-1.0, 1.0))
+TAPPED = unit_scene(0.3, (0.02, 0.002), (1.0, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("scene", "name"),
+    [
+        *((EDGE_OPENS, name) for name in NAMES),
+        (TAPPED, "friction"),
+        (TAPPED, "base_pressure"),
+        (TAPPED, "poisson_ratio"),
+        (unit_scene(0.3, (0.02, 0.004), (1.0, 0.5), mode="antiplane"), "friction"),
+        (unit_scene(0.3, (0.02, 0.004), (1.0, 0.5), mode="antiplane"), "base_pressure"),
+        (replace(TAPPED, friction=3.0), "load_pressure"),  # sticks behind the closing edge
+    ],
+)
+def test_differences_of_solutions_agree_where_the_contact_opens(scene, name):
+    found = opened_errors(solve(scene, rtol=1e-11), name)
+    assert max(found.values()) < 1e-8, found
+
+
+def test_an_opening_from_the_edge_moves_as_its_closed_form():
+    """c_t sqrt((1 - 2 nu) / (2 (1 - nu))) / ((1 - nu) (1 + P_b / |P_0|)^2)."""
+    solution = solve(unit_scene(0.5, (1.0, 0.0), (-1.0, 0.0)))
+    for name, expected in (("base_pressure", -0.1875), ("load_pressure", -0.1875), ("friction", 0)):
+        (moved,) = solution.derivative(name).openings
+        assert moved.inner == 0
+        assert moved.outer == pytest.approx(expected, rel=1e-9)
+    by_ratio = solution.derivative("poisson_ratio").openings[0].outer
+    assert by_ratio == pytest.approx(0.1875 * (1.5 - 3 + 0.75), rel=1e-8)
+    assert "one-sided: with any shear" in solution.derivative("load_shear").status
+
+
 @over("exact", without="stuck")
 def test_shear_is_homogeneous_in_tractions(problem):
     """Of degree 1 in all tractions, and a function of friction times pressure."""
@@ -267,6 +332,7 @@ def test_a_zone_at_the_edge_far_slower_than_all_waves():
         unit_scene(0.3, (1.0, -0.3), (0.5, -0.7), nu=0.1),
         unit_scene(0.5, (1.0, 0.5), (1.0, 0.5)),
         unit_scene(0.4, (1.0, 0.4), (0.5, 1.0), friction_law=ViscousFriction(0.2)),
+        unit_scene(0.4, (1.0, 0.4), (0.5, 1.0), mode="antiplane"),
     ],
 )
 @pytest.mark.parametrize("name", ["friction", "base_pressure", "base_shear"])
@@ -362,12 +428,10 @@ def test_what_has_no_derivative_is_refused():
         solve(PRELOADED).derivative("density")
     with pytest.raises(SceneError, match="small positive friction"):
         solve(unit_scene(0.0)).derivative("friction")
+    with pytest.raises(SceneError, match="small positive base pressure"):
+        solve(unit_scene(0.2, (0.0, 0.0), (0.0, 0.5))).derivative("base_pressure")
     with pytest.raises(SceneError, match="needs ViscousFriction"):
         solve(PRELOADED).derivative("viscosity")
-    opened = solve(unit_scene(0.5, (1.0, 0.0), (-2.0, 0.0)))
-    assert opened.openings
-    with pytest.raises(SceneError, match="parts of this contact are open"):
-        opened.derivative("load_pressure")
     law = RateWeakening(0.5, 1.24)
     weakening = Scene(UNIT, 0.607, Tractions(1, 0), Tractions(0, -0.504), friction_law=law)
     for name in NAMES:
