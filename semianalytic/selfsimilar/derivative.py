@@ -122,7 +122,8 @@ class Derivative:
         ]
         if profile.normal and fine.normal and coarse.normal:
             near, far, normal = fine.normal, coarse.normal, profile.normal
-            compared.append((near.slip_rate(u), far.slip_rate(u), normal.slip_rate(u)))
+            if profile.fields.factors.has_rayleigh_wave:
+                compared.append((near.slip_rate(u), far.slip_rate(u), normal.slip_rate(u)))
             compared.append((near.traction(u), far.traction(u), normal.shear_change(u)))
         for one, other, field in compared:
             worst = max(worst, _share(one, other, float(np.abs(field).max()) / size))
@@ -190,12 +191,19 @@ class Derivative:
         return (OpenDerivative(inner, outer),)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Of the gap [length per unit of the parameter], 0 where closed; raises as `slip_rate`."""
+        """Of the gap [length per unit of the parameter], 0 where closed.
+
+        Raises
+        ------
+        SceneError
+            As `slip_rate`, and out of the plane, where the panels of shear have no nodes on either
+            side of the Rayleigh front: the gap is that of the same scene in the plane.
+        """
         time = np.asarray(t, dtype=float)
         return self._rate_unit * time * self._of_gap(x, t, VariedProfile.slip_over_time)
 
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Of its rate [length / time per unit of the parameter]; raises as `slip_rate`.
+        """Of its rate [length / time per unit of the parameter]; raises as `gap`.
 
         Plus or minus infinity at edges where the rate has a square root.
         """
@@ -207,6 +215,11 @@ class Derivative:
         normal, opened = self.varied.normal, self.varied.profile.fields.load.opened
         if normal is None or opened is None:
             return self._evaluate(x, t, np.zeros_like)
+        if not self.varied.profile.fields.factors.has_rayleigh_wave:
+            raise SceneError(
+                "derivative: out of the plane the gap is that of the same scene in the plane; ask "
+                'for its derivative with mode="in-plane".'
+            )
         start, end = opened.zone.left, opened.zone.right
         first, last = 0.0 if start is None else start.v[0], np.inf if end is None else end.v[0]
 

@@ -203,16 +203,17 @@ def opened_errors(solution, name):
     derivative = solution.derivative(name)
     assert derivative.status == "converged"
     step = 1e-3 * abs(value(scene, name))
-    expected = dict.fromkeys((*OPENED, "edges", "openings"), 0.0)
+    fields = OPENED if scene.mode == "in-plane" else FIELDS
+    expected = dict.fromkeys((*fields, "edges", "openings"), 0.0)
     for steps, weight in EIGHTH_ORDER:
         for sign in (1, -1):
             beside = changed(scene, name, value(scene, name) + sign * steps * step)
             one, share = solve(beside, rtol=1e-12), sign * weight / step
-            for field in OPENED:
+            for field in fields:
                 expected[field] = expected[field] + share * getattr(one, field)(x, 1.0)
             expected["edges"] = expected["edges"] + share * edges_of(one)
             expected["openings"] = expected["openings"] + share * edges_of_openings(one.openings)
-    found = {field: getattr(derivative, field)(x, 1.0) for field in OPENED}
+    found = {field: getattr(derivative, field)(x, 1.0) for field in fields}
     found["edges"] = edges_of(derivative)
     found["openings"] = edges_of_openings(derivative.openings)
     return {
@@ -437,6 +438,9 @@ def test_what_has_no_derivative_is_refused():
     for name in NAMES:
         with pytest.raises(SceneError, match="constant and viscous friction only"):
             solve(weakening).derivative(name)
+    tapped = solve(unit_scene(0.3, (0.02, 0.004), (1.0, 0.5), mode="antiplane"))
+    with pytest.raises(SceneError, match="the gap is that of the same scene in the plane"):
+        tapped.derivative("base_pressure").gap(1.0, 1.0)
     with pytest.raises(SceneError, match="positive positions"):
         solve(PRELOADED).derivative("friction").slip_rate(-1.0, 1.0)
 
