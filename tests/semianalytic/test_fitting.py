@@ -78,9 +78,12 @@ def test_truth_is_within_the_error_bars_in_two_hundred_trials(truth):
 
 @pytest.mark.slow
 def test_friction_and_poisson_ratio_are_recovered_together(truth):
-    """From small noise: at .02 what the front tells is lost in it."""
+    """From small noise.  Squares are a tenth above it: a search may end where an edge lies between
+    two samples, and the truth between two others."""
     start = replace(START, load=PRELOADED.load, material=Material(1.0, 1.0, 0.25))
-    check_coverage(truth, 60, start, ("friction", "poisson_ratio"), 0.005)
+    inside, _ = coverage(truth, 60, start, ("friction", "poisson_ratio"), 0.005)
+    low, high = binom.ppf([5e-4, 1 - 5e-4], 60, 0.9)
+    assert low <= inside <= high
 
 
 def test_without_noise_the_truth_is_met(truth):
