@@ -169,6 +169,11 @@ def test_differences_of_solutions_agree(problem):
     assert found is None or max(found.values()) < 1e-8, (name, found)
 
 
+def unpressed(scene, name):
+    """Whether nothing presses the interface, which has no derivative with respect to pressures."""
+    return name in ("base_pressure", "load_pressure") and not scene.base.pressure
+
+
 def check_random_scenes(count, names_of):
     """Derivatives in random scenes against differences, and how many of them there were."""
     compared = 0
@@ -176,8 +181,8 @@ def check_random_scenes(count, names_of):
         if exact.openings:  # where there is none
             continue
         for name in names_of(index):
-            if name == "base_pressure" and not exact.scene.base.pressure:
-                continue  # refused
+            if unpressed(exact.scene, name):
+                continue
             found = errors(exact, name)
             if found is not None:
                 compared += 1
@@ -479,10 +484,10 @@ def check_estimates(count):
     """Estimates bound errors in random scenes at several accuracies, and not by much too much."""
     shares = []
     for index, exact in enumerate(random_scenes(count)):
-        solution, name = (
-            solve(exact.scene, rtol=10.0 ** -(4 + index % 5)),
-            NAMES[index % len(NAMES)],
-        )
+        name = NAMES[index % len(NAMES)]
+        if unpressed(exact.scene, name):
+            continue
+        solution = solve(exact.scene, rtol=10.0 ** -(4 + index % 5))
         if [zone.sense for zone in solution.zones] != [zone.sense for zone in exact.zones]:
             continue  # slip is missed, which only the estimate of the solution counts
         derivative = solution.derivative(name)
