@@ -22,7 +22,7 @@ from semianalytic.scene.friction import (
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
-from semianalytic.selfsimilar.derivative import Derivative, ZoneDerivative
+from semianalytic.selfsimilar.derivative import Derivative, OpenDerivative, ZoneDerivative
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
@@ -45,6 +45,7 @@ __all__ = [
     "Marched",
     "Material",
     "MissingLibraryError",
+    "OpenDerivative",
     "OpenInterval",
     "OpenZone",
     "Pulse",
