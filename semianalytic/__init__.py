@@ -45,6 +45,7 @@ __all__ = [
     "Marched",
     "Material",
     "MissingLibraryError",
+    "OpenDerivative",
     "OpenInterval",
     "OpenZone",
     "Pulse",
@@ -77,7 +78,7 @@ __all__ = [
 _LATER = {
     "semianalytic.fitting": ("Fit", "Gauge", "fit"),
     "semianalytic.prediction": ("predict",),
-    "semianalytic.selfsimilar.derivative": ("Derivative", "ZoneDerivative"),
+    "semianalytic.selfsimilar.derivative": ("Derivative", "OpenDerivative", "ZoneDerivative"),
     "semianalytic.spacetime.march": ("march", "march_on"),
     "semianalytic.spacetime.marched": ("Marched",),
     "semianalytic.sweeps.sweep": ("Sweep", "sweep"),
@@ -87,7 +88,7 @@ _LATER = {
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.fitting import Fit, Gauge, fit
     from semianalytic.prediction import predict
-    from semianalytic.selfsimilar.derivative import Derivative, ZoneDerivative
+    from semianalytic.selfsimilar.derivative import Derivative, OpenDerivative, ZoneDerivative
     from semianalytic.spacetime.march import march, march_on
     from semianalytic.spacetime.marched import Marched
     from semianalytic.sweeps.sweep import Sweep, sweep

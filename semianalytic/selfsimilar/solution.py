@@ -405,7 +405,7 @@ class Solution:
         from semianalytic.selfsimilar.derivative import Known, differentiated
 
         zones = tuple((zone.inner, zone.outer, zone.sense) for zone in self.zones)
-        known = Known(zones, self.status, self.error_estimate)
+        known = Known(zones, self.status)
         return differentiated(self.scene, self._surroundings, self.stress_unit, known, name)
 
     @cached_property
