@@ -172,6 +172,11 @@ def field_command(
             f"{option_name(next(iter(march_options)))} is for the space-time solver; "
             "add --method space-time."
         )
+    if marched and not hasattr(Marched, "velocity"):
+        raise SceneError(
+            "fields in the bodies are known of self-similar scenes alone: step loads, and friction "
+            "that is constant or depends on slip rate; take another scene, or simulate this one."
+        )
     step = _fringe_stress(of, thickness, stress_optical)
     quantity = find_quantity(of, scene, step)
     if grid is not None and not vtu:
@@ -194,11 +199,7 @@ def field_command(
     words = [scene_name, *(f"{option_name(k)}={v}" for k, v in overrides.items())]
     with working_folder(directory):
         answer = _marched(scene, request.time, march_options, quiet) if marched else solve(scene)
-        if not isinstance(answer, WholeFields):
-            raise SceneError(
-                "fields in the bodies are known of self-similar scenes alone: step loads, and "
-                "friction that is constant or depends on slip rate."
-            )
+        assert isinstance(answer, WholeFields)
         _draw(directory, f"{label}_{of}", answer, quantity, request, quiet)
         if request.grid is not None:
             _write_grid(directory, answer, request, quiet)
