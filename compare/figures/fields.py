@@ -28,6 +28,8 @@ from semianalytic.scene.units import unit
 
 SHOWN = 0.995
 """Share of the points whose values are within the range of colours."""
+WIDE = 4.0
+"""Height of a picture [inch] below which its colour bar lies under it."""
 COLOURS = {"size": "viridis", "sign": "RdBu_r", "light": "gray"}
 INK = {"size": "white", "sign": "0.25", "light": ORANGE}
 """Colour of the fronts over each kind of quantity."""
@@ -73,20 +75,27 @@ class FieldPicture:
     ) -> None:
         self.fields, self.quantity, self.window = fields, quantity, window
         self._x, self._y = _middles(window, points)
-        width, height = window[1] - window[0], window[3] - window[2]
-        tall = float(np.clip(6.2 * height / width, 2.0, 9.0))
-        self.figure = new_figure(8.0, tall + 0.7)
+        tall = 6.2 * (window[3] - window[2]) / (window[1] - window[0])
+        self.figure = new_figure(
+            8.0, float(np.clip(tall, 1.5, 9.0)) + (1.0 if tall > WIDE else 1.8)
+        )
         self.panel: Axes = self.figure.subplots()
         values = self._values(time)
         self._norm = Normalize(*_range(values, quantity, self._rest()))
         image = self._draw(values, time)
         self.figure.colorbar(
-            image, ax=self.panel, label=quantity.labelled(fields.scene), shrink=0.9
+            image,
+            ax=self.panel,
+            label=quantity.labelled(fields.scene),
+            location="right" if tall > WIDE else "bottom",
+            shrink=0.9,
+            aspect=20 if tall > WIDE else 40,
         )
 
     def show(self, time: float) -> None:
         """Draw another time [time]."""
         self.panel.clear()
+        self.figure.legends.clear()
         self._draw(self._values(time), time)
 
     def _values(self, time: float) -> Array:
@@ -109,7 +118,10 @@ class FieldPicture:
         )
         for front in fronts(self.fields, time):
             _draw_front(panel, front, self.window, ink)
-        _draw_interface(panel, self.fields, time, ink)
+        handles = _draw_interface(panel, self.fields, time)
+        self.figure.legend(
+            handles=handles, loc="outside lower center", ncols=len(handles), fontsize=SMALL
+        )
         length = unit("length", scene.units)
         panel.set(xlabel=f"x [{length}]", ylabel=f"y [{length}]")
         panel.set(xlim=self.window[:2], ylim=self.window[2:])
@@ -169,8 +181,8 @@ def _ground(ink: str) -> str:
     return "white" if ink == "0.25" else "0.2"
 
 
-def _draw_interface(panel: Axes, fields: WholeFields, time: float, ink: str) -> None:
-    """The slot, what slips and what is open on y = 0, and Rayleigh fronts; with a legend."""
+def _draw_interface(panel: Axes, fields: WholeFields, time: float) -> list[Line2D]:
+    """The slot, what slips and what is open on y = 0, and Rayleigh fronts; entries of a legend."""
     scene, speeds = fields.scene, scene_fronts(fields.scene)
     far = 1e3 * scene.fastest_speed * time
     panel.plot([-far, 0], [0, 0], color=BLACK, linewidth=2.5, solid_capstyle="butt")
@@ -193,5 +205,4 @@ def _draw_interface(panel: Axes, fields: WholeFields, time: float, ink: str) -> 
         at = np.zeros(len(places))
         panel.plot(places, at, "D", color=ORANGE, markersize=5, markeredgecolor=BLACK, zorder=3)
         handles["Rayleigh"] = marker_handle("Rayleigh front", ORANGE, "D", 5)
-    handles["front"] = line_handle("wave fronts", "0.4", "--")
-    panel.legend(handles=list(handles.values()), loc="lower right", fontsize=SMALL)
+    return [*handles.values(), line_handle("wave fronts", "0.4", "--")]
