@@ -79,6 +79,7 @@ class FieldPicture:
         self.figure = new_figure(
             8.0, float(np.clip(tall, 1.5, 9.0)) + (1.0 if tall > WIDE else 1.8)
         )
+        self.figure.set_layout_engine("compressed")
         self.panel: Axes = self.figure.subplots()
         values = self._values(time)
         self._norm = Normalize(*_range(values, quantity, self._rest()))
@@ -91,6 +92,9 @@ class FieldPicture:
             shrink=0.9,
             aspect=20 if tall > WIDE else 40,
         )
+        for _ in range(2):  # the second time it knows its labels
+            self.figure.draw_without_rendering()
+        self.figure.set_layout_engine("none")  # so that it stays where it is, whatever the time
 
     def show(self, time: float) -> None:
         """Draw another time [time]."""

@@ -147,6 +147,19 @@ def test_animation_has_a_frame_for_each_time(tmp_path):
     assert [one.name for one in tmp_path.iterdir()] == ["film.gif"]
 
 
+def test_frames_of_a_film_lie_on_one_another():
+    solution = solve(find_scene("tap"))
+    quantity = find_quantity("pressure", solution.scene)
+    picture = FieldPicture(solution, quantity, reach(solution, 1.0), 10, 1.0)
+    place, colours = picture.panel.get_position(), picture.panel.get_images()[0].get_clim()
+    picture.show(0.2)
+    picture.figure.draw_without_rendering()
+    assert picture.panel.get_position().bounds == place.bounds
+    assert picture.panel.get_images()[0].get_clim() == colours
+    assert len(picture.figure.legends) == 1
+    assert "t = 0.2" in picture.figure.get_suptitle()
+
+
 def test_interrupted_animation_leaves_nothing(tmp_path):
     def interrupt(done, frames):
         raise KeyboardInterrupt
