@@ -64,8 +64,7 @@ def write_animation(
                 if progress is not None:
                     progress(number, len(times))
             writer.finish()
-        except CalledProcessError as error:
+        except (CalledProcessError, BrokenPipeError) as error:
             raise ComputationError(
-                f"ffmpeg could not write {path} (it ended with {error.returncode}); take the "
-                "format gif."
+                f"ffmpeg could not write {path}; look whether it works, or take the format gif."
             ) from error

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib import rcParams
 from matplotlib.image import imread
 
 from compare.figures import animation
@@ -10,7 +11,14 @@ from compare.figures.fields import FieldPicture, field_figure
 from compare.figures.fronts import fronts, moving_parts, reach
 from compare.figures.quantities import ALONG_Z, QUANTITIES, find_quantity
 from compare.figures.saving import save_figure
-from semianalytic import MissingLibraryError, SceneError, find_scene, fringes, solve
+from semianalytic import (
+    ComputationError,
+    MissingLibraryError,
+    SceneError,
+    find_scene,
+    fringes,
+    solve,
+)
 
 SCENES = ("preloaded", "tap", "antiplane")
 
@@ -179,6 +187,42 @@ def test_interrupted_animation_leaves_nothing(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         write_animation(tmp_path / "film.gif", picture, [0.5, 1.0], interrupt)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture
+def film(tmp_path, monkeypatch):
+    """Makes an MP4 of two frames, an ffmpeg being what a script is; returns its path."""
+
+    def make(script):
+        program = tmp_path / "bin" / "ffmpeg"
+        program.parent.mkdir()
+        program.write_text(f"#!/bin/sh\n{script}\n")
+        program.chmod(0o755)
+        monkeypatch.setitem(rcParams, "animation.ffmpeg_path", str(program))
+        check_format("mp4")
+        solution = solve(find_scene("antiplane"))
+        quantity = find_quantity("vz", solution.scene)
+        picture = FieldPicture(solution, quantity, reach(solution, 1.0), 6, 1.0)
+        path = tmp_path / "films" / "film.mp4"
+        write_animation(path, picture, [0.5, 1.0])
+        return path
+
+    return make
+
+
+def test_ffmpeg_is_given_every_frame(film):
+    path = film('for last; do :; done; cat > "$last"')
+    frames = np.frombuffer(path.read_bytes(), dtype=np.uint8).reshape(2, -1, 4)
+    assert (frames[..., 3] == 255).all()
+    assert (frames[0] != frames[1]).any()
+    assert [one.name for one in path.parent.iterdir()] == ["film.mp4"]
+
+
+@pytest.mark.parametrize("script", ["exit 3", "cat > /dev/null; exit 3"])
+def test_a_failing_ffmpeg_is_one_sentence(film, script, tmp_path):
+    with pytest.raises(ComputationError, match=r"ffmpeg could not write .*take the format gif\.$"):
+        film(script)
+    assert [one.name for one in tmp_path.iterdir()] == ["bin"]
 
 
 def test_a_missing_ffmpeg_is_one_sentence(monkeypatch):
