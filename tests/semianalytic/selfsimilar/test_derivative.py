@@ -460,7 +460,7 @@ def error_over_size(derivative, exact, right):
     x, worst = clear_positions(exact), []
     size = abs(value(exact.scene, right.name))
     if not size:
-        size = exact.stress if right.name in TRACTIONS else 1.0
+        size = exact.stress_unit if right.name in TRACTIONS else 1.0
     speed = exact.scene.material.shear_speed
     pairs = [(edges_of(derivative), edges_of(right), speed / size)]
     for field in ("slip_rate", "slip", "shear_traction"):
