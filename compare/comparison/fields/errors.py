@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from compare.comparison.fields.frames import Frame, Places, read_frames
+from compare.comparison.fields.frames import Frame, Places, read_frame
 from compare.comparison.fields.fronts import Fronts, fronts_of
 from compare.comparison.measures import NOTHING
+from compare.comparison.snapshots import listed_frames
 from semianalytic import Scene
 from semianalytic.results.answer import Answer
 
@@ -25,8 +26,9 @@ Array = NDArray[np.float64]
 BAND = 2.0
 """Elements on either side of a front that make the band around it."""
 SEEN_LAST = 400_000
-SEEN_BEFORE = 20_000
-"""Most nodes, and most elements, at which the last frame and those before it are compared."""
+SEEN_BEFORE = 5_000
+"""Most nodes, and most elements, at which the last frame and each one before it are compared: drawn
+at random, so few tell an error in two digits."""
 
 
 @runtime_checkable
@@ -79,8 +81,6 @@ class FieldError:
         The same outside the band of `BAND` elements around all fronts.
     band : float
         Part of the area that is in the band.
-    norm : float
-        L1 norm of the prediction over both bodies, in units of the scene times length^2.
     """
 
     time: float
@@ -88,7 +88,6 @@ class FieldError:
     whole: float
     outside: float
     band: float
-    norm: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,12 +96,15 @@ class FieldErrors:
 
     Attributes
     ----------
+    element_size : float
+        [length].
     frames : tuple of tuples of FieldError
         In the order of time.
     last : dict of Pair
         Of the last frame, by the name of the component.
     """
 
+    element_size: float
     frames: tuple[tuple[FieldError, ...], ...]
     last: dict[str, Pair]
 
@@ -112,7 +114,12 @@ class FieldErrors:
         return tuple(chain.from_iterable(self.frames))
 
 
-def field_errors(prediction: Answer, simulation: Simulation, folder: Path) -> FieldErrors | None:
+def field_errors(
+    prediction: Answer,
+    simulation: Simulation,
+    folder: Path,
+    progress: Callable[[int, int], None] | None = None,
+) -> FieldErrors | None:
     """Hold all frames of a simulation against a prediction; None if it knows the contact alone.
 
     Parameters
@@ -121,6 +128,8 @@ def field_errors(prediction: Answer, simulation: Simulation, folder: Path) -> Fi
     simulation : Simulation
     folder : Path
         Of its snapshots.
+    progress : callable, optional
+        Called with (frame, frames) after each.
 
     Raises
     ------
@@ -132,12 +141,16 @@ def field_errors(prediction: Answer, simulation: Simulation, folder: Path) -> Fi
     scene, size = simulation.scene, simulation.element_size
     fronts = _fronts(prediction, scene)
     reach = scene.fastest_speed * simulation.end_time
+    listed = listed_frames(folder, simulation.run)
     frames: list[tuple[FieldError, ...]] = []
-    pairs: dict[str, Pair] = {}
-    for frame, most in _last_marked(read_frames(folder, simulation.run)):
+    for number, entry in enumerate(listed, start=1):
+        frame = read_frame(*entry)
+        most = SEEN_LAST if number == len(listed) else SEEN_BEFORE
         pairs = frame_pairs(prediction, frame, reach, most)
         frames.append(tuple(pair_errors(pairs, fronts, frame.time, BAND * size)))
-    return FieldErrors(tuple(frames), pairs)
+        if progress is not None:
+            progress(number, len(listed))
+    return FieldErrors(size, tuple(frames), pairs)
 
 
 def frame_pairs(fields: BodyFields, frame: Frame, reach: float, most: int) -> dict[str, Pair]:
@@ -194,9 +207,7 @@ def pair_errors(
     for name, pair in pairs.items():
         area, kept = pair.places.area, beyond[id(pair.places)]
         band = float(area[~kept].sum() / area.sum())
-        yield FieldError(
-            time, name, whole[name], outside[name], band, _norm(pair, pair.predicted, kept | ~kept)
-        )
+        yield FieldError(time, name, whole[name], outside[name], band)
 
 
 def _relative(pairs: dict[str, Pair], kept: dict[int, NDArray[np.bool_]]) -> dict[str, float]:
@@ -227,12 +238,3 @@ def _alike(one: str, other: str) -> bool:
 def _fronts(prediction: Answer, scene: Scene) -> Fronts:
     parts = (*getattr(prediction, "zones", ()), *getattr(prediction, "openings", ()))
     return fronts_of(scene, [edge for part in parts for edge in (part.inner, part.outer)])
-
-
-def _last_marked(frames: Iterator[Frame]) -> Iterator[tuple[Frame, int]]:
-    """Frames with the number of places at which they are compared."""
-    before: Sequence[Frame] = ()
-    for frame in frames:
-        yield from ((one, SEEN_BEFORE) for one in before)
-        before = (frame,)
-    yield from ((one, SEEN_LAST) for one in before)

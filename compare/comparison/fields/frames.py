@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.snapshots import frame_mesh, listed_frames
+from compare.comparison.snapshots import frame_mesh
 from semianalytic.scene.errors import DataFileError
 
 Array = NDArray[np.float64]
@@ -40,7 +39,7 @@ class Places:
     area: Array
     fields: dict[str, Array]
 
-    def at(self, chosen: NDArray[np.bool_] | slice) -> Places:
+    def at(self, chosen: NDArray[np.bool_]) -> Places:
         """Some of them."""
         some = {name: values[chosen] for name, values in self.fields.items()}
         return Places(self.x[chosen], self.y[chosen], self.area[chosen], some)
@@ -50,10 +49,14 @@ class Places:
         return self.at(np.maximum(np.abs(self.x), np.abs(self.y)) <= reach)
 
     def thinned(self, most: int) -> Places:
-        """Every n-th of them, so that there are at most so many, with n times the area."""
-        step = -(-len(self.x) // most)
-        thin = self.at(slice(None, None, step))
-        return Places(thin.x, thin.y, step * thin.area, thin.fields)
+        """At most so many of them, drawn at random, which stand for all."""
+        count = len(self.x)
+        if count <= most:
+            return self
+        kept = np.zeros(count, dtype=bool)
+        kept[np.random.default_rng(0).choice(count, most, replace=False)] = True
+        thin = self.at(kept)
+        return replace(thin, area=thin.area * count / most)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,26 +78,14 @@ class Frame:
     elements: Places
 
 
-def read_frames(folder: Path, run: str | None = None) -> Iterator[Frame]:
-    """The frames of a folder of snapshots, in the order of time.
-
-    Parameters
-    ----------
-    folder : Path
-        Holds ``fields.pvd`` and the frames it lists.
-    run : str, optional
-        Identity of the simulation that the index must be of; any unless given.
+def read_frame(time: float, path: Path) -> Frame:
+    """The frame in a file, of a time [time].
 
     Raises
     ------
     DataFileError
-        If the index or a frame is missing, damaged or of another run.
+        If it is missing or damaged.
     """
-    for time, path in listed_frames(folder, run):
-        yield _frame(time, path)
-
-
-def _frame(time: float, path: Path) -> Frame:
     with frame_mesh(path) as mesh:
         (block,) = mesh.cells
         points, cells = mesh.points[:, :2], block.data
@@ -114,7 +105,7 @@ def _frame(time: float, path: Path) -> Frame:
     above = np.zeros(len(points), dtype=bool)
     above[cells[centre[:, 1] > 0]] = True
     share = np.broadcast_to(area[:, None] / cells.shape[1], cells.shape)
-    held = np.bincount(cells.ravel(), share.ravel(), len(points))
+    held = np.bincount(cells.ravel(), share.ravel(), len(points)).astype(float)
     y = np.copysign(points[:, 1], np.where(above, 1.0, -1.0))
     return Frame(
         time, Places(points[:, 0], y, held, moved), Places(centre[:, 0], centre[:, 1], area, stress)

@@ -16,9 +16,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class StraightFront:
-    """A straight front of a wave, t = source |x| + (wave^2 - source^2)^1/2 |y| on one side of x = 0.
+    """A straight front t = source |x| + (wave^2 - source^2)^1/2 |y| of a wave, at one side of the edge.
 
-    It touches the circle of the wave, and begins there.
+    It begins where it touches the circle of the wave.
 
     Attributes
     ----------
