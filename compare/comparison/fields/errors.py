@@ -139,7 +139,7 @@ def field_errors(
     if not isinstance(prediction, BodyFields):
         return None
     scene, size = simulation.scene, simulation.element_size
-    fronts = _fronts(prediction, scene)
+    fronts = fronts_in(prediction, scene)
     reach = scene.fastest_speed * simulation.end_time
     listed = listed_frames(folder, simulation.run)
     frames: list[tuple[FieldError, ...]] = []
@@ -235,6 +235,7 @@ def _alike(one: str, other: str) -> bool:
     return one.partition("_")[0] == other.partition("_")[0]
 
 
-def _fronts(prediction: Answer, scene: Scene) -> Fronts:
+def fronts_in(prediction: Answer, scene: Scene) -> Fronts:
+    """The fronts of a scene, with those of the zones and openings that a prediction has."""
     parts = (*getattr(prediction, "zones", ()), *getattr(prediction, "openings", ()))
     return fronts_of(scene, [edge for part in parts for edge in (part.inner, part.outer)])

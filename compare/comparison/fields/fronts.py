@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class StraightFront:
-    """A straight front t = source |x| + (wave^2 - source^2)^1/2 |y| of a wave, at one side of the edge.
+    """A straight front t = source |x| + (wave^2 - source^2)^1/2 |y|, at one side of the edge.
 
     It begins where it touches the circle of the wave.
 

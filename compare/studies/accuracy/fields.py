@@ -13,7 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from compare.comparison.fields.errors import FieldErrors, field_errors
+import numpy as np
+
+from compare.comparison.fields.errors import FieldErrors, field_errors, fronts_in, pair_errors
 from compare.figures.saving import figure_png
 from compare.figures.snapshots import snapshot_figure
 from compare.studies.tables import Study, run_studies
@@ -25,6 +27,8 @@ from semianalytic.scene.named import NAMED_SCENES
 SCENES = ("preloaded", "lift-off-shear")
 RESOLUTIONS = (50, 100, 200)
 DRAWN = "preloaded"
+AFAR = 0.1
+"""Distance from all fronts [c_t T] that does not shrink with the elements."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,9 @@ class ConvergenceRow:
     order : float
         Of convergence between the last two.
     coarse_outside, medium_outside, fine_outside, order_outside : float
-        The same outside the band around the fronts.
+        The same outside the band of two elements around the fronts.
+    coarse_afar, medium_afar, fine_afar, order_afar : float
+        The same farther than `AFAR` from all fronts.
     """
 
     scene: str
@@ -52,6 +58,10 @@ class ConvergenceRow:
     medium_outside: float
     fine_outside: float
     order_outside: float
+    coarse_afar: float
+    medium_afar: float
+    fine_afar: float
+    order_afar: float
 
 
 def convergence(scenes: Sequence[str], resolutions: Sequence[int]) -> list[ConvergenceRow]:
@@ -60,21 +70,20 @@ def convergence(scenes: Sequence[str], resolutions: Sequence[int]) -> list[Conve
 
 
 def _refined(name: str, scene: Scene, resolutions: Sequence[int]) -> Iterator[ConvergenceRow]:
-    runs = [last_frame(scene, resolution)[1].frames[-1] for resolution in resolutions]
-    for of_meshes in zip(*runs, strict=True):
-        coarse, medium, fine = of_meshes
-        yield ConvergenceRow(
-            name,
-            fine.component,
-            coarse.whole,
-            medium.whole,
-            fine.whole,
-            math.log2(medium.whole / fine.whole),
-            coarse.outside,
-            medium.outside,
-            fine.outside,
-            math.log2(medium.outside / fine.outside),
-        )
+    for meshes in zip(*(_errors(scene, resolution) for resolution in resolutions), strict=True):
+        component, parts = meshes[0][0], np.array([errors for _, *errors in meshes]).T
+        values = [[*part, math.log2(part[1] / part[2])] for part in parts]
+        yield ConvergenceRow(name, component, *np.ravel(values).tolist())
+
+
+def _errors(scene: Scene, resolution: int) -> Iterator[tuple[str, float, float, float]]:
+    """Each component with its errors: whole, outside the band, afar."""
+    run, errors = last_frame(scene, resolution)
+    fronts, width = fronts_in(solve(scene), scene), AFAR * scene.material.shear_speed * run.end_time
+    for near, far in zip(
+        errors.frames[-1], pair_errors(errors.last, fronts, run.end_time, width), strict=True
+    ):
+        yield near.component, near.whole, near.outside, far.outside
 
 
 def last_frame(scene: Scene, resolution: int) -> tuple[Simulation, FieldErrors]:
