@@ -38,8 +38,8 @@ def snapshot_figure(errors: FieldErrors, simulation: Simulation) -> Figure:
     scene = simulation.scene
     length = scene.material.shear_speed * simulation.end_time
     pairs = [pair for name, pair in errors.last.items() if name.startswith("v_")]
-    reach = scene.fastest_speed * simulation.end_time
-    shown = _nearest(pairs[0].places, reach)
+    side = float(pairs[0].places.y.max()) / length
+    shown = _nearest(pairs[0].places, side * length)
     exact, seen = (
         np.linalg.norm(parts, axis=0)[shown] / slip_rate_scale(scene)
         for parts in ([one.predicted for one in pairs], [one.simulated for one in pairs])
@@ -54,7 +54,6 @@ def snapshot_figure(errors: FieldErrors, simulation: Simulation) -> Figure:
         (panels[1], mesh, seen, 0.0, top, "viridis"),
         (panels[2], "finite elements − semi-analytic", seen - exact, -most, most, "RdBu_r"),
     ):
-        side = reach / length
         image = panel.imshow(
             values,
             extent=(-side, side, -side, side),

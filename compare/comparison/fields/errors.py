@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 BAND = 2.0
 """Elements on either side of a front that make the band around it."""
-SEEN_LAST = 400_000
+SEEN_LAST = 1_000_000
 SEEN_BEFORE = 5_000
 """Most nodes, and most elements, at which the last frame and each one before it are compared: drawn
 at random, so few tell an error in two digits."""
@@ -140,34 +140,32 @@ def field_errors(
         return None
     scene, size = simulation.scene, simulation.element_size
     fronts = fronts_in(prediction, scene)
-    reach = scene.fastest_speed * simulation.end_time
     listed = listed_frames(folder, simulation.run)
     frames: list[tuple[FieldError, ...]] = []
     for number, entry in enumerate(listed, start=1):
         frame = read_frame(*entry)
         most = SEEN_LAST if number == len(listed) else SEEN_BEFORE
-        pairs = frame_pairs(prediction, frame, reach, most)
+        pairs = frame_pairs(prediction, frame, most)
         frames.append(tuple(pair_errors(pairs, fronts, frame.time, BAND * size)))
         if progress is not None:
             progress(number, len(listed))
     return FieldErrors(size, tuple(frames), pairs)
 
 
-def frame_pairs(fields: BodyFields, frame: Frame, reach: float, most: int) -> dict[str, Pair]:
+def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
     """All components of a frame beside what is predicted there, by their names.
+
+    The whole mesh counts: made for snapshots, it ends where nothing comes back from its sides, which
+    hold what plane waves do not move (`meshes.blocks.causal_blocks`).
 
     Parameters
     ----------
     fields : BodyFields
     frame : Frame
-    reach : float
-        How far from the edge, along and across, fields are compared [length].
     most : int
         Nodes and elements at which they are.
     """
-    nodes, elements = (
-        places.within(reach).thinned(most) for places in (frame.nodes, frame.elements)
-    )
+    nodes, elements = (places.thinned(most) for places in (frame.nodes, frame.elements))
     velocity = fields.velocity(nodes.x, nodes.y, frame.time)
     displacement = fields.displacement(nodes.x, nodes.y, frame.time)
     base = fields.stress(0.0, 1.0, 0.0)[:, None]

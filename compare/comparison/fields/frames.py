@@ -44,10 +44,6 @@ class Places:
         some = {name: values[chosen] for name, values in self.fields.items()}
         return Places(self.x[chosen], self.y[chosen], self.area[chosen], some)
 
-    def within(self, reach: float) -> Places:
-        """Those no further than that from the edge, along and across [length]."""
-        return self.at(np.maximum(np.abs(self.x), np.abs(self.y)) <= reach)
-
     def thinned(self, most: int) -> Places:
         """At most so many of them, drawn at random, which stand for all."""
         count = len(self.x)

@@ -14,6 +14,7 @@ import pytest
 import compare.cli.solve_command
 import compare.comparison.prediction
 from compare.cli.commands import main
+from compare.comparison.mesh_choice import two_digits
 from semianalytic import solve
 from semianalytic.scene.errors import ComputationError, MissingLibraryError
 
@@ -325,7 +326,7 @@ def test_compare_shows_how_far_whole_fields_are_off_and_does_not_judge_them(
     assert document["units"]["fields"]["frames"]["time"] == "time"
     for error in frames[-7:]:
         (line,) = (line for line in out.splitlines() if line.strip().startswith(error["component"]))
-        assert f"{float(f'{100 * error["whole"]:.2g}'):g} %" in line
+        assert f"{two_digits(100 * error['whole'])} %" in line
         assert 0 < error["outside"] < error["whole"] < 0.2
     assert "Fields are not judged" in out
     with (tmp_path / "fields.csv").open() as stream:

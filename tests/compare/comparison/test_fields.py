@@ -124,7 +124,7 @@ def planted(folder, run, change):
 
 def errors_of(frame, most=10**6):
     fronts = fields.fronts_in(EXACT, SCENE)
-    return list(pair_errors(frame_pairs(EXACT, frame, 2.0, most), fronts, frame.time, 0.1))
+    return list(pair_errors(frame_pairs(EXACT, frame, most), fronts, frame.time, 0.1))
 
 
 def test_the_exact_answer_itself_has_no_error_and_a_known_one_has_its_own(runs):

@@ -230,7 +230,7 @@ def test_snapshot_figure_shows_both_bodies_exact_simulated_and_the_difference(tm
         difference.get_array(), seen.get_array() - exact.get_array(), atol=1e-12
     )
     left, right, bottom, top = exact.get_extent()
-    assert (left, right, bottom, top) == pytest.approx((-2, 2, -2, 2))
+    assert -left == right == -bottom == top > 2  # beyond c_l T
     speeds = exact.get_array()
     middle = (np.arange(len(speeds)) + 0.5) / len(speeds) * (top - bottom) + bottom
     for row, column in ((125, 125), (375, 125), (260, 330), (240, 330)):
