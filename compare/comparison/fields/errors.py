@@ -155,8 +155,8 @@ def field_errors(
 def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
     """All components of a frame beside what is predicted there, by their names.
 
-    The whole mesh counts: made for snapshots, it ends where nothing comes back from its sides, which
-    hold what plane waves do not move (`meshes.blocks.causal_blocks`).
+    The whole mesh counts: made for snapshots, it ends where nothing comes back from its sides,
+    which hold what plane waves do not move (`meshes.blocks.causal_blocks`).
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ from semianalytic.scene.named import NAMED_SCENES
 
 SCENES = ("preloaded", "lift-off-shear")
 RESOLUTIONS = (50, 100, 200)
-DRAWN = "preloaded"
+DRAWN = "lift-off-shear"
 AFAR = 0.1
 """Distance from all fronts [c_t T] that does not shrink with the elements."""
 
@@ -96,11 +96,11 @@ def last_frame(scene: Scene, resolution: int) -> tuple[Simulation, FieldErrors]:
 
 
 def write_figure(folder: Path) -> None:
-    """Write the figure of docs/fem.md as fields_SCENE.png, in few colours to keep it small."""
+    """Write the figure of docs/fem.md as fields_SCENE.png."""
     scene = NAMED_SCENES[DRAWN].scene
     run, errors = last_frame(scene, RESOLUTIONS[1])
     figure = snapshot_figure(errors, run)
-    write_bytes(folder / f"fields_{DRAWN}.png", figure_png(figure, 100, 128))
+    write_bytes(folder / f"fields_{DRAWN}.png", figure_png(figure, 100))
 
 
 STUDIES: dict[str, Study] = {"convergence": lambda: convergence(SCENES, RESOLUTIONS)}

