@@ -16,12 +16,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from compare.comparison.fields.errors import FieldErrors, field_errors, fronts_in, pair_errors
-from compare.figures.saving import figure_png
+from compare.figures.saving import save_figure
 from compare.figures.snapshots import snapshot_figure
 from compare.studies.tables import Study, run_studies
 from fem import Simulation, simulate
 from semianalytic import Scene, solve
-from semianalytic.results.files import write_bytes
 from semianalytic.scene.named import NAMED_SCENES
 
 SCENES = ("preloaded", "lift-off-shear")
@@ -99,8 +98,7 @@ def write_figure(folder: Path) -> None:
     """Write the figure of docs/fem.md as fields_SCENE.png."""
     scene = NAMED_SCENES[DRAWN].scene
     run, errors = last_frame(scene, RESOLUTIONS[1])
-    figure = snapshot_figure(errors, run)
-    write_bytes(folder / f"fields_{DRAWN}.png", figure_png(figure, 100))
+    save_figure(snapshot_figure(errors, run), folder / f"fields_{DRAWN}.png")
 
 
 STUDIES: dict[str, Study] = {"convergence": lambda: convergence(SCENES, RESOLUTIONS)}
