@@ -72,6 +72,23 @@ def test_solve_prints_zones_and_edge(capsys):
     assert "converged" in out
 
 
+def test_viscosity_is_an_option_like_others(capsys):
+    assert main(["solve", "viscous", "--json"]) == 0
+    named = json.loads(capsys.readouterr().out)
+    assert main(["solve", "preloaded", "--friction", "0.2", "--viscosity", "0.1", "--json"]) == 0
+    given = json.loads(capsys.readouterr().out)
+    assert given["scene"]["friction_law"] == {"kind": "viscous", "viscosity": 0.1}
+    assert given["scene"] == named["scene"]
+    assert given["zones"] == named["zones"]
+
+
+def test_an_open_contact_edge_has_no_intensity_and_no_minus(capsys):
+    assert main(["solve", "lift-off-shear", "--load-shear", "-1"]) == 0
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if "K_I" in line]
+    assert "0, 0" in line
+    assert "-0" not in line
+
+
 def test_solve_of_a_stuck_scene_says_so(capsys):
     assert main(["solve", "stuck"]) == 0
     assert "stuck everywhere" in capsys.readouterr().out
@@ -120,6 +137,7 @@ def test_a_scene_file_is_as_good_as_a_name(tmp_path, capsys):
         (["solve", "preloadd"], "did you mean preloaded"),
         (["solve", "absent.toml"], "Cannot read the scene file"),
         (["solve", "preloaded", "--poisson-ratio", "0.7"], "--poisson-ratio must lie"),
+        (["solve", "preloaded", "--viscosity", "-1"], "--viscosity must be a finite number, 0 or"),
         (["solve", "preloaded", "--plot", "a.docx"], "end the name in"),
         (["simulate", "preloaded", "--resolution", "-3"], "resolution"),
         (["compare", "--from", "absent", "--resolution", "40"], "--resolution has no effect"),
