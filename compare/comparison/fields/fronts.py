@@ -46,33 +46,38 @@ class StraightFront:
 
 @dataclass(frozen=True)
 class Fronts:
-    """All fronts of a scene.
+    """All fronts of a scene, and the contact edge.
 
     Attributes
     ----------
+    starts : tuple of float
+        Times at which a load jumps and sends out all of them [time].
     circles : tuple of float
         Slownesses of the waves that spread from the edge [time / length].
     lines : tuple of StraightFront
     points : tuple of float
-        Velocities of the points of the surface at which fields jump or are infinite, the contact
-        edge (0), Rayleigh points and zone edges [length / time].
+        Velocities of the points of the surface at which fields jump or are infinite, Rayleigh
+        points and zone edges [length / time].
     """
 
+    starts: tuple[float, ...]
     circles: tuple[float, ...]
     lines: tuple[StraightFront, ...]
     points: tuple[float, ...]
 
     def distance(self, x: Array, y: Array, t: float) -> Array:
-        """How far points are from the nearest of them at a time t > 0 [length]."""
+        """How far points are from the nearest of them, or from the edge, at a time [length]."""
         r = np.hypot(x, y)
-        distances = [np.abs(r - t / wave) for wave in self.circles]
-        distances += [line.distance(x, y, t) for line in self.lines]
-        distances += [np.hypot(x - speed * t, y) for speed in self.points]
+        distances = [r]
+        for since in (t - start for start in self.starts if start < t):
+            distances += [np.abs(r - since / wave) for wave in self.circles]
+            distances += [line.distance(x, y, since) for line in self.lines]
+            distances += [np.hypot(x - speed * since, y) for speed in self.points]
         return np.asarray(np.minimum.reduce(distances))
 
 
 def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
-    """The fronts of a scene whose loads are steps.
+    """The fronts that jumps of the loads of a scene send out.
 
     Parameters
     ----------
@@ -81,6 +86,8 @@ def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
         Velocities of the ends of its slip zones and openings [length / time].
     """
     material, load = scene.material, scene.load
+    histories = ((scene.pressure_history, load.pressure), (scene.shear_history, load.shear))
+    starts = {time for one, step in histories if step for time, _ in one.pieces.jumps}
     shear, pressure = 1 / material.shear_speed, 1 / material.longitudinal_speed
     moving = [edge for edge in edges if 0 < edge < math.inf]
     in_plane = not scene.antiplane or load.pressure != 0
@@ -91,5 +98,5 @@ def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
     lines += [StraightFront(shear, pressure, side) for side in (1, -1) if in_plane]
     lines += [StraightFront(s, 1 / edge, 1) for edge in moving for s in waves if s * edge > 1]
     rayleigh = material.rayleigh_speed
-    points = (0.0, *moving, *((rayleigh, -rayleigh) if in_plane else ()))
-    return Fronts(waves, tuple(lines), points)
+    points = (*moving, *((rayleigh, -rayleigh) if in_plane else ()))
+    return Fronts(tuple(sorted(starts)), waves, tuple(lines), points)

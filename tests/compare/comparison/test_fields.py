@@ -13,7 +13,7 @@ from compare.comparison.fields.frames import read_frame
 from compare.comparison.fields.fronts import fronts_of
 from compare.comparison.snapshots import listed_frames
 from fem import simulate
-from semianalytic import solve
+from semianalytic import Pulse, solve
 from semianalytic.results.files import Seal, new_file
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.named import find_scene, override_scene
@@ -217,6 +217,18 @@ def test_fronts_are_where_waves_arrive(side):
         assert fronts.distance(np.array(x), np.array(side * height), t) < 1e-12, name
     beside = np.array([[-mach, 1.3, 1.3], [y, c_t * t, c_l * t]])
     assert np.all(fronts.distance(beside[0], side * beside[1], t) > 0.02)
+
+
+def test_each_jump_of_a_load_sends_out_fronts_and_a_rise_does_not():
+    x, y = np.array([0.5, 0.6, 0.06]), np.array([0.5, 0.8, 0.08])
+    radii = np.hypot(x, y)
+    pulse = replace(find_scene("pulse"), shear_history=Pulse(0.3))
+    fronts = fronts_of(pulse)
+    assert fronts.starts == (0.0, 0.3)
+    c_t = pulse.material.shear_speed
+    assert fronts.distance(x, y, radii[1] / c_t)[1] < 1e-12
+    assert fronts.distance(x, y, 0.3 + radii[2] / c_t)[2] < 1e-12
+    np.testing.assert_array_equal(fronts_of(find_scene("ramp")).distance(x, y, 0.8), radii)
 
 
 @pytest.mark.parametrize("name", ["preloaded", "lift-off-shear", "antiplane"])
