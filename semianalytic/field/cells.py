@@ -17,7 +17,7 @@ import numpy as np
 
 from semianalytic.field import tuning
 from semianalytic.field.transform import Centre, Transform
-from semianalytic.field.waves import SHEAR, Complex, Slowness, ahead_of_waves, densities
+from semianalytic.field.waves import SHEAR, Complex, Slowness, densities, plane_wave
 from semianalytic.halfplane.rayleigh import Array, Mode
 
 
@@ -235,9 +235,17 @@ class Primitives:
 
     @cached_property
     def _ahead(self) -> Complex:
-        """All integrals where nothing has arrived."""
-        far = np.asarray(self.transform.fields.load.far_slip_rate).ravel()
-        return ahead_of_waves(float(far[0]), self._mode)
+        """All integrals where no wave from the edge has come, x > 0: what slides ahead of all."""
+        factors, load = self.transform.fields.factors, self.transform.fields.load
+        far = float(np.asarray(load.far_slip_rate).ravel()[0])
+        return -plane_wave(far, self._mode, factors.a)
+
+    @cached_property
+    def _behind(self) -> Complex:
+        """The same behind the slot: the plane waves of the load."""
+        factors, load = self.transform.fields.factors, self.transform.fields.load
+        at_zero = float(load.load_shear - np.asarray(load.far_slip_rate).ravel()[0])
+        return self._ahead - plane_wave(at_zero, self._mode, factors.a)
 
     def _values(self, cell: Cell, log: Complex) -> Complex:
         """(m, f): all integrals at points of a cell, from ln(k - centre)."""
@@ -261,10 +269,10 @@ class Primitives:
         Where they are singular, so close to that.
         """
         result = np.empty((len(k), len(self._ahead)), dtype=complex)
-        quiet = (k.imag == 0) & (k.real < 0) & (k.real > -self.transform.fields.factors.a)
-        result[quiet] = self._ahead
-        if not quiet.all():
-            result[~quiet] = self._looked_up(k[~quiet], close)
+        still = (k.imag == 0) & (np.abs(k.real) < self.transform.fields.factors.a) & (k != 0)
+        result[still] = np.where(k[still, None].real < 0, self._ahead, self._behind)
+        if not still.all():
+            result[~still] = self._looked_up(k[~still], close)
         return result.T
 
     def _looked_up(self, k: Complex, close: float) -> Complex:

@@ -121,13 +121,16 @@ def densities(at: Slowness, transform: Complex, mode: Mode) -> Complex:
     )
 
 
-def ahead_of_waves(far_slip_rate: float, mode: Mode) -> Complex:
-    """Integrals of all densities between 0 and -a: i pi times the plane S wave of slip ahead of all
-    waves, which moves the upper face at a rate [unit / (mu b)]."""
-    wave = 1j * np.pi * far_slip_rate
+def plane_wave(transform: float, mode: Mode, a: float) -> Complex:
+    """What all integrals change by from 0 < k < a to -a < k < 0, above the pole of their densities
+    at 0: i pi times a plane wave, of a traction that changes everywhere by `transform` = T(0)."""
     if mode == "III":
-        return np.array([wave, 0, -wave])
+        return 1j * np.pi * transform * np.array([-1, 0, 1])
     result = np.zeros(20, dtype=complex)
-    result[S_WAVE] = np.array([wave, 0, 0, wave, 0])
-    result[SUMS] = np.array([wave, 0, 0, 0, -wave, 0, 0, wave, 0])
-    return result
+    if mode == "II":
+        result[S_WAVE] = -1, 0, 0, -1, 0
+        result[SUMS] = -1, 0, 0, 0, 1, 0, 0, -1, 0
+    else:
+        result[P_WAVE] = 0, 0, 1, 0, a
+        result[SUMS] = 0, -a, 1 - 2 * a * a, 1, 0, 0, 0, 0, -a * a
+    return 1j * np.pi * transform * result
