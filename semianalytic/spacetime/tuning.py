@@ -121,3 +121,18 @@ BYTES_PER_STEP = 96
 """Times, loads and totals."""
 TABLE_BYTES = 8
 """Per sample of the pressure's table."""
+
+# --- fields in the bodies ------------------------------------------------------------------------
+
+FIELD_WAVENUMBERS = 256
+FIELD_TAPER = 8
+FIELD_LEVELS = 400
+LEVEL_DEGREE = 5
+FIELD_CROWD = 4
+FIELD_BLOCK = 20_000
+WINDOW = 1.5
+FADE = 0.25
+WRAPPED = 1e-5
+FIELD_MARGIN = 8
+FIELD_VALUES = 1 << 22
+TAPER_END = 7.0
