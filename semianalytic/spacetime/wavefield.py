@@ -10,22 +10,22 @@ the exponential window.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.spacetime.tuning import (
     FADE,
     FIELD_BLOCK,
     FIELD_CROWD,
     FIELD_LEVELS,
     FIELD_TAPER,
-    TAPER_END,
     FIELD_WAVENUMBERS,
     LEVEL_DEGREE,
+    TAPER_END,
     WINDOW,
     WRAPPED,
 )
@@ -75,15 +75,15 @@ def kept_wavenumbers(period: float, reach: float, nodes: int) -> Array:
     return np.asarray(2 * np.pi * np.arange(count) / period)
 
 
-def along_line(values: Array, spacing: float, wavenumbers: Array) -> Complex:
+def along_line(values: Array, spacing: float, first: float, wavenumbers: Array) -> Complex:
     """Amplitudes (m, n) of exp(i q x), whose real parts add up to tractions (m, nodes).
 
-    The nodes are (i + 1/2) h, and those beyond the middle lie one period further left.
+    The nodes are (i + first) h, and those beyond the middle lie one period further left.
     """
     from scipy.fft import rfft  # here, for `import semianalytic` is to be quick
 
     lines = rfft(values, axis=1)[:, : len(wavenumbers)]
-    lines *= 2 * np.exp(-0.5j * spacing * wavenumbers) / values.shape[1]
+    lines *= 2 * np.exp(-1j * first * spacing * wavenumbers) / values.shape[1]
     lines[:, 0] /= 2
     return np.asarray(lines)
 
@@ -120,7 +120,7 @@ class Window:
         """omega / c_t, (m,), real parts up to the highest that matters [1 / length]."""
         spacing = 2 * np.pi * self.steps / (self._size * self.end)
         count = int(min(highest / spacing, (self._size - 1) // 2))
-        return spacing * np.arange(-count, count + 1) - 1j * self._fall
+        return np.asarray(spacing * np.arange(-count, count + 1) - 1j * self._fall, dtype=complex)
 
     def transformed(self, lines: Complex, frequencies: Complex) -> Complex:
         """Amplitudes (n, m) of exp(i omega t) of lines (steps + 1, n)."""
@@ -146,7 +146,7 @@ def tapered(wavenumbers: Array, frequencies: Complex) -> Array:
 
 
 def evaluated(
-    spectrum: Spectrum, quantity: Quantity, a: float, antiplane: bool, x: Array, y: Array, t: Array
+    spectrum: Spectrum, quantity: Quantity, a: float, mode: Mode, x: Array, y: Array, t: Array
 ) -> Array:
     """Velocity, stress or displacement (rows, p) at points (p,) of the upper body, y >= 0.
 
@@ -157,8 +157,8 @@ def evaluated(
         Rows as in `Solution`, c_t = mu = 1.
     a : float
         c_t / c_l.
-    antiplane : bool
-        Whether the shear of the spectrum is along z; rows are those of z alone then.
+    mode : Mode
+        "III" if the shear of the spectrum is along z; rows are those of z alone then.
     x, y, t : (p,) arrays
         c_t t for t [length].
     """
@@ -166,46 +166,45 @@ def evaluated(
     turn, phase = np.exp(1j * spectrum.wavenumbers[1] * x), np.ones(len(x), dtype=complex)
     result = 0.0
     for index in range(len(spectrum.wavenumbers)):
-        sums = 0.0
-        for decay, amplitudes in _waves(spectrum, index, quantity, a, antiplane):
-            sums = sums + lines.summed(decay, amplitudes, spectrum.frequencies)
+        waves = _waves(spectrum, index, quantity, a, mode)
+        sums = sum(lines.summed(*wave, spectrum.frequencies) for wave in waves)
         result = result + (phase[:, None] * (lines.pick @ sums)).real
         phase *= turn
     return np.asarray(result).T
 
 
 def _waves(
-    spectrum: Spectrum, index: int, quantity: Quantity, a: float, antiplane: bool
-) -> Iterator[tuple[Complex, Complex]]:
+    spectrum: Spectrum, index: int, quantity: Quantity, a: float, mode: Mode
+) -> list[tuple[Complex, Complex]]:
     """Decay (m,) and amplitudes (rows, m) at one wavenumber of each wave; see `field.waves`."""
     q, omega = spectrum.wavenumbers[index], spectrum.frequencies
     decay_s = np.sqrt(q * q - omega * omega)
     k, beta = q / omega, decay_s / (1j * omega)
-    over = 1 / (1j * omega) if quantity == "displacement" else 1.0
-    if antiplane:
-        shear = spectrum.shear[index]
-        rows = [-k * shear / beta, shear] if quantity == "stress" else [-over * shear / beta]
-        yield decay_s, np.stack(rows)
-        return
-    decay_p = np.sqrt(q * q - (a * omega) ** 2)
+    over = 1 / (1j * omega) if quantity == "displacement" else np.ones_like(omega)
+    none = np.zeros_like(omega)
+    shear, normal = (
+        none if part is None else part[index] for part in (spectrum.shear, spectrum.normal)
+    )
+    if mode == "III":
+        waving = (
+            np.stack([-k * shear / beta, shear]) if quantity == "stress" else [-over * shear / beta]
+        )
+        return [(decay_s, np.asarray(waving))]
+    decay_p = np.sqrt(q * q - np.square(a * omega))
     alpha, square = decay_p / (1j * omega), 1 - 2 * k * k
     rayleigh = square * square + 4 * k * k * alpha * beta
-    compression = rotation = 0.0  # v_x over k of the P wave, v_x of the S wave
-    if spectrum.shear is not None:
-        traction = spectrum.shear[index] / rayleigh
-        compression = compression - 2 * k * beta * traction
-        rotation = rotation - square * beta * traction
-    if spectrum.normal is not None:
-        traction = spectrum.normal[index] / rayleigh
-        compression = compression + square * traction
-        rotation = rotation - 2 * k * alpha * beta * traction
+    # v_x over k of the P wave, and v_x of the S wave
+    compression = (square * normal - 2 * k * beta * shear) / rayleigh
+    rotation = -beta * (2 * k * alpha * normal + square * shear) / rayleigh
     if quantity == "stress":
         along = 1 - 2 * a * a + 2 * k * k
-        yield decay_p, compression * np.stack([along, square, -2 * k * alpha])
-        yield decay_s, rotation * np.stack([2 * k, -2 * k, -square / beta])
+        pushed, turned = [along, square, -2 * k * alpha], [2 * k, -2 * k, -square / beta]
     else:
-        yield decay_p, over * compression * np.stack([k, -alpha])
-        yield decay_s, over * rotation * np.stack([np.ones_like(k), k / beta])
+        pushed, turned = [over * k, -over * alpha], [over, over * k / beta]
+    return [
+        (decay_p, compression * np.stack(pushed)),
+        (decay_s, rotation * np.stack(turned)),
+    ]
 
 
 @dataclass(frozen=True, eq=False)
