@@ -25,7 +25,8 @@ from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.tuning import FIELD_MARGIN, FIELD_VALUES
+from semianalytic.spacetime.resolution import nodes_for_loads
+from semianalytic.spacetime.tuning import FIELD_MARGIN, FIELD_NODES, FIELD_VALUES
 from semianalytic.spacetime.wavefield import (
     Spectrum,
     Window,
@@ -130,7 +131,9 @@ class Remainder:
         scene, seen = self.scene, self.interface
         speed = scene.material.shear_speed
         window = Window(speed * float(seen.t[-1]), len(seen.t) - 1)
-        q = kept_wavenumbers(self._nodes * self._spacing, self.reach, self._nodes)
+        enough, _ = nodes_for_loads(scene, float(seen.t[-1]), self.reach, FIELD_NODES)
+        share = enough * self._spacing / self.reach
+        q = kept_wavenumbers(self._nodes * self._spacing, self._nodes, share)
         omega = window.frequencies(scene.fastest_speed / speed * q[-1])
         taper = tapered(q, omega)
 

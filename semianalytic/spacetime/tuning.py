@@ -124,7 +124,7 @@ TABLE_BYTES = 8
 
 # --- fields in the bodies ------------------------------------------------------------------------
 
-FIELD_WAVENUMBERS = 128
+FIELD_NODES = 128
 FIELD_TAPER = 8
 FIELD_LEVELS = 400
 LEVEL_DEGREE = 5

@@ -23,7 +23,6 @@ from semianalytic.spacetime.tuning import (
     FIELD_CROWD,
     FIELD_LEVELS,
     FIELD_TAPER,
-    FIELD_WAVENUMBERS,
     LEVEL_DEGREE,
     TAPER_END,
     WINDOW,
@@ -61,17 +60,9 @@ class Spectrum:
         return self if self.normal is None else replace(self, normal=-self.normal)
 
 
-def kept_wavenumbers(period: float, reach: float, nodes: int) -> Array:
-    """Wavenumbers (n,) that are summed [1 / length].
-
-    Parameters
-    ----------
-    period, reach : float
-        After which tractions repeat, and how far waves come [length].
-    nodes : int
-        Within the period.
-    """
-    count = min(nodes // 2, round(FIELD_WAVENUMBERS * period / (2 * reach)))
+def kept_wavenumbers(period: float, nodes: int, share: float) -> Array:
+    """A share of the wavenumbers (n,) of tractions on nodes that repeat [1 / length]."""
+    count = math.ceil(min(share, 1.0) * (nodes // 2))
     return np.asarray(2 * np.pi * np.arange(count) / period)
 
 

@@ -187,7 +187,10 @@ def test_shear_is_homogeneous_in_tractions(problem):
     solution = solve(problem.scene)
     scene, x = problem.scene, clear_positions(solution)
     parts = {name: solution.derivative(name) for name in TRACTIONS}
-    for field, size in (("slip_rate", solution._rate_unit), ("shear_traction", solution.stress_unit)):
+    for field, size in (
+        ("slip_rate", solution._rate_unit),
+        ("shear_traction", solution.stress_unit),
+    ):
         each = {n: value(scene, n) * getattr(one, field)(x, 1.0) for n, one in parts.items()}
         expected, tolerance = getattr(solution, field)(x, 1.0), 3e-7 * size
         np.testing.assert_allclose(sum(each.values()), expected, rtol=0, atol=tolerance)
