@@ -181,7 +181,7 @@ class MarchedBodies:
         if np.any(t > arrival * (1 + _ROUNDING)):
             raise SceneError(
                 f"this answer knows the contact to x = {end:.6g} only, and waves from beyond have "
-                "come; ask for earlier times, or compute it on a greater length."
+                "come; ask for earlier times, or march on a greater length (docs/limits.md)."
             )
 
 

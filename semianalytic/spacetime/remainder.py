@@ -130,7 +130,8 @@ class Remainder:
         """Of shear, and of pressure if its load does not only jump; together in plane."""
         scene, seen = self.scene, self.interface
         speed = scene.material.shear_speed
-        window = Window(speed * float(seen.t[-1]), len(seen.t) - 1)
+        steps = max(len(seen.t) - 1, 2 * FIELD_NODES)  # more than are stored, if those are few
+        window = Window(speed * float(seen.t[-1]), steps)
         enough, _ = nodes_for_loads(scene, float(seen.t[-1]), self.reach, FIELD_NODES)
         share = enough * self._spacing / self.reach
         q = kept_wavenumbers(self._nodes * self._spacing, self._nodes, share)

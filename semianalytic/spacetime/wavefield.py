@@ -22,9 +22,9 @@ from semianalytic.spacetime.tuning import (
     FIELD_BLOCK,
     FIELD_CROWD,
     FIELD_LEVELS,
-    FIELD_TAPER,
     LEVEL_DEGREE,
-    TAPER_END,
+    TAPER,
+    TAPER_POWER,
     WINDOW,
     WRAPPED,
 )
@@ -133,7 +133,7 @@ class Window:
 def tapered(wavenumbers: Array, frequencies: Complex) -> Array:
     """(n, m) from 1 to nearly 0 at the highest wavenumber and frequency."""
     shares = wavenumbers / wavenumbers[-1], np.abs(frequencies.real) / frequencies.real[-1]
-    return np.multiply.outer(*(np.exp(-TAPER_END * share**FIELD_TAPER) for share in shares))
+    return np.multiply.outer(*(np.exp(-TAPER * share**TAPER_POWER) for share in shares))
 
 
 def evaluated(

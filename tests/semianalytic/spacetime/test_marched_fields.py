@@ -85,8 +85,9 @@ def on_interface(marched, name, row, side):
 @pytest.mark.parametrize("side", [1, -1])
 def test_fields_end_in_the_traction_of_the_interface(side):
     marched = march(find_scene("ramp"), nodes=256, companion=False)
-    shear = on_interface(marched, "stress", 2, side)
-    known = marched.interface.shear_traction[-1]
+    away = marched.interface.x > 0.1  # what is nearer to the edge is smoothed
+    shear = on_interface(marched, "stress", 2, side)[away]
+    known = marched.interface.shear_traction[-1, away]
     assert np.abs(shear - known).sum() < 3e-3 * np.abs(known).sum()
 
 
