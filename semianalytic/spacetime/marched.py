@@ -28,6 +28,8 @@ from semianalytic.spacetime.resolution import (
 )
 from semianalytic.spacetime.tuning import (
     ERROR_SAFETY,
+    FIELD_POINTS,
+    FIELD_SMOOTHING,
     LARGEST_ERROR,
     MEMORY_SAFETY,
     ONSET_SHARE,
@@ -387,6 +389,20 @@ class Marched(SampledAnswer):
             u_x, u_y; in antiplane shear (3, ...), with u_z.
         """
         return self._bodies.displacement(x, y, t)
+
+    @cached_property
+    def field_error(self) -> float:
+        """Estimate of the error of stress in the bodies: L1, relative to what has changed.
+
+        From what the companion says at some points, at the end or when waves have come through the
+        observed contact; nan without a companion.
+        """
+        reach = self.grid.observed * self.grid.spacing
+        x, y = reach * np.random.default_rng(0).uniform(-1, 1, (2, FIELD_POINTS))
+        end = min(self.end_time, reach / self.scene.fastest_speed)
+        off = self.error_of(lambda march: march.stress(x, y, end)).sum()
+        change = np.abs(self.stress(x, y, end) - self.stress(x, y, 0.0)).sum()
+        return float(off / change) + FIELD_SMOOTHING if change else 0.0
 
     @property
     def final_path(self) -> Array:

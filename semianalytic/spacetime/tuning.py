@@ -153,3 +153,7 @@ FIELD_CROWD = 4
 that is matrix multiplication."""
 FIELD_BLOCK = 20_000
 """Pairs that are formed at once otherwise."""
+FIELD_POINTS = 60
+"""At which march and companion are compared."""
+FIELD_SMOOTHING = 3e-4
+"""What no grid mends, at the most, in L1: 2e-4 (`preloaded`), 3e-4 (kinks)."""

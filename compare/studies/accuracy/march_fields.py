@@ -38,9 +38,10 @@ def fields() -> list[FieldRow]:
     for name in SCENES:
         scene, before = NAMED_SCENES[name].scene, math.nan
         for nodes in GRIDS:
-            errors = field_errors(scene, nodes)
-            rows.append(FieldRow(name, nodes, *errors, math.log2(before / errors[1])))
-            before = errors[1]
+            velocity, stress, displacement = field_errors(scene, nodes)
+            order = math.log2(before / stress)
+            rows.append(FieldRow(name, nodes, velocity, stress, displacement, order))
+            before = stress
     return rows
 
 
