@@ -21,6 +21,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.spacetime.remainder import Remainder, SlotLoad, far_traction
+from semianalytic.spacetime.tuning import EDGE_SHARE
 from semianalytic.spacetime.wavefield import Quantity, Spectrum, evaluated
 
 Array = NDArray[np.float64]
@@ -72,13 +73,31 @@ class MarchedBodies:
         changes = signs * (self._waves(quantity, *at) + self._plane_waves(quantity, *at))
         changes *= self._unit(quantity)
         for slot in (self._remainder.normal, self._remainder.shear):
-            rows, step = self._rows(quantity, slot.mode), stuck_step(self._solid, slot.mode)
-            for start, height in slot.jumps:
-                of_step = getattr(step, quantity)(at[0], at[1], at[2] - start)
-                changes[rows] += height * of_step[rows]
+            if slot.jumps:
+                rows = self._rows(quantity, slot.mode)
+                changes[rows] += self._of_jumps(slot, quantity, *at)[rows]
         result = np.zeros((len(changes), *x.shape))
         result[:, begun] = changes
         return result
+
+    def _of_jumps(self, slot: SlotLoad, quantity: Quantity, x: Array, y: Array, t: Array) -> Array:
+        """Rows of what jumps do to a stuck interface, at points (p,).
+
+        Beside an edge that slips, the intensity that slip takes away is followed no further than
+        the sum over wavenumbers does that takes it away.
+        """
+        least = EDGE_SHARE / self._spectra[0].wavenumbers[-1]
+        distance = np.hypot(x, y)
+        near = (distance < least) & (quantity == "stress" and slot.mode != "I")
+        total = _of_steps(self._solid, slot, quantity, x, y, t)
+        if near.any():
+            share = np.interp(t[near], self.interface.t, self._remainder.singular_share)
+            followed = np.where(share == 0, 0.0, share * total[:, near])
+            r = distance[near]
+            out = least / np.where(r > 0, r, 1.0)
+            at = np.where(r > 0, out * x[near], least), out * y[near], t[near]
+            total[:, near] = followed + (1 - share) * _of_steps(self._solid, slot, quantity, *at)
+        return total
 
     @property
     def _solid(self) -> Material:
@@ -183,6 +202,14 @@ class MarchedBodies:
                 f"this answer knows the contact to x = {end:.6g} only, and waves from beyond have "
                 "come; ask for earlier times, or march on a greater length (docs/limits.md)."
             )
+
+
+def _of_steps(
+    solid: Material, slot: SlotLoad, quantity: Quantity, x: Array, y: Array, t: Array
+) -> Array:
+    """Rows (n, p) of what jumps of the load do to a stuck interface."""
+    step = getattr(stuck_step(solid, slot.mode), quantity)
+    return np.sum([height * step(x, y, t - start) for start, height in slot.jumps], axis=0)
 
 
 def _seen_by_bodies(

@@ -37,6 +37,7 @@ from semianalytic.spacetime.wavefield import (
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,28 +169,45 @@ class Remainder:
         seen, contact = self.interface, self._contact
         singular = np.zeros((len(seen.t[part]), self._nodes))
         pressed = seen.pressure[part, :contact] - self.scene.base.pressure
-        singular[:, :contact] = self._stuck(self.normal, seen.t[part]) - pressed
+        singular[:, :contact] = self._stuck(self.normal, seen.t[part], contact) - pressed
         if self._slot:
             singular[:, -self._slot :] = self.normal.rest[part, None]
         return singular, np.zeros_like(singular)
 
+    def _edge(self, part: slice) -> tuple[Flags, Array]:
+        """Whether the first node slips (l, 1), and its shear traction over its pressure then."""
+        pressure = self.interface.pressure[part, :1]
+        slips = self.interface.slip_rate[part, :1] != 0
+        rubbing = slips & (pressure > 0)
+        shear = np.where(rubbing, self.interface.shear_traction[part, :1], 0.0)
+        return slips, shear / np.where(rubbing, pressure, 1.0)
+
+    @cached_property
+    def singular_share(self) -> Array:
+        """What slip leaves of the stuck intensity of shear at the edge, (m,)."""
+        seen, every = self.interface, slice(None)
+        slips, coefficient = (one[:, 0] for one in self._edge(every))
+        stuck = self._stuck(self.shear, seen.t, 1)[:, 0] + self.shear.jumped(seen.t)
+        pressed = seen.pressure[:, 0] - self.scene.base.pressure + self._pressure_load(seen.t)
+        known = slips & (stuck != 0)
+        return np.where(known, coefficient * pressed / np.where(known, stuck, 1.0), 1.0)
+
+    def _pressure_load(self, t: Array) -> Array:
+        return self.scene.load.pressure * self.scene.pressure_history.value(t)
+
     def _shear_left(self, part: slice) -> tuple[Array, Array]:
         """Change of shear traction (l, nodes), singular at the edge and not, likewise."""
-        seen, scene, contact, t = self.interface, self.scene, self._contact, self.interface.t[part]
-        singular, bounded = np.zeros((2, len(t), self._nodes))
-        slips = seen.slip_rate[part, :1] != 0
-        rubbing = slips & (seen.pressure[part, :1] > 0)
-        edge = np.where(rubbing, seen.pressure[part, :1], 1.0)
-        coefficient = np.where(rubbing, seen.shear_traction[part, :1] / edge, 0.0)
-        sheared = seen.shear_traction[part, :contact] - scene.base.shear - self.far[part, None]
-        pressed = seen.pressure[part, :contact] - scene.base.pressure
+        seen, base, contact, t = self.interface, self.scene.base, self._contact, self.interface.t
+        slips, coefficient = self._edge(part)
+        singular, bounded = np.zeros((2, len(t[part]), self._nodes))
+        sheared = seen.shear_traction[part, :contact] - base.shear - self.far[part, None]
+        pressed = seen.pressure[part, :contact] - base.pressure
         bounded[:, :contact] = np.where(slips, sheared - coefficient * pressed, 0.0)
         singular[:, :contact] = np.where(slips, coefficient * pressed, sheared)
-        singular[:, :contact] -= self._stuck(self.shear, t)
+        singular[:, :contact] -= self._stuck(self.shear, t[part], contact)
         # what is singular is the response together with the load, which begins at the edge itself
         offset, _ = edge_offset_and_factors()
-        load = scene.load.pressure * scene.pressure_history.value(t)
-        moved = coefficient[:, 0] * load - self.shear.jumped(t)
+        moved = coefficient[:, 0] * self._pressure_load(t[part]) - self.shear.jumped(t[part])
         bounded[:, 0] += (0.5 - offset) * np.where(slips[:, 0], moved, 0.0)
         if self._slot:
             rest = -self.shear.rest[part, None]
@@ -197,15 +215,15 @@ class Remainder:
             singular[:, -self._slot :] = np.where(slips, 0.0, rest)
         return singular, bounded
 
-    def _stuck(self, slot: SlotLoad, t: Array) -> Array:
-        """What jumps exert on a contact that sticks, as its grid sees it, (l, contact) [stress]."""
+    def _stuck(self, slot: SlotLoad, t: Array, nodes: int) -> Array:
+        """What jumps exert on a contact that sticks, as its grid sees it, (l, nodes) [stress]."""
         offset, near = edge_offset_and_factors()
-        factors = np.ones(self._contact)
-        factors[: len(near)] = near[: self._contact]
-        x = (np.arange(self._contact) + offset) * self._spacing
+        factors = np.ones(nodes)
+        factors[: len(near)] = near[:nodes]
+        x = (np.arange(nodes) + offset) * self._spacing
         material = self.scene.material
         step = stuck_traction(material.poisson_ratio, slot.mode)
-        total = np.zeros((len(t), self._contact))
+        total = np.zeros((len(t), nodes))
         for start, height in slot.jumps:
             after = t > start
             u = np.multiply.outer(material.shear_speed * (t[after] - start), 1 / x)

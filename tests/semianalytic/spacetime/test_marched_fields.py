@@ -84,6 +84,23 @@ def on_interface(marched, name, row, side):
     return getattr(marched, name)(marched.interface.x, side * 0.0, marched.end_time)[row]
 
 
+def test_stress_stays_bounded_beside_an_edge_that_slips():
+    scene, angle = find_scene("preloaded"), np.array([0.3, 1.5, 2.8, -2.8, -0.3])
+    marched = march(scene, nodes=256, companion=False)
+    for distance in (1e-6, 1e-3, 3e-3):
+        at = distance * np.cos(angle), distance * np.sin(angle), 1.0
+        exact = np.abs(solve(scene).stress(*at)).max()
+        assert np.abs(marched.stress(*at)).max() < 3 * exact
+    assert np.isfinite(marched.stress(0.0, [0.0, -0.0], 1.0)).all()
+
+
+def test_stress_beside_an_edge_that_sticks_is_exact():
+    scene = find_scene("stuck")
+    at = 1e-4 * np.cos([0.3, 1.5, -2.8]), 1e-4 * np.sin([0.3, 1.5, -2.8]), 1.0
+    stress = march(scene, nodes=64, companion=False).stress(*at)
+    np.testing.assert_allclose(stress, solve(scene).stress(*at), rtol=1e-3)
+
+
 @pytest.mark.parametrize("side", [1, -1])
 def test_fields_end_in_the_traction_of_the_interface(side):
     marched = march(find_scene("ramp"), nodes=256, companion=False)
