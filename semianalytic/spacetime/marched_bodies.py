@@ -92,7 +92,7 @@ class MarchedBodies:
         total = _of_steps(self._solid, slot, quantity, x, y, t)
         if near.any():
             share = np.interp(t[near], self.interface.t, self._remainder.singular_share)
-            followed = np.where(share == 0, 0.0, share * total[:, near])
+            followed = share * np.where(share == 0, 0.0, total[:, near])
             r = distance[near]
             out = least / np.where(r > 0, r, 1.0)
             at = np.where(r > 0, out * x[near], least), out * y[near], t[near]
