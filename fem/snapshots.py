@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -104,10 +105,7 @@ class Snapshots:
         name = f"fields-{number:04d}.vtu"
         path = self.directory / name
         try:
-            with new_file(path, seal=Seal.XML) as part:
-                meshio.write(part, self._frame(), file_format="vtu")
-                with part.open("ab") as stream:
-                    stream.write(f"<!-- slipfront run {self.run} -->\n".encode())
+            with new_frame(path, self._frame(), self.run):
                 if free_space(self.directory) < self.reserve:
                     raise DataFileError(
                         f"{path} would leave no room on the disk for the histories."
@@ -168,17 +166,43 @@ class Snapshots:
         return np.concatenate(gradients, axis=2)
 
     def _write_index(self) -> None:
-        entries = "".join(
-            f'    <DataSet timestep="{time!r}" part="0" file="{name}"/>\n'
-            for time, name in self.frames
-        )
-        text = (
-            '<?xml version="1.0"?>\n'
-            '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
-            f'  <Collection run="{self.run}">\n'
-            f"{entries}  </Collection>\n</VTKFile>\n"
-        )
-        write_bytes(self.directory / INDEX, text.encode(), Seal.XML)
+        write_index(self.directory, self.frames, self.run)
+
+
+@contextmanager
+def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
+    """Write a frame of a run, which gets its name, whole, when the context ends well.
+
+    Raises
+    ------
+    DataFileError
+        If it cannot be written.
+    """
+    with new_file(path, seal=Seal.XML) as part:
+        meshio.write(part, mesh, file_format="vtu")
+        with part.open("ab") as stream:
+            stream.write(f"<!-- slipfront run {run} -->\n".encode())
+        yield
+
+
+def write_index(directory: Path, frames: Iterable[tuple[float, str]], run: str) -> None:
+    """Write the index of the frames (time, name) of a run, whole or not at all.
+
+    Raises
+    ------
+    DataFileError
+        If it cannot be written.
+    """
+    entries = "".join(
+        f'    <DataSet timestep="{time!r}" part="0" file="{name}"/>\n' for time, name in frames
+    )
+    text = (
+        '<?xml version="1.0"?>\n'
+        '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
+        f'  <Collection run="{run}">\n'
+        f"{entries}  </Collection>\n</VTKFile>\n"
+    )
+    write_bytes(directory / INDEX, text.encode(), Seal.XML)
 
 
 def frame_run(path: Path) -> str | None:

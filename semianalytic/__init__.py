@@ -1,7 +1,11 @@
-"""Slip on a frictional interface after a sudden load: exact where self-similar, else marched."""
+"""Slip on a frictional interface after a sudden load: exact where self-similar, else marched.
 
-from semianalytic.fitting import Fit, Gauge, fit
-from semianalytic.prediction import predict
+What `solve` needs is imported at once, the rest when one of its names is first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import (
@@ -22,13 +26,9 @@ from semianalytic.scene.friction import (
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
-from semianalytic.selfsimilar.derivative import Derivative, ZoneDerivative
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
-from semianalytic.spacetime.march import march, march_on
-from semianalytic.spacetime.marched import Marched
-from semianalytic.sweeps.sweep import Sweep, sweep
 
 __all__ = [
     "Answer",
@@ -45,6 +45,7 @@ __all__ = [
     "Marched",
     "Material",
     "MissingLibraryError",
+    "OpenDerivative",
     "OpenInterval",
     "OpenZone",
     "Pulse",
@@ -67,9 +68,45 @@ __all__ = [
     "ZoneDerivative",
     "find_scene",
     "fit",
+    "fringe_order",
+    "fringes",
     "march",
     "march_on",
     "predict",
     "solve",
+    "strain",
     "sweep",
 ]
+
+_LATER = {
+    "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
+    "semianalytic.fitting": ("Fit", "Gauge", "fit"),
+    "semianalytic.prediction": ("predict",),
+    "semianalytic.selfsimilar.derivative": ("Derivative", "OpenDerivative", "ZoneDerivative"),
+    "semianalytic.spacetime.march": ("march", "march_on"),
+    "semianalytic.spacetime.marched": ("Marched",),
+    "semianalytic.sweeps.sweep": ("Sweep", "sweep"),
+}
+"""Modules that a plain solution does without, and what they are asked for."""
+
+if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
+    from semianalytic.field.derived import fringe_order, fringes, strain
+    from semianalytic.fitting import Fit, Gauge, fit
+    from semianalytic.prediction import predict
+    from semianalytic.selfsimilar.derivative import Derivative, OpenDerivative, ZoneDerivative
+    from semianalytic.spacetime.march import march, march_on
+    from semianalytic.spacetime.marched import Marched
+    from semianalytic.sweeps.sweep import Sweep, sweep
+else:
+
+    def __getattr__(name: str) -> Any:
+        """A name of a module that is not imported yet."""
+        for module, names in _LATER.items():
+            if name in names:
+                globals()[name] = getattr(import_module(module), name)
+                return globals()[name]
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

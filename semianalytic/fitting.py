@@ -13,7 +13,7 @@ from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.derivative import PARAMETERS, Derivative
+from semianalytic.selfsimilar.derivative import PARAMETERS, Derivative, parameter
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 
@@ -130,19 +130,6 @@ class Fit:
     def residuals(self) -> tuple[Array, ...]:
         """Of each gauge, record less fit [length / time]."""
         return tuple(-one.noise * one.misfit(self.solution) for one in self.gauges)
-
-
-def parameter(scene: Scene, name: str) -> float:
-    """The value of one of `PARAMETERS` in a scene."""
-    if name == "friction":
-        return scene.friction
-    if name == "poisson_ratio":
-        return scene.material.poisson_ratio
-    if name == "viscosity":
-        law = scene.friction_law
-        return law.viscosity if isinstance(law, ViscousFriction) else 0.0
-    part, kind = name.split("_")
-    return float(getattr(getattr(scene, part), kind))
 
 
 def with_parameter(scene: Scene, name: str, value: float) -> Scene:

@@ -1,15 +1,15 @@
 """Where, when, how fast and which way a frictional interface slips after a sudden load.
 
 ``import slipfront as sf``: everything under the name it is installed by.  Nothing is made here:
-scenes and semi-analytic solvers come from `semianalytic`, finite elements from `fem`, which is
-imported when one of its names is first used and needs the extra ``slipfront[fem]``.
+scenes and semi-analytic solvers come from `semianalytic`, finite elements from `fem`, which needs
+the extra ``slipfront[fem]``.  What a plain solution does without is imported when one of its names
+is first used.
 """
 
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import semianalytic
-from semianalytic import *
 
 __version__ = version("slipfront")
 
@@ -56,10 +56,11 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
         simulate,
         with_companions,
     )
+    from semianalytic import *
 else:
 
     def __getattr__(name: str) -> Any:
-        """A name of `fem`.
+        """A name of `semianalytic`, or of `fem`.
 
         Raises
         ------
@@ -68,6 +69,8 @@ else:
         """
         if name not in __all__:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        if name in semianalytic.__all__:
+            return getattr(semianalytic, name)
         import fem
 
         return getattr(fem, name)

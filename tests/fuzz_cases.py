@@ -132,6 +132,12 @@ WRONG_COMMANDS = [
     ["scenes", "preloaded"],
     ["scenes", "--json"],
     ["scenes"],
+    ["field"],
+    ["field", "nowhere"],
+    ["field", "preloaded", "--of", "beauty"],
+    ["field", "preloaded", "--window", "1,0,0,1"],
+    ["field", "preloaded", "--gauge", "ß,"],
+    ["field", "preloaded", "--animate", "2.5"],
     ["regimes", "--loading", "sideways"],
     ["regimes", "--size", "0"],
     ["regimes", "--size", "-5"],
@@ -163,6 +169,8 @@ REFUSED = [
     ["evidence", "--quick", "--quiet", "--output", "taken/page.html"],
     ["simulate", "stuck", "--resolution", "8", "--quiet", "--no-snapshots", "--output", "taken"],
     ["solve", "ramp", "--nodes", "16", "--quiet", "--save", "taken/march.h5"],
+    ["field", "preloaded", "--quiet", "--output", "taken"],
+    ["field", "preloaded", "--points", "1000000000"],
 ]
 """Beyond any machine, or nowhere to write, a file `taken` being there: to be refused at once."""
 

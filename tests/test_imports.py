@@ -128,3 +128,35 @@ def test_product_needs_numpy_and_scipy_only():
 def test_meshes_know_nothing_of_the_solvers():
     for path in sources("meshes"):
         assert not any(name.startswith(("fem", "compare")) for name in imported_modules(path))
+
+
+_DERIVATIVES = (
+    "selfsimilar.borders",
+    "selfsimilar.derivative",
+    "selfsimilar.variation",
+    "selfsimilar.varied",
+)
+LATER = ("fitting", "prediction", "reference", "regimes", *_DERIVATIVES, "spacetime", "sweeps")
+"""What a plain solution does without."""
+
+
+@pytest.mark.parametrize(
+    ("use", "loaded"),
+    [
+        ("", ()),
+        ("solution.slip_rate(0.3, 1.0)", ()),
+        ("solution.derivative('friction')", _DERIVATIVES),
+        ("slipfront.fit", ("fitting", *_DERIVATIVES)),
+        ("slipfront.march", ("spacetime",)),
+        ("slipfront.sweep", ("sweeps",)),
+    ],
+)
+def test_what_a_plain_solution_does_without_is_loaded_when_it_is_used(use, loaded):
+    code = (
+        "import sys, slipfront\n"
+        "solution = slipfront.solve(slipfront.find_scene('preloaded'))\n"
+        f"{use}\n"
+        f"print([one for one in {LATER!r} if 'semianalytic.' + one in sys.modules])"
+    )
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.strip() == repr(list(loaded))

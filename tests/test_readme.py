@@ -6,6 +6,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from compare.cli.commands import app
@@ -28,6 +29,20 @@ def test_first_answer_of_the_readme():
     with contextlib.redirect_stdout(shown):
         exec(README.split("```python\n")[1].split("```")[0], {})
     assert shown.getvalue().count("SlipZone") == 2
+
+
+def test_fringes_of_the_readme_are_ten_lines():
+    code = README.split("```python\n")[2].split("```")[0]
+    assert sum(bool(line.strip()) for line in code.splitlines()) <= 10
+    shown, names = io.StringIO(), {}
+    with contextlib.redirect_stdout(shown):
+        exec(code, names)
+    order, light = re.findall(r"\[(.+?)\]", shown.getvalue(), re.DOTALL)
+    order, light = np.array(order.split(), dtype=float), np.array(light.split(), dtype=float)
+    assert light == pytest.approx(np.sin(np.pi * order) ** 2, abs=1e-5)
+    assert order[-1] == pytest.approx(5e6 * 0.03 / 130e3)  # nothing but the base has come there
+    sheared = np.hypot(5e6, 2 * 8e6) * 0.03 / 130e3  # behind the plane S wave
+    assert order[0] == pytest.approx(sheared, rel=1e-3)
 
 
 def test_readme_names_every_command_and_extra():

@@ -15,6 +15,7 @@ from rich.console import Console
 from compare.cli import study_commands as studies
 from compare.cli import terminal
 from compare.cli.compare_command import compare_command
+from compare.cli.field_command import field_command
 from compare.cli.interruption import INTERRUPTED, INTERRUPTION
 from compare.cli.refusals import in_options, printable
 from compare.cli.simulate_command import simulate_command
@@ -49,6 +50,7 @@ def slipfront(
 app.command("compare")(compare_command)
 app.command("solve")(solve_command)
 app.command("simulate")(simulate_command)
+app.command("field")(field_command)
 
 
 @app.command()

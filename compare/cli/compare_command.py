@@ -25,15 +25,17 @@ from compare.cli.options import (
 )
 from compare.cli.simulate_command import simulate_into, with_error_bars
 from compare.cli.solve_command import check_converged
+from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
 from compare.comparison.prediction import check_predictable, predict_before, predict_like
 from compare.comparison.report import write_report
 from compare.comparison.rows import DIFFERS
 from compare.comparison.snapshots import last_snapshot
-from compare.output.leftovers import REPORT, SNAPSHOTS, forget_figures
+from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
+from compare.output.tables import write_rows
 from semianalytic import Marched, Scene, Solution
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
@@ -115,7 +117,11 @@ def compare_command(
         if prediction is None:
             with progress_bar(Console(stderr=True), quiet, "marching") as progress:
                 prediction = predict_like(simulation, method, progress)
-        judgement = judge(prediction, simulation, snapshot)
+        fields = None
+        if written:
+            with progress_bar(Console(stderr=True), quiet, "fields") as progress:
+                fields = field_errors(prediction, simulation, frames, progress)
+        judgement = judge(prediction, simulation, snapshot, fields)
         write_comparison(judgement, label, directory)
     _show(judgement, label, directory)
     if isinstance(prediction, Solution):
@@ -137,14 +143,18 @@ def _mesh(
 
 
 def write_comparison(judgement: Judgement, label: str, directory: Path) -> None:
-    """Draw the figures of a judgement into a folder and write it there as JSON."""
+    """Draw the figures of a judgement into a folder and write it there as JSON; fields as CSV."""
     from compare.figures.histories import comparison_figures
     from compare.figures.saving import save_figure
+    from compare.figures.snapshots import snapshot_figure
 
-    drawn = comparison_figures(judgement.case)
+    drawn, fields = comparison_figures(judgement.case), judgement.fields
+    if fields is not None:
+        drawn["fields.png"] = lambda case: snapshot_figure(fields, case.simulation)
+        write_rows(directory / FIELDS, fields.rows)
     for name, draw in drawn.items():
         save_figure(draw(judgement.case), directory / name)
-    forget_figures(directory, drawn)
+    forget_figures(directory, drawn if fields is None else {*drawn, FIELDS})
     write_report(judgement, label, directory / REPORT)
 
 
@@ -153,6 +163,9 @@ def _show(judgement: Judgement, label: str, directory: Path) -> None:
     console.print(terminal.judgement_table(judgement, label))
     console.print(terminal.references_line(judgement), highlight=False)
     console.print(terminal.verdict_text(judgement), highlight=False)
+    if judgement.fields is not None:
+        console.print(terminal.fields_table(judgement.fields))
+        console.print(terminal.fields_note(judgement), highlight=False)
     console.print(f"Written to {directory}/", highlight=False)
 
 

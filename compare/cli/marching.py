@@ -75,6 +75,11 @@ def march_command(
             highlight=False,
         )
     _show(marched, label, as_json=as_json, save=save, plot=plot)
+    check_rtol(marched, label)
+
+
+def check_rtol(marched: Marched, label: str) -> None:
+    """Raise ComputationError, when all is shown, if the error estimate is above the --rtol."""
     if marched.rtol is not None and not marched.error_estimate <= marched.rtol:
         raise ComputationError(f"{label} is not within --rtol: {marched.caution}.")
 

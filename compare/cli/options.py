@@ -69,6 +69,7 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         "base_shear": "Shear traction in place before the load [stress].",
         "load_pressure": "Pressure taken off the slot faces at t = 0 [stress].",
         "load_shear": "Shear traction taken off the slot faces at t = 0 [stress].",
+        "viscosity": "Strength of a viscous film over relative slip rate [stress time / length].",
     }.items()
 }
 

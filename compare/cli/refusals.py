@@ -10,7 +10,7 @@ from compare.cli.options import option_name
 ALIKE = {"nodes": "resolution"}
 """What stands for an argument where a command does not have it: nodes of a march follow from it."""
 
-_SUBJECT = re.compile(r"^(?:\w+: )?(\w+(?: \w+)?)(?= must )")
+_SUBJECT = re.compile(r"^(?:\w+(?: \w+)?: )?(\w+(?: \w+)?)(?= must )")
 _NAMED = re.compile(r"`(\w+)`")
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from compare.comparison.arrival_rows import arrival_rows
 from compare.comparison.case import Case
 from compare.comparison.edge_rows import opening_rows, zone_rows
+from compare.comparison.fields.errors import FieldErrors
 from compare.comparison.history_rows import cycle_rows, event_rows, gap_row, rate_row, sense_rows
 from compare.comparison.measures import is_nothing
 from compare.comparison.mesh_choice import Feature, Prices
@@ -42,10 +43,14 @@ class Judgement:
     case : Case
         Prediction and simulation, side by side.
     rows : tuple of Row
+    fields : FieldErrors or None
+        How far field snapshots are from the prediction: shown, not judged, because no coarser
+        mesh has any, from which error bars would come.
     """
 
     case: Case
     rows: tuple[Row, ...]
+    fields: FieldErrors | None = None
 
     @property
     def prediction(self) -> Answer:
@@ -90,7 +95,10 @@ def mesh_sentence(simulation: Simulation, resolution: int) -> str:
 
 
 def judge(
-    prediction: Answer, simulation: Simulation, snapshot: SlipRateProfile | None = None
+    prediction: Answer,
+    simulation: Simulation,
+    snapshot: SlipRateProfile | None = None,
+    fields: FieldErrors | None = None,
 ) -> Judgement:
     """Hold a prediction against a simulation.
 
@@ -105,6 +113,8 @@ def judge(
         Its companions, from which error bars come, are simulated unless it carries them.
     snapshot : SlipRateProfile, optional
         What the last field snapshot holds, to be compared as well.
+    fields : FieldErrors, optional
+        Of its snapshots, to go with the judgement.
 
     Returns
     -------
@@ -123,7 +133,7 @@ def judge(
             "apply (docs/limits.md)."
         )
     case = side_by_side(prediction, with_companions(simulation))
-    return Judgement(case, tuple(_rows(case, snapshot)))
+    return Judgement(case, tuple(_rows(case, snapshot)), fields)
 
 
 def own_bars(simulation: Simulation) -> tuple[Row, ...]:

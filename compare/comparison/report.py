@@ -13,6 +13,7 @@ from compare.comparison.documents import (
     solution_document,
     units_document,
 )
+from compare.comparison.fields.errors import BAND
 from compare.comparison.judgement import Judgement
 from compare.comparison.prediction import method_of
 from compare.comparison.scales import reference_values
@@ -22,6 +23,7 @@ from semianalytic.scene.scene import scene_document
 
 REPORT_DIMENSIONS: Dimensions = {
     "parameters": SCENE_DIMENSIONS,
+    "fields": {"band": "element_size", "frames": {"time": "time"}},
     "finite_elements": {
         "end_time": "time",
         "element_size": "length",
@@ -71,6 +73,8 @@ def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
             {**asdict(row), "verdict": row.verdict, "remedy": judgement.remedy(row)}
             for row in judgement.rows
         ],
+        "fields": judgement.fields
+        and {"band": BAND, "frames": [asdict(error) for error in judgement.fields.rows]},
     }
     references = reference_values(simulation.scene, simulation.end_time)
     document["units"] = units_document(document, REPORT_DIMENSIONS, simulation.scene)

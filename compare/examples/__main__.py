@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 
 EXAMPLES = (
     "first_answer",
+    "fringes",
     "antiplane",
     "openings",
     "fit_friction",

@@ -13,10 +13,12 @@ from pathlib import Path
 
 SNAPSHOTS = "snapshots"
 REPORT = "report.json"
+FIELDS = "fields.csv"
 FIGURES = tuple(
-    f"{name}.png" for name in ("slip_rate", "tractions", "fronts", "sense", "history", "wear")
+    f"{name}.png"
+    for name in ("slip_rate", "tractions", "fronts", "sense", "history", "wear", "gap", "fields")
 )
-"""Names that `compare.figures.histories.comparison_figures` gives."""
+"""Names that `compare.figures.histories.comparison_figures` gives, and that of whole fields."""
 
 
 def forget_other_runs(directory: Path, run: str) -> None:
@@ -48,18 +50,18 @@ def forget_other_runs(directory: Path, run: str) -> None:
 
 
 def forget_figures(directory: Path, kept: Container[str] = ()) -> None:
-    """Remove the figures of an earlier comparison that this one does not draw.
+    """Remove the figures of an earlier comparison, and its table, that this one does not have.
 
     A folder without a report holds no comparison, and stays as it is.
 
     Parameters
     ----------
     directory : Path
-    kept : names of figures
+    kept : names of files
     """
     if not (directory / REPORT).is_file():
         return
-    for name in FIGURES:
+    for name in (*FIGURES, FIELDS):
         if name not in kept:
             with suppress(OSError):
                 (directory / name).unlink(missing_ok=True)

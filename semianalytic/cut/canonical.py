@@ -132,7 +132,7 @@ class CanonicalFunction:
     def excess_impedance(self) -> tuple[Array, Array]:
         """|M + eta| / |M| and the phase of (M + eta) / M at the nodes of panels that slip."""
         slip, ahead, eta = self.layout.slip, len(self.layout.slip_ahead), self.eta
-        real, imag = np.zeros((2, *eta.shape))
+        real = np.zeros(eta.shape)
         real[:ahead] = self.impedance[0][self.layout.slip_ahead]
         imag = self.impedance[1][slip]
         modulus = np.hypot(real + eta, imag) / np.hypot(real, imag)
@@ -253,8 +253,8 @@ class CanonicalFunction:
             value = value * np.exp(self._resistance_integral_off_cut(np.zeros(1)))
         if not self.layout.slips_at_c:
             value = value * self.factors.c
-        if not self.layout.slips_at_root and self.factors.root == 1:
-            value = value * self.factors.a**self.factors.root_exponent
+        if not self.layout.slips_at_root:
+            value = value * self.factors.root_slowness**self.factors.root_exponent
         for end, exponent in self.layout.roots:
             value = value * self.panels.ends.v[end] ** exponent
         return value
@@ -268,7 +268,7 @@ class CanonicalFunction:
         if self.layout.slips_at_c:
             value /= factors.c + k
         if self.layout.slips_at_root:
-            value *= ((factors.a if factors.root == 1 else 1) + k) ** -factors.root_exponent
+            value *= (factors.root_slowness + k) ** -factors.root_exponent
         for end, exponent in self.layout.roots:
             value *= (self.panels.ends.v[end] + k) ** exponent
         return value
@@ -281,8 +281,8 @@ class CanonicalFunction:
         if layout.slips_at_c:
             log = log - log_share(at.from_c, at.v, np.array(self.factors.c))
         if layout.slips_at_root:
-            root, front = self.factors.root, self.factors.a if self.factors.root == 1 else 1.0
-            share = log_share(at.parts[root], at.v, np.array(front))
+            from_root, front = at.parts[self.factors.root], np.array(self.factors.root_slowness)
+            share = log_share(from_root, at.v, front)
             log = log - self.factors.root_exponent * share
         if self.resistance is not None:
             log = log + self._log_of_resistance[-1]

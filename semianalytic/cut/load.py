@@ -41,11 +41,6 @@ class Opened:
         """About the contact pressure at slownesses v."""
         return np.interp(v, *self.known)
 
-    @property
-    def normal_load(self) -> Load:
-        """That of the normal problem: minus pressure for traction, and nothing that resists."""
-        return Load(0.0, 0.0, -self.base, 0.0, -self.step, 0.0)
-
 
 class LinearisedStrength(Protocol):
     """Strength that depends on slip rate in any way, made linear about a slip rate."""
@@ -125,6 +120,11 @@ class Load:
         if self.load_pressure:
             result = result + self.load_pressure * traction_of(factors, "I")(at.v)
         return result
+
+
+def normal_load(base: float, step: float) -> Load:
+    """That of the normal problem: minus pressure for traction, and nothing that resists."""
+    return Load(0.0, 0.0, -base, 0.0, -step, 0.0)
 
 
 def per_set(value: float | Array) -> float | Array:

@@ -324,6 +324,100 @@ def _aligned_ends(points: list[CutPoints], sets: tuple[int, ...]) -> Array:
 
 
 @dataclass(frozen=True)
+class Power:
+    """A density with the integral amount s^exponent beside an end of a panel, of any exponent above
+    -1: s is the share of the panel up to there, 1 at its other end.
+
+    A negative exponent counts with its finite part, as if the integral were 0 where s is.
+
+    Attributes
+    ----------
+    panel : int
+    at_left : bool, whether the end is its left one
+    exponent, amount : (..., 1) arrays
+    """
+
+    panel: int
+    at_left: bool
+    exponent: Array
+    amount: Array
+
+    def share(self, panels: Panels) -> Array:
+        """s at the nodes, (..., n)."""
+        distance = panels.from_left if self.at_left else panels.from_right
+        return self._over_width(panels, distance[self.panel])
+
+    def _over_width(self, panels: Panels, distance: Array) -> Array:
+        if panels.right[self.panel] is None:
+            return np.asarray(distance / (distance + panels.skew[self.panel]))
+        return np.asarray(distance / panels.widths[self.panel])
+
+    def by_y(self, panels: Panels) -> Array:
+        """The density at the nodes times dv/dy, (..., n); like v^-3 on an unbounded panel."""
+        share, exponent = self.share(panels), self.exponent
+        power = (self.amount if self.at_left else -self.amount) * exponent * share**exponent
+        if panels.right[self.panel] is None:
+            power = power * (1 + exponent) * (1 - share)
+        return np.asarray(power * (1 - share))
+
+    def _up_to(self, panels: Panels, share: Array) -> Array:
+        """Its integral from the left end of the panel."""
+        power = np.where(share > 0, np.where(share > 0, share, 1.0) ** self.exponent, 0.0)
+        if panels.right[self.panel] is None:
+            power = power * (1 + self.exponent * (1 - share))
+        return np.asarray(self.amount * (power if self.at_left else power - 1))
+
+    def at_nodes(self, panels: Panels) -> Array:
+        """Its integrals from the left end of the panel to the nodes, (..., n)."""
+        return self._up_to(panels, self.share(panels))
+
+    def inside(self, panels: Panels, at: CutPoints) -> Array:
+        """The same to points (m,) inside (one set of zones)."""
+        left, right = panels.left[self.panel], panels.right[self.panel]
+        distance = at.minus(left) if self.at_left or right is None else -at.minus(right)
+        return self._up_to(panels, self._over_width(panels, np.maximum(distance, 0.0)))
+
+    def moment_by_y(self, panels: Panels) -> Array:
+        """The density times v less the end, at the nodes, times dv/dy, (..., n)."""
+        from_end = panels.from_left if self.at_left else -panels.from_right
+        return np.asarray(from_end[self.panel] * self.by_y(panels))
+
+    def end(self, panels: Panels) -> Array:
+        """Where the end is, (..., 1)."""
+        return np.asarray(panels.ends.v[self.panel + (not self.at_left)])
+
+    @property
+    def total(self) -> Array:
+        """Its integral over the panel, (...)."""
+        return np.asarray((self.amount if self.at_left else -self.amount)[..., 0])
+
+
+def split_power(
+    panels: Panels, density: Array, panel: int, at_left: bool, exponent: Array
+) -> Power:
+    """The power of an exponent that a density (p, ..., n) has beside an end of a panel; it is taken
+    out of the density.
+
+    Over that the density is g_0 + g_1 s + g_2 s ln s.  Three nodes tell these, of which the nearest
+    to the end is where rounding leaves as much of g_1 s as is left out.
+    """
+    unit = Power(panel, at_left, exponent, np.ones_like(exponent))
+    jacobian, shape, share = panels.jacobian[panel], unit.by_y(panels), unit.share(panels)
+    away = share.reshape(-1, share.shape[-1]).min(axis=0) > tuning.LEAST_SHARE
+    nodes = np.flatnonzero(away)[:: 1 if at_left else -1]
+    stride = max(1, round(tuning.SHARE_LOGARITHM / panels.rule.spacing))
+    three, near = nodes[[0, stride, 2 * stride]], ~away
+    terms = np.stack([np.ones_like(share), share, share * np.log(share)], axis=-1)
+    over = density[panel] * jacobian / shape
+    fitted = np.linalg.solve(terms[..., three, :], over[..., three, None])
+    power = replace(unit, amount=fitted[..., 0, :])
+    density[panel] -= power.by_y(panels) / jacobian
+    left = (terms[..., near, 1:] @ fitted[..., 1:, :])[..., 0]
+    density[panel][..., near] = left * shape[..., near] / jacobian[..., near]
+    return power
+
+
+@dataclass(frozen=True)
 class RunningIntegral:
     """Integrals of a density g(v), and of v g, from the left end of each panel.
 
@@ -333,20 +427,37 @@ class RunningIntegral:
     Attributes
     ----------
     panels : Panels
-    density : (p, ..., n) array, g at the nodes
+    density : (p, ..., n) array, g at the nodes, without its powers
     c : float, Rayleigh slowness
     tail : float or (...) array, limit of v^2 g (needed for the moment v g only)
+    powers : tuple of Power, parts of g that are large beside ends of panels
     """
 
     panels: Panels
     density: Array
     c: float
     tail: float | Array = 0.0
+    powers: tuple[Power, ...] = ()
 
     @cached_property
     def totals(self) -> Array:
         """(p, ...) integrals of g over whole panels; principal values where g has a pole."""
-        return self.panels.integrals(self.density)
+        result = self.panels.integrals(self.density)
+        for power in self.powers:
+            result[power.panel] += power.total
+        return result
+
+    @cached_property
+    def halves(self) -> Array:
+        """(p, ...) integrals of g from the left end of each panel to the middle node."""
+        panels = self.panels
+        result = panels.rule.halved(self.density * panels.jacobian)
+        for power in self.powers:
+            result[power.panel] += power.at_nodes(panels)[..., len(panels.rule.y) // 2]
+        return result
+
+    def _powers_on(self, panel: int) -> list[Power]:
+        return [power for power in self.powers if power.panel == panel]
 
     @cached_property
     def residues(self) -> Array:
@@ -386,13 +497,19 @@ class RunningIntegral:
         if panels.right[panel] is None:
             density = self.tail * panels.from_left[panel] / np.square(v)
             moment = moment - density * panels.jacobian[panel]
+        for power in self._powers_on(panel):
+            moment = moment + power.moment_by_y(panels)
         return moment
 
     def __call__(self, panel: int, at: CutPoints) -> Array:
         """Integral of g from the panel's left end to points inside it (one set of zones)."""
         y = self.panels.coordinate(panel, at)
         regular = self.panels.rule.interpolate_running(y, self._regular[panel])
-        return regular + self._of_pole(panel, at)
+        return regular + self._of_pole(panel, at) + self._of_powers(panel, at)
+
+    def _of_powers(self, panel: int, at: CutPoints) -> Array | float:
+        """Closed form of the powers' part of the integral of g."""
+        return sum(power.inside(self.panels, at) for power in self._powers_on(panel))
 
     def slope(self, panel: int, at: CutPoints) -> Array:
         """What the integral grows by per v inside a panel, g between its nodes (one set of zones).
@@ -415,6 +532,8 @@ class RunningIntegral:
         result = self.panels.rule.running(self._regular)
         if self._pole is not None:
             result[self._pole] += self._of_pole(self._pole, self.panels.at[self._pole])
+        for power in self.powers:
+            result[power.panel] += power.at_nodes(self.panels)
         return result
 
     def with_moment(self, panel: int, at: CutPoints) -> tuple[Array, Array]:
@@ -432,7 +551,9 @@ class RunningIntegral:
                 moment = moment + residue * self.c * (log - np.log(at.v / left.v))
         if not bounded:
             moment = moment + self.tail * (np.log(at.v / left.v) + left.v / at.v - 1)
-        return plain + self._of_pole(panel, at), moment
+        for power in self._powers_on(panel):
+            moment = moment + power.end(self.panels) * power.inside(self.panels, at)
+        return plain + self._of_pole(panel, at) + self._of_powers(panel, at), moment
 
     def _log(self, panel: int, at: CutPoints) -> Array:
         # At c itself V is infinite; x/t cannot tell it from its neighbours in rounding.

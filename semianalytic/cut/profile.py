@@ -8,9 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from semianalytic.cut import tuning
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, per_set
-from semianalytic.cut.panels import Panels, RunningIntegral, lay_panels
+from semianalytic.cut.panels import Panels, Power, RunningIntegral, lay_panels
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import StuckTraction, traction_of
@@ -61,7 +62,14 @@ class Profile:
         tail = np.zeros(())
         if self.edge_slips:
             tail = fields.transform_at_edge[..., 0] / (np.pi * per_set(fields.factors.kappa))
-        return RunningIntegral(self.panels, fields.slip_rate_slope, fields.factors.c, tail)
+        return fields.rate_integral(tail)
+
+    @property
+    def infinite_rates(self) -> list[Power]:
+        """Those of `rate_integral` on closed panels that reach infinity, at their right ends: where
+        the contact opens more slowly than its sides radiate."""
+        powers = self.rate_integral.powers
+        return [one for one in powers if not self._open[one.panel] and np.all(one.exponent < 0)]
 
     @cached_property
     def traction_integral(self) -> RunningIntegral:
@@ -90,7 +98,7 @@ class Profile:
         panels, load = self.panels, self._load
         rate, traction = np.zeros((2, *panels.jacobian.shape[:-1]))
         rate[0] = per_set(load.far_slip_rate)
-        traction[0] = load.base_shear - per_set(load.far_slip_rate)
+        traction[0] = self.fields.base_traction
         for i in range(len(panels.left) - 1):
             if not panels.sense[i]:
                 traction[i + 1] = traction[i] + self.traction_integral.totals[i]
@@ -100,7 +108,11 @@ class Profile:
                 continue
             right = panels.right[i]
             assert right is not None
-            traction[i + 1] = panels.sense[i] * self.fields.strength(right)[..., 0]
+            if self.normal is None:
+                strength = self.fields.strength(right)[..., 0]
+            else:
+                strength = -per_set(load.friction) * self.normal.starts[1][i + 1]
+            traction[i + 1] = panels.sense[i] * strength
         return rate, traction
 
     @cached_property
@@ -167,8 +179,12 @@ class Profile:
 
     @cached_property
     def largest_rate(self) -> Array:
-        """Largest |V| at the nodes, () or (k,)."""
-        return np.asarray(np.abs(self.slip_rate_at_nodes).max(axis=(0, -1)))
+        """Largest |V| at the nodes, () or (k,), off borders of the opening where it is infinite."""
+        size = np.abs(self.slip_rate_at_nodes)
+        for power in self.rate_integral.powers:
+            beside = (power.exponent < 0) & (power.share(self.panels) < tuning.BESIDE_BORDER)
+            size[power.panel][beside] = 0.0
+        return np.asarray(size.max(axis=(0, -1)))
 
     @cached_property
     def wrong_at_nodes(self) -> Array:
@@ -199,7 +215,7 @@ class Profile:
         traction = self.starts[1][panel] + self.traction_integral(panel, at)
         traction = traction + self._edge_traction(panel, at.v)
         region = next(part for part in self.panels.layout.closed_regions if panel in part)
-        return self._excess(region, self.fields.strength(at)[None], traction[None])[0]
+        return self._excess(region, self._strength_at(at)[None], traction[None])[0]
 
     def residues(self, panel: int) -> Array:
         """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
@@ -259,28 +275,45 @@ class Profile:
 
     def pressure_change(self, u: Array) -> Array:
         """p - P_b at slownesses u."""
-        factors = self.fields.factors
-        pressure = self._load.pressure(factors, factors.cut(u))
-        return pressure - self._load.base_pressure
+        return self._pressure_at(self.fields.factors.cut(u)) - self._load.base_pressure
 
     def strength(self, u: Array) -> Array:
         """Friction bound f p at slownesses u: all that a stuck interface can carry."""
-        return np.asarray(self.fields.strength(self.fields.factors.cut(u)))
+        return self._strength_at(self.fields.factors.cut(u))
 
-    def carried(self, v: Array, speed: Array) -> Array:
-        """Traction in the sense of slip at slownesses v, f p + eta V; `speed` V in that sense."""
+    def _strength_at(self, at: CutPoints) -> Array:
+        """The same at points on the cut, any shape."""
+        return np.asarray(self._load.friction * self._pressure_at(at))
+
+    def _pressure_at(self, at: CutPoints) -> Array:
+        """Contact pressure at points on the cut, any shape; 0 where it is open.
+
+        That is small beside an opening, and is found on the panels of slip for it to be known
+        relative to itself there.
+        """
+        if self.normal is None:
+            return self._load.pressure(self.fields.factors, at)
+        seen = self.fields.factors.seen_in_plane(CutPoints(at.parts.reshape(4, -1)))
+        return -self.normal.traction_at(seen).reshape(at.v.shape)
+
+    def carried(self, v: Array, speed: Array, is_open: bool | np.ndarray = False) -> Array:
+        """Traction in the sense of slip at slownesses v, f p + eta V, 0 where the contact is open;
+        `speed` V in that sense."""
         if self._load.linearised is not None:
             return self._load.linearised.carried(self.strength(v), speed)
         if self._load.resistance is None:
             return self.strength(v)
-        resisted = self._load.resistance * speed
-        if self._load.opened is not None:
-            opening = self._load.opened.zone
-            closed = v <= opening.left.v[0] if opening.left is not None else np.zeros(v.shape, bool)
-            if opening.right is not None:
-                closed |= v >= opening.right.v[0]
-            resisted = resisted * closed
-        return np.asarray(self.strength(v) + resisted)
+        return np.where(is_open, 0.0, self.strength(v) + self._load.resistance * speed)
+
+    @cached_property
+    def carried_at_nodes(self) -> Array:
+        """(p, n): the same at the nodes of panels that slip (meaningless elsewhere)."""
+        sense = np.array(self.panels.sense)[:, None]
+        return self.carried(self.panels.at.v, sense * self.slip_rate_at_nodes, self._open[:, None])
+
+    def carried_inside(self, panel: int, v: Array, speed: Array) -> Array:
+        """The same at slownesses v inside a panel that slips."""
+        return self.carried(v, speed, bool(self._open[panel]))
 
     def _speed(self, panel: int, at: CutPoints) -> Array:
         """V in the sense of a panel that slips, at points inside it, where traction depends on it;
@@ -291,20 +324,18 @@ class Profile:
 
     def shear_change(self, u: Array) -> Array:
         """tau - Q_b at slownesses u."""
-        return self.shear_change_at(self.fields.factors.cut(u))
+        return self.traction_at(self.fields.factors.cut(u)) - self._load.base_shear
 
-    def shear_change_at(self, at: CutPoints) -> Array:
-        """The same at points (m,) of exact distances from the fronts."""
+    def traction_at(self, at: CutPoints) -> Array:
+        """tau at points (m,) of exact distances from the fronts."""
         load = self._load
 
         def inside(i: int, at: CutPoints) -> Array:
-            sense = self.panels.sense[i]
-            if sense:
-                return sense * self.carried(at.v, self._speed(i, at)) - load.base_shear
-            bounded = self.starts[1][i] + self.traction_integral(i, at) - load.base_shear
-            return bounded + self._edge_traction(i, at.v)
+            if sense := self.panels.sense[i]:
+                return sense * self.carried_inside(i, at.v, self._speed(i, at))
+            return self.starts[1][i] + self.traction_integral(i, at) + self._edge_traction(i, at.v)
 
-        return self._piecewise_at(at, -load.far_slip_rate, inside)
+        return self._piecewise_at(at, load.base_shear - load.far_slip_rate, inside)
 
     def contact_integral(self, weight: Array) -> float:
         """Integral of weight |V| over xi, of slip behind the longitudinal front; weight (p, n).
@@ -316,9 +347,22 @@ class Profile:
         density = weight / np.square(panels.at.v)
         passed = panels.rule.running(density * panels.jacobian)
         whole, lost = panels.integrals(density), panels.integrals(passed * rate.density)
+        for power in rate.powers:
+            i, by_y = power.panel, power.by_y(panels)
+            left = passed[i] if power.at_left else passed[i] - whole[i]
+            if power.at_left:  # rounding would count
+                near = power.share(panels) < tuning.LEAST_SHARE
+                left[near] = (density * panels.from_left)[i, near]
+            lost[i] += panels.rule.spacing * np.sum(left * by_y)
+            lost[i] += 0.0 if power.at_left else whole[i] * float(power.total)
+        infinite = [power.panel for power in self.infinite_rates]
         for i in panels.layout.slip:
             end = self.starts[0][i] + rate.totals[i]
-            total += panels.sense[i] * float(end * whole[i] - lost[i])
+            gained = float(end * whole[i] - lost[i])
+            if i in infinite:  # and perhaps the weight
+                product = (density * panels.jacobian)[i] * self.slip_rate_at_nodes[i]
+                gained = _summed(product, panels.rule.spacing)
+            total += panels.sense[i] * gained
         return total
 
     @cached_property
@@ -399,3 +443,9 @@ class Profile:
                     value[here] += integral(int(i), factors.cut(v[here]))
             result.append(np.where(v > factors.c, value + jump, value) if coupled else value)
         return result[0], result[1]
+
+
+def _summed(values: Array, spacing: float) -> float:
+    """Trapezoidal sum of values (n,), that go on beyond the last like a geometric series."""
+    ratio = values[-1] / values[-2] if values[-2] else 0.0
+    return float(spacing * (values.sum() + values[-1] * ratio / (1 - ratio)))

@@ -204,7 +204,6 @@ class PressurePart:
             wrong = senses != self.sense
         if self.analytic and self.canonical.resistance is not None:
             wrong[: layout.ahead] = True
-            wrong |= self.open
         return np.flatnonzero(wrong & layout.slipping)
 
     @cached_property

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from semianalytic.cut import tuning
+from semianalytic.cut.panels import Power
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rules import Rule, finer_rule
 
 
 def largest_slip_over_time(profile: Profile) -> float:
@@ -33,7 +36,7 @@ def largest_slip_over_time(profile: Profile) -> float:
 
 def dissipation(profile: Profile, u: Array) -> Array:
     """(2, m): `running_integrals` of what the contact takes, |tau V|."""
-    return running_integrals(profile, u, profile.carried)
+    return running_integrals(profile, u, profile.carried_inside)
 
 
 def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) -> float:
@@ -52,7 +55,7 @@ def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) ->
     beyond = {0.0: total}
     ends = np.array([end for edges in against for end in edges if end])
     if len(ends):
-        inside = running_integrals(profile, 1 / ends, lambda v, _: np.ones_like(v))[0]
+        inside = running_integrals(profile, 1 / ends, lambda _, v, __: np.ones_like(v))[0]
         beyond.update(zip(ends.tolist(), inside.tolist(), strict=True))
     return total - 2 * sum(beyond[inner] - beyond[outer] for inner, outer in against)
 
@@ -64,28 +67,61 @@ def _named_sense(profile: Profile, inner: float, outer: float) -> int:
     return profile.panels.sense[max(int(np.searchsorted(lefts, between)) - 1, 0)]
 
 
-def running_integrals(profile: Profile, u: Array, weight: Callable[[Array, Array], Array]) -> Array:
+def running_integrals(
+    profile: Profile, u: Array, weight: Callable[[int, Array, Array], Array]
+) -> Array:
     """(2, m): integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
 
-    At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of slowness
-    and |V|, which is V times the sense of its panel.  The first integral is negative where the
-    interface slips ahead of all waves and u is there.
+    At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of panel,
+    slowness and |V|, which is V times the sense of its panel.  The first integral is negative where
+    the interface slips ahead of all waves and u is there.  The rule is finer than that of the
+    panels: beyond their ends the second integrand grows as slip rate does not, which shows between
+    nodes.
     """
     panels = profile.panels
+    rule = finer_rule(panels.rule, tuning.TOTALS_STRIP, panels.rule.further)
     front = panels.left[0].v[0]
     speed = np.array([panels.sense[0] * float(profile.fields.load.far_slip_rate)])
-    ahead = weight(np.zeros(1), speed) * speed
+    ahead = weight(0, np.zeros(1), speed) * speed
     reached = np.minimum(u, front)
     result = ahead * np.stack([1 / front - 1 / np.maximum(reached, tuning.EARLIEST), reached])
     at = profile.fields.factors.cut(u)
+    infinite = {power.panel: power for power in profile.infinite_rates}
     for panel in panels.layout.slip:
+        if panel in infinite:
+            result += _beside_opening(profile, infinite[panel], at, weight)
+            continue
         for left, right in _pieces(profile, int(panel), float(u.max(initial=0.0))):
-            density = _density(profile, int(panel), left, right, weight)
+            density = _density(profile, int(panel), (left, right), weight, rule)
             from_left, to_right = at.minus(left), -at.minus(right)
             inside, behind = (from_left > 0) & (to_right > 0), to_right <= 0
             y = np.log(from_left[inside] / to_right[inside])
-            result[:, inside] += panels.rule.interpolate_running(y, density).T
-            result[:, behind] += panels.rule.spacing * density.sum(axis=1)[:, None]
+            result[:, inside] += rule.interpolate_running(y, density).T
+            result[:, behind] += rule.spacing * density.sum(axis=1)[:, None]
+    return result
+
+
+def _beside_opening(
+    profile: Profile, rate: Power, at: CutPoints, weight: Callable[[int, Array, Array], Array]
+) -> Array:
+    """(2, m): the same, gained on a closed panel at whose right end, an opening, slip rate is
+    infinite, and weight |V| a power as well, perhaps hardly an integrable one."""
+    panels, panel = profile.panels, rate.panel
+    left, right, v = panels.left[panel], panels.right[panel], panels.at.v[panel]
+    assert right is not None
+    speed = panels.sense[panel] * profile.slip_rate_at_nodes[panel]
+    power = weight(panel, v, speed) * speed * panels.jacobian[panel]
+    density = np.stack([power / np.square(v), power])
+    last = density[:, -2:]
+    exponent = np.log(last[:, :1] / last[:, 1:]) / panels.rule.spacing
+    unit = Power(panel, False, exponent, np.ones_like(exponent))
+    unit = replace(unit, amount=last[:, 1:] / unit.by_y(panels)[:, -1:])
+    rest = density - unit.by_y(panels)
+    inside, behind = (at.minus(left) > 0) & (at.minus(right) < 0), at.minus(right) >= 0
+    result = np.zeros((2, len(at.v)))
+    y = panels.coordinate(panel, at[inside])
+    result[:, inside] = panels.rule.interpolate_running(y, rest).T + unit.inside(panels, at[inside])
+    result[:, behind] = (panels.rule.spacing * rest.sum(axis=1) + unit.total)[:, None]
     return result
 
 
@@ -107,19 +143,19 @@ def _pieces(profile: Profile, panel: int, most: float) -> Iterator[tuple[CutPoin
 def _density(
     profile: Profile,
     panel: int,
-    left: CutPoints,
-    right: CutPoints,
-    weight: Callable[[Array, Array], Array],
+    ends: tuple[CutPoints, CutPoints],
+    weight: Callable[[int, Array, Array], Array],
+    rule: Rule,
 ) -> Array:
-    """(2, n): weight |V| / v^2 and weight |V| at the nodes of the rule between two points, times
-    dv/dy."""
-    panels, rule = profile.panels, profile.panels.rule
+    """(2, n): weight |V| / v^2 and weight |V| at the nodes of a rule between two points of a panel,
+    times dv/dy."""
+    left, right = ends
     width = right.minus(left)
     at = CutPoints(
         np.where(
             rule.y < 0, left.parts + width * rule.share, right.parts - width * rule.share[::-1]
         )
     )
-    speed = panels.sense[panel] * profile.slip_rate_inside(panel, at)
-    power = weight(at.v, speed) * speed * width * rule.bell
+    speed = profile.panels.sense[panel] * profile.slip_rate_inside(panel, at)
+    power = weight(panel, at.v, speed) * speed * width * rule.bell
     return np.stack([power / np.square(at.v), power])

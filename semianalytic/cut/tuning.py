@@ -23,6 +23,15 @@ MANY_NODES = 100
 """Nodes per panel from which it pays to leave some out."""
 NEGLIGIBLE_WEIGHT = 1e-6
 """Share of what the reach of a rule leaves out that may be left out as well.  Not recorded."""
+LEAST_SHARE, SHARE_LOGARITHM = 1e-8, 2.0
+"""Of a panel, down to where a density beside its end is taken as it is, and the logarithm of the
+shares between the nodes from which it is followed further: to 1e-16, as far as rounding."""
+BESIDE_BORDER = 0.1
+"""Share of a panel beside a border of an opening where slip rate is infinite, of no account for the
+largest.  Not recorded."""
+TOTALS_STRIP = 0.8
+"""Spacing of the rule of running totals over that of the panels: on the same rule work at points
+between nodes was off by up to four times its tolerance, on this one by a tenth of it."""
 EARLIEST = 1e-200
 """Slowness of what has not begun."""
 PIECE_GROWTH = 4.0

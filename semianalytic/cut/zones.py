@@ -19,7 +19,8 @@ forms from neighbouring zones (`edges`).  b = mu = 1; V is one-sided.
 
 The normal problem is the same in mode I, with opening for slip, no friction and minus the
 pressure for traction.  Where a gap closes behind its opening it does so smoothly, which one term
-more allows for each closing edge e, T = X (C + R + r / (k + e)).
+more allows for each closing edge e, T = X (C + R + r / (k + e)).  So does slip that meets
+resistance where it borders on an opening: V, or its finite part, is 0 there (docs/rate.md).
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ from numpy.typing import NDArray
 
 from semianalytic.cut.canonical import CanonicalFunction
 from semianalytic.cut.layout import Layout, Zone, lies_between, outline
-from semianalytic.cut.load import Load, per_set
-from semianalytic.cut.panels import Panels, lay_panels
+from semianalytic.cut.load import Load, normal_load, per_set
+from semianalytic.cut.panels import Panels, Power, RunningIntegral, lay_panels, split_power
 from semianalytic.cut.strength import PressurePart
 from semianalytic.halfplane.rayleigh import (
     Array,
@@ -155,7 +156,7 @@ class ZoneFields:
             panels = panels.seen_by(seen)
         return ZoneFields(
             factors,
-            opened.normal_load,
+            normal_load(opened.base, opened.step),
             (opened.zone.seen_by(seen),),
             self.rule,
             self.tail,
@@ -192,21 +193,93 @@ class ZoneFields:
         return np.asarray(value)
 
     @cached_property
-    def _terms(self) -> tuple[tuple[CutPoints, float | Array], ...]:
-        """All terms (edge, r): those given, and of the zone that ends where an opening closes."""
-        held = [(index, zone.right) for index, zone in enumerate(self.zones) if zone.held]
-        return (*self.closing, *((e, self._held_term(i, e)) for i, e in held if e is not None))
+    def _borders(self) -> tuple[tuple[int, Array], ...]:
+        """(panel, exponent of X, (..., 1)) of each panel at whose right end slip that meets
+        resistance borders on the opening."""
+        canonical, layout = self.canonical, self.layout
+        if canonical.resistance is None or self.load.opened is None:
+            return ()
+        _, turn = canonical.excess_impedance
+        borders, row = [], {panel: i for i, panel in enumerate(layout.slip)}
+        for panel in range(len(layout.sense) - 1):
+            if panel in row and panel + 1 in row and layout.open[panel] != layout.open[panel + 1]:
+                if layout.open[panel]:
+                    borders.append((panel, -turn[row[panel + 1], ..., :1] / np.pi))
+                else:
+                    borders.append((panel, turn[row[panel], ..., -1:] / np.pi))
+        return tuple(borders)
 
-    def _held_term(self, index: int, edge: CutPoints) -> Array:
-        """r by which the slip rate of a zone vanishes at a given edge, (1,) or (k, 1)."""
-        panels, layout, values = self.panels, self.layout, self.canonical.values
-        here = np.flatnonzero(layout.slipping & (np.array(layout.zone) == index))
+    @cached_property
+    def _vanishing(self) -> tuple[tuple[int, CutPoints], ...]:
+        """(panel, its right end) where slip rate vanishes by a term: at borders of the opening, and
+        where a zone ends as the opening closes."""
+        panels, zone = self.panels, np.array(self.layout.zone)
+        held = [
+            int(np.flatnonzero(self.layout.slipping & (zone == index))[-1])
+            for index, one in enumerate(self.zones)
+            if one.held
+        ]
+        every = sorted([*(panel for panel, _ in self._borders), *held])
+        return tuple((panel, end) for panel in every if (end := panels.right[panel]) is not None)
+
+    @cached_property
+    def _sharp(self) -> tuple[RunningIntegral, ...]:
+        """Slip rate of a unit term of each edge at which it vanishes."""
+        panels, exponents = self.panels, dict(self._borders)
+        result = []
+        for panel, edge in self._vanishing:
+            slope = self._by_impedance(self.canonical.values * self._share(edge))
+            slope /= np.pi * panels.at.v
+            powers: list[Power] = []
+            if self._jumps_at(panel):
+                _, jump = self._jump(panel, edge)
+                powers.append(Power(panel + 1, True, exponents[panel], jump))
+            elif panel in exponents:
+                for one, at_left in ((panel, False), (panel + 1, True)):
+                    powers.append(split_power(panels, slope, one, at_left, exponents[panel]))
+            result.append(RunningIntegral(panels, slope, self.factors.c, powers=tuple(powers)))
+        return tuple(result)
+
+    def _jumps_at(self, panel: int) -> bool:
+        """Whether slip rate and traction jump at a border: ahead of all waves M is real."""
+        ahead = panel + 1 < self.layout.ahead and not self.factors.has_rayleigh_wave
+        return ahead and panel in dict(self._borders)
+
+    def _jump(self, panel: int, edge: CutPoints) -> tuple[Array, Array]:
+        """Slip rate ahead of a border where it jumps, and how much, per term r, (..., 1): traction
+        falls from eta V to 0."""
+        canonical, row = self.canonical, int(np.searchsorted(self.layout.slip, panel))
+        fall = canonical.values[panel, ..., -1:] / edge.v
+        return fall / canonical.eta[row, ..., -1:], fall / canonical.impedance[0][panel, ..., -1:]
+
+    @cached_property
+    def _terms(self) -> tuple[tuple[CutPoints, float | Array], ...]:
+        """All terms (edge, r): those given, and those by which slip rate vanishes."""
+        amounts = self._amounts
+        edges = [edge for _, edge in self._vanishing]
+        return (*self.closing, *zip(edges, amounts, strict=True))
+
+    @cached_property
+    def _amounts(self) -> tuple[Array, ...]:
+        """r by which slip rate vanishes where it is to, (1,) or (k, 1) each."""
+        if not self._vanishing:
+            return ()
+        values, zone = self.canonical.values, np.array(self.layout.zone)
         plain = self._slope_of(values * (self._cauchy + self._first_constant))
-        sharp = self._by_impedance(values * self._share(edge)) / (np.pi * panels.at.v)
-        rate = panels.integrals(plain)[here].sum(axis=0)
-        if self.zones[index].left is None:
-            rate = rate + per_set(self.load.far_slip_rate)
-        return np.asarray(-rate / panels.integrals(sharp)[here].sum(axis=0))[..., None]
+        totals = np.stack(
+            [self.panels.integrals(plain), *(sharp.totals for sharp in self._sharp)], axis=-1
+        )
+        rows = []
+        for index, (panel, edge) in enumerate(self._vanishing):
+            here = np.flatnonzero(self.layout.slipping & (zone == zone[panel]))
+            row = totals[here[here <= panel]].sum(axis=0)
+            if self.zones[zone[panel]].left is None:
+                row[..., 0] += per_set(self.load.far_slip_rate)
+            if self._jumps_at(panel):
+                row[..., index + 1] -= self._jump(panel, edge)[0][..., 0]
+            rows.append(row)
+        both = np.stack(rows, axis=-2)
+        return tuple(np.moveaxis(_solved(both[..., 1:], -both[..., 0])[..., None], -2, 0))
 
     def _share(self, edge: CutPoints) -> Array:
         """(p, ..., n): 1 / (k + e) - 1 / e at k = -v, of a closing edge e that ends a panel."""
@@ -309,8 +382,23 @@ class ZoneFields:
 
     @cached_property
     def slip_rate_slope(self) -> Array:
-        """(p, ..., n): dV/dv on panels that slip, 0 on panels that stick."""
-        return self._slope_of(self._reduced)
+        """(p, ..., n): dV/dv on panels that slip, 0 on panels that stick; without the powers of
+        `rate_integral`."""
+        if not self._borders:
+            return self._slope_of(self._reduced)
+        slope = self._slope_of(self.canonical.values * (self._cauchy + self._first_constant))
+        for amount, sharp in zip(self._amounts, self._sharp, strict=True):
+            slope = slope + amount * sharp.density
+        return slope
+
+    def rate_integral(self, tail: float | Array = 0.0) -> RunningIntegral:
+        """V on panels that slip; `tail` as of `RunningIntegral`."""
+        powers = tuple(
+            replace(power, amount=amount * power.amount)
+            for amount, sharp in zip(self._amounts, self._sharp, strict=True)
+            for power in sharp.powers
+        )
+        return RunningIntegral(self.panels, self.slip_rate_slope, self.factors.c, tail, powers)
 
     def _slope_of(self, reduced: Array) -> Array:
         """The same from X (Re C + R)."""
@@ -360,6 +448,19 @@ class ZoneFields:
         slope[self.layout.slip] = 0.0
         return slope
 
+    @cached_property
+    def base_traction(self) -> float | Array:
+        """Traction ahead of all waves, a number or (k,).
+
+        In the normal problem that under which, on these panels exactly, pressure falls to zero
+        where the contact opens: beside it pressure is small against the base, and so is what
+        strength it leaves to slip that ends there.
+        """
+        if self.factors.mode != "I":
+            return self.load.base_shear - per_set(self.load.far_slip_rate)
+        ahead = self.panels.integrals(self.traction_slope)[self.layout.regions[0]]
+        return np.asarray(-ahead.sum(axis=0))
+
     def strength(self, edge: CutPoints) -> Array:
         """Friction bound f p at an edge."""
         return self.load.friction * self.load.pressure(self.factors, edge)
@@ -383,6 +484,8 @@ class ZoneFields:
         """
         load, layout = self.load, self.layout
         integrals = self.panels.integrals(self._excess_slope + self.slip_rate_slope)
+        for power in self.rate_integral().powers:
+            integrals[power.panel] += power.total
         gains = iter(np.add.reduceat(integrals, [part[0] for part in layout.regions], axis=0))
         rows: list[Array] = []
         outward: Zone | None = None
@@ -405,10 +508,18 @@ class ZoneFields:
         the stick before it, over the width of a narrow gap to the zone outward of it."""
         load = self.load
         if outward is None:
-            strength = per_set(load.friction) * load.base_pressure
+            base = load.base_pressure if self.normal is None else -self.normal.base_traction
+            strength = per_set(load.friction) * base
             return gain + load.base_shear - per_set(load.far_slip_rate) - zone.sense * strength
         if zone.left is None or outward.right is None:
             return gain
         if outward.last_sense != zone.sense:
             gain = gain + (outward.last_sense - zone.sense) * self.strength(outward.right)[..., 0]
         return np.asarray(gain / np.minimum(1.0, zone.left.minus(outward.right)[..., 0]))
+
+
+def _solved(matrix: Array, right: Array) -> Array:
+    """x of matrix (..., m, m) x = right (..., m)."""
+    if matrix.shape[-1] == 1:
+        return np.asarray(right / matrix[..., 0])
+    return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])

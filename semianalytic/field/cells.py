@@ -260,8 +260,15 @@ class Primitives:
 
         Where they are singular, so close to that.
         """
-        if not len(k):
-            return np.zeros((len(self._ahead), 0), dtype=complex)
+        result = np.empty((len(k), len(self._ahead)), dtype=complex)
+        quiet = (k.imag == 0) & (k.real < 0) & (k.real > -self.transform.fields.factors.a)
+        result[quiet] = self._ahead
+        if not quiet.all():
+            result[~quiet] = self._looked_up(k[~quiet], close)
+        return result.T
+
+    def _looked_up(self, k: Complex, close: float) -> Complex:
+        """The same where waves have come, (m, f)."""
         keys, logs = self.located(k, close)
         cells, inverse = np.unique(keys, axis=0, return_inverse=True)
         names = [Cell(*map(int, key)) for key in cells]
@@ -274,4 +281,4 @@ class Primitives:
         for index, name in enumerate(names):
             here = order[starts[index] : starts[index + 1]]
             result[here] = self._values(name, logs[here])
-        return result.T
+        return result

@@ -163,6 +163,11 @@ class RayleighFactors:
         return 1 if self.mode == "I" else 2
 
     @property
+    def root_slowness(self) -> float:
+        """r, that of its front."""
+        return self.a if self.root == 1 else 1.0
+
+    @property
     def root_exponent(self) -> float:
         """Exponent of r + k in M_+."""
         return -0.5 if self.has_rayleigh_wave else 0.5

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
+from semianalytic.reference.closed_forms import over_shear_speed, relative_rate
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
@@ -65,7 +66,8 @@ def antiplane_slip_rate(
     -------
     array of the shape of velocity; 0 ahead of the zone.
     """
-    xi, edge = _scaled(material, velocity), _edge(material, strength_ratio)
+    xi = over_shear_speed(material, velocity, edge=True)
+    edge = _edge(material, strength_ratio)
     root = np.sqrt(np.maximum(edge - xi, 0.0) / (1 + xi))
     return np.asarray(4 * load_shear / (np.pi * material.shear_impedance) * np.arctan(root))
 
@@ -78,7 +80,8 @@ def antiplane_slip(
     t V - (4 Q_0 x / (pi mu sqrt(xi_s / c_t))) arsinh sqrt((t/x - u_s) / (b + u_s)), u_s = 1/xi_s.
     """
     x, t = np.asarray(x, dtype=float), np.asarray(t, dtype=float)
-    xi, edge = _scaled(material, x / t), _edge(material, strength_ratio)
+    xi = over_shear_speed(material, x / t, edge=True)
+    edge = _edge(material, strength_ratio)
     lag = np.maximum(edge - xi, 0.0) / (xi * (1 + edge))
     scale = 4 * load_shear / (np.pi * material.shear_modulus * np.sqrt(edge))
     rate = antiplane_slip_rate(material, load_shear, strength_ratio, x / t)
@@ -93,7 +96,8 @@ def antiplane_traction(
     (2 Q_0 / pi) [(1 + chi_b) arctan r - arctan((1 + chi_b) r)], r^2 = xi_s (c_t - xi) /
     (c_t (xi - xi_s)), ahead of the zone; chi_b Q_0 in it, 0 ahead of the shear wave.
     """
-    xi, edge = _scaled(material, velocity), _edge(material, strength_ratio)
+    xi = over_shear_speed(material, velocity, edge=True)
+    edge = _edge(material, strength_ratio)
     ahead = xi > edge
     distance = np.where(ahead, xi - edge, 1.0)
     r = np.sqrt(edge * np.maximum(1 - xi, 0.0) / distance)
@@ -136,9 +140,8 @@ def viscous_antiplane_slip_rate(
 ) -> Array:
     """Relative slip rate [length / time] of that zone at x/t = velocity [length / time] >= 0."""
     zone = _viscous_zone(material, strength_ratio, viscosity)
-    xi = _scaled(material, velocity)
-    rates = np.array([zone.slip_rate(float(one)) for one in xi.ravel()]).reshape(xi.shape)
-    return np.asarray(2 * load_shear / material.shear_impedance * rates)
+    xi = over_shear_speed(material, velocity, edge=True)
+    return relative_rate(material, load_shear, xi, zone.slip_rate)
 
 
 @dataclass(frozen=True)
@@ -215,11 +218,3 @@ def _stretch(width: float) -> tuple[Array, Array, Array]:
 def _edge(material: Material, strength_ratio: float) -> float:
     """Edge of the zone without viscosity, over c_t."""
     return antiplane_edge_speed(material, strength_ratio) / material.shear_speed
-
-
-def _scaled(material: Material, velocity: ArrayLike) -> Array:
-    """Velocities over c_t, checked."""
-    xi = np.asarray(velocity, dtype=float) / material.shear_speed
-    if not np.all(xi >= 0):
-        raise SceneError("velocity: x/t must not be negative; the contact is x > 0.")
-    return xi

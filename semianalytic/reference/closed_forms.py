@@ -7,11 +7,14 @@ towards +x; velocities are x/t.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Literal
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import quad
 
-from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
@@ -23,6 +26,42 @@ def over_shear_speed(material: Material, velocity: ArrayLike, *, edge: bool = Fa
         least = "not negative" if edge else "positive"
         raise SceneError(f"velocity: x/t must be {least}; the contact is x > 0.")
     return xi
+
+
+def relative_rate(
+    material: Material, load: float, xi: Array, one_sided: Callable[[float], float]
+) -> Array:
+    """Relative rate [length / time] at velocities over c_t, of one side over load / (mu b)."""
+    rates = [one_sided(float(one)) for one in xi.ravel()]
+    return np.asarray(2 * load / material.shear_impedance * np.array(rates).reshape(xi.shape))
+
+
+def rate_from_contact_edge(
+    factors: RayleighFactors, mode: Literal["I", "II"], edge: float
+) -> Callable[[float], float]:
+    """Rate of one side of a zone [0, edge c_t], over load / (mu b), as a function of x/(c_t t).
+
+    (sqrt(u_e) / (pi kappa M_+(0))) int sqrt(r + v) / (v sqrt(v - u_e) (c + v) S_+) dv from u_e to
+    1/xi, with r = a in mode I and b in mode II.
+    """
+    front = {"I": factors.a, "II": 1.0}[mode]
+    start = 1 / edge
+    scale = np.sqrt(start) / (np.pi * factors.kappa * factors.m_plus_at_zero[mode])
+
+    def slope(s: float) -> float:  # v = u_e + s^2 / (1 - s)^2 covers u_e to infinity
+        r = s / (1 - s)
+        v = start + r * r
+        density = np.sqrt(front + v) / (v * (factors.c + v) * factors.s_plus(v))
+        return float(2 * density / (1 - s) ** 2)
+
+    def rate(xi: float) -> float:
+        if xi >= edge:
+            return 0.0
+        r = np.inf if xi == 0 else float(np.sqrt(1 / xi - start))
+        stop = 1.0 if r == np.inf else r / (1 + r)
+        return float(scale * quad(slope, 0, stop, epsabs=1e-14, epsrel=1e-13, limit=200)[0])
+
+    return rate
 
 
 def edge_speed_under_shear_step(material: Material, strength_ratio: float) -> float:
@@ -67,27 +106,11 @@ def slip_rate_under_shear_step(
     SceneError
         If a velocity is negative.
     """
-    factors = rayleigh_factors(material.poisson_ratio)
     edge = edge_speed_under_shear_step(material, strength_ratio) / material.shear_speed
-    start = 1 / edge
-
-    def slope(s: float) -> float:  # v = u_s + s^2 / (1 - s)^2 covers u_s to infinity
-        r = s / (1 - s)
-        v = start + r * r
-        density = np.sqrt(1 + v) / (v * (factors.c + v) * factors.s_plus(v))
-        return float(2 * density / (1 - s) ** 2)
-
-    unit = 2 * load_shear / material.shear_impedance
-    scale = unit * np.sqrt(start) / (np.pi * factors.kappa * factors.m_plus_at_zero["II"])
-    xi = over_shear_speed(material, velocity, edge=True)
-    result = np.zeros(xi.shape)
-    for index in np.ndindex(xi.shape):
-        place = float(xi[index])
-        if place < edge:
-            r = np.inf if place == 0 else float(np.sqrt(1 / place - start))
-            stop = 1.0 if r == np.inf else r / (1 + r)
-            result[index] = scale * quad(slope, 0, stop, epsabs=1e-14, epsrel=1e-13, limit=200)[0]
-    return result
+    rate = rate_from_contact_edge(rayleigh_factors(material.poisson_ratio), "II", edge)
+    return relative_rate(
+        material, load_shear, over_shear_speed(material, velocity, edge=True), rate
+    )
 
 
 def slip_rate_under_remote_shock(
@@ -126,17 +149,15 @@ def slip_rate_under_remote_shock(
         root = np.sqrt((1 + w) * (1 - w))
         return float(2 * np.sqrt(1 - a) * np.cos(theta) * root / (w * (c + w) * factors.s_plus(w)))
 
-    xi = over_shear_speed(material, velocity)
-    result = np.zeros(xi.shape)
-    for index in np.ndindex(xi.shape):
-        u = min(1 / float(xi[index]), 1.0)
+    def excess(xi: float) -> float:
+        u = min(1 / xi, 1.0)
         share = 0.0
         if u > a:
             stop = float(np.arcsin(np.sqrt((u - a) / (1 - a))))
             share = scale * quad(slope, 0, stop, epsabs=1e-14, epsrel=1e-13)[0]
-        excess = shear - friction * pressure + friction * pressure * share
-        result[index] = 2 * excess / material.shear_impedance
-    return result
+        return shear - friction * pressure + friction * pressure * share
+
+    return relative_rate(material, 1.0, over_shear_speed(material, velocity), excess)
 
 
 def slip_rate_without_friction(material: Material, load_shear: float, velocity: ArrayLike) -> Array:
@@ -175,12 +196,10 @@ def slip_rate_without_friction(material: Material, load_shear: float, velocity: 
         w = 1 + s * s
         return 2 * s * (regular(w) - regular(c)) / (w - c)
 
-    xi = over_shear_speed(material, velocity)
-    result = np.zeros(xi.shape)
-    for index in np.ndindex(xi.shape):
-        u = 1 / float(xi[index])
+    def rate(xi: float) -> float:
+        u = 1 / xi
         if u <= a:
-            continue
+            return 0.0
         value = quad(
             lambda t: before(a + (1 - a) * np.sin(t) ** 2) * (1 - a) * np.sin(2 * t),
             0,
@@ -193,5 +212,6 @@ def slip_rate_without_friction(material: Material, load_shear: float, velocity: 
             points = [pole] if stop > pole else None
             value += quad(behind, 0, stop, epsabs=1e-14, epsrel=1e-12, limit=400, points=points)[0]
             value += regular(c) * np.log(abs((u - c) / (1 - c)))
-        result[index] = 2 * load_shear / (np.pi * material.shear_impedance) * value
-    return result
+        return float(value / np.pi)
+
+    return relative_rate(material, load_shear, over_shear_speed(material, velocity), rate)

@@ -16,7 +16,11 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
-from semianalytic.reference.closed_forms import over_shear_speed
+from semianalytic.reference.closed_forms import (
+    over_shear_speed,
+    rate_from_contact_edge,
+    relative_rate,
+)
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
@@ -68,27 +72,10 @@ def gap_rate_of_opening(
     """
     if not load_pressure < 0:
         raise SceneError("load_pressure: the edge opens under a negative pressure step only.")
-    factors = rayleigh_factors(material.poisson_ratio)
     edge = edge_speed_of_opening(material, pressure_ratio) / material.shear_speed
-    start = 1 / edge
-
-    def slope(s: float) -> float:  # v = u_o + s^2 / (1 - s)^2 covers u_o to infinity
-        r = s / (1 - s)
-        v = start + r * r
-        density = np.sqrt(factors.a + v) / (v * (factors.c + v) * factors.s_plus(v))
-        return float(2 * density / (1 - s) ** 2)
-
-    unit = -2 * load_pressure / material.shear_impedance
-    scale = unit * np.sqrt(start) / (np.pi * factors.kappa * factors.m_plus_at_zero["I"])
+    rate = rate_from_contact_edge(rayleigh_factors(material.poisson_ratio), "I", edge)
     xi = over_shear_speed(material, velocity, edge=True)
-    result = np.zeros(xi.shape)
-    for index in np.ndindex(xi.shape):
-        place = float(xi[index])
-        if place < edge:
-            r = np.inf if place == 0 else float(np.sqrt(1 / place - start))
-            stop = 1.0 if r == np.inf else r / (1 + r)
-            result[index] = scale * quad(slope, 0, stop, epsabs=1e-14, epsrel=1e-13, limit=200)[0]
-    return result
+    return relative_rate(material, -load_pressure, xi, rate)
 
 
 @dataclass(frozen=True)

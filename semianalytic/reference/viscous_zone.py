@@ -27,7 +27,11 @@ from semianalytic.halfplane.rayleigh import (
     gauss,
     rayleigh_factors,
 )
-from semianalytic.reference.closed_forms import edge_speed_under_shear_step
+from semianalytic.reference.closed_forms import (
+    edge_speed_under_shear_step,
+    over_shear_speed,
+    relative_rate,
+)
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
@@ -61,11 +65,8 @@ def viscous_slip_rate(
 ) -> Array:
     """Relative slip rate [length / time] of that zone at x/t = velocity [length / time] >= 0."""
     zone = _viscous_zone(material, strength_ratio, viscosity)
-    xi = np.asarray(velocity, dtype=float) / material.shear_speed
-    if not np.all(xi >= 0):
-        raise SceneError("velocity: x/t must not be negative; the contact is x > 0.")
-    rates = np.array([zone.slip_rate(float(one)) for one in xi.ravel()]).reshape(xi.shape)
-    return np.asarray(2 * load_shear / material.shear_impedance * rates)
+    xi = over_shear_speed(material, velocity, edge=True)
+    return relative_rate(material, load_shear, xi, zone.slip_rate)
 
 
 @dataclass(frozen=True)

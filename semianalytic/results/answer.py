@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -115,6 +115,27 @@ class Answer(Protocol):
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
         """All fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`."""
+        ...
+
+
+@runtime_checkable
+class WholeFields(Answer, Protocol):
+    """An answer that knows the bodies too, not the contact alone.
+
+    Positions and times broadcast; y > 0 is the upper body, y < 0 the lower one, 0.0 and -0.0 are
+    their faces.  What each returns is said at `Solution`.
+    """
+
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Particle velocity (2, ...), in antiplane shear (3, ...) [length / time]."""
+        ...
+
+    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Stress (3, ...), in antiplane shear (5, ...), tension positive [stress]."""
+        ...
+
+    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
+        """Displacement since t = 0 (2, ...), in antiplane shear (3, ...) [length]."""
         ...
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import ViscousFriction
+from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_document
 
@@ -218,14 +218,17 @@ def override_scene(
     base_shear: float | None = None,
     load_pressure: float | None = None,
     load_shear: float | None = None,
+    viscosity: float | None = None,
     mode: str | None = None,
 ) -> Scene:
     """The scene with every parameter that is not None replaced.
 
+    A viscosity turns constant friction into viscous friction, and 0 turns it back.
+
     Raises
     ------
     SceneError
-        If the resulting scene is not admissible.
+        If the resulting scene is not admissible, or a viscosity is given for friction that weakens.
     """
     return replace(
         scene,
@@ -238,8 +241,21 @@ def override_scene(
         base=_replace_given(scene.base, pressure=base_pressure, shear=base_shear),
         load=_replace_given(scene.load, pressure=load_pressure, shear=load_shear),
         friction=scene.friction if friction is None else friction,
+        friction_law=_with_viscosity(scene.friction_law, viscosity),
         mode=scene.mode if mode is None else mode,
     )
+
+
+def _with_viscosity(law: FrictionLaw, viscosity: float | None) -> FrictionLaw:
+    """The law with a viscosity in place of its own, constant friction without any."""
+    if viscosity is None:
+        return law
+    if not isinstance(law, CoulombFriction | ViscousFriction):
+        raise SceneError(
+            "viscosity goes with constant or viscous friction only, and this scene's weakens; "
+            "leave viscosity out, or take out the scene's friction law."
+        )
+    return ViscousFriction(viscosity) if viscosity else CoulombFriction()
 
 
 def _replace_given(description: Any, **values: float | None) -> Any:

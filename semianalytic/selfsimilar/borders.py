@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from semianalytic.cut.profile import Profile
+from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import doubtful, excess_intensity
@@ -15,12 +16,23 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
     load = profile.fields.load
     if name == "load_pressure" and not scene.load.pressure:
         return "one-sided: a negative step of pressure would open the contact at its edge"
+    if name in ("base_pressure", "load_pressure", "poisson_ratio") and load.load_pressure > 0:
+        stuck = stuck_traction(profile.fields.factors.poisson_ratio, "I").at_rayleigh_front
+        if abs(load.base_pressure / load.load_pressure + stuck) < tuning.AT_BORDER:
+            return "one-sided: the contact is about to open, or to close, at the Rayleigh front"
+    if (
+        load.opened is not None
+        and not profile.fields.zones
+        and name in ("base_shear", "load_shear")
+    ):
+        return "one-sided: with any shear the interface moves where it is open, and slips beside it"
     if load.frictionless:
         return ""
     margin = abs(float(load.friction) * load.base_pressure - abs(load.base_shear))
-    of_base = name in ("friction", "base_pressure", "base_shear") and not load.far_slip_rate
+    of_base = name in ("friction", "base_pressure", "base_shear")
     if of_base and margin < tuning.AT_BORDER:
-        return "one-sided: the base is at friction"
+        does = "slides" if load.far_slip_rate else "sticks"
+        return f"one-sided: the base is at friction, and this holds as long as it {does}"
     if not profile.edge_slips and abs(float(excess_intensity(profile))) < tuning.AT_BORDER:
         return "one-sided: the contact edge is about to slip"
     for zone, width, peak in _sizes(profile):
@@ -33,6 +45,12 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
         what = "stop slipping" if profile.panels.sense[panel] else "slip"
         return f"one-sided: the interface is about to {what} at {xi:.6g} c_t"
     return ""
+
+
+def starts_at_front(profile: Profile) -> bool:
+    """Whether slip begins ahead of all waves, or right at the front of a base at friction."""
+    zones = profile.fields.zones
+    return bool(zones) and zones[0].left is None
 
 
 def _sizes(profile: Profile) -> list[tuple[float, float, float]]:

@@ -158,8 +158,9 @@ def slip_on_grid(
         eta = np.full(len(stiffness), load.resistance)
         if load.opened is not None:
             eta[is_open(load.opened.zone, grid.xi[:-1])] = 0.0
-        stiffness = stiffness + eta[:, None] * grid.gram[:, :-1]
-        stuck -= eta * far_slip_rate * grid.gram[:, -1]
+        gram = grid.gram if load.opened is None else np.eye(*grid.gram.shape) * grid.weight[:, None]
+        stiffness = stiffness + eta[:, None] * gram[:, :-1]
+        stuck -= eta * far_slip_rate * gram[:, -1]
     if load.opened is None:
         rate, pivots = _complementary(stuck, friction * pressure, stiffness)
     else:

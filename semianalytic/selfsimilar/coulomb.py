@@ -110,20 +110,26 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
         return None
     broken: list[Violation] = []
     for region in profile.panels.layout.closed_regions:
-        broken += _at_nodes(profile, region, misses[region].ravel())
+        broken += _at_nodes(profile, region, misses[region].ravel(), tolerance)
         broken += _at_contact_edge(profile, region, misses, tolerance)
         broken += _at_rayleigh_front(profile, region, misses)
     return broken or _hidden_violations(profile, tolerance)
 
 
-def _at_nodes(profile: Profile, region: list[int], misses: Array) -> list[Violation]:
+def _at_nodes(
+    profile: Profile, region: list[int], misses: Array, tolerance: float
+) -> list[Violation]:
     """Violations at the nodes of a zone or a stretch of stick, `misses` (m,) of them all in a row;
-    those two nodes apart are one."""
+    those two nodes apart are one.  What slips the wrong way, and hardly at all at the nodes before,
+    does so from the outer end of its zone on."""
     wrong = misses != 0
     if not wrong.any():
         return []
     panels, result, last = profile.panels, [], len(wrong) - 1
     sense, unbounded = panels.sense[region[0]], panels.right[region[-1]] is None
+    if sense:
+        first = int(np.argmax(wrong))
+        wrong[:first] = np.all(profile.wrong_at_nodes[region].ravel()[:first] > -tolerance)
     zone = panels.layout.zone[region[0]] if sense else -1
     at = CutPoints(panels.at.parts[:, region].reshape(4, -1))
     wrong[1:-1] |= wrong[:-2] & wrong[2:]

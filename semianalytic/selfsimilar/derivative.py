@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from semianalytic.cut.load import Load
-from semianalytic.halfplane.rayleigh import Array
+from semianalytic.cut.profile import Profile
+from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.borders import border
+from semianalytic.selfsimilar.borders import border, starts_at_front
+from semianalytic.selfsimilar.motion import over_slowness
 from semianalytic.selfsimilar.variation import Rates, Surroundings
 from semianalytic.selfsimilar.varied import VariedProfile
 
@@ -47,6 +50,21 @@ class ZoneDerivative:
     sense: int
 
 
+@dataclass(frozen=True)
+class OpenDerivative:
+    """How fast the edges of an opening change with a parameter.
+
+    Attributes
+    ----------
+    inner, outer : float
+        Derivatives of the velocities of its edges [length / time per unit of the parameter]; 0 at
+        the contact edge.
+    """
+
+    inner: float
+    outer: float
+
+
 @dataclass(frozen=True, eq=False)
 class Derivative:
     """Derivatives of a solution with respect to one parameter of its scene, all else held.
@@ -61,27 +79,63 @@ class Derivative:
     name : str, the parameter: one of "friction", "poisson_ratio", "base_pressure", "base_shear",
         "load_pressure", "load_shear" and "viscosity"
     zones : tuple of ZoneDerivative, from the contact edge outward, as `Solution.zones`
+    openings : tuple of OpenDerivative, likewise
     status : str
         "converged"; a sentence where zones are about to change, so that the derivative holds to
         one side only, or what to distrust in the solution.
-    error_estimate : float
-        Of edges, slip rate, slip and tractions, relative to their largest derivative or, where that
-        is less, to c_t and the largest values of the fields over that of the parameter; at points
-        further than 0.03 c_t from zone edges and from wave fronts: nearer they are infinite or
-        nearly so.
     varied : VariedProfile
         The fields over slowness, in units b = mu = 1 and `stress`.
     stress : float
         Unit of stress of `varied`.
+    surroundings : Surroundings
+        Of the zones of the solution.
     """
 
     scene: Scene
     name: str
     zones: tuple[ZoneDerivative, ...]
     status: str
-    error_estimate: float
     varied: VariedProfile
     stress: float
+    surroundings: Surroundings
+
+    @cached_property
+    def error_estimate(self) -> float:
+        """Of edges, slip rate, slip and tractions, for zones as they are.
+
+        Relative to their largest derivative or, where that is less, to c_t and the largest values
+        of the fields over that of the parameter (over 1, or the unit of stress, where that is 0);
+        at points further than 0.03 c_t from zone edges and from wave fronts: nearer they are
+        infinite or nearly so.  It takes a second, coarser derivative, and is formed when it is
+        asked for.
+        """
+        fine, profile = self.varied, self.varied.profile
+        coarse = VariedProfile(
+            self.surroundings.companion.profile,
+            self.surroundings.companion.variation(fine.variation.rates),
+        )
+        size, u = self._size, _compared(profile)
+        worst = _share(_edges_moved(fine), _edges_moved(coarse), 1 / size)
+        compared = [
+            (fine.slip_rate(u), coarse.slip_rate(u), profile.slip_rate(u)),
+            (fine.slip_over_time(u), coarse.slip_over_time(u), profile.slip_over_time(u)),
+            (fine.traction(u), coarse.traction(u), profile.shear_change(u)),
+        ]
+        if profile.normal and fine.normal and coarse.normal:
+            near, far, normal = fine.normal, coarse.normal, profile.normal
+            if profile.fields.factors.has_rayleigh_wave:
+                compared.append((near.slip_rate(u), far.slip_rate(u), normal.slip_rate(u)))
+            compared.append((near.traction(u), far.traction(u), normal.shear_change(u)))
+        for one, other, field in compared:
+            worst = max(worst, _share(one, other, float(np.abs(field).max()) / size))
+        return tuning.LEAST_DERIVATIVE_ERROR + tuning.SAFETY * worst
+
+    @property
+    def _size(self) -> float:
+        """The parameter in the units of `varied`; 1 if it is 0."""
+        size = abs(parameter(self.scene, self.name))
+        is_traction = self.name.startswith(("base_", "load_"))
+        return (size / self.stress if is_traction else size) or 1.0
 
     def __repr__(self) -> str:
         speeds = ", ".join(f"{one.inner:.4g} and {one.outer:.4g}" for one in self.zones)
@@ -128,6 +182,54 @@ class Derivative:
         return self.stress * (before + change)
 
     @property
+    def openings(self) -> tuple[OpenDerivative, ...]:
+        """Of where the contact is open, from the contact edge outward."""
+        opened = self.varied.profile.fields.load.opened
+        if opened is None:
+            return ()
+        unit, ends = self.scene.material.shear_speed, (opened.zone.right, opened.zone.left)
+        inner, outer = (0.0 if end is None else unit * _moved(self.varied, end) for end in ends)
+        return (OpenDerivative(inner, outer),)
+
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Of the gap [length per unit of the parameter], 0 where closed.
+
+        Raises
+        ------
+        SceneError
+            As `slip_rate`, and out of the plane, where the panels of shear have no nodes on either
+            side of the Rayleigh front: the gap is that of the same scene in the plane.
+        """
+        time = np.asarray(t, dtype=float)
+        return self._rate_unit * time * self._of_gap(x, t, VariedProfile.slip_over_time)
+
+    def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Of its rate [length / time per unit of the parameter]; raises as `gap`.
+
+        Plus or minus infinity at edges where the rate has a square root.
+        """
+        return self._rate_unit * self._of_gap(x, t, VariedProfile.slip_rate)
+
+    def _of_gap(
+        self, x: ArrayLike, t: ArrayLike, field: Callable[[VariedProfile, Array], Array]
+    ) -> Array:
+        normal, opened = self.varied.normal, self.varied.profile.fields.load.opened
+        if normal is None or opened is None:
+            return self._evaluate(x, t, np.zeros_like)
+        if not self.varied.profile.fields.factors.has_rayleigh_wave:
+            raise SceneError(
+                "derivative: out of the plane the gap is that of the same scene in the plane; ask "
+                'for its derivative with mode="in-plane".'
+            )
+        start, end = opened.zone.left, opened.zone.right
+        first, last = 0.0 if start is None else start.v[0], np.inf if end is None else end.v[0]
+
+        def inside(u: Array) -> Array:
+            return np.where((u >= first) & (u <= last), field(normal, u), 0.0)
+
+        return self._evaluate(x, t, inside)
+
+    @property
     def edge_slip_rate(self) -> float:
         """Of the relative slip rate at the contact edge, x -> 0+ [length / time per unit]."""
         return self._rate_unit * self.varied.edge_slip_rate
@@ -135,31 +237,10 @@ class Derivative:
 
 @dataclass(frozen=True)
 class Known:
-    """Of a solution: its zones as (inner, outer, sense), its status and its error estimate."""
+    """Of a solution: its zones as (inner, outer, sense), and its status."""
 
     zones: tuple[tuple[float, float, int], ...]
     status: str
-    error_estimate: float
-
-
-def over_slowness(
-    shear_speed: float, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]
-) -> Array:
-    """A field over slowness (m,), or several (k, m), at positions and times; 0 before t = 0.
-
-    Raises
-    ------
-    SceneError
-        If a position is not positive, or x or t is not finite.
-    """
-    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
-    if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))):
-        raise SceneError("positions and times must be finite numbers.")
-    if np.any(x <= 0):
-        raise SceneError("the contact is x > 0; ask for positive positions.")
-    u = (t * shear_speed / x).ravel()
-    value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
-    return value.reshape((*value.shape[:-1], *x.shape))
 
 
 def differentiated(
@@ -180,7 +261,7 @@ def differentiated(
         If zones on either side of these, however near, have other panels.
     """
     profile = surroundings.profile
-    rates = _rates(scene, profile.fields.load, stress, name)
+    rates = _rates(scene, profile, stress, name)
     varied = VariedProfile(profile, surroundings.variation(rates))
     status = known.status
     if status == "converged":
@@ -190,21 +271,63 @@ def differentiated(
         name,
         _zones(scene, varied, known.zones),
         status,
-        tuning.LEAST_DERIVATIVE_ERROR + tuning.DERIVATIVE_SHARE * known.error_estimate,
         varied,
         stress,
+        surroundings,
     )
 
 
-def _rates(scene: Scene, load: Load, stress: float, name: str) -> Rates:
-    """What a parameter of a scene changes of its load."""
+def parameter(scene: Scene, name: str) -> float:
+    """The value of one of `PARAMETERS` in a scene."""
+    if name == "friction":
+        return scene.friction
+    if name == "poisson_ratio":
+        return scene.material.poisson_ratio
+    if name == "viscosity":
+        law = scene.friction_law
+        return law.viscosity if isinstance(law, ViscousFriction) else 0.0
+    part, kind = name.split("_")
+    return float(getattr(getattr(scene, part), kind))
+
+
+def _compared(profile: Profile) -> Array:
+    """Slownesses at which a derivative is compared: away from zone edges and wave fronts."""
+    factors = profile.fields.factors
+    marks = np.array([edge.v[0] for edge in _edges(profile)] + [factors.a, 1.0, factors.c])
+    xi = np.geomspace(tuning.CLEAR_OF_EDGES, 1 / factors.a, tuning.COMPARED_POINTS)
+    return np.asarray(1 / xi[np.abs(xi[:, None] - 1 / marks).min(axis=1) > tuning.CLEAR_OF_EDGES])
+
+
+def _edges(profile: Profile) -> list[CutPoints]:
+    """Edges of the slip zones, from the longitudinal front inward, and of what is open."""
+    zones, opened = profile.fields.zones, profile.fields.load.opened
+    if opened is not None:
+        zones = (*zones, opened.zone)
+    return [edge for zone in zones for edge in (zone.left, zone.right) if edge is not None]
+
+
+def _edges_moved(varied: VariedProfile) -> Array:
+    """(e,) derivatives of the velocities of these edges [c_t]."""
+    edges = _edges(varied.profile)
+    return np.array([_moved(varied, edge) for edge in edges])
+
+
+def _moved(varied: VariedProfile, edge: CutPoints) -> float:
+    """Derivative of the velocity [c_t] of a zone edge or front at which a panel begins."""
+    return float(-varied.moved(edge)[0] / edge.v[0] ** 2)
+
+
+def _share(one: Array, other: Array, least: float) -> float:
+    """Largest difference of derivatives over the largest of them, or what they count at least."""
+    away, size = np.abs(one - other).max(initial=0.0), np.abs(one).max(initial=0.0)
+    return float(away / max(size, least)) if away else 0.0
+
+
+def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
+    """What a parameter changes of the load of a scene; of a base at friction while it sticks."""
+    load = profile.fields.load
     if name not in PARAMETERS:
         raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
-    if load.opened is not None:
-        raise SceneError(
-            "derivative: parts of this contact are open; raise the base pressure until it stays "
-            "closed, or difference two solutions (docs/limits.md)."
-        )
     if load.linearised is not None:
         raise SceneError(
             "derivative: there is one for constant and viscous friction only; difference two "
@@ -214,6 +337,11 @@ def _rates(scene: Scene, load: Load, stress: float, name: str) -> Rates:
         raise SceneError(
             "derivative: without friction the sense of slip is free, and friction of any size "
             "opens stick gaps; take a small positive friction."
+        )
+    if name in ("base_pressure", "load_pressure") and load.frictionless and scene.friction:
+        raise SceneError(
+            "derivative: without pressure the sense of slip is free, and friction under any "
+            "pressure opens stick gaps; take a small positive base pressure."
         )
     if name == "viscosity" and load.resistance is None:
         raise SceneError(
@@ -225,12 +353,20 @@ def _rates(scene: Scene, load: Load, stress: float, name: str) -> Rates:
     else:
         plain = name in ("friction", "poisson_ratio")
         rates = Rates(**{name: 1.0 if plain else 1 / stress})
-    far = load.far_slip_rate
-    if not far:
+    free = load.frictionless and not load.far_slip_rate
+    if free or not starts_at_front(profile):
         return rates
+    sense, far = profile.fields.zones[0].sense, load.far_slip_rate
     strength = rates.friction * load.base_pressure + load.friction * rates.base_pressure
-    excess = rates.base_shear - np.sign(far) * strength - rates.resistance * far
-    return replace(rates, far_slip_rate=float(excess / (1 + (load.resistance or 0.0))))
+    excess = float(rates.base_shear - sense * strength - rates.resistance * far)
+    if far:
+        return replace(rates, far_slip_rate=float(excess / (1 + (load.resistance or 0.0))))
+    if excess and profile.fields.factors.mode == "III" and not load.load_pressure:
+        raise SceneError(
+            "derivative: the base is at friction, and out of the plane this solver does not know "
+            "how slip lets go of the shear front; lower the base shear a little (docs/limits.md)."
+        )
+    return replace(rates, front_excess=excess)
 
 
 def _zones(
@@ -238,17 +374,20 @@ def _zones(
 ) -> tuple[ZoneDerivative, ...]:
     """How the edges of zones (inner, outer, sense) move, from the contact edge outward."""
     fields, unit = varied.profile.fields, scene.material.shear_speed
-    edges = [edge for zone in fields.zones for edge in (zone.left, zone.right) if edge is not None]
-    known = {float(unit / edge.v[0]): varied.moved(edge)[0] / edge.v[0] ** 2 for edge in edges}
+    speeds_of = [float(unit / edge.v[0]) for edge in _edges(varied.profile)]
+    known = dict(zip(speeds_of, _edges_moved(varied).tolist(), strict=True))
     known |= {0.0: 0.0, np.inf: 0.0, scene.fastest_speed: 0.0}
     if scene.fastest_speed > unit:
-        known[scene.fastest_speed] = varied.moved(fields.factors.front_a)[0] / fields.factors.a**2
+        known[scene.fastest_speed] = _moved(varied, fields.factors.front_a)
+    excess = varied.variation.rates.front_excess
+    if excess and not fields.load.load_pressure:  # as the 2/3 power; under a step of pressure, 2
+        known[scene.fastest_speed] = float(np.copysign(np.inf, excess * fields.zones[0].sense))
 
     def moved(speed: float) -> float:
         if speed not in known:  # where the sense of free slip changes
             u = np.array([unit / speed])
-            known[speed] = varied.moved_root(u)[0] / u[0] ** 2
-        return -unit * float(known[speed])
+            known[speed] = -varied.moved_root(u)[0] / u[0] ** 2
+        return unit * float(known[speed])
 
     return tuple(
         ZoneDerivative(moved(inner), moved(outer), sense) for inner, outer, sense in speeds

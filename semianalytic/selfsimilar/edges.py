@@ -109,7 +109,7 @@ class Edges:
         if self.open_ends[1]:
             points.append(None)
         return tuple(
-            replace(kind, left=left, right=right)
+            Zone(left, right, kind.sense, kind.inward, kind.held)
             for kind, left, right in zip(self.kinds, points[::2], points[1::2], strict=True)
         )
 
@@ -191,7 +191,7 @@ def edges_of(
         if behind_gap and segment == 2:
             size = start / points[edge - 1].from_c
         unknowns[edge] = np.log(size[0])
-    kinds = tuple(replace(zone, left=None, right=None) for zone in zones)
+    kinds = tuple(Zone(None, None, zone.sense, zone.inward, zone.held) for zone in zones)
     if opening is None:
         return Edges(factors, kinds, open_ends, segments), unknowns
     sides = tuple(_side(point, opening) for point in points)

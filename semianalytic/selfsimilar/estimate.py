@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from semianalytic.cut.load import per_set
-from semianalytic.cut.panels import RunningIntegral
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
@@ -66,9 +65,8 @@ def difference(
     """
     compared, scale, peaks = [], np.ones(()), np.zeros(())
     for fields in (coarse, fine):
-        panels = fields.panels
-        rate = RunningIntegral(panels, fields.slip_rate_slope, fields.factors.c)
-        halves = panels.rule.halved(rate.density * panels.jacobian)
+        rate = fields.rate_integral()
+        halves = rate.halves
         ends = np.cumsum(rate.totals, axis=0) + per_set(fields.load.far_slip_rate)
         peaks = np.maximum(np.abs(ends), np.abs(ends - rate.totals + halves))
         scale = peaks.max(axis=0)
@@ -101,11 +99,9 @@ def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:
 def shift_error(edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields) -> Array:
     """What a shift of edges alone changes, over the lesser of themselves and c_t, and of slip rates
     over the largest, () or (k,); `fields` are those of either."""
-    panels = fields.panels
-    rate = RunningIntegral(panels, fields.slip_rate_slope, fields.factors.c)
+    rate = fields.rate_integral()
     ends = np.cumsum(rate.totals, axis=0) + per_set(fields.load.far_slip_rate)
-    halves = panels.rule.halved(rate.density * panels.jacobian)
-    peaks = np.maximum(np.abs(ends), np.abs(ends - rate.totals + halves))
+    peaks = np.maximum(np.abs(ends), np.abs(ends - rate.totals + rate.halves))
     scale = peaks.max(axis=0)
     by_width = _share_of_width(edges, unknowns, moved, fields, peaks)
     return np.maximum(

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.guesses import slip_senses
@@ -131,10 +133,14 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
 
 def _points_in_opening(profile: Profile) -> CutPoints:
     """Nodes of the panels that are open, and points ever closer to c where that is open, in order
-    of slowness."""
+    of slowness; where slip rate is a power beside an end none that rounding puts there."""
     panels, factors = profile.panels, profile.fields.factors
     open_panels = np.flatnonzero(panels.layout.open)
-    parts = [panels.at.parts[:, open_panels].reshape(4, -1)]
+    off_ends = np.ones(panels.jacobian[open_panels].shape, dtype=bool)
+    if profile.rate_integral.powers:
+        nearest = np.minimum(panels.from_left, panels.from_right)[open_panels]
+        off_ends = nearest > tuning.OFF_ENDS * panels.at.v[open_panels]
+    parts = [panels.at.parts[:, open_panels][:, off_ends]]
     if panels.layout.over_c in open_panels:
         reach = -float(panels.left[panels.layout.over_c].from_c[0])
         near = np.exp(
@@ -145,3 +151,23 @@ def _points_in_opening(profile: Profile) -> CutPoints:
         parts += [factors.beside("c", -near).parts, factors.beside("c", beyond).parts]
     every = np.concatenate(parts, axis=1)
     return CutPoints(every[:, np.argsort(every[3], kind="stable")])
+
+
+def over_slowness(
+    shear_speed: float, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]
+) -> Array:
+    """A field over slowness (m,), or several (k, m), at positions and times; 0 before t = 0.
+
+    Raises
+    ------
+    SceneError
+        If a position is not positive, or x or t is not finite.
+    """
+    x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+    if not (np.all(np.isfinite(x)) and np.all(np.isfinite(t))):
+        raise SceneError("positions and times must be finite numbers.")
+    if np.any(x <= 0):
+        raise SceneError("the contact is x > 0; ask for positive positions.")
+    u = (t * shear_speed / x).ravel()
+    value = np.where(u >= 0, field(np.maximum(u, 0.0)), 0.0)
+    return value.reshape((*value.shape[:-1], *x.shape))

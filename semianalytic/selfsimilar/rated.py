@@ -21,9 +21,9 @@ from semianalytic.cut.layout import Zone, lies_between
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, CutPoints, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import Rule, rule_for
-from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import RateFriction
 from semianalytic.scene.scene import Scene
@@ -70,14 +70,14 @@ class RateStep:
     ----------
     law : UnitLaw
     load : Load, without strength that depends on slip rate
-    poisson_ratio : float
+    factors : RayleighFactors
     before, density : (p, n) arrays, V_k and dV_k/dy at the nodes
     last : (p, n) array, the last iterate of V
     """
 
     law: UnitLaw
     load: Load
-    poisson_ratio: float
+    factors: RayleighFactors
     before: Array
     density: Array
     last: Array
@@ -102,13 +102,11 @@ class RateStep:
 
     def _frictional(self, points: CutPoints) -> tuple[Array, Array]:
         """f p and its slope."""
-        load, factors = self.load, rayleigh_factors(self.poisson_ratio)
-        pressure, slope = np.full(points.v.shape, load.base_pressure), np.zeros(points.v.shape)
+        load, factors = self.load, self.factors
+        pressure, slope = load.pressure(factors, points), np.zeros(points.v.shape)
         if load.load_pressure:
-            unit = stuck_traction(self.poisson_ratio, "I")
-            pressure = pressure + load.load_pressure * unit(points.v)
-            in_plane = CutPoints(np.stack([*points.parts[:3], points.v - factors.c]))
-            slope = load.load_pressure * unit.slope(in_plane)
+            unit = traction_of(factors, "I")
+            slope = load.load_pressure * unit.slope(factors.seen_in_plane(points))
         return load.friction * pressure, load.friction * slope
 
 
@@ -154,8 +152,7 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
     rate = np.stack([start.slip_rate_at(panels.at[p]) for p in range(len(panels.sense))])
     slipping = panels.layout.slipping[:, None]
     rate = np.where(slipping, rate, 0.0)
-    nu = factors.poisson_ratio
-    step = RateStep(law, load, nu, rate, np.zeros_like(rate), rate)
+    step = RateStep(law, load, factors, rate, np.zeros_like(rate), rate)
     placement = locate_edges(factors, zones, replace(load, linearised=step), rule, _LOCATED)
     changes: list[float] = []
     profile = start
@@ -173,7 +170,7 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
             step = replace(step, last=_mixed(mixed))
         changes.append(float(np.abs(new - step.before).max()) / largest)
         step = RateStep(
-            law, load, nu, new, profile.fields.slip_rate_slope * fields.panels.jacobian, new
+            law, load, factors, new, profile.fields.slip_rate_slope * fields.panels.jacobian, new
         )
         if not changes[-1] > tuning.RATE_SETTLED:
             break

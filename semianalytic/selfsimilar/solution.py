@@ -6,14 +6,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
-from semianalytic.field.bodies import Bodies
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
 from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
@@ -22,10 +21,13 @@ from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
-from semianalytic.selfsimilar.derivative import Derivative, Known, differentiated, over_slowness
-from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion
-from semianalytic.selfsimilar.variation import Surroundings
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion, over_slowness
 from semianalytic.separation.normal import Normal
+
+if TYPE_CHECKING:  # imported where they are asked for, for a quick import
+    from semianalytic.field.bodies import Bodies
+    from semianalytic.selfsimilar.derivative import Derivative
+    from semianalytic.selfsimilar.variation import Surroundings
 
 
 @dataclass(frozen=True)
@@ -225,10 +227,10 @@ class Solution:
         pressure = scene.load.pressure
         if self.normal is not None:
             pressure = -self.stress_unit * float(self.normal.profile.edge_intensity)
-        mode_one = pressure * mode_one
+        mode_one = pressure * mode_one + 0.0  # 0 where open, not -0
         if self.profile.edge_slips:
-            return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one
-        return mode_one, self.stress_unit * self.profile.edge_intensity * sheared
+            return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one + 0.0
+        return mode_one, self.stress_unit * self.profile.edge_intensity * sheared + 0.0
 
     def path(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Accumulated |slip| [length], the time integral of |slip rate|; raises as `slip_rate`."""
@@ -347,11 +349,7 @@ class Solution:
     @cached_property
     def _whole_power(self) -> float:
         """Frictional power over time, in units of `profile`."""
-        profile = self.profile
-        sense = np.array(profile.panels.sense)[:, None]
-        return profile.contact_integral(
-            profile.carried(profile.panels.at.v, sense * profile.slip_rate_at_nodes)
-        )
+        return self.profile.contact_integral(self.profile.carried_at_nodes)
 
     @cached_property
     def _whole_rate(self) -> float:
@@ -376,6 +374,8 @@ class Solution:
     @cached_property
     def _surroundings(self) -> Surroundings:
         """What all derivatives share."""
+        from semianalytic.selfsimilar.variation import Surroundings
+
         return Surroundings(self.profile)
 
     def derivative(self, name: str) -> Derivative:
@@ -402,12 +402,16 @@ class Solution:
         ComputationError
             If zones on either side, however near, are of another kind.
         """
+        from semianalytic.selfsimilar.derivative import Known, differentiated
+
         zones = tuple((zone.inner, zone.outer, zone.sense) for zone in self.zones)
-        known = Known(zones, self.status, self.error_estimate)
+        known = Known(zones, self.status)
         return differentiated(self.scene, self._surroundings, self.stress_unit, known, name)
 
     @cached_property
     def _bodies(self) -> Bodies:
+        from semianalytic.field.bodies import Bodies
+
         rule = self.profile.fields.rule
         tolerance = max(tuning.FIELD_RULE_SHARE * rule.tolerance, tuning.FINEST_FIELD_RULE)
         opened = None if self.normal is None else self.normal.profile.fields

@@ -70,11 +70,10 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
     )
     check_pressure(scene)
-    if contact_opens(scene) and scene.friction_law != CoulombFriction():
+    if contact_opens(scene) and isinstance(scene.friction_law, RateWeakening):
         raise SceneError(
-            "solve: where the contact opens strength that depends on slip rate would jump, which "
-            "this solver does not know; make base pressure larger, or simulate the scene with "
-            "finite elements (docs/limits.md)."
+            "solve: where the contact opens friction that falls with slip rate is not known; make "
+            "base pressure larger, or simulate the scene with finite elements (docs/limits.md)."
         )
     if isinstance(scene.friction_law, RateWeakening):
         return _solve_rated(scene, rtol)
@@ -263,7 +262,7 @@ def _checked(trial: _Trial, refined: _Trial, estimate: float, rtol: float) -> tu
     if not broken or not trial.lawful:
         return refined, estimate
     zones, rule = corrected(fields.zones, broken, fields.load), rule_for(rtol / tuning.RULE_SHARE)
-    rules = _Rules(rule, max(tuning.LOCATED_SHIFT * rtol, tuning.LEAST_LOCATED_SHIFT), rule)
+    rules = _Rules(rule, max(tuning.LOCATED_SHIFT * rtol, tuning.LEAST_LEFT_SHIFT), rule)
     again = _settled(fields.factors, zones, fields.load, rules)
     last, estimate = _refined(again, rtol)
     steps = refined.steps + again.steps + last.steps

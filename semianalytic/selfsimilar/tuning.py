@@ -167,6 +167,8 @@ GAUSS_PER_ELEMENT = 6
 NO_ZONE = 1e-9
 """Width [c_t] of slip beside an opening that is none: out of the plane nothing drives it ahead of
 the shear front."""
+OFF_ENDS = 1e-13
+"""Distance in slowness, relative, from an end of an opening that rounding leaves some digits."""
 NARROW_GAP = 0.1
 """Gap over slowness between zones that may have met.  Not recorded."""
 NEAR_OPENING = 0.05
@@ -184,6 +186,8 @@ BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 
 VARIED_STEP = 3e-3
 """Of logits and logarithms between neighbours: truncation is some 1e-11, rounding as much."""
+VARIED_OPENING = 1e-12
+"""Accuracy of the openings between which is differenced."""
 DIRECTION_RULE = 1e-6
 """Tolerance of the rule on which the direction of a derivative is found: as good as a Jacobian from
 one-sided differences."""
@@ -191,8 +195,12 @@ MOST_IMPROVEMENTS, NEGLIGIBLE_CHANGE = 4, 1e-11
 """Of directions; one is the rule.  What changes less than that share is left."""
 LEAST_DERIVATIVE_ERROR = 1e-10
 """Rounding of differences, part of every estimate of a derivative."""
-DERIVATIVE_SHARE = 20.0
-"""Error estimate of a derivative over that of its solution."""
+CLEAR_OF_EDGES, COMPARED_POINTS = 0.03, 100
+"""Distance [c_t] from edges and fronts beyond which the error of a derivative is estimated, and the
+velocities from there to c_l at which it is."""
+COMPANION_STEP = 0.7
+"""Step of the differences of a companion, over that of what it is compared with: truncation, of
+fourth order, shows by three quarters."""
 AT_BORDER = 1e-7
 """Of what Coulomb's law leaves to spare, of widths and of slip rates over the largest: zones are
 about to change below it."""

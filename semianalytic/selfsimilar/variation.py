@@ -18,11 +18,13 @@ import numpy as np
 from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
-from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
+from semianalytic.halfplane.rayleigh import Array, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.edges import Edges, edges_of, linearised
+from semianalytic.separation.normal import with_opening
 
 _OF_POISSON = 0.25
 """Of the distance from its bounds, what the Poisson ratio is stepped by: the longitudinal front
@@ -40,6 +42,8 @@ class Rates:
     far_slip_rate : of V(inf) [stress unit / (mu b)]
     resistance : of eta [mu b]
     poisson_ratio : 1 for the Poisson ratio itself
+    front_excess : of the base shear less friction, where slip starts at the longitudinal front of a
+        base at friction; what sticks ahead of it then [stress unit]
     """
 
     friction: float = 0.0
@@ -50,16 +54,23 @@ class Rates:
     far_slip_rate: float = 0.0
     resistance: float = 0.0
     poisson_ratio: float = 0.0
+    front_excess: float = 0.0
+
+    @property
+    def of_pressure(self) -> bool:
+        """Whether a pressure of the load changes."""
+        return bool(self.base_pressure or self.load_pressure)
 
     def of_load(self, load: Load) -> Load | None:
         """The load whose fields are the derivatives of those of a load, for zones that stay.
 
-        All are linear in shear tractions and in friction times pressure; None if none changes.
+        All are linear in shear tractions and in friction times pressure; None if more changes than
+        these: impedances, or the part of the contact that is open.
         """
-        if self.poisson_ratio or self.resistance:
+        if self.poisson_ratio or self.resistance or (load.opened and self.of_pressure):
             return None
         friction, pressures = load.friction, (self.base_pressure, self.load_pressure)
-        if self.friction:
+        if self.friction or load.opened:  # whose pressure stays
             friction, pressures = self.friction, (load.base_pressure, load.load_pressure)
         return replace(
             load,
@@ -186,19 +197,80 @@ class Variation:
     unknowns : (e,) array, of the unknowns of `edges`
     nodes : NodeFields, at fixed nodes
     stencil : Stencil by which they were differenced; None if the zones stay
+    normal : NodeFields of the normal problem; None if it stays
     """
 
     rates: Rates
     unknowns: Array
     nodes: NodeFields
     stencil: Stencil | None
+    normal: NodeFields | None = None
+
+    @property
+    def of_normal(self) -> Variation | None:
+        """That of the normal problem, minus pressure for traction; None if it stays."""
+        if self.normal is None:
+            return None
+        rates = Rates(
+            base_shear=-self.rates.base_pressure,
+            load_shear=-self.rates.load_pressure,
+            poisson_ratio=self.rates.poisson_ratio,
+        )
+        return Variation(rates, self.unknowns, self.normal, self.stencil)
+
+
+@dataclass(frozen=True)
+class _Change:
+    """Derivatives at fixed nodes, of shear and of the normal problem (None if all is closed)."""
+
+    nodes: NodeFields
+    normal: NodeFields | None
+
+    @classmethod
+    def of(cls, beside: list[ZoneFields], stencil: Stencil) -> _Change:
+        """From neighbours on a stencil."""
+        profiles = [Profile(one) for one in beside]
+        normals = [NodeFields.of(one.normal) for one in profiles if one.normal is not None]
+        return cls(
+            NodeFields.difference([NodeFields.of(one) for one in profiles], stencil),
+            NodeFields.difference(normals, stencil) if normals else None,
+        )
+
+    def plus(self, other: _Change) -> _Change:
+        """The sum of two."""
+        normal = self.normal
+        if normal is not None and other.normal is not None:
+            normal = normal.plus(other.normal)
+        return _Change(self.nodes.plus(other.nodes), normal)
 
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Placed zones, and what their neighbours on the same nodes show."""
+    """Placed zones, and what their neighbours on the same nodes show.
+
+    Attributes
+    ----------
+    profile : Profile, of the zones
+    finer : Surroundings of which these are the `companion`, or None
+    """
 
     profile: Profile
+    finer: Surroundings | None = None
+
+    @cached_property
+    def companion(self) -> Surroundings:
+        """The same zones on a coarser rule, with edges where that one wants them.
+
+        Their derivatives share nothing with those of the zones but the Jacobian, which only says
+        where to look: the rule, its nodes, the edges and the step of differences are others.
+        """
+        (edges, unknowns), fields = self._placed, self._fields
+        rule = rule_for(tuning.COARSER_COMPANION * fields.rule.tolerance)
+        if len(unknowns):
+            left = replace(fields, rule=rule).mismatch()
+            unknowns = unknowns - self._inverse @ left.reshape(-1)
+        placed = replace(fields, rule=rule, zones=edges.zones(unknowns))
+        return Surroundings(Profile(placed), self)
 
     @property
     def _fields(self) -> ZoneFields:
@@ -215,11 +287,15 @@ class Surroundings:
 
     @cached_property
     def _placed(self) -> tuple[Edges, Array]:
-        return edges_of(self._fields.factors, self._fields.zones)
+        opened = self._fields.load.opened
+        opening = opened.zone if opened else None
+        return edges_of(self._fields.factors, self._fields.zones, opening)
 
     @cached_property
     def _inverse(self) -> Array:
         """(e, e) inverse Jacobian of the mismatch, to about six digits."""
+        if self.finer is not None:
+            return self.finer._inverse
         edges, unknowns = self._placed
         if not len(unknowns):
             return np.zeros((0, 0))
@@ -236,19 +312,46 @@ class Surroundings:
         (edges, unknowns), fields = self._placed, self._fields
         every, tail = unknowns[:, None] + moved[:, None] * points, rule is None
         fields = replace(fields, rule=rule or self._rule, tail=tail)
-        if not (rates.poisson_ratio or rates.resistance):
+        if not self._one_by_one(rates):
             return [replace(fields, zones=edges.zones(every))]
         result = []
         for point, column in zip(points.tolist(), every.T, strict=True):
-            ratio, load = fields.factors.poisson_ratio + rates.poisson_ratio * point, fields.load
-            own = rayleigh_factors(ratio, fields.factors.mode)
-            if load.resistance is not None and rates.resistance:
-                resistance = load.resistance + rates.resistance * point
-                far_slip_rate = load.far_slip_rate + rates.far_slip_rate * point
-                load = replace(load, resistance=resistance, far_slip_rate=far_slip_rate)
-            zones = replace(edges, factors=own).zones(column)
+            own, load = self._beside(rates, point)
+            opening = load.opened.zone if load.opened else None
+            zones = replace(edges, factors=own, opening=opening).zones(column)
             result.append(replace(fields, factors=own, load=load, zones=zones))
         return result
+
+    def _one_by_one(self, rates: Rates) -> bool:
+        """Whether more than edges changes, so that neighbours are no sets of one sweep."""
+        opened = self._fields.load.opened is not None and rates.of_pressure
+        return bool(rates.poisson_ratio or rates.resistance or opened)
+
+    def _beside(self, rates: Rates, point: float) -> tuple[RayleighFactors, Load]:
+        """Factors and load where a parameter is larger by as much; the contact opens where it does
+        then."""
+        factors, load = self._fields.factors, self._fields.load
+        own = rayleigh_factors(factors.poisson_ratio + rates.poisson_ratio * point, factors.mode)
+        if load.resistance is not None and rates.resistance:
+            resistance = load.resistance + rates.resistance * point
+            far_slip_rate = load.far_slip_rate + rates.far_slip_rate * point
+            return own, replace(load, resistance=resistance, far_slip_rate=far_slip_rate)
+        if load.opened is None:
+            return own, load
+        if (rates, point) not in self._opened:
+            pressures = {
+                name: getattr(load, name) + getattr(rates, name) * point
+                for name in ("base_pressure", "load_pressure")
+            }
+            closed = replace(load, **pressures, opened=None)
+            opened, _ = with_opening(closed, own, tuning.VARIED_OPENING)
+            self._opened[rates, point] = opened
+        return own, self._opened[rates, point]
+
+    @cached_property
+    def _opened(self) -> dict[tuple[Rates, float], Load]:
+        """Loads with what is open under them, of the neighbours that were met."""
+        return {}
 
     def _unfulfilled(self, beside: list[ZoneFields], stencil: Stencil) -> Array:
         """(e,) derivatives of the mismatch from neighbours."""
@@ -264,7 +367,27 @@ class Surroundings:
             steps.append(_OF_POISSON * min(0.5 - nu, 1 + nu))
         if rates.resistance:
             steps.append(float(np.max(self._fields.load.resistance or 0.0)))
-        return tuning.VARIED_STEP * min(steps)
+        steps.extend(self._steps_of_opening(rates))
+        return self._share_of_step * min(steps)
+
+    def _steps_of_opening(self, rates: Rates) -> list[float]:
+        """Changes of a parameter that would bring the base to where the contact closes, or to
+        zero."""
+        load, factors = self._fields.load, self._fields.factors
+        if load.opened is None:
+            return []
+        stuck = stuck_traction(factors.poisson_ratio, "I").at_rayleigh_front
+        margin = load.base_pressure
+        if load.load_pressure > 0:
+            margin = min(margin, abs(margin + load.load_pressure * stuck))
+        fastest = abs(rates.base_pressure) + abs(rates.load_pressure)
+        fastest += abs(rates.poisson_ratio * load.load_pressure) * (load.load_pressure > 0)
+        return [margin / fastest] if fastest else []
+
+    @property
+    def _share_of_step(self) -> float:
+        shorter = 1.0 if self.finer is None else tuning.COMPANION_STEP
+        return tuning.VARIED_STEP * shorter
 
     def _stencil(self, rates: Rates, moved: Array) -> Stencil | None:
         """Points at which neighbours in a direction have the same panels; None if none moves."""
@@ -292,7 +415,7 @@ class Surroundings:
         load, moved = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
         nodes, unfulfilled = NodeFields.zero(self.profile), moved
         if load is not None:
-            fixed = replace(self._fields, load=load, rule=self._rule)
+            fixed = self._let_go(replace(self._fields, load=load, rule=self._rule), rates)
             nodes = NodeFields.of(Profile(fixed)).of_resting_panels
             unfulfilled = fixed.mismatch().reshape(-1)
             moved = -self._inverse @ unfulfilled
@@ -304,16 +427,33 @@ class Surroundings:
         if stencil is None:
             return Variation(rates, moved, nodes, None)
         beside = self._neighbours(rates, moved, stencil.points)
-        every = [NodeFields.of(Profile(one)) for one in beside]
-        nodes = nodes.plus(NodeFields.difference(every, stencil))
+        change = _Change.of(beside, stencil)
+        change = replace(change, nodes=nodes.plus(change.nodes))
         if len(moved):
             unfulfilled = unfulfilled + self._unfulfilled(beside, stencil)
-            moved, nodes = self._improved(moved, nodes, unfulfilled)
-        return Variation(rates, moved, nodes, stencil)
+            moved, change = self._improved(moved, change, unfulfilled)
+        normal = change.normal if self._one_by_one(rates) else None
+        return Variation(rates, moved, change.nodes, stencil, normal)
 
-    def _improved(
-        self, moved: Array, nodes: NodeFields, unfulfilled: Array
-    ) -> tuple[Array, NodeFields]:
+    def _let_go(self, fields: ZoneFields, rates: Rates) -> ZoneFields:
+        """Fields with what a base just below friction keeps back of slip at the longitudinal front.
+
+        From there on the traction is what strength is: it jumps by minus the excess, as a term
+        r / (k + a) of T does, and the slip rate by that over the impedance.  A strip that sticks
+        behind the front makes both smooth; its width is of higher order.
+        """
+        if not rates.front_excess:
+            return fields
+        factors, load, front = fields.factors, fields.load, self.profile.panels.left[0]
+        root = float(np.sqrt(1 - factors.a**2))
+        impedance = root if factors.mode == "III" else (1 - 2 * factors.a**2) ** 2 / root
+        rate = rates.front_excess / float(impedance + (load.resistance or 0.0))
+        amount = impedance * rate * factors.a / self._fields.canonical.values[0, ..., 0]
+        # T(0) is that of the load: V behind the front is no far slip rate
+        load = replace(load, far_slip_rate=rate, load_shear=load.load_shear + rate)
+        return replace(fields, load=load, closing=((front, float(amount)),))
+
+    def _improved(self, moved: Array, change: _Change, unfulfilled: Array) -> tuple[Array, _Change]:
         """Derivatives of unknowns and fields with what they leave unfulfilled made up for."""
         largest = float(np.abs(moved).max())
         for _ in range(tuning.MOST_IMPROVEMENTS):
@@ -322,8 +462,7 @@ class Surroundings:
                 break
             stencil = Stencil(*_SECOND_ORDER, tuning.VARIED_STEP / float(np.abs(more).max()))
             beside = self._neighbours(Rates(), more, stencil.points)
-            every = [NodeFields.of(Profile(one)) for one in beside]
-            nodes = nodes.plus(NodeFields.difference(every, stencil))
+            change = change.plus(_Change.of(beside, stencil))
             unfulfilled = unfulfilled + self._unfulfilled(beside, stencil)
             moved = moved + more
-        return moved, nodes
+        return moved, change

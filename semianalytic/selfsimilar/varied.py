@@ -24,7 +24,8 @@ from semianalytic.selfsimilar.variation import NodeFields, Variation
 
 _CLOSE = 12.0
 """Distance in y from the middle of a panel, and from where its middle is: further out a slope is
-continued by its power, for there slope times dv/dy is too small to tell it."""
+continued by its power, for there slope times dv/dy is too small to tell it.  The left of a panel is
+as close to other fronts as they are to each other, however wide it is: that is added."""
 _HALF_POWER = 1e-2
 """What a power read off there may differ from a multiple of one half that it is."""
 
@@ -85,12 +86,13 @@ class VariedProfile:
     def _slope(self, integral: RunningIntegral, panel: int, at: CutPoints) -> Array:
         """Of an integral at points (m,) inside a panel, infinite where it is so at its ends."""
         panels, v = self._panels, at.v
-        right, rounding = panels.right[panel], 4 * np.finfo(float).eps * v
+        right, rounding, wide = panels.right[panel], 4 * np.finfo(float).eps * v, 0.0
         y = np.where(at.minus(panels.left[panel]) < rounding, -np.inf, panels.coordinate(panel, at))
         if right is not None:
             y = np.where(-at.minus(right) < rounding, np.inf, y)
+            wide = max(0.0, float(np.log(panels.widths[panel, 0])))
         skew = 0.0 if right is None else float(np.log(panels.skew[panel, 0]))
-        first, last = min(skew, 0.0) - _CLOSE, max(skew, 0.0) + _CLOSE
+        first, last = min(skew, 0.0) - _CLOSE - wide, max(skew, 0.0) + _CLOSE
         within = panels.inside(panel, np.clip(y, first, last))
         value = integral.slope(panel, within)
         for end, outward in ((first, -1.0), (last, 1.0)):
@@ -185,9 +187,18 @@ class VariedProfile:
         slope = stuck_traction(own.poisson_ratio, mode).derivative(inside)
         return np.where(u <= own.a, 0.0, value - np.where(between, slope * moved, 0.0))
 
+    @cached_property
+    def normal(self) -> VariedProfile | None:
+        """Of the normal problem, minus pressure for traction and the opening of one side for slip;
+        None if it stays, or the contact is closed."""
+        profile, variation = self.profile.normal, self.variation.of_normal
+        return VariedProfile(profile, variation) if profile and variation else None
+
     def pressure(self, u: Array) -> Array:
         """Of contact pressure."""
         load, rates = self.profile.fields.load, self.variation.rates
+        if load.opened is not None:
+            return np.zeros(u.shape) if self.normal is None else -self.normal.traction(u)
         result = np.full(u.shape, rates.base_pressure)
         if rates.load_pressure:
             mode_one = stuck_traction(self.profile.fields.factors.poisson_ratio, "I")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.cut.load import Load, Opened
+from semianalytic.cut.load import Load, Opened, normal_load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.tuning import LEAST_BASE
 from semianalytic.cut.zones import ZoneFields
@@ -33,10 +33,7 @@ class Normal:
 
     def pressure(self, at: CutPoints) -> Array:
         """Contact pressure at points on the cut, any shape; 0 where the contact is open."""
-        flat = CutPoints(at.parts.reshape(4, -1))
-        change = self.profile.shear_change_at(flat)
-        base = self.profile.fields.load.base_shear
-        return -(base + change).reshape(at.v.shape)
+        return -self.profile.traction_at(CutPoints(at.parts.reshape(4, -1))).reshape(at.v.shape)
 
     def known_pressure(self) -> Array:
         """(2, n): slownesses of the nodes, increasing, and the pressures there."""
@@ -83,7 +80,7 @@ def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | No
         opening = opening_of(poisson_ratio, load.base_pressure, load.load_pressure, tolerance)
     if opening is None:
         return None
-    given = Load(0.0, 0.0, -load.base_pressure, 0.0, -load.load_pressure, 0.0)
+    given = normal_load(load.base_pressure, load.load_pressure)
     factors, rule = rayleigh_factors(poisson_ratio, "I"), rule_for(tolerance)
     fields = ZoneFields(factors, given, (opening.zone,), rule, closing=opening.closing)
     return Normal(opening, Profile(fields), opening.error + tuning.AT_POLE * tolerance)

@@ -20,7 +20,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from semianalytic.cut.layout import Zone
-from semianalytic.cut.load import Load
+from semianalytic.cut.load import normal_load
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
@@ -178,8 +178,8 @@ class Detached:
 
     def fields(self, unknowns: Array) -> ZoneFields:
         """Those with r = 0, without what lies behind the opening."""
-        load = Load(0.0, 0.0, -self.base, 0.0, -1.0, 0.0)
-        return ZoneFields(self.factors, load, (self.zone(unknowns),), self.rule, False)
+        zones = (self.zone(unknowns),)
+        return ZoneFields(self.factors, normal_load(self.base, 1.0), zones, self.rule, False)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from semianalytic.scene.errors import ComputationError, TensionError
+from semianalytic.scene.friction import CoulombFriction
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.grid_pressure import GridPressure
 from semianalytic.spacetime.marched import Grid, Marched, MarchState
@@ -264,9 +265,10 @@ def _check_pressure(scene: Scene, level: Level, spacing: float) -> None:
     pressure = level.pressure
     node = int(np.argmin(pressure))
     if pressure[node] < 0:
+        solved = scene.is_self_similar and scene.friction_law == CoulombFriction()
         raise TensionError(
             f"the pressure would turn tensile at x = {(node + 0.5) * spacing:.4g}, "
-            f"t = {level.time:.4g}; raise the base pressure, use `solve` if all loads are steps, "
+            f"t = {level.time:.4g}; raise the base pressure, {'use `solve`, ' if solved else ''}"
             "or simulate the scene with finite elements (docs/limits.md)."
         )
     scene.check_weakening(float(pressure.max()))

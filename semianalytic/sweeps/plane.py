@@ -122,12 +122,18 @@ class Plane:
         return ZoneSets(self._edges(pattern, which), load)
 
     def _batches(
-        self, pattern: Pattern, which: np.ndarray, unknowns: Array, kind: Array
+        self,
+        pattern: Pattern,
+        which: np.ndarray,
+        unknowns: Array,
+        led: np.ndarray | bool = True,
+        rule: Array | float = 1.0,
     ) -> Iterator[np.ndarray]:
         """Points, as places in `which`, whose zones may share panels: edges on one side of every
-        cut, close to one front or to none; and of one `kind` (t,).
+        cut, close to one front or to none; and all `led` (t,) or none.
 
-        Those with narrow gaps, which need long panels, come together.
+        Those with many nodes come together: on fine ones of the tolerances `rule` (t,), and those
+        with narrow gaps, which need long panels.
         """
         edges = self._edges(pattern, which)
         parts, hiding = edges.parts(unknowns.T), self.family.hiding[which]
@@ -136,12 +142,13 @@ class Plane:
         nearest = np.where(
             distances.min(axis=0) < tuning.CLOSE_TO_FRONT, distances.argmin(axis=0), 3
         )
-        keys = np.concatenate([[hiding, kind], beyond, nearest])
+        keys = np.concatenate([[hiding, np.broadcast_to(led, hiding.shape)], beyond, nearest])
         _, group = np.unique(keys, axis=1, return_inverse=True)
-        from_c = distances[2].min(axis=0, initial=1.0)
+        digits = 2 - np.log(rule)
+        nodes = digits * (2 * digits - np.log(distances[2].min(axis=0, initial=1.0)))
         for one in range(group.max() + 1):
             some = np.flatnonzero(group == one)
-            some = some[np.argsort(from_c[some])]
+            some = some[np.argsort(nodes[some])]
             yield from np.array_split(some, -(-len(some) // tuning.PLANE_BATCH))
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
@@ -151,17 +158,17 @@ class Plane:
         parts = [self.zones[i] for i in known], self.places[known]
         every = predicted(*parts, targets, self.places[targets], self.rtol)
         rule = every.loose if certain else every.tolerance
-        led, near = every.doubt < tuning.LEADING_DOUBT, every.doubt < tuning.NEAR
-        kind = np.where(led, np.round(-np.log10(rule) / tuning.RULE_STEP) + near / 2, -1)
-        for batch in self._batches(pattern, targets, every.unknowns, kind):
+        led = every.doubt < tuning.LEADING_DOUBT
+        for batch in self._batches(pattern, targets, every.unknowns, led, rule):
             some = every[batch]
             if led[batch[0]]:
-                some = some[~self._correct(pattern, certain, some)]
+                some = some[self._correct(pattern, certain, some)]
             if len(some):
                 self._compute(pattern, some)
 
     def _correct(self, pattern: Pattern, certain: bool, some: Predictions) -> np.ndarray:
-        """Keep predictions that can be corrected on a loose rule; which these are."""
+        """Keep predictions that can be corrected on a loose rule; which of the others may still
+        have these zones."""
         start = perf_counter()
         done = corrected(self._sets(pattern, some.points), some, certain, self.rtol)
         seconds = (perf_counter() - start) / len(some)
@@ -169,7 +176,7 @@ class Plane:
             parts = done.unknowns[:, j], float(some.tolerance[j]), float(done.estimate[j])
             followed = Followed(pattern, *parts)
             self._add(int(some.points[j]), followed, INTERPOLATED, 1, done.nodes, seconds)
-        return done.sound
+        return ~(done.sound | done.refuted)
 
     def _compute(self, pattern: Pattern, some: Predictions) -> None:
         """Keep predictions that can be corrected on the fine rule."""
@@ -204,7 +211,7 @@ class Plane:
                 np.array([i for i, *_ in some]),
                 np.array([one for _, one, *_ in some]),
             )
-            for batch in self._batches(pattern, which, unknowns, np.zeros(len(which))):
+            for batch in self._batches(pattern, which, unknowns):
                 sets, now = self._sets(pattern, which[batch]), unknowns[batch].T
                 inverse = np.zeros((len(batch), 0, 0))
                 if len(now):

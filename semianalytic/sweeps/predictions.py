@@ -127,11 +127,13 @@ def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
 
 @dataclass(frozen=True)
 class CorrectedZones:
-    """Corrected unknowns (e, k), error estimates (k,), which are sound, and nodes per set."""
+    """Corrected unknowns (e, k), error estimates (k,), which are sound, of which Coulomb's law says
+    on the fine rule that there are other zones, and nodes per set."""
 
     unknowns: Array
     estimate: Array
     sound: np.ndarray
+    refuted: np.ndarray
     nodes: int
 
 
@@ -142,25 +144,34 @@ def corrected(
     are these zones, on the fine one, and hold them against Coulomb's law as strictly as that rule
     allows."""
     loosest = loose_tolerance(rtol)
-    unknowns, inverse = predictions.unknowns.T, predictions.inverse
+    unknowns, inverse = predictions.unknowns.T.copy(), predictions.inverse.copy()
     arrived = np.ones(len(predictions), dtype=bool)
-    if len(unknowns) and np.any(predictions.doubt >= tuning.NEAR):
-        unknowns, inverse, left, _ = approached(sets, unknowns, inverse, rule_for(loosest))
-        arrived = left < np.inf
+    far = np.flatnonzero(predictions.doubt >= tuning.NEAR)
+    if len(unknowns) and len(far):
+        some = sets.chosen(far), unknowns[:, far], inverse[far]
+        unknowns[:, far], inverse[far], left, _ = approached(*some, rule_for(loosest))
+        arrived[far] = left < np.inf
     rule = rule_for(float((predictions.loose if certain else predictions.tolerance).min()))
+    if len(unknowns) and not certain:  # the law is asked of edges in their places
+        move = moves(inverse, sets.mismatch(unknowns, rule))
+        arrived &= np.abs(move).max(axis=0) < tuning.FARTHEST_STEP
+        unknowns -= np.where(arrived, move, 0.0)
     fields, estimate = sets.fields(unknowns, rule), predictions.estimate
     profile, law = Profile(fields), tuning.LOOSE_CHECK * loosest
     if not certain:
         law, estimate = min(rtol, tuning.LOOSEST_LAW), estimate + missed_slip(profile)
-    sound = admissible(profile, law) & arrived
+    lawful = admissible(profile, law)
+    sound = arrived.copy()
     if len(unknowns):
         unknowns, left = _stepped(
             sets, unknowns, profile, (inverse, predictions.others), rtol - estimate
         )
         sound &= sets.edges.admits(unknowns)
         estimate = estimate + SAFETY * left
+    sound &= estimate <= rtol
+    refuted = sound & ~lawful & (not certain)
     nodes = fields.panels.jacobian[:, 0].size
-    return CorrectedZones(unknowns, estimate, sound & (estimate <= rtol), nodes)
+    return CorrectedZones(unknowns, estimate, sound & lawful, refuted, nodes)
 
 
 def _stepped(

@@ -17,7 +17,7 @@ import os
 import statistics
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -39,6 +39,7 @@ SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}  # each crosses
 _FRICTIONS = 100
 _MANY_FRICTIONS = 1000
 _SWEEP_TOLERANCES = (1e-3, 1e-6, 1e-8)
+_ORIGINS = (FROM_SCRATCH, COMPUTED, INTERPOLATED)
 _GAP = 1e-13  # over c_t; zones as near as that count as one
 SCENES = ("preloaded", "remote-shock")
 RATIOS = (0.0, 0.45)
@@ -137,6 +138,17 @@ def _joined(fronts: np.ndarray) -> list[float]:
     return [edge for i, edge in enumerate(edges) if i not in gaps and i - 1 not in gaps]
 
 
+def _checked(
+    done: Sweep, chosen: Sequence[int], singles: Sequence[Solution]
+) -> tuple[int, int, int, float, int]:
+    """Solutions of a sweep from scratch, computed and interpolated; the largest difference of edges
+    from those of some scenes solved alone, and how many of these have other zones."""
+    differences = [edge_difference(done[i], one) for i, one in zip(chosen, singles, strict=True)]
+    known = [one for one in differences if one is not None]
+    scratch, computed, interpolated = map(done.origin.count, _ORIGINS)
+    return scratch, computed, interpolated, max(known), len(differences) - len(known)
+
+
 def measure_sweep(
     name: str, rtol: float, repetitions: int = 3, count: int = _FRICTIONS
 ) -> SweepTiming:
@@ -153,22 +165,8 @@ def measure_sweep(
         singles[:] = [solve(replace(scene, friction=float(friction[i])), rtol=rtol) for i in chosen]
 
     quick, slow = median_times([swept, one_by_one], repetitions)
-    done = results["sweep"]
-    pairs = zip(chosen, singles, strict=True)
-    differences = [edge_difference(done.solutions[i], other) for i, other in pairs]
-    known = [one for one in differences if one is not None]
     ratio = slow / quick * count / len(chosen)
-    return SweepTiming(
-        name,
-        count,
-        rtol,
-        ratio,
-        done.origin.count(FROM_SCRATCH),
-        done.origin.count(COMPUTED),
-        done.origin.count(INTERPOLATED),
-        max(known),
-        len(differences) - len(known),
-    )
+    return SweepTiming(name, count, rtol, ratio, *_checked(results["sweep"], chosen, singles))
 
 
 @dataclass(frozen=True)
@@ -204,26 +202,12 @@ def measure_batch(name: str, places: str, rtol: float = 1e-6, side: int = 100) -
     start = process_time()
     done = sweep(find_scene(name), friction, rtol, poisson_ratio=ratio)
     quick = (process_time() - start) / len(done)
-    chosen = done[:: max(1, len(done) // 100)]
+    chosen = range(0, len(done), max(1, len(done) // 100))
     start = process_time()
-    singles = [solve(one.scene, rtol=rtol) for one in chosen]
+    singles = [solve(done[i].scene, rtol=rtol) for i in chosen]
     slow = (process_time() - start) / len(chosen)
-    pairs = zip(chosen, singles, strict=True)
-    differences = [edge_difference(one, other) for one, other in pairs]
-    known = [one for one in differences if one is not None]
-    return BatchTiming(
-        name,
-        places,
-        len(done),
-        rtol,
-        1e3 * quick,
-        slow / quick,
-        done.origin.count(FROM_SCRATCH),
-        done.origin.count(COMPUTED),
-        done.origin.count(INTERPOLATED),
-        max(known),
-        len(differences) - len(known),
-    )
+    checked = _checked(done, chosen, singles)
+    return BatchTiming(name, places, len(done), rtol, 1e3 * quick, slow / quick, *checked)
 
 
 def import_ratio(repetitions: int = 9) -> float:

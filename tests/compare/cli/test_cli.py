@@ -1,5 +1,6 @@
 """The command line through its entry point."""
 
+import csv
 import json
 import os
 import re
@@ -13,6 +14,7 @@ import pytest
 import compare.cli.solve_command
 import compare.comparison.prediction
 from compare.cli.commands import main
+from compare.comparison.mesh_choice import two_digits
 from semianalytic import solve
 from semianalytic.scene.errors import ComputationError, MissingLibraryError
 
@@ -21,6 +23,7 @@ COARSE = ("--resolution", "40", "--frames", "2")
 COMPARISON_FIGURES = {
     f"{name}.png" for name in ("slip_rate", "tractions", "fronts", "sense", "history", "wear")
 }
+COMPARED_FIELDS = {"fields.png", "fields.csv"}
 
 
 @pytest.fixture(autouse=True)
@@ -67,6 +70,23 @@ def test_solve_prints_zones_and_edge(capsys):
     assert "sub-Rayleigh" in out
     assert "c_t–c_l" in out
     assert "converged" in out
+
+
+def test_viscosity_is_an_option_like_others(capsys):
+    assert main(["solve", "viscous", "--json"]) == 0
+    named = json.loads(capsys.readouterr().out)
+    assert main(["solve", "preloaded", "--friction", "0.2", "--viscosity", "0.1", "--json"]) == 0
+    given = json.loads(capsys.readouterr().out)
+    assert given["scene"]["friction_law"] == {"kind": "viscous", "viscosity": 0.1}
+    assert given["scene"] == named["scene"]
+    assert given["zones"] == named["zones"]
+
+
+def test_an_open_contact_edge_has_no_intensity_and_no_minus(capsys):
+    assert main(["solve", "lift-off-shear", "--load-shear", "-1"]) == 0
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if "K_I" in line]
+    assert "0, 0" in line
+    assert "-0" not in line
 
 
 def test_solve_of_a_stuck_scene_says_so(capsys):
@@ -117,6 +137,7 @@ def test_a_scene_file_is_as_good_as_a_name(tmp_path, capsys):
         (["solve", "preloadd"], "did you mean preloaded"),
         (["solve", "absent.toml"], "Cannot read the scene file"),
         (["solve", "preloaded", "--poisson-ratio", "0.7"], "--poisson-ratio must lie"),
+        (["solve", "preloaded", "--viscosity", "-1"], "--viscosity must be a finite number, 0 or"),
         (["solve", "preloaded", "--plot", "a.docx"], "end the name in"),
         (["simulate", "preloaded", "--resolution", "-3"], "resolution"),
         (["compare", "--from", "absent", "--resolution", "40"], "--resolution has no effect"),
@@ -289,7 +310,7 @@ def test_compare_with_an_earlier_simulation(simulated, tmp_path, capsys):
     document = json.loads((folder / "report.json").read_text())
     assert code == (1 if document["verdict"] == "differs" else 0)
     names = {path.name for path in folder.iterdir()}
-    assert names == COMPARISON_FIGURES | {"report.json"}
+    assert names == COMPARISON_FIGURES | COMPARED_FIELDS | {"report.json"}
     out = capsys.readouterr().out
     for row in document["rows"]:
         assert row["name"] in out
@@ -309,6 +330,30 @@ def test_compare_reads_the_snapshots_too(simulated, tmp_path, capsys):
     assert frame["verdict"] == history["verdict"] == "agrees"
     main([*command, "--no-snapshots"])
     assert "slip rate of snapshot" not in (tmp_path / "report.json").read_text()
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_compare_shows_how_far_whole_fields_are_off_and_does_not_judge_them(
+    simulated, tmp_path, capsys
+):
+    command = ["compare", "--from", str(simulated), "--output", str(tmp_path)]
+    main(command)
+    document, out = json.loads((tmp_path / "report.json").read_text()), capsys.readouterr().out
+    frames = document["fields"]["frames"]
+    assert len(frames) == 7 * len(list((simulated / "snapshots").glob("*.vtu")))
+    assert document["units"]["fields"]["frames"]["time"] == "time"
+    for error in frames[-7:]:
+        (line,) = (line for line in out.splitlines() if line.strip().startswith(error["component"]))
+        assert f"{two_digits(100 * error['whole'])} %" in line
+        assert 0 < error["outside"] < error["whole"] < 0.2
+    assert "Fields are not judged" in out
+    with (tmp_path / "fields.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["whole"]) for row in rows] == [error["whole"] for error in frames]
+    main([*command, "--no-snapshots"])
+    assert json.loads((tmp_path / "report.json").read_text())["fields"] is None
+    assert not COMPARED_FIELDS & {path.name for path in tmp_path.iterdir()}
+    assert "Fields" not in capsys.readouterr().out
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -335,7 +380,8 @@ def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys
     code = main(["compare", "--resolution", "30", "--frames", "2", "--friction", "1"])
     folder = tmp_path / "results" / "preloaded-friction-1"
     names = {path.name for path in folder.iterdir()}
-    assert names == COMPARISON_FIGURES | {"report.json", "simulation.h5", "snapshots"}
+    kept = {"report.json", "simulation.h5", "snapshots"}
+    assert names == COMPARISON_FIGURES | COMPARED_FIELDS | kept
     captured = capsys.readouterr()
     assert "results/preloaded-friction-1/" in captured.out
     assert "mesh size" in captured.err

@@ -8,6 +8,7 @@ from compare_cases import SELF_SIMILAR, sampled_run
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
+from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
 from compare.comparison.scales import scene_fronts
@@ -19,7 +20,9 @@ from compare.figures.interface import (
     tractions_figure,
 )
 from compare.figures.saving import save_figure
+from compare.figures.snapshots import snapshot_figure
 from compare.figures.style import scene_words
+from fem import simulate
 from semianalytic import RateWeakening, solve
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.named import NAMED_SCENES
@@ -214,3 +217,24 @@ def test_a_prediction_that_is_no_solution_has_the_figures_that_need_none():
         "tractions.png",
         "fronts.png",
     }
+
+
+def test_snapshot_figure_shows_both_bodies_exact_simulated_and_the_difference(tmp_path):
+    scene = NAMED_SCENES["lift-off-shear"].scene  # the two bodies move differently
+    solution, run = solve(scene), simulate(scene, resolution=20, snapshots=tmp_path, frames=1)
+    errors = field_errors(solution, run, tmp_path)
+    figure = snapshot_figure(errors, run)
+    exact, seen, difference = (panel.images[0] for panel in figure.axes[:3])
+    assert exact.get_clim() == seen.get_clim()
+    np.testing.assert_allclose(
+        difference.get_array(), seen.get_array() - exact.get_array(), atol=1e-12
+    )
+    left, right, bottom, top = exact.get_extent()
+    assert -left == right == -bottom == top > 2  # beyond c_l T
+    speeds = exact.get_array()
+    middle = (np.arange(len(speeds)) + 0.5) / len(speeds) * (top - bottom) + bottom
+    for row, column in ((125, 125), (375, 125), (260, 330), (240, 330)):
+        x, y = middle[column], middle[row]
+        speed = np.linalg.norm(solution.velocity(x, y, 1.0)) / 2  # V_0 = 2
+        assert speeds[row, column] == pytest.approx(speed, abs=0.05)
+    assert figure.get_suptitle() == scene_words(scene)

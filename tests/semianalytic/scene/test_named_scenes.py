@@ -4,7 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from semianalytic import Material, Scene, Tractions
+from semianalytic import (
+    CoulombFriction,
+    Material,
+    RateWeakening,
+    Scene,
+    Tractions,
+    ViscousFriction,
+)
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import (
     DEFAULT_SCENE,
@@ -152,6 +159,18 @@ def test_every_parameter_can_be_overridden():
     out = override_scene(scene, mode="antiplane", **values)
     assert out == replace(expected, mode="antiplane")
     assert override_scene(scene) == scene
+
+
+def test_a_viscosity_overrides_that_of_constant_or_viscous_friction():
+    preloaded, viscous = find_scene("preloaded"), find_scene("viscous")
+    assert override_scene(preloaded, viscosity=0.2).friction_law == ViscousFriction(0.2)
+    assert override_scene(viscous, viscosity=0.2).friction_law == ViscousFriction(0.2)
+    assert override_scene(viscous, viscosity=0.0).friction_law == CoulombFriction()
+    assert override_scene(viscous, friction=0.1).friction_law == viscous.friction_law
+    with pytest.raises(SceneError, match="0 or more, got -1"):
+        override_scene(preloaded, viscosity=-1.0)
+    with pytest.raises(SceneError, match="this scene's weakens; leave viscosity out"):
+        override_scene(replace(preloaded, friction_law=RateWeakening(0.1, 5.0)), viscosity=0.2)
 
 
 def test_an_override_out_of_range_is_refused():

@@ -129,6 +129,36 @@ def test_motion_while_open_counts_as_slip_and_takes_no_work(scene):
     assert solution.max_slip(1.0) >= np.abs(slip).max() * (1 - 1e-9)
 
 
+def test_a_base_at_friction_that_hardly_slips_the_wrong_way_at_the_front_is_seen_at_once():
+    """The loose rule lets the first zone begin at the longitudinal front, 1e-4 too early."""
+    friction, base = 0.0144115, 1.0
+    scene = Scene(
+        Material(1.0, 1.0, 0.1358),
+        friction,
+        Tractions(base, friction * base),
+        Tractions(-53624.4, -8136.1),
+    )
+    solution = solve(scene, rtol=1e-5)
+    assert solution.status == "converged"
+    assert solution.zones[-1].outer < scene.material.longitudinal_speed - 1e-4
+    assert solution.statistics.zone_sets <= 3
+
+
+def test_slip_at_the_front_is_mended_at_a_strict_tolerance_too():
+    """The strip is 2e-5 wide, and beside the front slip rate is below rounding of the rule."""
+    friction, base = 0.0021214, 0.0270694
+    scene = Scene(
+        Material(1.0, 1.0, -0.212977),
+        friction,
+        Tractions(base, friction * base),
+        Tractions(-1.0, 0.114371),
+    )
+    solution = solve(scene, rtol=1e-11)
+    assert solution.status == "converged"
+    assert [zone.sense for zone in solution.zones] == [1, -1, 1]
+    assert solution.statistics.zone_sets <= 3
+
+
 CLEAR = 0.03
 FIELDS = ("slip", "path", "work_density", "gap")
 TOTALS = ("frictional_power", "frictional_work", "accumulated_slip", "max_slip")
@@ -156,6 +186,8 @@ def errors(solution, exact):
     found, known = (one.pressure(x, 1.0)[far] for one in (solution, exact))
     size = scene.base.pressure + abs(scene.load.pressure)
     result["pressure"] = (np.abs(found - known) / (size + known)).max()
+    parts = (*exact.zones, *exact.openings)  # they may lie between two positions
+    x = np.concatenate([x, *(np.linspace(part.inner, part.outer, 42)[1:-1] for part in parts)])
     for name in FIELDS:
         found, known = (getattr(one, name)(x, 1.0) for one in (solution, exact))
         result[name] = np.abs(found - known).max() / max(np.abs(known).max(), 1e-300)
@@ -188,6 +220,21 @@ def check_estimates(seeds):
 
 def test_estimates_bound_errors():
     check_estimates(range(12))
+
+
+@pytest.mark.parametrize("seed", [1058, 1074, 1121, 1258])
+def test_estimates_bound_work_on_narrow_slip_ahead_of_an_opening(seed):
+    """Pressure is small there, and friction works nowhere else."""
+    check_estimates([seed])
+
+
+def test_estimates_bound_work_between_nodes():
+    check_estimates([1176])
+
+
+@pytest.mark.slow
+def test_estimates_bound_errors_in_three_hundred_scenes():
+    check_estimates(range(1000, 1300))
 
 
 @pytest.mark.parametrize("nu", [-0.5, 0.2, 0.45])

@@ -6,8 +6,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from catalogue import unit_scene
+from laws import check_march_converges
 
-from semianalytic import CoulombFriction, SceneError, ViscousFriction, march, solve, sweep
+from semianalytic import CoulombFriction, ViscousFriction, solve, sweep
 from semianalytic.reference.closed_forms import slip_rate_without_friction
 from semianalytic.regimes import (
     closing_limit,
@@ -62,15 +63,7 @@ def test_traction_follows_slip_rate_and_power_is_its_product(scene):
 
 
 def test_march_converges_to_the_exact_answer():
-    exact, errors = solve(VISCOUS), []
-    for nodes in (100, 200, 400, 800):
-        marched = march(VISCOUS, nodes=nodes, every=10**6)
-        x = marched.interface.x
-        slip = exact.slip(x[x > 0], 1.0)
-        errors.append(np.abs(marched.interface.slip[-1][x > 0] - slip).sum() / slip.sum())
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert errors[-1] < 2e-4
-    assert orders.min() > 1.0
+    check_march_converges(solve(VISCOUS), (100, 200, 400, 800))
 
 
 def test_no_viscosity_is_constant_friction_and_little_is_near_it():
@@ -135,9 +128,3 @@ def test_work_of_opposite_loads_is_the_same():
     turned = replace(LOADED, base=Tractions(1.0, -0.1), load=Tractions(0.8, -1.0))
     one, other = solve(LOADED), solve(turned)
     assert float(one.frictional_work(1.0)) == float(other.frictional_work(1.0)) > 0
-
-
-def test_a_film_that_opens_is_left_to_the_finite_elements():
-    scene = unit_scene(0.3, (1.0, 0.0), (-1.0, 1.0), friction_law=ViscousFriction(0.2))
-    with pytest.raises(SceneError, match="where the contact opens"):
-        solve(scene)

@@ -433,3 +433,18 @@ def test_tension_is_refused():
     scene = Scene(UNIT, 0.3, Tractions(0.02, 0.0), Tractions(1.0, 0.0), Pulse(0.5))
     with pytest.raises(TensionError, match=r"turn tensile at x.*docs/limits"):
         march(scene, nodes=100)
+
+
+@pytest.mark.parametrize(
+    ("options", "solved"),
+    [
+        ({}, True),
+        ({"pressure_history": Pulse(0.5)}, False),
+        ({"friction_law": RateWeakening(0.1, 5.0)}, False),
+    ],
+)
+def test_tension_sends_nobody_to_a_solver_that_refuses(options, solved):
+    scene = Scene(UNIT, 0.3, Tractions(0.02, 0.0), Tractions(1.0, 0.0), **options)
+    with pytest.raises(TensionError) as refusal:
+        march(scene, nodes=100)
+    assert ("use `solve`" in str(refusal.value)) == solved

@@ -1,0 +1,115 @@
+"""Frames of field snapshots: velocity and displacement at nodes, stresses in elements, areas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.snapshots import frame_mesh
+from semianalytic.scene.errors import DataFileError
+
+Array = NDArray[np.float64]
+
+IN_PLANE = ("sigma_xx", "sigma_yy", "sigma_xy")
+OUT_OF_PLANE = ("sigma_xz", "sigma_yz")
+AXES = "xyz"
+CORNERS = {"triangle": 3, "quad": 4, "quad9": 4}
+"""How many of the nodes of an element are its corners, which come first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Places in both bodies at which a frame holds fields.
+
+    Attributes
+    ----------
+    x, y : (m,) arrays
+        [length]; on the faces y is 0.0 above and -0.0 below.
+    area : (m,) array
+        That each stands for [length^2].
+    fields : dict of (m,) arrays
+        By the name of the component, in the units of the scene.
+    """
+
+    x: Array
+    y: Array
+    area: Array
+    fields: dict[str, Array]
+
+    def at(self, chosen: NDArray[np.bool_]) -> Places:
+        """Some of them."""
+        some = {name: values[chosen] for name, values in self.fields.items()}
+        return Places(self.x[chosen], self.y[chosen], self.area[chosen], some)
+
+    def thinned(self, most: int) -> Places:
+        """At most so many of them, drawn at random, which stand for all."""
+        count = len(self.x)
+        if count <= most:
+            return self
+        kept = np.zeros(count, dtype=bool)
+        kept[np.random.default_rng(0).choice(count, most, replace=False)] = True
+        thin = self.at(kept)
+        return replace(thin, area=thin.area * count / most)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One frame of both bodies.
+
+    Attributes
+    ----------
+    time : float
+        [time].
+    nodes : Places
+        v_x, v_y, u_x, u_y; in antiplane shear v_z, u_z too.
+    elements : Places
+        The stresses, at the centre of each.
+    """
+
+    time: float
+    nodes: Places
+    elements: Places
+
+
+def read_frame(time: float, path: Path) -> Frame:
+    """The frame in a file, of a time [time].
+
+    Raises
+    ------
+    DataFileError
+        If it is missing or damaged.
+    """
+    with frame_mesh(path) as mesh:
+        (block,) = mesh.cells
+        points, cells = mesh.points[:, :2], block.data
+        antiplane = "sigma_yz" in mesh.cell_data
+        axes = AXES if antiplane else AXES[:2]
+        moved = {
+            f"{symbol}_{axis}": mesh.point_data[name][:, number]
+            for symbol, name in (("v", "velocity"), ("u", "displacement"))
+            for number, axis in enumerate(axes)
+        }
+        names = IN_PLANE + (OUT_OF_PLANE if antiplane else ())
+        stress = {name: mesh.cell_data[name][0] for name in names}
+        corners = points[cells[:, : CORNERS[block.type]]]
+    if not all(np.isfinite(values).all() for values in (moved | stress).values()):
+        raise DataFileError(f"{path} holds values that are not finite; simulate again.")
+    centre, area = corners.mean(axis=1), _areas(corners)
+    above = np.zeros(len(points), dtype=bool)
+    above[cells[centre[:, 1] > 0]] = True
+    share = np.broadcast_to(area[:, None] / cells.shape[1], cells.shape)
+    held = np.bincount(cells.ravel(), share.ravel(), len(points)).astype(float)
+    y = np.copysign(points[:, 1], np.where(above, 1.0, -1.0))
+    return Frame(
+        time, Places(points[:, 0], y, held, moved), Places(centre[:, 0], centre[:, 1], area, stress)
+    )
+
+
+def _areas(corners: Array) -> Array:
+    """Of polygons with corners (m, n, 2)."""
+    x, y = np.moveaxis(corners, 2, 0)
+    following = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
+    return np.asarray(np.abs((x * following[1] - y * following[0]).sum(axis=1)) / 2)

@@ -1,0 +1,102 @@
+"""Where the fields of a scene jump or are singular: the fronts in both bodies, as lines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StraightFront:
+    """A straight front t = source |x| + (wave^2 - source^2)^1/2 |y|, at one side of the edge.
+
+    It begins where it touches the circle of the wave.
+
+    Attributes
+    ----------
+    wave : float
+        Slowness of the wave [time / length].
+    source : float
+        Slowness at which what sends it runs along the surface: 0 for plane waves, that of the P
+        wave for head waves, that of a zone edge for its Mach fronts.
+    side : 1 or -1
+        Of x.
+    """
+
+    wave: float
+    source: float
+    side: int
+
+    def distance(self, x: Array, y: Array, t: float) -> Array:
+        """How far points are from it at time t [length]; infinite beyond its end."""
+        along, across = self.side * x, np.abs(y)
+        rise = math.sqrt(self.wave**2 - self.source**2)
+        back = (rise * along - self.source * across) / self.wave
+        gap = np.abs(self.source * along + rise * across - t) / self.wave
+        return np.asarray(np.hypot(gap, np.maximum(0.0, -back)))
+
+
+@dataclass(frozen=True)
+class Fronts:
+    """All fronts of a scene, and the contact edge.
+
+    Attributes
+    ----------
+    starts : tuple of float
+        Times at which a load jumps and sends out all of them [time].
+    circles : tuple of float
+        Slownesses of the waves that spread from the edge [time / length].
+    lines : tuple of StraightFront
+    points : tuple of float
+        Velocities of the points of the surface at which fields jump or are infinite, Rayleigh
+        points and zone edges [length / time].
+    """
+
+    starts: tuple[float, ...]
+    circles: tuple[float, ...]
+    lines: tuple[StraightFront, ...]
+    points: tuple[float, ...]
+
+    def distance(self, x: Array, y: Array, t: float) -> Array:
+        """How far points are from the nearest of them, or from the edge, at a time [length]."""
+        r = np.hypot(x, y)
+        distances = [r]
+        for since in (t - start for start in self.starts if start < t):
+            distances += [np.abs(r - since / wave) for wave in self.circles]
+            distances += [line.distance(x, y, since) for line in self.lines]
+            distances += [np.hypot(x - speed * since, y) for speed in self.points]
+        return np.asarray(np.minimum.reduce(distances))
+
+
+def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
+    """The fronts that jumps of the loads of a scene send out.
+
+    Parameters
+    ----------
+    scene : Scene
+    edges : sequence of float
+        Velocities of the ends of its slip zones and openings [length / time].
+    """
+    material, load = scene.material, scene.load
+    histories = ((scene.pressure_history, load.pressure), (scene.shear_history, load.shear))
+    starts = {time for one, step in histories if step for time, _ in one.pieces.jumps}
+    shear, pressure = 1 / material.shear_speed, 1 / material.longitudinal_speed
+    moving = [edge for edge in edges if 0 < edge < math.inf]
+    in_plane = not scene.antiplane or load.pressure != 0
+    waves = (pressure, shear) if in_plane else (shear,)
+    lines = [StraightFront(shear, 0.0, -1)] if load.shear else []
+    lines += [StraightFront(pressure, 0.0, -1)] if load.pressure else []
+    lines += [StraightFront(shear, 0.0, 1)] if scene.far_slip_rate else []
+    lines += [StraightFront(shear, pressure, side) for side in (1, -1) if in_plane]
+    lines += [StraightFront(s, 1 / edge, 1) for edge in moving for s in waves if s * edge > 1]
+    rayleigh = material.rayleigh_speed
+    points = (*moving, *((rayleigh, -rayleigh) if in_plane else ()))
+    return Fronts(tuple(sorted(starts)), waves, tuple(lines), points)

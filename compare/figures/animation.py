@@ -1,0 +1,70 @@
+"""Pictures of fields at many times, as GIF or MP4."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from subprocess import CalledProcessError
+
+from matplotlib.animation import FFMpegWriter, PillowWriter
+
+from compare.figures.fields import FieldPicture
+from semianalytic.results.files import new_file
+from semianalytic.scene.errors import ComputationError, MissingLibraryError
+
+PER_SECOND = 15
+"""Frames of an animation."""
+WRITERS: Mapping[str, type[PillowWriter | FFMpegWriter]] = {
+    "gif": PillowWriter,
+    "mp4": FFMpegWriter,
+}
+
+
+def check_format(form: str) -> None:
+    """Raise MissingLibraryError unless animations of a format of `WRITERS` can be written."""
+    if not WRITERS[form].isAvailable():
+        raise MissingLibraryError(
+            f"An animation as {form} needs the program ffmpeg, which is not installed; install it "
+            "(apt install ffmpeg), or take the format gif."
+        )
+
+
+def write_animation(
+    path: Path,
+    picture: FieldPicture,
+    times: Sequence[float],
+    progress: Callable[[int, int], object] | None = None,
+) -> None:
+    """Write a picture at several times as a film in the format its name asks for, whole or not.
+
+    Parameters
+    ----------
+    path : Path
+        That ends in a key of `WRITERS`.
+    picture : FieldPicture
+    times : sequence of float
+        [time].
+    progress : callable, optional
+        Called with (frame, frames) after each.
+
+    Raises
+    ------
+    DataFileError
+        If the file cannot be written.
+    ComputationError
+        If ffmpeg fails.
+    """
+    with new_file(path, suffix=path.suffix) as part:
+        writer = WRITERS[path.suffix[1:]](fps=PER_SECOND)
+        try:
+            writer.setup(picture.figure, part, dpi=100)
+            for number, time in enumerate(times, start=1):
+                picture.show(time)
+                writer.grab_frame()
+                if progress is not None:
+                    progress(number, len(times))
+            writer.finish()
+        except (CalledProcessError, BrokenPipeError) as error:
+            raise ComputationError(
+                f"ffmpeg could not write {path}; look whether it works, or take the format gif."
+            ) from error

@@ -1,0 +1,212 @@
+"""Pictures of whole fields, with their fronts named and what moves on the interface."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+
+from compare.comparison.scales import scene_fronts
+from compare.figures.fronts import Front, Window, fronts, moving_parts, reach
+from compare.figures.quantities import Array, Quantity
+from compare.figures.style import (
+    BLACK,
+    ORANGE,
+    SENSE_COLOURS,
+    SMALL,
+    line_handle,
+    marker_handle,
+    new_figure,
+    scene_words,
+)
+from semianalytic.results.answer import WholeFields
+from semianalytic.scene.units import unit
+
+SHOWN = 0.995
+"""Share of the points whose values are within the range of colours."""
+WIDE = 4.0
+"""Height of a picture [inch] below which its colour bar lies under it."""
+COLOURS = {"size": "viridis", "sign": "RdBu_r", "light": "gray"}
+INK = {"size": "white", "sign": "0.25", "light": ORANGE}
+"""Colour of the fronts over each kind of quantity."""
+
+
+def field_figure(
+    fields: WholeFields,
+    quantity: Quantity,
+    time: float,
+    window: Window | None = None,
+    points: int = 400,
+) -> Figure:
+    """A quantity over both bodies at a time [time], with its fronts and zones.
+
+    Parameters
+    ----------
+    fields : WholeFields
+    quantity : Quantity
+        From `find_quantity`.
+    time : float
+        [time].
+    window : (x0, x1, y0, y1), optional
+        [length]; what waves can have come to unless given.
+    points : int
+        Along the longer side of the window, in whose shorter one they are as far apart.
+    """
+    return FieldPicture(fields, quantity, window or reach(fields, time), points, time).figure
+
+
+class FieldPicture:
+    """A picture of a field that can be moved to another time, with the same colours.
+
+    Parameters
+    ----------
+    fields, quantity, window, points
+        As for `field_figure`.
+    time : float
+        The one shown first, from whose values the range of colours comes [time].
+    """
+
+    def __init__(
+        self, fields: WholeFields, quantity: Quantity, window: Window, points: int, time: float
+    ) -> None:
+        self.fields, self.quantity, self.window = fields, quantity, window
+        self._x, self._y = _middles(window, points)
+        tall = 6.2 * (window[3] - window[2]) / (window[1] - window[0])
+        self.figure = new_figure(
+            8.0, float(np.clip(tall, 1.5, 9.0)) + (1.0 if tall > WIDE else 1.8)
+        )
+        self.figure.set_layout_engine("compressed")
+        self.panel: Axes = self.figure.subplots()
+        values = self._values(time)
+        self._norm = Normalize(*_range(values, quantity, self._rest()))
+        image = self._draw(values, time)
+        self.figure.colorbar(
+            image,
+            ax=self.panel,
+            label=quantity.labelled(fields.scene),
+            location="right" if tall > WIDE else "bottom",
+            shrink=0.9,
+            aspect=20 if tall > WIDE else 40,
+        )
+        for _ in range(2):  # the second time it knows its labels
+            self.figure.draw_without_rendering()
+        self.figure.set_layout_engine("none")  # so that it stays where it is, whatever the time
+
+    def show(self, time: float) -> None:
+        """Draw another time [time]."""
+        self.panel.clear()
+        self.figure.legends.clear()
+        self._draw(self._values(time), time)
+
+    def _values(self, time: float) -> Array:
+        x, y = np.meshgrid(self._x, self._y)
+        return self.quantity.at(self.fields, x.ravel(), y.ravel(), time).reshape(x.shape)
+
+    def _rest(self) -> float:
+        """The quantity before anything has happened."""
+        return float(self.quantity.at(self.fields, np.ones(1), np.ones(1), 0.0)[0])
+
+    def _draw(self, values: Array, time: float) -> AxesImage:
+        panel, scene, ink = self.panel, self.fields.scene, INK[self.quantity.kind]
+        image = panel.imshow(
+            np.clip(values, self._norm.vmin, self._norm.vmax),  # also what is infinite
+            extent=self.window,
+            origin="lower",
+            norm=self._norm,
+            cmap=COLOURS[self.quantity.kind],
+            interpolation="nearest",
+        )
+        for front in fronts(self.fields, time):
+            _draw_front(panel, front, self.window, ink)
+        handles = _draw_interface(panel, self.fields, time)
+        self.figure.legend(
+            handles=handles, loc="outside lower center", ncols=len(handles), fontsize=SMALL
+        )
+        length = unit("length", scene.units)
+        panel.set(xlabel=f"x [{length}]", ylabel=f"y [{length}]")
+        panel.set(xlim=self.window[:2], ylim=self.window[2:])
+        moment = f"t = {time:.4g} {unit('time', scene.units) if scene.units else ''}"
+        words = f"{scene_words(scene)},  {moment}"
+        self.figure.suptitle(words, fontsize=9, color="0.25", wrap=True)
+        return image
+
+
+def _middles(window: Window, points: int) -> tuple[Array, Array]:
+    """Middles of square cells that fill a window: x (n,) and y (m,)."""
+    x0, x1, y0, y1 = window
+    size = max(x1 - x0, y1 - y0) / points
+
+    def along(low: float, high: float) -> Array:
+        count = max(1, round((high - low) / size))
+        return np.asarray(low + (np.arange(count) + 0.5) * (high - low) / count)
+
+    return along(x0, x1), along(y0, y1)
+
+
+def _range(values: Array, quantity: Quantity, rest: float) -> tuple[float, float]:
+    """What is shown in colours; the few values beyond have that of the ends."""
+    if quantity.kind == "light":
+        return 0.0, 1.0
+    finite = values[np.isfinite(values)]
+    if quantity.kind == "size":
+        return 0.0, float(np.quantile(finite, SHOWN)) or 1.0
+    away = float(np.quantile(np.abs(finite - rest), SHOWN)) or 1.0
+    return rest - away, rest + away
+
+
+def _draw_front(panel: Axes, front: Front, window: Window, ink: str) -> None:
+    """A front and its mirror image; its name where the upper one can be seen."""
+    for side in (1, -1):
+        panel.plot(front.x, side * front.y, color=ink, linestyle="--", linewidth=0.8)
+    x0, x1, y0, y1 = window
+    at = min(int(front.share * len(front.x)), len(front.x) - 1)
+    x, y = front.x[at], front.y[at]
+    if x0 < x < x1 and y0 <= y <= y1:
+        beside = front.share == 0
+        panel.annotate(
+            front.name,
+            (x, y),
+            (4, 5) if beside else (0, 0),
+            textcoords="offset points",
+            color=ink,
+            fontsize=SMALL,
+            ha="left" if beside else "center",
+            va="bottom" if beside else "center",
+            path_effects=[withStroke(linewidth=2.5, foreground=_ground(ink))],
+        )
+
+
+def _ground(ink: str) -> str:
+    """What makes an ink readable on any colour."""
+    return "white" if ink == "0.25" else "0.2"
+
+
+def _draw_interface(panel: Axes, fields: WholeFields, time: float) -> list[Line2D]:
+    """The slot, what slips and what is open on y = 0, and Rayleigh fronts; entries of a legend."""
+    scene, speeds = fields.scene, scene_fronts(fields.scene)
+    far = 1e3 * scene.fastest_speed * time
+    panel.plot([-far, 0], [0, 0], color=BLACK, linewidth=2.5, solid_capstyle="butt")
+    handles: dict[str, Line2D] = {"slot": line_handle("slot", BLACK)}
+    parts = moving_parts(fields, time)
+    for part in parts:
+        colour = SENSE_COLOURS[part.kind]
+        panel.plot(
+            [part.start, min(part.end, far)],
+            [0, 0],
+            color=colour,
+            linewidth=3.5,
+            solid_capstyle="butt",
+            path_effects=[withStroke(linewidth=5, foreground="white")],
+        )
+        handles[part.kind] = line_handle(part.kind, colour)
+    if "Rayleigh" in speeds:
+        place = speeds["Rayleigh"] * time
+        places = [-place, *([place] if any(part.covers(place) for part in parts) else [])]
+        at = np.zeros(len(places))
+        panel.plot(places, at, "D", color=ORANGE, markersize=5, markeredgecolor=BLACK, zorder=3)
+        handles["Rayleigh"] = marker_handle("Rayleigh front", ORANGE, "D", 5)
+    return [*handles.values(), line_handle("wave fronts", "0.4", "--")]

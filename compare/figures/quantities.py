@@ -1,0 +1,128 @@
+"""What can be seen of a field: speed, pressure, shear, fringes, single components."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.scales import stress_scale
+from compare.output.field_files import in_parts
+from semianalytic import Scene, SceneError, fringes
+from semianalytic.field.derived import principal_difference
+from semianalytic.results.answer import WholeFields
+from semianalytic.scene.checks import shown
+from semianalytic.scene.units import unit
+
+Array = NDArray[np.float64]
+
+FRINGES = 4
+"""Fringes per reference stress τ₀ where no fringe constant is given."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number at every point of the bodies.
+
+    Attributes
+    ----------
+    label : str
+        For a colour bar, without its unit.
+    field : str
+        Method of `WholeFields` that it comes from.
+    of : callable
+        The number, from the rows of that field.
+    kind : str
+        Whether it is a "size" >= 0, has a "sign", or is a "light" intensity from 0 to 1.
+    """
+
+    label: str
+    field: Literal["velocity", "stress", "displacement"]
+    of: Callable[[Array], Array]
+    kind: Literal["size", "sign", "light"] = "sign"
+
+    def at(self, fields: WholeFields, x: Array, y: Array, t: float) -> Array:
+        """The number at points (n,) and a time."""
+        return self.of(in_parts(getattr(fields, self.field), x, y, t))
+
+    def labelled(self, scene: Scene) -> str:
+        """Label with the unit it has in a scene."""
+        if self.kind == "light":
+            return self.label
+        dimension = {"velocity": "length / time", "displacement": "length"}.get(self.field)
+        return f"{self.label} [{unit(dimension or self.field, scene.units)}]"
+
+
+def _component(
+    label: str, field: Literal["velocity", "stress", "displacement"], row: int
+) -> Quantity:
+    return Quantity(label, field, lambda rows: np.asarray(rows[row]))
+
+
+QUANTITIES: Mapping[str, Quantity] = {
+    "speed": Quantity(
+        "particle speed $|v|$", "velocity", lambda v: np.sqrt(np.square(v).sum(axis=0)), "size"
+    ),
+    "pressure": Quantity(
+        r"mean pressure in the plane $-(\sigma_{xx}+\sigma_{yy})/2$",
+        "stress",
+        lambda stress: -(stress[0] + stress[1]) / 2,
+    ),
+    "max-shear": Quantity(
+        r"largest shear stress in the plane $(\sigma_1-\sigma_2)/2$",
+        "stress",
+        lambda stress: principal_difference(stress) / 2,
+        "size",
+    ),
+    "fringes": Quantity("light intensity", "stress", lambda _: np.zeros(0), "light"),
+    "vx": _component("$v_x$", "velocity", 0),
+    "vy": _component("$v_y$", "velocity", 1),
+    "ux": _component("$u_x$", "displacement", 0),
+    "uy": _component("$u_y$", "displacement", 1),
+    "sxx": _component(r"$\sigma_{xx}$ (change)", "stress", 0),
+    "syy": _component(r"$\sigma_{yy}$", "stress", 1),
+    "sxy": _component(r"$\sigma_{xy}$", "stress", 2),
+}
+ALONG_Z: Mapping[str, Quantity] = {
+    "vz": _component("$v_z$", "velocity", 2),
+    "uz": _component("$u_z$", "displacement", 2),
+    "sxz": _component(r"$\sigma_{xz}$", "stress", 3),
+    "syz": _component(r"$\sigma_{yz}$", "stress", 4),
+}
+"""Of antiplane shear alone."""
+
+
+def find_quantity(name: str, scene: Scene, fringe_stress: float | None = None) -> Quantity:
+    """A quantity by its name.
+
+    Parameters
+    ----------
+    name : str
+        A key of `QUANTITIES`, or in antiplane shear of `ALONG_Z`; there "max-shear" is that on
+        planes along z.
+    scene : Scene
+    fringe_stress : float, optional
+        Difference of principal stresses from one fringe to the next, fringe constant over thickness
+        [stress]; such that the reference stress makes `FRINGES` of them unless given.
+
+    Raises
+    ------
+    SceneError
+        If there is none of that name in such a scene.
+    """
+    known = {**QUANTITIES, **(ALONG_Z if scene.antiplane else {})}
+    if name not in known:
+        alone = ", which only antiplane scenes have" if name in ALONG_Z else ""
+        raise SceneError(f"of must be one of {', '.join(known)}, got {shown(name)}{alone}.")
+    quantity = known[name]
+    if name == "fringes":
+        step = fringe_stress or stress_scale(scene) / FRINGES
+        words = f"dark-field intensity, one fringe per {step:.3g} [{unit('stress', scene.units)}]"
+        return replace(quantity, label=words, of=lambda stress: fringes(stress, 1.0, step))
+    if name == "max-shear" and scene.antiplane:
+        words = r"shear stress along z, $(\sigma_{xz}^2+\sigma_{yz}^2)^{1/2}$"
+        return replace(quantity, label=words, of=lambda stress: np.hypot(stress[3], stress[4]))
+    return quantity

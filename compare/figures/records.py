@@ -1,0 +1,62 @@
+"""What instruments at one point of a body would see, over time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from compare.comparison.scales import scene_fronts
+from compare.figures.style import CYCLE, SMALL, SYMBOLS, describe, new_figure
+from compare.output.field_files import FieldRecord
+from semianalytic import Scene
+from semianalytic.scene.units import unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_AXES = ("xx", "yy", "xy", "xz", "yz")
+
+
+def record_figure(record: FieldRecord, scene: Scene) -> Figure:
+    """Velocity, displacement, stress and strain over time, with the arrivals of waves marked."""
+    figure = describe(new_figure(7.5, 8.5), scene)
+    panels = figure.subplots(4, 1, sharex=True)
+    for panel, symbol, rows, dimension, axes, words in (
+        (panels[0], "v", record.velocity, "length / time", "xyz", "velocity"),
+        (panels[1], "u", record.displacement, "length", "xyz", "displacement"),
+        (panels[2], r"\sigma", record.stress, "stress", _AXES, "stress"),
+        (panels[3], r"\varepsilon", record.strain, "1", _AXES, "strain"),
+    ):
+        for row, axis, colour in zip(rows, axes, CYCLE, strict=False):
+            shown = np.where(np.isfinite(row), row, np.nan)
+            panel.plot(record.t, shown, color=colour, label=f"${symbol}_{{{axis}}}$", linewidth=1.2)
+        panel.set_ylabel(f"{words} [{unit(dimension, scene.units)}]")
+        panel.legend(loc="upper left", fontsize=SMALL)
+        _mark_arrivals(panel, record, scene, labels=panel is panels[0])
+    length = unit("length", scene.units)
+    panels[0].set_title(f"x = {record.x:.4g}, y = {record.y:.4g} [{length}]", pad=16, fontsize=9)
+    panels[-1].set(xlabel=f"t [{unit('time', scene.units)}]", xlim=(0, record.t[-1]))
+    return figure
+
+
+def _mark_arrivals(panel: Axes, record: FieldRecord, scene: Scene, *, labels: bool) -> None:
+    """When P and S waves from the edge of the slot come, if they do."""
+    distance = float(np.hypot(record.x, record.y))
+    for name, speed in scene_fronts(scene).items():
+        time = distance / speed
+        if name == "Rayleigh" or not 0 < time < record.t[-1]:
+            continue
+        panel.axvline(time, color="0.35", linestyle="--", linewidth=0.8, zorder=1)
+        if labels:
+            panel.annotate(
+                f"{name}, {SYMBOLS[name]}",
+                (time, 1.0),
+                (0, 2),
+                xycoords=panel.get_xaxis_transform(),
+                textcoords="offset points",
+                ha="center",
+                va="bottom",
+                fontsize=SMALL,
+            )

@@ -1,0 +1,205 @@
+"""Whole fields as files: VTU frames on a grid, as the finite elements write them, and records."""
+
+from __future__ import annotations
+
+import csv
+import io
+import secrets
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.output.files import write_text
+from semianalytic.field.derived import strain
+from semianalytic.results.answer import WholeFields
+from semianalytic.scene.units import unit
+
+Array = NDArray[np.float64]
+
+AT_ONCE = 200_000
+"""Points whose fields are formed together: 0.4 kB each while that is done."""
+
+_AXES = ("xx", "yy", "xy", "xz", "yz")
+
+
+@dataclass(frozen=True, eq=False)
+class FieldRecord:
+    """What strain gauges and vibrometers at one point would see.
+
+    Attributes
+    ----------
+    x, y : float
+        [length]; y = 0.0 and -0.0 are the faces.
+    t : (n,) array
+        [time].
+    velocity, displacement : (2 or 3, n) arrays
+        [length / time], since t = 0 [length].
+    stress : (3 or 5, n) array
+        Tension positive, base included but for sigma_xx [stress].
+    strain : (3 or 5, n) array
+        Since t = 0.
+    """
+
+    x: float
+    y: float
+    t: Array
+    velocity: Array
+    displacement: Array
+    stress: Array
+    strain: Array
+
+    def columns(self, units: str) -> Iterator[tuple[str, Array]]:
+        """Headings with their units, and what stands under them."""
+        yield f"t [{unit('time', units)}]", self.t
+        for name, rows, dimension, axes in (
+            ("v", self.velocity, "length / time", "xyz"),
+            ("u", self.displacement, "length", "xyz"),
+            ("sigma", self.stress, "stress", _AXES),
+            ("eps", self.strain, "1", _AXES),
+        ):
+            for row, axis in zip(rows, axes, strict=False):
+                yield f"{name}_{axis} [{unit(dimension, units)}]", row
+
+
+def in_parts(field: Callable[[Array, Array, float], Array], x: Array, y: Array, t: float) -> Array:
+    """A field at many points (n,), some at a time, so that they fit into the memory."""
+    count = -(-len(x) // AT_ONCE)
+    parts = zip(np.array_split(x, count), np.array_split(y, count), strict=True)
+    return np.concatenate([field(*part, t) for part in parts], axis=-1)
+
+
+def record_fields(fields: WholeFields, x: float, y: float, t: Array) -> FieldRecord:
+    """All fields at a point (x, y) [length] over times t (n,) [time].
+
+    Strain is that of the change of stress since t = 0, by Hooke's law in plane strain; where stress
+    is infinite it may be undetermined, nan.
+    """
+    stress = fields.stress(x, y, t)
+    base = fields.stress(x, y, np.zeros(1))
+    return FieldRecord(
+        x,
+        y,
+        t,
+        fields.velocity(x, y, t),
+        fields.displacement(x, y, t),
+        stress,
+        strain(stress - base, fields.scene.material),
+    )
+
+
+def write_record(path: Path, record: FieldRecord, units: str, command: str) -> None:
+    """Write a record as CSV, whole or not at all; infinite values as inf.
+
+    Parameters
+    ----------
+    path : Path
+    record : FieldRecord
+    units : str
+        Of the scene.
+    command : str
+        What makes the file, for a comment in its first line.
+
+    Raises
+    ------
+    DataFileError
+        If the file cannot be written.
+    """
+    columns = dict(record.columns(units))
+    text = io.StringIO()
+    text.write(f"# {command}\n")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(np.stack(list(columns.values()), axis=1).tolist())
+    write_text(path, text.getvalue())
+
+
+def write_frames(
+    folder: Path,
+    fields: WholeFields,
+    times: Sequence[float],
+    window: tuple[float, float, float, float],
+    grid: tuple[int, int],
+    progress: Callable[[int, int], object] | None = None,
+) -> Path:
+    """Write fields on a grid for ParaView, one VTU file per time and a PVD index.
+
+    Data, their names and signs are those of `fem.snapshots.Snapshots`: velocity and displacement at
+    points, stresses in the middle of cells.  The bodies share no points: those of the interface
+    are there twice, for y = 0.0 and y = -0.0.  Frames of an earlier run go.
+
+    Parameters
+    ----------
+    folder : Path
+    fields : WholeFields
+    times : sequence of float
+        [time].
+    window : (x0, x1, y0, y1)
+        [length].
+    grid : (int, int)
+        Cells along x and y.
+    progress : callable, optional
+        Called with (frame, frames) after each.
+
+    Returns
+    -------
+    Path
+        Of the index.
+
+    Raises
+    ------
+    DataFileError
+        If a file cannot be written.
+    """
+    import meshio
+
+    from fem.snapshots import INDEX, forget_other_frames, new_frame, write_index
+
+    x, y, cells = grid_of(window, grid)
+    middle_x, middle_y = x[cells].mean(axis=1), y[cells].mean(axis=1)
+    points = np.stack([x, y, np.zeros_like(x)], axis=1)
+    run, frames = secrets.token_hex(8), []
+    forget_other_frames(folder, run)
+    for number, time in enumerate(times, start=1):
+        vectors = {name: np.zeros_like(points) for name in ("displacement", "velocity")}
+        for name, vector in vectors.items():
+            rows = in_parts(getattr(fields, name), x, y, time)
+            vector[:, : len(rows)] = rows.T
+        stress = in_parts(fields.stress, middle_x, middle_y, time)
+        tensor = {f"sigma_{axes}": [row] for axes, row in zip(_AXES, stress, strict=False)}
+        name = f"fields-{number:04d}.vtu"
+        mesh = meshio.Mesh(points, [("quad", cells)], point_data=vectors, cell_data=tensor)
+        with new_frame(folder / name, mesh, run):
+            frames.append((float(time), name))
+        write_index(folder, frames, run)
+        if progress is not None:
+            progress(number, len(times))
+    return folder / INDEX
+
+
+def grid_of(
+    window: tuple[float, float, float, float], grid: tuple[int, int]
+) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Points (n,) of all bodies within a window, and the points (m, 4) of their square cells."""
+    x0, x1, y0, y1 = window
+    along = np.linspace(x0, x1, grid[0] + 1)
+    xs, ys, cells, before = [], [], [], 0
+    for across in _heights(y0, y1, grid[1]):
+        x, y = np.meshgrid(along, across)
+        corner = np.arange(x.size).reshape(x.shape)[:-1, :-1].ravel() + before
+        wide = len(along)
+        cells.append(np.stack([corner, corner + 1, corner + 1 + wide, corner + wide], axis=1))
+        xs.append(x.ravel())
+        ys.append(y.ravel())
+        before += x.size
+    return np.concatenate(xs), np.concatenate(ys), np.concatenate(cells)
+
+
+def _heights(y0: float, y1: float, count: int) -> list[Array]:
+    """Heights of the rows of points in each body, faces with the sign of the body."""
+    if not y0 < 0 < y1:
+        return [np.linspace(y0 or 0.0, y1 or -0.0, count + 1)]
+    below = min(max(round(count * y0 / (y0 - y1)), 1), count - 1)
+    return [np.linspace(y0, -0.0, below + 1), np.linspace(0.0, y1, count - below + 1)]

@@ -1,0 +1,352 @@
+"""Whole fields: limits on the interface, wave equation and Hooke's law, fronts, edge, energy."""
+
+import numpy as np
+import pytest
+from catalogue import PRELOADED, REMOTE, UNIT, problems, unit_scene
+from hypothesis import given, settings
+from laws import scenes
+
+from semianalytic import SceneError, solve
+from semianalytic.field import tuning
+from semianalytic.scene.named import NAMED_SCENES
+
+ALL = [*problems("exact"), *problems("opens")]
+every = pytest.mark.parametrize("problem", ALL, ids=[problem.name for problem in ALL])
+FEW = ("two zones under a shock", "both senses", "opens and closes again", "antiplane shock")
+few = pytest.mark.parametrize(
+    "problem", [p for p in ALL if p.name in FEW], ids=[p.name for p in ALL if p.name in FEW]
+)
+
+
+BESIDE = ("two zones under a shock", "both senses", "pressure on the slot", "slip everywhere")
+every_other = pytest.mark.parametrize(
+    "problem", [p for p in ALL if p.name in BESIDE], ids=[p.name for p in ALL if p.name in BESIDE]
+)
+
+
+def unit_time(scene):
+    """Some time, and how far shear waves come in it."""
+    time = 0.7e-3 / scene.material.shear_speed
+    return time, scene.material.shear_speed * time
+
+
+def largest(scene):
+    """Stress, velocity and displacement by which errors are measured."""
+    time, _ = unit_time(scene)
+    parts = (scene.load.pressure, scene.load.shear, scene.friction * scene.base.pressure)
+    stress = max(*map(abs, parts), abs(scene.base.shear))
+    velocity = stress / scene.material.shear_impedance
+    return stress, velocity, velocity * time
+
+
+def along(scene):
+    """Rows of the shear components: of velocity and displacement, of stress."""
+    return (2, 4) if scene.antiplane else (0, 2)
+
+
+def interface_positions(solution):
+    """Positions over what shear waves do in a unit time, away from zone edges and fronts."""
+    _, reach = unit_time(solution.scene)
+    x = np.linspace(0.0137, 2.1, 41) * reach
+    material, (time, _) = solution.scene.material, unit_time(solution.scene)
+    speeds = [material.rayleigh_speed, material.shear_speed, material.longitudinal_speed]
+    speeds += [speed for zone in solution.zones for speed in (zone.inner, zone.outer)]
+    speeds += [speed for part in solution.openings for speed in (part.inner, part.outer)]
+    gaps = np.abs(x[:, None] / time - np.array(speeds)[np.isfinite(speeds)])
+    return x[gaps.min(axis=1) > 0.02 * material.shear_speed]
+
+
+@every
+def test_faces_move_and_carry_what_the_interface_does(problem):
+    scene, solution = problem.scene, solve(problem.scene)
+    time, _ = unit_time(scene)
+    x, (slip, shear) = interface_positions(solution), along(scene)
+    stress, velocity, displacement = largest(scene)
+    upper, lower = (solution.velocity(x, face, time) for face in (0.0, -0.0))
+    moved_up, moved_down = (solution.displacement(x, face, time) for face in (0.0, -0.0))
+    tractions = [solution.stress(x, face, time) for face in (0.0, -0.0)]
+    within = 1e-8
+    for face in tractions:
+        np.testing.assert_allclose(
+            face[shear], solution.shear_traction(x, time), atol=within * stress, rtol=within
+        )
+        np.testing.assert_allclose(
+            -face[1], solution.pressure(x, time), atol=within * stress, rtol=within
+        )
+    for got, wanted, unit in (
+        (upper[slip] - lower[slip], solution.slip_rate(x, time), velocity),
+        (upper[1] - lower[1], solution.gap_rate(x, time), velocity),
+        (moved_up[slip] - moved_down[slip], solution.slip(x, time), displacement),
+        (moved_up[1] - moved_down[1], solution.gap(x, time), displacement),
+    ):
+        np.testing.assert_allclose(got, wanted, atol=within * unit, rtol=within)
+
+
+@every
+def test_slot_faces_carry_the_load_alone_and_move_as_the_other_formula_says(problem):
+    scene, solution = problem.scene, solve(problem.scene)
+    time, reach = unit_time(scene)
+    x, (slip, shear) = -np.linspace(0.0137, 2.3, 37) * reach, along(scene)
+    stress, velocity, _ = largest(scene)
+    for face in (0.0, -0.0):
+        fields = solution.stress(x, face, time)
+        np.testing.assert_allclose(
+            fields[shear], scene.base.shear - scene.load.shear, atol=1e-8 * stress
+        )
+        np.testing.assert_allclose(
+            -fields[1], scene.base.pressure - scene.load.pressure, atol=1e-8 * stress
+        )
+    tangential, normal = solution.slot_velocity(x, time)
+    rates = solution.velocity(x, 0.0, time)
+    np.testing.assert_allclose(rates[slip], tangential, atol=1e-8 * velocity, rtol=1e-8)
+    np.testing.assert_allclose(rates[1], normal, atol=1e-8 * velocity, rtol=1e-8)
+
+
+CENTRAL = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+"""Eighth-order differences."""
+
+
+def differentiated(field, x, y, t, axis, step):
+    points, total = [x, y, t], 0.0
+    for weight, shift in zip(CENTRAL, range(-4, 5), strict=True):
+        moved = [*points]
+        moved[axis] = points[axis] + shift * step
+        total = total + weight * field(*moved)
+    return total / step
+
+
+def smooth_points(solution, count=60):
+    """Points in both bodies, where no front is nearby: Mach fronts of zone edges included."""
+    material, rng = solution.scene.material, np.random.default_rng(4)
+    time, reach = unit_time(solution.scene)
+    x = reach * rng.uniform(-1.6, 1.6, 4000)
+    y = reach * rng.uniform(0.25, 1.5, 4000)
+    r = np.hypot(x, y)
+    ratio = material.shear_speed / material.longitudinal_speed
+    head = ratio * np.abs(x) + y * np.sqrt(1 - ratio**2)
+    apart = [front - reach for front in (ratio * r, r, ratio * y, y, head)]
+    edges = [speed for zone in solution.zones for speed in (zone.inner, zone.outer)]
+    edges += [speed for part in solution.openings for speed in (part.inner, part.outer)]
+    for speed in edges:
+        if material.shear_speed < speed < np.inf:
+            slope = material.shear_speed / speed
+            apart.append(slope * x + y * np.sqrt(1 - slope**2) - reach)
+    clear = np.min(np.abs(apart), axis=0) > 0.07 * reach
+    sides = rng.choice([-1.0, 1.0], count)
+    return x[clear][:count], sides * y[clear][:count], np.full(count, time)
+
+
+@few
+def test_fields_obey_the_equation_of_motion_and_hookes_law(problem):
+    scene, solution = problem.scene, solve(problem.scene)
+    material = scene.material
+    at, (time, reach) = smooth_points(solution), unit_time(scene)
+    stress, velocity, _ = largest(scene)
+    step = 0.01 * reach
+    rate_t = differentiated(solution.velocity, *at, 2, step / material.shear_speed)
+    stress_x, stress_y = (differentiated(solution.stress, *at, axis, step) for axis in (0, 1))
+    moved_x, moved_y = (differentiated(solution.displacement, *at, axis, step) for axis in (0, 1))
+    moved_t = differentiated(solution.displacement, *at, 2, step / material.shear_speed)
+    change = solution.stress(*at) - solution.stress(at[0], at[1], -time)
+    modulus = material.shear_modulus
+    bulk = material.density * material.longitudinal_speed**2
+    pairs = [
+        (material.density * rate_t[1], stress_x[2] + stress_y[1], stress / reach),
+        (change[0], bulk * moved_x[0] + (bulk - 2 * modulus) * moved_y[1], stress),
+        (change[1], bulk * moved_y[1] + (bulk - 2 * modulus) * moved_x[0], stress),
+        (change[2], modulus * (moved_y[0] + moved_x[1]), stress),
+        (material.density * rate_t[0], stress_x[0] + stress_y[2], stress / reach),
+        (solution.velocity(*at), moved_t, velocity),
+    ]
+    if scene.antiplane:
+        pairs += [
+            (change[3], modulus * moved_x[2], stress),
+            (change[4], modulus * moved_y[2], stress),
+            (material.density * rate_t[2], stress_x[3] + stress_y[4], stress / reach),
+        ]
+    for one, other, unit in pairs:
+        np.testing.assert_allclose(one, other, atol=2e-6 * unit)
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+def test_nothing_moves_ahead_of_the_waves_and_plane_waves_follow_behind_the_slot(mode):
+    scene = unit_scene(1.25, *REMOTE, mode=mode)
+    solution, slip = solve(scene), 2 if scene.antiplane else 0
+    x, y = np.array([1.9, -2.5, 0.3, -0.5]), np.array([0.7, 2.1, -2.1, 2.01])
+    assert np.all(solution.velocity(x, y, 1.0) == 0)
+    assert np.all(solution.displacement(x, y, 1.0) == 0)
+    heights = np.array([0.99, 1.01, 1.99, 2.01])
+    for side in (1, -1):
+        rates = solution.velocity(-3.0, side * heights, 1.0)
+        np.testing.assert_allclose(rates[slip], side * np.array([1, 0, 0, 0]), atol=1e-9)
+        np.testing.assert_allclose(rates[1], side * np.array([-1, -1, -1, 0]) / 2, atol=1e-9)
+        stresses = solution.stress(-3.0, side * heights, 1.0)
+        np.testing.assert_allclose(stresses[1], [0, 0, 0, -1], atol=1e-8)
+        np.testing.assert_allclose(stresses[-1], [0, 1, 1, 1], atol=1e-8)
+
+
+def test_a_stuck_antiplane_step_has_the_closed_form():
+    """v_z = 2/pi Im artanh (1 - k)^-1/2, sigma_yz = 2/pi Im [(1 + k)^1/2 - artanh (1 + k)^-1/2]."""
+    solution = solve(unit_scene(5.0, *REMOTE, mode="antiplane"))
+    rng = np.random.default_rng(5)
+    x, y = rng.uniform(-0.99, 0.99, (2, 400)) / np.sqrt(2)
+    y = np.abs(y)
+    square = x**2 + y**2
+    k = (-x + 1j * y * np.sqrt(1 - square)) / square
+    rate = 2 / np.pi * np.arctanh(1 / np.sqrt(1 - k)).imag
+    root = np.sqrt(1 + k)
+    shear = 2 / np.pi * (root - np.arctanh(1 / root)).imag
+    np.testing.assert_allclose(solution.velocity(x, y, 1.0)[2], rate, atol=1e-9)
+    np.testing.assert_allclose(solution.stress(x, y, 1.0)[4], shear, atol=1e-9, rtol=1e-9)
+
+
+def test_stresses_beside_a_stuck_edge_are_those_of_its_intensity():
+    solution = solve(unit_scene(2.0, *REMOTE))
+    mode_one, mode_two = solution.stress_intensity(1.0)
+    angle, r = np.linspace(-3, 3, 13), 1e-10
+    half = angle / 2
+    at = r * np.cos(angle), r * np.sin(angle), 1.0
+    sine, cosine = np.sin(half), np.cos(half)
+    pressed = [
+        cosine * (1 - sine * np.sin(3 * half)),
+        cosine * (1 + sine * np.sin(3 * half)),
+        sine * cosine * np.cos(3 * half),
+    ]
+    sheared = [
+        -sine * (2 + cosine * np.cos(3 * half)),
+        sine * cosine * np.cos(3 * half),
+        cosine * (1 - sine * np.sin(3 * half)),
+    ]
+    expected = (-mode_one * np.array(pressed) + mode_two * np.array(sheared)) / np.sqrt(
+        2 * np.pi * r
+    )
+    np.testing.assert_allclose(solution.stress(*at) / expected, 1, atol=2e-4)
+
+
+@every_other
+def test_both_waves_added_first_are_what_they_are_apart(problem, monkeypatch):
+    """Beside the edge, where it matters, at distances where either loses little."""
+    solution, (time, reach) = solve(problem.scene), unit_time(problem.scene)
+    rng = np.random.default_rng(8)
+    r, angle = reach * rng.uniform(1 / 40, 1 / 7, 60), rng.uniform(-np.pi, np.pi, 60)
+    at = r * np.cos(angle), r * np.sin(angle), time
+    fields = ("velocity", "stress", "displacement")
+    together = [getattr(solution, field)(*at) for field in fields]
+    monkeypatch.setattr(tuning, "NEAR_EDGE", 1e3)
+    for whole, field, unit in zip(together, fields, largest(problem.scene), strict=True):
+        np.testing.assert_allclose(getattr(solution, field)(*at), whole, atol=1e-6 * unit)
+
+
+def test_fields_are_self_similar_and_at_rest_before():
+    solution, rng = solve(PRELOADED), np.random.default_rng(6)
+    x, y = rng.uniform(-2, 2, (2, 50))
+    for field, power in (("velocity", 0), ("stress", 0), ("displacement", 1)):
+        ask = getattr(solution, field)
+        np.testing.assert_allclose(
+            ask(3 * x, 3 * y, 3.0), 3**power * ask(x, y, 1.0), rtol=1e-7, atol=1e-9
+        )
+        assert ask(x[:, None], y, 1.0).shape == (3 if field == "stress" else 2, 50, 50)
+    assert np.all(solution.velocity(x, y, 0.0) == 0)
+    np.testing.assert_array_equal(
+        solution.stress(0.5, 0.1, [-1.0, 0.0]), [[0, 0], [-1, -1], [0, 0]]
+    )
+
+
+def test_stuck_fields_superpose():
+    rng = np.random.default_rng(7)
+    x, y = rng.uniform(-2, 2, (2, 50))
+    pressed, sheared, both = (
+        solve(unit_scene(9.0, (1.0, 0.2), load)) for load in ((0.7, 0.0), (0.0, 0.0), (0.7, 0.0))
+    )
+    half = solve(unit_scene(9.0, (1.0, 0.2), (0.35, 0.0)))
+    np.testing.assert_allclose(
+        pressed.stress(x, y, 1.0) - sheared.stress(x, y, 1.0),
+        2 * (half.stress(x, y, 1.0) - sheared.stress(x, y, 1.0)),
+        atol=1e-8,
+    )
+    np.testing.assert_array_equal(both.velocity(x, y, 1.0), pressed.velocity(x, y, 1.0))
+
+
+def test_what_is_infinite_says_so_with_its_sign():
+    solution, speed = solve(unit_scene(2.0, *REMOTE)), UNIT.rayleigh_speed
+    assert solution.velocity(-speed, 0.0, 1.0)[0] == np.inf
+    assert solution.velocity(-speed, -0.0, 1.0)[0] == -np.inf
+    assert solution.stress(0.0, 0.0, 1.0)[1] == -np.inf
+    assert solution.stress(0.0, 0.0, 1.0)[2] == np.inf
+    assert np.isfinite(solution.displacement(0.0, 0.0, 1.0)).all()
+    assert np.isfinite(solution.velocity([0.5, -1.0, 0.3], [0.0, 0.0, 0.95], 1.0)).all()
+    slips = solve(unit_scene(0.5, *REMOTE))  # across c_R, but uniformly: nothing is infinite there
+    assert np.isfinite(slips.velocity(speed, 0.0, 1.0)).all()
+    reverse = solve(NAMED_SCENES["auxetic"].scene)
+    front = reverse.scene.material.rayleigh_speed
+    assert reverse.velocity(front, 0.0, 1.0)[0] == -np.inf
+
+
+def energy(solution, time, radius):
+    """Kinetic and strain energy of changes within a radius, per depth, by Gauss quadrature."""
+    material = solution.scene.material
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    r, angle = radius * (nodes + 1) / 2, np.pi * (nodes + 1) / 2
+    x, y = r * np.cos(angle[:, None]), r * np.sin(angle[:, None])
+    total = 0.0
+    for side in (1, -1):
+        xx, yy, xy = solution.stress(x, side * y, time) - solution.stress(x, side * y, -1.0)
+        rates = solution.velocity(x, side * y, time)
+        nu = material.poisson_ratio
+        strain = (xx**2 + yy**2 - nu * (xx + yy) ** 2 + 2 * xy**2) / (4 * material.shear_modulus)
+        density = material.density * (rates**2).sum(axis=0) / 2 + strain
+        total += np.einsum("ij,i,j", density * r, weights, weights) * radius / 2 * np.pi / 2
+    return total
+
+
+def test_energy_flows_in_through_a_circle_and_the_faces_and_out_as_heat():
+    solution, radius = solve(PRELOADED), 0.8
+    scene = solution.scene
+    step = 0.02
+    gained = (energy(solution, 1 + step, radius) - energy(solution, 1 - step, radius)) / (2 * step)
+    nodes, weights = np.polynomial.legendre.leggauss(800)
+    angle, x = np.pi * (nodes + 1) / 2, radius * (nodes + 1) / 2
+    flux = 0.0
+    for side in (1, -1):
+        at = radius * np.cos(angle), side * radius * np.sin(angle), 1.0
+        xx, yy, xy = solution.stress(*at) - solution.stress(at[0], at[1], -1.0)
+        v_x, v_y = solution.velocity(*at)
+        c, s = np.cos(angle), side * np.sin(angle)
+        flux += (xx * c + xy * s) * v_x + (xy * c + yy * s) * v_y
+    through_circle = radius * np.pi / 2 * weights @ flux
+    above, below = (solution.velocity(-x, face, 1.0)[0] for face in (0.0, -0.0))
+    loads = scene.load.shear * radius / 2 * weights @ (above - below)
+    heat = solution.frictional_power(1.0, 0.0, radius)  # the base shear is zero
+    assert gained == pytest.approx(float(through_circle + loads - heat), rel=5e-3)
+    assert heat > 0.05 * loads
+
+
+@few
+def test_error_is_honest(problem):
+    scene = problem.scene
+    solution, fine = solve(scene, rtol=1e-5), solve(scene, rtol=1e-10)
+    x, y, t = smooth_points(fine)
+    error = np.abs(solution.stress(x, y, t) - fine.stress(x, y, t)).max()
+    assert error <= solution.field_error * largest(scene)[0]
+    assert solution.field_error < 1e-4
+
+
+@settings(max_examples=10, deadline=None)
+@given(scene=scenes())
+def test_random_scenes_have_their_interface_fields_as_limits(scene):
+    solution = solve(scene)
+    if solution.status != "converged":
+        return
+    time, _ = unit_time(scene)
+    x = interface_positions(solution)
+    stress, velocity, _ = largest(scene)
+    error = 10 * solution.error_estimate
+    slip = solution.velocity(x, 0.0, time)[0] - solution.velocity(x, -0.0, time)[0]
+    np.testing.assert_allclose(slip, solution.slip_rate(x, time), atol=error * velocity)
+    shear = solution.stress(x, 0.0, time)[2]
+    np.testing.assert_allclose(shear, solution.shear_traction(x, time), atol=error * stress)
+
+
+def test_bad_points_are_refused():
+    with pytest.raises(SceneError, match="finite"):
+        solve(PRELOADED).velocity(np.nan, 0.0, 1.0)

@@ -1,0 +1,164 @@
+"""A viscous film that opens: slip rate at borders of the opening, laws, a grid, estimates."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from laws import check_invariants, opening_scene
+
+from semianalytic import (
+    Material,
+    RateWeakening,
+    Scene,
+    SceneError,
+    Tractions,
+    ViscousFriction,
+    solve,
+)
+from semianalytic.cut.load import scaled_load
+from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.selfsimilar.collocation import slip_on_grid
+from semianalytic.separation.normal import with_opening
+
+STEEL = Material(1.0, 1.0, 1 / 3)
+
+
+def film(viscosity, base, load, friction=0.3, **rest):
+    """A scene of (pressure, shear), its base and load, with a viscous film."""
+    law = ViscousFriction(viscosity)
+    return Scene(STEEL, friction, Tractions(*base), Tractions(*load), friction_law=law, **rest)
+
+
+LIFTED = film(0.25, (1.0, 0.0), (-1.0, 1.0))
+TAPPED = film(0.25, (0.02, 0.0), (1.0, 0.5))
+STRONG = film(2.0, (0.1, 0.0), (-1.0, 1.0))
+HELD = film(0.5, (0.04, 0.01), (1.0, -0.5), 2.0)
+EVERY = [LIFTED, TAPPED, STRONG, HELD, film(2.0, (0.1, 0.02), (-3.0, -1.0))]
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+@pytest.mark.parametrize("scene", EVERY)
+def test_laws_hold(scene, mode):
+    check_invariants(replace(scene, mode=mode))
+
+
+@pytest.mark.parametrize("seed", range(2, 10))
+def test_laws_hold_in_scenes_that_open(seed):
+    random = np.random.default_rng(seed)
+    scene = opening_scene(random)
+    law = ViscousFriction(10 ** random.uniform(-3, 1))
+    check_invariants(replace(scene, friction_law=law, mode=("in-plane", "antiplane")[seed % 2]))
+
+
+def exponent(scene, speed):
+    """theta / pi of slip rate beside a border, tan(theta) = eta / m, m > 0 slower than c_R."""
+    mode = scene.shear_mode
+    factors = rayleigh_factors(scene.material.poisson_ratio, mode)
+    impedance = float(factors.impedance_behind(factors.cut([1 / speed]))[0])
+    return np.arctan(2 * scene.friction_law.viscosity / impedance) / np.pi
+
+
+def powers(solution, border):
+    """Exponents of slip rate inside and outside of a border."""
+    beside = 1e-7 * np.array([1.0, 10.0])
+    rates = [np.abs(solution.slip_rate(border * (1 + side * beside), 1.0)) for side in (-1, 1)]
+    return [np.log10(rate[1] / rate[0]) for rate in rates]
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+@pytest.mark.parametrize("scene", [LIFTED, STRONG])
+def test_slip_rate_is_infinite_where_the_contact_opens_slowly(scene, mode):
+    """V ~ d^(-theta / pi), on either side."""
+    solution = solve(replace(scene, mode=mode), rtol=1e-9)
+    border = solution.openings[0].outer
+    expected = -exponent(solution.scene, border)
+    assert expected < 0
+    np.testing.assert_allclose(powers(solution, border), expected, rtol=0, atol=1e-4)
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+@pytest.mark.parametrize("viscosity", [0.05, 0.25, 2.0])
+def test_slip_rate_is_nothing_where_the_contact_closes(viscosity, mode):
+    """V ~ d^(theta / pi), on either side."""
+    law = ViscousFriction(viscosity)
+    solution = solve(replace(TAPPED, friction_law=law, mode=mode), rtol=1e-9)
+    (opening,) = solution.openings
+    assert solution.zones[0].outer == opening.inner
+    expected = exponent(solution.scene, opening.inner)
+    behind, within = powers(solution, opening.inner)
+    assert behind == pytest.approx(expected, abs=1e-4)
+    assert within == pytest.approx(expected, abs=0.01)  # pressure adds d^(1/2) there
+
+
+@pytest.mark.parametrize("viscosity", [0.1, 1.0])
+def test_slip_rate_jumps_where_an_antiplane_contact_opens_ahead_of_waves(viscosity):
+    """There shear radiates like plane waves, M = sqrt(1 - e^2): traction falls from eta V to 0."""
+    scene = film(viscosity, (0.02, 0.003), (1.0, 0.5), mode="antiplane")
+    solution = solve(scene, rtol=1e-9)
+    (opening,) = solution.openings
+    behind, ahead = solution.slip_rate(opening.outer * (1 + np.array([-1e-10, 1e-10])), 1.0)
+    assert opening.outer > 1
+    assert behind / ahead == pytest.approx(
+        1 + 2 * viscosity / np.sqrt(1 - opening.outer**-2), rel=1e-4
+    )
+
+
+@pytest.mark.parametrize(
+    "scene", [LIFTED, TAPPED, replace(TAPPED, mode="antiplane"), film(0.5, (0.02, 0.0), (1.0, 0.5))]
+)
+def test_slip_agrees_with_complementarity_on_a_grid(scene):
+    solution, nu = solve(scene, rtol=1e-6), scene.material.poisson_ratio
+    load, stress = scaled_load(scene)
+    load, _ = with_opening(load, rayleigh_factors(nu, scene.shear_mode), 1e-6)
+    grid = slip_on_grid(nu, load, 300, scene.shear_mode)
+    inside = np.linspace(grid.xi[:-1], grid.xi[1:], 6)[1:-1]
+    rate = solution.slip_rate(inside.ravel(), 1.0).reshape(inside.shape).mean(axis=0)
+    seen = stress * (grid.slip_rate[1:] + grid.slip_rate[:-1])  # relative, averaged
+    error = np.abs(rate - seen) @ np.diff(grid.xi)
+    assert error < 0.01 * np.abs(rate) @ np.diff(grid.xi)
+
+
+def test_little_viscosity_is_nearly_none():
+    x = np.linspace(0.01, 1.99, 1500)
+    for scene in (LIFTED, TAPPED):
+        dry = solve(film(0.0, *((one.pressure, one.shear) for one in (scene.base, scene.load))))
+        plain, errors = dry.slip_rate(x, 1.0), []
+        for viscosity in (1e-3, 1e-5):
+            rate = solve(replace(scene, friction_law=ViscousFriction(viscosity))).slip_rate(x, 1.0)
+            errors.append(np.abs(rate - plain).sum() / np.abs(plain).sum())
+        assert errors[1] < 0.02 * errors[0] < 2e-3
+
+
+@pytest.mark.parametrize("scene", EVERY)
+def test_estimates_bound_errors(scene):
+    exact = solve(scene, rtol=1e-10)
+    assert exact.status == "converged"
+    x = np.linspace(0.004, 1.999, 1500)
+    rate = exact.slip_rate(x, 1.0)
+    for rtol in (1e-4, 1e-6, 1e-8):
+        solution = solve(scene, rtol=rtol)
+        bound = solution.error_estimate
+        assert solution.status == "converged"
+        pairs = zip(solution.zones, exact.zones, strict=True)
+        assert all(abs(a.inner - b.inner) + abs(a.outer - b.outer) < 2 * bound for a, b in pairs)
+        assert np.abs(solution.slip_rate(x, 1.0) - rate).sum() < bound * np.abs(rate).sum()
+        for name in ("frictional_power", "frictional_work", "accumulated_slip", "max_slip"):
+            value, known = (float(getattr(one, name)(1.0)) for one in (solution, exact))
+            assert value == pytest.approx(known, rel=bound), name
+
+
+@pytest.mark.parametrize("scene", [STRONG, TAPPED, HELD])
+def test_power_of_the_whole_is_that_of_its_parts(scene):
+    solution = solve(scene)
+    whole = float(solution.frictional_power(1.0))
+    ends = [0.0, *sorted(v for zone in solution.zones for v in (zone.inner, zone.outer) if v), 9.0]
+    parts = [float(solution.frictional_power(1.0, *pair)) for pair in pairwise(ends)]
+    assert sum(parts) == pytest.approx(whole, rel=1e-9)
+    assert whole > 0
+
+
+def test_friction_that_falls_with_slip_rate_is_refused_where_the_contact_opens():
+    law = RateWeakening(0.1, 1.0)
+    with pytest.raises(SceneError, match=r"where the contact opens .* falls .*\(docs/limits"):
+        solve(replace(LIFTED, friction_law=law))
