@@ -20,7 +20,7 @@ ARROWS = {
         "separation": "scene halfplane cut",
         "field": "scene halfplane cut",
         "selfsimilar": "scene results halfplane cut separation field",
-        "spacetime": "scene results halfplane",
+        "spacetime": "scene results halfplane field",
         "reference": "scene halfplane",
         "sweeps": "scene results halfplane cut selfsimilar",
         "regimes": "scene halfplane cut selfsimilar",

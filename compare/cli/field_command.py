@@ -172,11 +172,6 @@ def field_command(
             f"{option_name(next(iter(march_options)))} is for the space-time solver; "
             "add --method space-time."
         )
-    if marched and not hasattr(Marched, "velocity"):
-        raise SceneError(
-            "fields in the bodies are known of self-similar scenes alone: step loads, and friction "
-            "that is constant or depends on slip rate; take another scene, or simulate this one."
-        )
     step = _fringe_stress(of, thickness, stress_optical)
     quantity = find_quantity(of, scene, step)
     if grid is not None and not vtu:

@@ -44,3 +44,8 @@ ESTIMATED_POINTS = 60
 """Points at which a coarser rule is compared for the error estimate.  Not recorded."""
 COARSER = 100.0
 """How much coarser, in tolerance."""
+
+# Fields of a step on a stuck interface (stuck_steps)
+
+STEP_TOLERANCE = 1e-8
+"""Of the rule on which they are formed; marches, which use them, are off by 1e-4 and more."""

@@ -121,3 +121,43 @@ BYTES_PER_STEP = 96
 """Times, loads and totals."""
 TABLE_BYTES = 8
 """Per sample of the pressure's table."""
+
+# --- fields in the bodies -----------------------------------------------------------------------
+
+FIELD_NODES = 128
+"""Whose wavenumbers are summed, or as many as the loads need: fields after 1000 nodes are off by
+1e-4 to 2e-4 in L1 then (`preloaded`, `auxetic`, kinks), by 2e-4 to 8e-4 with 64, and by 2e-5 to
+7e-5 with 256, in four times the seconds."""
+TAPER = 7.0
+TAPER_POWER = 8
+"""Wavenumbers and frequencies are tapered by exp(-7 s^8) of their share of the highest, to 1e-3: a
+power of 4, or 36 or 3 in place of 7, leaves up to half as much again."""
+WINDOW = 1.5
+"""Length of the window in time over that of the march; 2 is no better."""
+FADE = 0.25
+"""Part of the march in which tractions fade out behind its end; 0.1 and 0.4 do the same."""
+WRAPPED = 1e-5
+"""What is left in the second window of what was in the first: 1e-3 is off by three times as much,
+1e-7 gains nothing."""
+FIELD_MARGIN = 8
+"""Nodes beyond those that waves reach."""
+FIELD_VALUES = 1 << 22
+"""Tractions that are transformed at once, 32 MB."""
+FIELD_LEVELS = 400
+"""Depths beyond which fields are interpolated in depth, three for the shortest wave with half of
+them already."""
+LEVEL_DEGREE = 5
+"""Of that interpolation; together below 5e-4 with 200 levels."""
+FIELD_CROWD = 4
+"""Pairs of a depth and a time over those with a point in them, up to which all are formed at once;
+that is matrix multiplication."""
+FIELD_BLOCK = 20_000
+"""Pairs that are formed at once otherwise."""
+FIELD_POINTS = 60
+"""At which march and companion are compared."""
+FIELD_SMOOTHING = 3e-4
+"""What no grid mends, at the most, in L1: 2e-4 (`preloaded`), 3e-4 (kinks)."""
+EDGE_SHARE = 1.0
+"""Distance from the edge, over 1 / the highest wavenumber, within which the sum takes nothing more
+off the stuck intensity: at a twentieth of the shortest wave stress is off by 1 to 2 times itself
+(`preloaded`), with 0.6 or 2.4 up to 2.5 times, and by 5 times without."""

@@ -1,4 +1,4 @@
-"""Studies of the space-time solver: accuracy, cost, memory, slow ramps, resolution, edge, error.
+"""Studies of the space-time solver: accuracy, cost, memory, ramps, resolution, edge, error, fields.
 
 ``python -m compare.studies.accuracy.spacetime accuracy`` prints a table; `STUDIES` lists more, and
 ``--csv docs/data`` writes what docs/spacetime.md shows.
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.measures import in_profile, relative_error
 from compare.studies.accuracy.march_error import error, weakening
+from compare.studies.accuracy.march_fields import fields
 from compare.studies.tables import Study, run_studies
 from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Solution, Tractions, march, solve
 from semianalytic.halfplane.stuck_histories import stuck_shear
@@ -252,6 +253,7 @@ STUDIES: Mapping[str, Study] = {
     "edge": edge,
     "error": error,
     "weakening": weakening,
+    "fields": fields,
 }
 
 

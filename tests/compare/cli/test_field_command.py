@@ -88,14 +88,10 @@ def test_refusals_come_before_anything_is_made(words, sentence, tmp_path, monkey
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_marched_scene_is_drawn_or_refused_at_once(tmp_path, capsys):
+def test_a_marched_scene_is_drawn(tmp_path):
     words = ["--nodes", "60", "--points", "6", "--time", "0.5", "--output", str(tmp_path)]
-    if hasattr(Marched, "velocity"):
-        assert field("ramp", *words) == 0
-        assert [path.name for path in tmp_path.iterdir()] == ["ramp_speed.png"]
-    else:
-        assert field("ramp", *words) == 2
-        assert "self-similar scenes alone" in capsys.readouterr().err
+    assert field("ramp", *words) == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["ramp_speed.png"]
 
 
 def test_mp4_without_ffmpeg_is_one_sentence(tmp_path, monkeypatch, capsys):

@@ -7,6 +7,7 @@ import pytest
 
 from compare.cli.commands import main
 from compare.studies.accuracy import spacetime
+from compare.studies.accuracy.march_fields import field_errors
 from compare.studies.accuracy.spacetime import (
     accuracy,
     cost,
@@ -18,6 +19,7 @@ from compare.studies.accuracy.spacetime import (
 from compare.studies.stability.spacetime import stability_rows
 from compare.studies.wear import LOADS, most_wear, wear_after
 from semianalytic.reference import StaticZone
+from semianalytic.scene.named import NAMED_SCENES
 
 
 def test_static_zone_closes_smoothly():
@@ -42,6 +44,13 @@ def test_edge_table_names_the_grids_own_edge_best():
     errors = [row.error for row in edge()]
     assert errors[0] < 1e-4
     assert min(errors[1:]) > 100 * errors[0]
+
+
+def test_field_errors_fall_with_the_grid():
+    scene = NAMED_SCENES["antiplane"].scene
+    coarse, fine = (field_errors(scene, nodes, points=40) for nodes in (32, 64))
+    assert all(2 * after < before for before, after in zip(coarse, fine, strict=True))
+    assert max(fine) < 3e-3
 
 
 @pytest.mark.slow
