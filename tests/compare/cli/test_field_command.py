@@ -7,7 +7,7 @@ import pytest
 
 from compare.cli.commands import main
 from compare.figures import animation
-from semianalytic import Marched, find_scene, solve
+from semianalytic import find_scene, solve
 
 
 def field(*words):
