@@ -119,8 +119,8 @@ class Answer(Protocol):
 
 
 @runtime_checkable
-class WholeFields(Answer, Protocol):
-    """An answer that knows the bodies too, not the contact alone.
+class BodyFields(Protocol):
+    """What knows how both bodies move and what they carry.
 
     Positions and times broadcast; y > 0 is the upper body, y < 0 the lower one, 0.0 and -0.0 are
     their faces.  What each returns is said at `Solution`.
@@ -137,6 +137,11 @@ class WholeFields(Answer, Protocol):
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Displacement since t = 0 (2, ...), in antiplane shear (3, ...) [length]."""
         ...
+
+
+@runtime_checkable
+class WholeFields(Answer, BodyFields, Protocol):
+    """An answer that knows the bodies too, not the contact alone."""
 
 
 def sampled_history(answer: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:

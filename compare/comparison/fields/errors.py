@@ -6,17 +6,17 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from compare.comparison.fields.frames import Frame, Places, read_frame
 from compare.comparison.fields.fronts import Fronts, fronts_of
 from compare.comparison.measures import NOTHING
 from compare.comparison.snapshots import listed_frames
 from semianalytic import Scene
-from semianalytic.results.answer import Answer
+from semianalytic.results.answer import Answer, BodyFields
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -29,20 +29,6 @@ SEEN_LAST = 1_000_000
 SEEN_BEFORE = 5_000
 """Most nodes, and most elements, at which the last frame and each one before it are compared: drawn
 at random, so few tell an error in two digits."""
-
-
-@runtime_checkable
-class BodyFields(Protocol):
-    """What can say how both bodies move and what they carry, as `Solution` does."""
-
-    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """(2, ...) or, in antiplane shear, (3, ...) [length / time]."""
-
-    def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """(3, ...) or (5, ...) [stress]."""
-
-    def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """(2, ...) or (3, ...), since t = 0 [length]."""
 
 
 @dataclass(frozen=True, eq=False)

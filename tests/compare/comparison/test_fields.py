@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from compare.comparison.fields import errors as fields
-from compare.comparison.fields.errors import BodyFields, field_errors, frame_pairs, pair_errors
+from compare.comparison.fields.errors import field_errors, frame_pairs, pair_errors
 from compare.comparison.fields.frames import read_frame
 from compare.comparison.fields.fronts import fronts_of
 from compare.comparison.snapshots import listed_frames
 from fem import simulate
 from semianalytic import Pulse, solve
+from semianalytic.results.answer import BodyFields
 from semianalytic.results.files import Seal, new_file
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.named import find_scene, override_scene
