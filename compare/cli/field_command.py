@@ -194,7 +194,6 @@ def field_command(
     words = [scene_name, *(f"{option_name(k)}={v}" for k, v in overrides.items())]
     with working_folder(directory):
         answer = _marched(scene, request.time, march_options, quiet) if marched else solve(scene)
-        assert isinstance(answer, WholeFields)
         _draw(directory, f"{label}_{of}", answer, quantity, request, quiet)
         if request.grid is not None:
             _write_grid(directory, answer, request, quiet)
