@@ -51,6 +51,14 @@ def test_laws_hold_in_scenes_that_open(seed):
     check_invariants(replace(scene, friction_law=law, mode=("in-plane", "antiplane")[seed % 2]))
 
 
+def test_laws_hold_where_slip_turns_right_ahead_of_an_opening():
+    """On a narrow strip, seen between the last node of slip the other way and the opening."""
+    scene = film(0.419415, (0.066034, -0.000302722), (1.0, -0.130854), 0.014072)
+    scene = replace(scene, material=Material(1.0, 1.0, -0.59624))
+    assert [zone.sense for zone in solve(scene).zones] == [-1, 1, -1]
+    check_invariants(scene)
+
+
 def exponent(scene, speed):
     """theta / pi of slip rate beside a border, tan(theta) = eta / m, m > 0 slower than c_R."""
     mode = scene.shear_mode
