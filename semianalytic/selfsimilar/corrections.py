@@ -20,7 +20,7 @@ from semianalytic.selfsimilar.coulomb import Violation
 
 def rearranged(factors: RayleighFactors, zones: Sequence[Zone], load: Load) -> list[Zone] | None:
     """What to try where Newton's method did not place the edges of zones; None if nothing."""
-    other = _across_shear_front(factors, zones)
+    other = _across_shear_front(factors, zones, load.opened.zone if load.opened else None)
     if other is None and load.opened is not None:
         other = _turned_at_opening(zones, load.opened.zone)
     if other is None:
@@ -28,9 +28,15 @@ def rearranged(factors: RayleighFactors, zones: Sequence[Zone], load: Load) -> l
     return _joined(zones, load) if other is None else other
 
 
-def _across_shear_front(factors: RayleighFactors, zones: Sequence[Zone]) -> list[Zone] | None:
-    """The same zones with edges that ran into the shear front started on its other side."""
-    behind = 1 + tuning.BEHIND_SHEAR_FRONT * (factors.c - 1)
+def _across_shear_front(
+    factors: RayleighFactors, zones: Sequence[Zone], opening: Zone | None
+) -> list[Zone] | None:
+    """The same zones with edges that ran into the shear front started on its other side: not as
+    far as the Rayleigh front, or out of the plane as 1/2 c_t, nor as an opening behind."""
+    segment = factors.c - 1 if factors.has_rayleigh_wave else 1.0
+    if opening is not None and opening.left is not None and opening.left.from_b[0] > 0:
+        segment = min(segment, float(opening.left.from_b[0]))
+    behind = 1 + tuning.BEHIND_SHEAR_FRONT * segment
     ahead = 1 - tuning.AHEAD_OF_SHEAR_FRONT * (1 - factors.a)
     moved = False
 
@@ -182,14 +188,20 @@ def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> l
     result = list(zones)
     for one in reversed(sorted(violations, key=lambda one: float(one.left.v[0]))):
         zone = result[one.zone]
-        if one.touches_left:
+        to_end = one.touches_right or _reaches(one.right, zone.right)
+        if one.touches_left or _reaches(zone.left, one.left):
             result[one.zone] = replace(zone, left=one.right)
-        elif one.touches_right and zone.right is not None:
+        elif to_end and zone.right is not None:
             result[one.zone] = replace(zone, right=one.left)
         else:
             inner = [] if one.right is None else [replace(zone, left=one.right)]
             result[one.zone : one.zone + 1] = [replace(zone, right=one.left), *inner]
     return result
+
+
+def _reaches(outward: CutPoints | None, inward: CutPoints | None) -> bool:
+    """Whether the first of two points comes up to the other: between nodes rounding decides."""
+    return outward is not None and inward is not None and not outward.first_below(inward)
 
 
 def _with_missing_slip(

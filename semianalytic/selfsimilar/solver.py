@@ -61,7 +61,8 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     Raises
     ------
     SceneError
-        If rtol is out of range, or the scene is not self-similar.
+        If rtol is out of range, the scene is not self-similar, or its viscosity is so large that
+        slip is below rounding.
     TensionError
         If the contact pressure would turn tensile; the message says where.
     """
@@ -78,6 +79,11 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     if isinstance(scene.friction_law, RateWeakening):
         return _solve_rated(scene, rtol)
     load, stress = scaled_load(scene)
+    if load.resistance is not None and load.resistance > tuning.STRONGEST_RESISTANCE:
+        raise SceneError(
+            "solve: under so large a viscosity slip is below rounding; make it less than "
+            f"{_strongest_viscosity(scene):.3g} (docs/limits.md)."
+        )
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
     load, normal = with_opening(load, factors, rtol)
     wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
@@ -103,6 +109,11 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     status = _status(best, estimate, wanted)
     zones = slip_zones(best.profile, scene.material)
     return Solution(scene, zones, status, estimate, statistics, best.profile, stress, normal)
+
+
+def _strongest_viscosity(scene: Scene) -> float:
+    """The largest viscosity that is solved [stress time / length]."""
+    return tuning.STRONGEST_RESISTANCE * scene.material.shear_impedance / 2
 
 
 def _solve_rated(scene: Scene, rtol: float) -> Solution:

@@ -13,6 +13,8 @@ MOST_ZONE_SETS = 12
 """Sets of zones tried from one start.  Not recorded."""
 LOOSEST_RULE = 1e-4
 """Tolerance of the rule on which zones are looked for, at most.  Not recorded."""
+STRONGEST_RESISTANCE = 1e15
+"""Of slip to its rate, eta [mu b]: beyond it slip is rounding of the traction; zones fail."""
 RULE_SHARE = 10.0
 """rtol over the tolerance of a rule that is to reach it.  Not recorded."""
 COARSER_LOCATING = 3.0

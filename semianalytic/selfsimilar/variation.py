@@ -106,10 +106,10 @@ _FOURTH_ORDER = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0
 _TO_ONE_SIDE = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
 
 
-def _stencils(step: float) -> Iterator[Stencil]:
+def _stencils(step: float, central: tuple[Array, Array]) -> Iterator[Stencil]:
     """Central ones, and ones to a side for where neighbours on the other have other panels."""
     for size in (step, step / 10):
-        yield Stencil(*_FOURTH_ORDER, size)
+        yield Stencil(*central, size)
         yield Stencil(*_TO_ONE_SIDE, size)
         yield Stencil(*_TO_ONE_SIDE, -size)
 
@@ -389,12 +389,14 @@ class Surroundings:
         shorter = 1.0 if self.finer is None else tuning.COMPANION_STEP
         return tuning.VARIED_STEP * shorter
 
-    def _stencil(self, rates: Rates, moved: Array) -> Stencil | None:
+    def _stencil(
+        self, rates: Rates, moved: Array, central: tuple[Array, Array] = _FOURTH_ORDER
+    ) -> Stencil | None:
         """Points at which neighbours in a direction have the same panels; None if none moves."""
         step = self._step(rates, moved)
         if step == np.inf:
             return None
-        for stencil in _stencils(step):
+        for stencil in _stencils(step, central):
             ends = (stencil.points[[0, 0]], stencil.points[[-1, -1]])
             outer = [one for end in ends for one in self._neighbours(rates, moved, end)]
             if all(one.layout == self._fields.layout for one in outer):
@@ -460,7 +462,8 @@ class Surroundings:
             more = -self._inverse @ unfulfilled
             if np.abs(more).max() <= tuning.NEGLIGIBLE_CHANGE * largest:
                 break
-            stencil = Stencil(*_SECOND_ORDER, tuning.VARIED_STEP / float(np.abs(more).max()))
+            stencil = self._stencil(Rates(), more, _SECOND_ORDER)
+            assert stencil is not None
             beside = self._neighbours(Rates(), more, stencil.points)
             change = change.plus(_Change.of(beside, stencil))
             unfulfilled = unfulfilled + self._unfulfilled(beside, stencil)

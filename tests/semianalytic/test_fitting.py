@@ -78,8 +78,8 @@ def test_truth_is_within_the_error_bars_in_two_hundred_trials(truth):
 
 @pytest.mark.slow
 def test_friction_and_poisson_ratio_are_recovered_together(truth):
-    """From small noise.  Squares are a tenth above it: a search may end where an edge lies between
-    two samples, and the truth between two others."""
+    """From small noise.  Squares are a tenth above it: they have minima of their own where an edge
+    lies between two samples, and the truth between two others."""
     start = replace(START, load=PRELOADED.load, material=Material(1.0, 1.0, 0.25))
     inside, _ = coverage(truth, 60, start, ("friction", "poisson_ratio"), 0.005)
     low, high = binom.ppf([5e-4, 1 - 5e-4], 60, 0.9)

@@ -35,6 +35,8 @@ def wrong(zone, left, right, touches=(False, False), sense=1):
         (wrong(0, 2.2, 2.4), [(2.0, 2.2, 1), (2.4, 3.0, 1)]),
         (wrong(0, 2.0, 2.4, (True, False)), [(2.4, 3.0, 1)]),
         (wrong(0, 2.6, 3.0, (False, True)), [(2.0, 2.6, 1)]),
+        (wrong(0, 2.6, 3.0), [(2.0, 2.6, 1)]),  # between the last node and the end
+        (wrong(0, 2.0, 2.4), [(2.4, 3.0, 1)]),
         (wrong(-1, 1.8, 2.0, (False, True)), [(1.8, 3.0, 1)]),
         (wrong(-1, 3.0, 3.5, (True, False)), [(2.0, 3.5, 1)]),
         (wrong(-1, 1.2, 1.5), [(1.2, 1.5, 1), (2.0, 3.0, 1)]),
@@ -68,6 +70,13 @@ def test_what_newtons_method_fails_on_is_rearranged():
     near = Zone(at(2.0), at(3.8), 1)
     assert ends(rearranged(FACTORS, [near, far], LOAD)) == [(2.0, None, 1)]
     assert rearranged(FACTORS, [near, replace(far, sense=-1)], LOAD) is None
+
+
+def test_out_of_the_plane_too_edges_cross_the_shear_front():
+    factors = rayleigh_factors(1 / 3, "III")
+    ahead = Zone(factors.cut([1 - 1e-6]), None, 1)
+    (crossed,) = rearranged(factors, [ahead], LOAD)
+    assert crossed.left.v[0] == pytest.approx(1.1)
 
 
 def test_a_narrow_gap_around_the_rayleigh_front_is_joined_where_slip_meets_resistance():

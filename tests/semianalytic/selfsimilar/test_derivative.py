@@ -245,8 +245,8 @@ TAPPED = unit_scene(0.3, (0.02, 0.002), (1.0, 0.5))
         (TAPPED, "friction"),
         (TAPPED, "base_pressure"),
         (TAPPED, "poisson_ratio"),
-        (unit_scene(0.3, (0.02, 0.004), (1.0, 0.5), mode="antiplane"), "friction"),
         (unit_scene(0.3, (0.02, 0.004), (1.0, 0.5), mode="antiplane"), "base_pressure"),
+        (replace(TAPPED, mode="antiplane"), "friction"),  # an edge 1.5e-6 behind an end of a panel
         (replace(TAPPED, friction=3.0), "load_pressure"),  # sticks behind the closing edge
     ],
 )

@@ -39,6 +39,21 @@ def test_laws_hold_out_of_the_plane(scene):
     check_invariants(replace(scene, mode="antiplane"))
 
 
+@pytest.mark.parametrize(
+    ("nu", "friction", "base", "shear"),
+    [(-0.467, 0.4257, (0.0539, 0.0), 3.942), (-0.279, 0.0426, (0.0599, -0.00027), -0.4932)],
+)
+def test_laws_hold_where_a_zone_opens_between_the_shear_front_and_an_opening(
+    nu, friction, base, shear
+):
+    """From the guess, that it opens ahead of that front, its edge runs into it."""
+    load = Tractions(1.0, shear)
+    scene = Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), load, mode="antiplane")
+    solution = solve(scene)
+    assert solution.openings[0].outer < 0.97 < solution.zones[-1].outer < 1
+    check_invariants(scene)
+
+
 @pytest.mark.parametrize("base", [0.0, -1.0])
 @pytest.mark.parametrize("step", [1.0, -1.0])
 def test_a_contact_that_nothing_holds_together_is_refused(base, step):

@@ -8,7 +8,7 @@ import pytest
 from catalogue import unit_scene
 from laws import check_march_converges
 
-from semianalytic import CoulombFriction, ViscousFriction, solve, sweep
+from semianalytic import CoulombFriction, SceneError, ViscousFriction, solve, sweep
 from semianalytic.reference.closed_forms import slip_rate_without_friction
 from semianalytic.regimes import (
     closing_limit,
@@ -122,6 +122,18 @@ def test_where_the_gap_never_closes():
     assert closing_limit(closing_poisson_ratio()) == pytest.approx(0, abs=1e-12)
     assert viscous_closing(closing_poisson_ratio() - 0.05, 100.0) is None
     assert viscous_closing(1 / 3, 1e4) == pytest.approx(closing_limit(1 / 3), rel=1e-3)
+
+
+def test_slip_below_rounding_is_refused():
+    """eta V is what traction exceeds friction by: slip rates fall like 1 / eta until then."""
+    thick, thicker, too_thick = (
+        replace(VISCOUS, friction_law=ViscousFriction(one)) for one in (1e6, 1e8, 1e20)
+    )
+    x = np.linspace(0.1, 0.4, 4)
+    rates = [solve(one, rtol=1e-6).slip_rate(x, 1.0) for one in (thick, thicker)]
+    np.testing.assert_allclose(rates[0], 100 * rates[1], rtol=1e-4)
+    with pytest.raises(SceneError, match=r"slip is below rounding; .* 5e\+14 \(docs/limits"):
+        solve(too_thick)
 
 
 def test_work_of_opposite_loads_is_the_same():
