@@ -25,6 +25,13 @@ NODES_PER_SIDE = 12
 SCALES = 16.0
 """Ratio of the scales of k at which transforms are formed."""
 
+# Positions (bodies)
+
+FARTHEST = 1e16
+"""Distance over what shear waves do until then from which on positions are the same to rounding."""
+NEAREST = 1e-40
+"""The same below which a point is the contact edge: k^6 is formed, and stays below 1e240."""
+
 # Fields (body)
 
 NEAR_EDGE = 6.0

@@ -350,3 +350,28 @@ def test_random_scenes_have_their_interface_fields_as_limits(scene):
 def test_bad_points_are_refused():
     with pytest.raises(SceneError, match="finite"):
         solve(PRELOADED).velocity(np.nan, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+@pytest.mark.parametrize("size", [1e-300, 1e-160, 1e160, 1e300])
+@pytest.mark.filterwarnings("error")
+def test_no_position_is_too_small_or_too_large_to_square(mode, size):
+    solution = solve(unit_scene(2.0, *REMOTE, mode=mode))
+    x, y = np.array([0.3, -0.4, 0.5, -0.2, 0.0]), np.array([0.2, -0.1, 0.0, -0.0, 0.6])
+    for field, power in (("velocity", 0), ("stress", 0), ("displacement", 1)):
+        ask = getattr(solution, field)
+        np.testing.assert_allclose(
+            ask(size * x, size * y, size), size**power * ask(x, y, 1.0), rtol=1e-9, atol=1e-300
+        )
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+@pytest.mark.filterwarnings("error")
+def test_far_points_have_the_fields_at_infinity_and_those_at_the_edge_its_own(mode):
+    solution = solve(unit_scene(2.0, *REMOTE, mode=mode))
+    behind, ahead = (solution.stress(x, [0.5, 1e300], 1.0) for x in (-1e300, 1e300))
+    np.testing.assert_allclose(behind, solution.stress(-1e12, [0.5, 1e12], 1.0), atol=1e-8)
+    np.testing.assert_array_equal(ahead, solution.stress([0.5, 1e12], 9.0, 1.0))
+    edge = solution.stress(0.0, 0.0, 1.0)
+    np.testing.assert_array_equal(solution.stress(1e-300, 1e-300, 1.0), edge)
+    np.testing.assert_array_equal(solution.stress(0.3, 0.2, 1e300), edge)
