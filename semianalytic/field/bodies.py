@@ -84,7 +84,11 @@ class Bodies:
         rows = np.zeros((11 if self.scene.antiplane else 7, *x.shape))
         begun = t > 0
         time, below = self.scene.material.shear_speed * t[begun], np.signbit(y[begun])
-        waved = self._finite_or_not(*_scaled(x[begun], np.abs(y[begun]), time), below)
+        at = *_scaled(x[begun], np.abs(y[begun]), time), below
+        waved = np.empty((len(rows), len(time)))
+        for start in range(0, len(time), tuning.POINTS_AT_ONCE):
+            part = slice(start, start + tuning.POINTS_AT_ONCE)
+            waved[:, part] = self._finite_or_not(*(one[part] for one in at))
         waved[[5, 6, 10] if self.scene.antiplane else [5, 6]] *= time
         rows[:, begun] = waved
         return rows

@@ -32,6 +32,9 @@ FARTHEST = 1e16
 NEAREST = 1e-40
 """The same below which a point is the contact edge: k^6 is formed, and stays below 1e240."""
 
+POINTS_AT_ONCE = 100_000
+"""What they need beside their fields then stays at some 100 MB."""
+
 # Fields (body)
 
 NEAR_EDGE = 6.0

@@ -375,3 +375,17 @@ def test_far_points_have_the_fields_at_infinity_and_those_at_the_edge_its_own(mo
     edge = solution.stress(0.0, 0.0, 1.0)
     np.testing.assert_array_equal(solution.stress(1e-300, 1e-300, 1.0), edge)
     np.testing.assert_array_equal(solution.stress(0.3, 0.2, 1e300), edge)
+
+
+def test_fields_are_formed_in_parts(monkeypatch):
+    solution, rng = solve(unit_scene(2.0, *REMOTE)), np.random.default_rng(9)
+    x, y, t = *rng.uniform(-2, 2, (2, 3, 7)), rng.uniform(-0.2, 1, (3, 7))
+    whole = solution.displacement(x, y, t)
+    sizes, near = [], type(solution._bodies)._near
+    monkeypatch.setattr(tuning, "POINTS_AT_ONCE", 4)
+    monkeypatch.setattr(
+        type(solution._bodies), "_near", lambda *at: sizes.append(len(at[1])) or near(*at)
+    )
+    np.testing.assert_allclose(solution.displacement(x, y, t), whole, rtol=1e-12, atol=1e-14)
+    assert max(sizes) == 4
+    assert sum(sizes) == np.count_nonzero(t > 0)
