@@ -139,7 +139,7 @@ class Bodies:
 
 def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
     """Positions at t = 1, (m,), where fields are the same and displacement is 1 / t of its own:
-    as far, or as close to the edge, as squares and powers of slownesses can be formed."""
+    no farther than `FARTHEST`, and at the edge within `NEAREST`."""
     with np.errstate(over="ignore"):
         x, y = (np.clip(one / t, -tuning.FARTHEST, tuning.FARTHEST) for one in (x, y))
     at_edge = np.hypot(x, y) < tuning.NEAREST

@@ -191,6 +191,9 @@ def test_a_stuck_antiplane_step_has_the_closed_form():
     rng = np.random.default_rng(5)
     x, y = rng.uniform(-0.99, 0.99, (2, 400)) / np.sqrt(2)
     y = np.abs(y)
+    circle = np.geomspace(1e-12, 1e-3, 40), rng.uniform(0, np.pi, 40)
+    x = np.append(x, (1 - circle[0]) * np.cos(circle[1]))
+    y = np.append(y, (1 - circle[0]) * np.sin(circle[1]))
     square = x**2 + y**2
     k = (-x + 1j * y * np.sqrt(1 - square)) / square
     rate = 2 / np.pi * np.arctanh(1 / np.sqrt(1 - k)).imag
@@ -389,3 +392,13 @@ def test_fields_are_formed_in_parts(monkeypatch):
     np.testing.assert_allclose(solution.displacement(x, y, t), whole, rtol=1e-12, atol=1e-14)
     assert max(sizes) == 4
     assert sum(sizes) == np.count_nonzero(t > 0)
+
+
+@pytest.mark.parametrize(("distance", "within"), [(1e-2, 2e-8), (1e-5, 1e-7), (1e-8, 2e-6)])
+def test_stresses_close_to_a_stuck_antiplane_edge_lose_no_more_than_said(distance, within):
+    solution = solve(unit_scene(5.0, *REMOTE, mode="antiplane"))
+    angle = np.linspace(0.1, 3.0, 9)
+    x, y = distance * np.cos(angle), distance * np.sin(angle)
+    root = np.sqrt(1 + (-x + 1j * y * np.sqrt(1 - distance**2)) / distance**2)
+    shear = 2 / np.pi * (root - np.arctanh(1 / root)).imag
+    np.testing.assert_allclose(solution.stress(x, y, 1.0)[4], shear, rtol=within)
