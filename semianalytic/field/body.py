@@ -5,7 +5,8 @@ A wave of slowness s is at (x, y) from t > s r on with
     k_s = (-x t + i y (t^2 - s^2 r^2)^1/2) / r^2,
 
 and real before, k_s = (-x t + sgn(x) y (s^2 r^2 - t^2)^1/2) / r^2 + i 0, where for t > s y head
-waves and plane waves have come.  Rows of fields: v_x, v_y, sigma_xx, sigma_yy, sigma_xy, u_x, u_y;
+waves and plane waves have come; without cancellation at these, -sgn(x) (t^2 - s^2 y^2) / (|x| t +
+y (s^2 r^2 - t^2)^1/2).  Rows of fields: v_x, v_y, sigma_xx, sigma_yy, sigma_xy, u_x, u_y;
 in antiplane shear v_z, sigma_xz, sigma_yz, u_z.
 """
 
@@ -25,7 +26,9 @@ def slowness(x: Array, y: Array, t: Array, s: float) -> Complex:
     r = np.sqrt(square)
     rest = (t - s * r) * (t + s * r)
     root, inside = np.sqrt(np.abs(rest)), rest >= 0
-    real = np.where(inside, -x * t, -x * t + np.sign(x) * y * root) / square
+    across = np.where(inside, 1.0, np.abs(x) * t + y * root)
+    before = -np.sign(x) * (t - s * y) * (t + s * y) / across
+    real = np.where(inside, -x * t / square, before)
     return real + 1j * np.where(inside, y * root / square, 0.0)
 
 

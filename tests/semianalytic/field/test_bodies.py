@@ -191,6 +191,9 @@ def test_a_stuck_antiplane_step_has_the_closed_form():
     rng = np.random.default_rng(5)
     x, y = rng.uniform(-0.99, 0.99, (2, 400)) / np.sqrt(2)
     y = np.abs(y)
+    circle = np.geomspace(1e-12, 1e-3, 40), rng.uniform(0, np.pi, 40)
+    x = np.append(x, (1 - circle[0]) * np.cos(circle[1]))
+    y = np.append(y, (1 - circle[0]) * np.sin(circle[1]))
     square = x**2 + y**2
     k = (-x + 1j * y * np.sqrt(1 - square)) / square
     rate = 2 / np.pi * np.arctanh(1 / np.sqrt(1 - k)).imag
@@ -350,3 +353,52 @@ def test_random_scenes_have_their_interface_fields_as_limits(scene):
 def test_bad_points_are_refused():
     with pytest.raises(SceneError, match="finite"):
         solve(PRELOADED).velocity(np.nan, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+@pytest.mark.parametrize("size", [1e-300, 1e-160, 1e160, 1e300])
+@pytest.mark.filterwarnings("error")
+def test_no_position_is_too_small_or_too_large_to_square(mode, size):
+    solution = solve(unit_scene(2.0, *REMOTE, mode=mode))
+    x, y = np.array([0.3, -0.4, 0.5, -0.2, 0.0]), np.array([0.2, -0.1, 0.0, -0.0, 0.6])
+    for field, power in (("velocity", 0), ("stress", 0), ("displacement", 1)):
+        ask = getattr(solution, field)
+        np.testing.assert_allclose(
+            ask(size * x, size * y, size), size**power * ask(x, y, 1.0), rtol=1e-9, atol=1e-300
+        )
+
+
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+@pytest.mark.filterwarnings("error")
+def test_far_points_have_the_fields_at_infinity_and_those_at_the_edge_its_own(mode):
+    solution = solve(unit_scene(2.0, *REMOTE, mode=mode))
+    behind, ahead = (solution.stress(x, [0.5, 1e300], 1.0) for x in (-1e300, 1e300))
+    np.testing.assert_allclose(behind, solution.stress(-1e12, [0.5, 1e12], 1.0), atol=1e-8)
+    np.testing.assert_array_equal(ahead, solution.stress([0.5, 1e12], 9.0, 1.0))
+    edge = solution.stress(0.0, 0.0, 1.0)
+    np.testing.assert_array_equal(solution.stress(1e-300, 1e-300, 1.0), edge)
+    np.testing.assert_array_equal(solution.stress(0.3, 0.2, 1e300), edge)
+
+
+def test_fields_are_formed_in_parts(monkeypatch):
+    solution, rng = solve(unit_scene(2.0, *REMOTE)), np.random.default_rng(9)
+    x, y, t = *rng.uniform(-2, 2, (2, 3, 7)), rng.uniform(-0.2, 1, (3, 7))
+    whole = solution.displacement(x, y, t)
+    sizes, near = [], type(solution._bodies)._near
+    monkeypatch.setattr(tuning, "POINTS_AT_ONCE", 4)
+    monkeypatch.setattr(
+        type(solution._bodies), "_near", lambda *at: sizes.append(len(at[1])) or near(*at)
+    )
+    np.testing.assert_allclose(solution.displacement(x, y, t), whole, rtol=1e-12, atol=1e-14)
+    assert max(sizes) == 4
+    assert sum(sizes) == np.count_nonzero(t > 0)
+
+
+@pytest.mark.parametrize(("distance", "within"), [(1e-2, 2e-8), (1e-5, 1e-7), (1e-8, 2e-6)])
+def test_stresses_close_to_a_stuck_antiplane_edge_lose_no_more_than_said(distance, within):
+    solution = solve(unit_scene(5.0, *REMOTE, mode="antiplane"))
+    angle = np.linspace(0.1, 3.0, 9)
+    x, y = distance * np.cos(angle), distance * np.sin(angle)
+    root = np.sqrt(1 + (-x + 1j * y * np.sqrt(1 - distance**2)) / distance**2)
+    shear = 2 / np.pi * (root - np.arctanh(1 / root)).imag
+    np.testing.assert_allclose(solution.stress(x, y, 1.0)[4], shear, rtol=within)
