@@ -13,15 +13,15 @@ from compare.figures.fields import FieldPicture
 from compare.figures.quantities import find_quantity
 from compare.figures.saving import figure_png
 from compare.studies.evidence.html import code, paragraph
-from compare.studies.evidence.study import SceneEvidence
+from compare.studies.evidence.study import Evidence, SceneEvidence
 from semianalytic import Marched, Solution
 from semianalytic.results.answer import WholeFields
 from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 
-SHOTS = 16
+SHOTS = 12
 """Frames of a film, as far apart as the first is from t = 0."""
-POINTS, DPI = 240, 80
+POINTS, DPI = 200, 80
 QUANTITY, NAME = "max-shear", "largest shear stress in the plane"
 WIDE, TALL = 1.9, 1.4
 """Half the window over c_t T, whatever the time: the P front leaves it, the S front does not."""
@@ -62,15 +62,16 @@ class Film:
             yield figure_png(picture.figure, dpi=DPI)
 
 
-def films(scenes: Iterable[SceneEvidence]) -> list[Film]:
-    """What is filmed: the first scene that is solved, and the first that can only be marched."""
+def films(evidence: Evidence) -> list[Film]:
+    """What is filmed: the first scene that is solved, and the first that can only be marched; if
+    quick, the first of the two."""
     chosen: dict[type, Film] = {}
-    for evidence in scenes:
-        if evidence.judgements:
-            fields = evidence.judgements[0].prediction
+    for scene in evidence.scenes:
+        if scene.judgements:
+            fields = scene.judgements[0].prediction
             assert isinstance(fields, Solution | Marched)  # as `predict_like` makes them
-            chosen.setdefault(type(fields), Film(evidence, fields))
-    return list(chosen.values())
+            chosen.setdefault(type(fields), Film(scene, fields))
+    return list(chosen.values())[: 1 if evidence.quick else None]
 
 
 def field_section(chosen: Iterable[Film]) -> str:
@@ -84,7 +85,7 @@ def field_section(chosen: Iterable[Film]) -> str:
         + "".join(_player(f"field-{number}", film) for number, film in enumerate(chosen, 1))
         + paragraph("The same pictures, animations, grids and records at points are made by")
         + code(
-            f"slipfront field {film.evidence.source} --of {QUANTITY} --frames {SHOTS}"
+            f"slipfront field {film.evidence.source} --of {QUANTITY} --animate {SHOTS}"
             for film in chosen
         )
     )

@@ -108,7 +108,7 @@ def write_evidence(
 def page(evidence: Evidence) -> str:
     """The whole page."""
     anchors = [f"scene-{number}" for number in range(1, len(evidence.scenes) + 1)]
-    chosen = films(evidence.scenes)
+    chosen = films(evidence)
     sections = [
         ("summary", "Summary", _summary(evidence, anchors)),
         ("reading", "How to read this page", _reading()),
