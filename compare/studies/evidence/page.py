@@ -16,6 +16,7 @@ from compare.output.files import filled_template, write_text
 from compare.output.places import check_file
 from compare.studies.article.claims import FAILS, HOLDS, METHODS, PARTLY
 from compare.studies.article.study import figure_2, figure_5, figure_6
+from compare.studies.evidence.film import field_section, films
 from compare.studies.evidence.html import (
     Cell,
     code,
@@ -107,6 +108,7 @@ def write_evidence(
 def page(evidence: Evidence) -> str:
     """The whole page."""
     anchors = [f"scene-{number}" for number in range(1, len(evidence.scenes) + 1)]
+    chosen = films(evidence)
     sections = [
         ("summary", "Summary", _summary(evidence, anchors)),
         ("reading", "How to read this page", _reading()),
@@ -114,6 +116,7 @@ def page(evidence: Evidence) -> str:
             (anchor, f"Scene: {scene.label}", scene_section(anchor, scene, evidence.quick))
             for anchor, scene in zip(anchors, evidence.scenes, strict=True)
         ),
+        *((("field", "The whole field", field_section(chosen)),) if chosen else ()),
         ("closed", "Closed forms", _closed_forms(evidence)),
         ("article", "Claims of the article", _article(evidence)),
         *((key, study.title, _earlier(study)) for key, study in STUDIES.items()),

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import base64
+import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from io import BytesIO
+from itertools import pairwise
 from operator import attrgetter
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from compare.cli.commands import main
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
+from compare.studies.evidence import film as evidence_film
 from compare.studies.evidence import page as evidence_page
 from compare.studies.evidence import study as evidence_study
 from compare.studies.evidence.figures import FRAMES, LARGEST, energy_unit, profiles
@@ -26,9 +31,12 @@ from compare.studies.evidence.study import (
     excess,
     worst_row,
 )
-from semianalytic import solve
+from semianalytic import Marched, Solution, solve
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import NAMED_SCENES
 
+LARGEST_PAGE = 12e6
+"""Bytes of a page that may be sent around."""
 VOID = {"meta", "link", "img", "input", "br", "hr"}
 SCENES = ("remote-shock", "pulse")
 OPENING = """friction = 0.3
@@ -52,7 +60,57 @@ def found(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def text(found):
-    return evidence_page.page(found)
+    """The page, with films of three frames."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(evidence_film, "SHOTS", 3)
+        return evidence_page.page(found)
+
+
+@pytest.fixture(scope="module")
+def film(text):
+    """What the slider of the film is given."""
+    section = text[text.index('<section id="field"') :]
+    data = re.search(r'<script type="application/json">(.*?)</script>', section, re.DOTALL)
+    return json.loads(data[1])
+
+
+def picture_of(source):
+    data = base64.b64decode(source.removeprefix("data:image/png;base64,"))
+    return np.asarray(Image.open(BytesIO(data)).convert("RGB")).astype(int)
+
+
+def test_frames_of_the_film_are_those_of_its_times(film, text):
+    assert film["captions"] == [
+        "t = 0.333 T = 0.3333 [time]",
+        "t = 0.667 T = 0.6667 [time]",
+        "t = 1.000 T = 1 [time]",
+    ]
+    pictures = [picture_of(source) for source in film["frames"]]
+    assert len({picture.shape for picture in pictures}) == 1
+    for earlier, later in pairwise(pictures):
+        assert (np.abs(later - earlier).max(axis=2) > 30).mean() > 0.05
+    assert f'<img src="{film["frames"][-1]}"' in text
+    assert 'value="2" aria-valuetext="t = 1.000 T = 1 [time]"' in text
+
+
+def test_films_are_of_a_solved_and_of_a_marched_scene(found):
+    """Not of the one without a semi-analytic answer; if quick, of the first alone."""
+    chosen = evidence_film.films(replace(found, quick=False))
+    assert [film.evidence for film in chosen] == list(found.scenes[:2])
+    assert [type(film.fields) for film in chosen] == [Solution, Marched]
+    assert [film.evidence for film in evidence_film.films(found)] == [found.scenes[0]]
+
+
+def test_a_page_without_semianalytic_answers_has_no_field_section(found):
+    assert evidence_film.films(replace(found, scenes=found.scenes[2:])) == []
+
+
+def test_page_stays_small(found, text):
+    """With all frames of two films, and as many scenes as have names."""
+    frames = len(text[text.index('<section id="field"') : text.index('<section id="closed"')])
+    scenes = text.index('<section id="field"') - text.index('<section id="scene-1"')
+    grown = 2 * frames * evidence_film.SHOTS / 3 + scenes * len(NAMED_SCENES) / len(found.scenes)
+    assert len(text.encode()) + grown < LARGEST_PAGE
 
 
 class Outline(HTMLParser):

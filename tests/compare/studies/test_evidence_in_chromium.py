@@ -16,6 +16,8 @@ from compare.cli.commands import main
 from compare.studies.evidence.figures import FRAMES
 from semianalytic.scene.named import NAMED_SCENES
 
+LARGEST_PAGE = 12e6
+"""Bytes of a page that may be sent around."""
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
 
 
@@ -160,6 +162,35 @@ def test_chromium_opens_the_page_and_nothing_overflows(browser, whole_page, widt
     assert browser.value(
         "[...document.images].every(image => image.complete && image.naturalWidth > 0)"
     )
+    assert browser.complaints() == []
+
+
+@pytest.mark.slow
+def test_page_is_under_twelve_megabytes(whole_page):
+    assert whole_page.stat().st_size < LARGEST_PAGE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1280, 400])
+def test_keys_move_the_film(browser, whole_page, width):
+    """Each film: the picture, its words and the time beside the slider."""
+    browser.open(whole_page, width, "light")
+    assert browser.value("document.querySelectorAll('.film').length") == 2
+    for number in range(2):
+        part = f"document.querySelectorAll('.film')[{number}].querySelector"
+        browser.value(f"{part}('input').focus()")
+        shown = []
+        for key, code in (("End", 35), ("ArrowLeft", 37), ("Home", 36)):
+            browser.press(key, code)
+            time.sleep(0.2)  # for the picture to be read
+            assert browser.value(f"{part}('img').complete && {part}('img').naturalWidth > 0")
+            caption = browser.value(f"{part}('output').textContent")
+            assert re.fullmatch(r"t = \d\.\d{3} T = [\d.]+ \[time\]", caption)
+            assert browser.value(f"{part}('input').getAttribute('aria-valuetext')") == caption
+            assert browser.value(f"{part}('img').alt").endswith(caption)
+            shown.append((caption, browser.value(f"{part}('img').src")))
+        assert len({caption for caption, _ in shown}) == 3
+        assert len({source for _, source in shown}) == 3
     assert browser.complaints() == []
 
 
