@@ -73,7 +73,8 @@ class Bodies:
         rng = np.random.default_rng(0)
         angle, radius = np.pi * rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
         at = radius * np.cos(angle), radius * np.sin(angle), 1 / self.scene.material.shear_speed
-        return float(np.abs(self._rows(*at) - coarse._rows(*at))[2:].max()) / tuning.COARSER
+        change = np.abs(self._rows(*at) - coarse._rows(*at))[2:].max()
+        return tuning.CELL_ERROR + float(change) / tuning.COARSER
 
     def _rows(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Rows of `body.upper`, those of antiplane shear after the others, in either body."""

@@ -20,6 +20,8 @@ SECTORS = 6
 DEGREE = 18
 """Of the polynomial of a cell: at 1e-10 of ln(k - centre) over a cell whose nearest singularity is
 2.7 half diagonals from its middle; 16 gives 2e-9, 22 no more than the rule of 1e-10 allows."""
+CELL_ERROR = 5e-10
+"""What polynomials leave however fine the rule, over the largest load: 1e-10 to 4e-10."""
 NODES_PER_SIDE = 12
 """On the border of a cell, more than its polynomial has coefficients."""
 SCALES = 16.0
