@@ -408,8 +408,8 @@ def split_power(
     stride = max(1, round(tuning.SHARE_LOGARITHM / panels.rule.spacing))
     three, near = nodes[[0, stride, 2 * stride]], ~away
     terms = np.stack([np.ones_like(share), share, share * np.log(share)], axis=-1)
-    over = density[panel] * jacobian / shape
-    fitted = np.linalg.solve(terms[..., three, :], over[..., three, None])
+    over = (density[panel] * jacobian)[..., three] / shape[..., three]
+    fitted = np.linalg.solve(terms[..., three, :], over[..., None])
     power = replace(unit, amount=fitted[..., 0, :])
     density[panel] -= power.by_y(panels) / jacobian
     left = (terms[..., near, 1:] @ fitted[..., 1:, :])[..., 0]

@@ -193,7 +193,7 @@ class ZoneFields:
         return np.asarray(value)
 
     @cached_property
-    def _borders(self) -> tuple[tuple[int, Array], ...]:
+    def borders(self) -> tuple[tuple[int, Array], ...]:
         """(panel, exponent of X, (..., 1)) of each panel at whose right end slip that meets
         resistance borders on the opening."""
         canonical, layout = self.canonical, self.layout
@@ -219,13 +219,13 @@ class ZoneFields:
             for index, one in enumerate(self.zones)
             if one.held
         ]
-        every = sorted([*(panel for panel, _ in self._borders), *held])
+        every = sorted([*(panel for panel, _ in self.borders), *held])
         return tuple((panel, end) for panel in every if (end := panels.right[panel]) is not None)
 
     @cached_property
     def _sharp(self) -> tuple[RunningIntegral, ...]:
         """Slip rate of a unit term of each edge at which it vanishes."""
-        panels, exponents = self.panels, dict(self._borders)
+        panels, exponents = self.panels, dict(self.borders)
         result = []
         for panel, edge in self._vanishing:
             slope = self._by_impedance(self.canonical.values * self._share(edge))
@@ -243,7 +243,7 @@ class ZoneFields:
     def _jumps_at(self, panel: int) -> bool:
         """Whether slip rate and traction jump at a border: ahead of all waves M is real."""
         ahead = panel + 1 < self.layout.ahead and not self.factors.has_rayleigh_wave
-        return ahead and panel in dict(self._borders)
+        return ahead and panel in dict(self.borders)
 
     def _jump(self, panel: int, edge: CutPoints) -> tuple[Array, Array]:
         """Slip rate ahead of a border where it jumps, and how much, per term r, (..., 1): traction
@@ -384,7 +384,7 @@ class ZoneFields:
     def slip_rate_slope(self) -> Array:
         """(p, ..., n): dV/dv on panels that slip, 0 on panels that stick; without the powers of
         `rate_integral`."""
-        if not self._borders:
+        if not self.borders:
             return self._slope_of(self._reduced)
         slope = self._slope_of(self.canonical.values * (self._cauchy + self._first_constant))
         for amount, sharp in zip(self._amounts, self._sharp, strict=True):

@@ -135,7 +135,9 @@ class Bodies:
         return self._primitives(ZoneFields(factors, closed, (), self.shear.rule))
 
     def _primitives(self, fields: ZoneFields) -> Primitives:
-        return Primitives(Transform(replace(fields, rule=rule_for(self.tolerance), tail=True)))
+        rule = rule_for(self.tolerance)
+        longer = replace(rule, reach=rule.reach + tuning.LONGER)
+        return Primitives(Transform(replace(fields, rule=longer, tail=True)))
 
 
 def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:

@@ -79,23 +79,53 @@ class Transform:
         return np.append(near, width + far), np.append(width * rule.bell, far)
 
     @cached_property
+    def _borders(self) -> list[Centre]:
+        """Where slip that meets resistance borders on an opening: T may be like 1 / (k - border)
+        there or worse, and is integrated with a factor k - border each."""
+        left = self.fields.panels.left
+        return [Centre(-1, left[panel + 1], panel + 1) for panel, _ in self.fields.borders]
+
+    @cached_property
     def _right(self) -> Array:
-        """(2 n,): T there, from its imaginary part on the cut, which is the slope of traction."""
-        panels, load = self.fields.panels, self.fields.load
-        at, sent = panels.at, self._cut.imag / (np.pi * panels.at.v) * panels.jacobian
-        beyond, _ = self._beyond
-        kernel = 1 / (at.from_a.ravel() + beyond[:, None])
-        gained = panels.rule.spacing * (kernel @ sent.ravel())
-        k = beyond - self.fields.factors.a
-        return np.asarray(load.load_shear - load.far_slip_rate + k * gained)
+        """(2 n,): T there, times its factors, from its imaginary part on the cut.
+
+        T(k) = T(0) + k int dtau/dv / (v + k) dv without borders; each of them takes one more point
+        at which T is known.
+        """
+        panels, beyond = self.fields.panels, self._beyond[0]
+        knots = np.arange(len(self._borders) + 1.0)
+        sent = panels.jacobian * self._cut.imag
+        for knot in knots:
+            sent = sent / -(panels.at.v + knot)
+        kernel = 1 / (panels.at.from_a.ravel() + beyond[:, None])
+        k, result = beyond - self.fields.factors.a, np.zeros(len(beyond))
+        result -= panels.rule.spacing / np.pi * (kernel @ sent.ravel())
+        result *= np.prod(k[:, None] - knots, axis=1)
+        for knot, value in zip(knots, self._known(knots), strict=True):
+            others = knots[knots != knot]
+            result += value * np.prod((k[:, None] - others) / (knot - others), axis=1)
+        return result
+
+    def _known(self, knots: Array) -> Array:
+        """T at 0 and at some k > 0, times its factors."""
+        fields, load = self.fields, self.fields.load
+        value = fields.stick_transform_off_cut(knots) * fields.factors.m_plus(knots)
+        value[0] = float(np.ravel(load.load_shear - load.far_slip_rate)[0])
+        for border in self._borders:
+            value = value * (knots - border.place)
+        return np.asarray(value)
 
     @cached_property
     def _cut(self) -> Complex:
-        return self.fields.transform
+        """T on the panels, times its factors."""
+        result, panels = self.fields.transform, self.fields.panels
+        for border in self._borders:
+            result = result * -panels.from_ends[border.end]
+        return result
 
     @cached_property
     def _values(self) -> Complex:
-        """(m,): T at all nodes of the axis."""
+        """(m,): T at all nodes of the axis, times its factors."""
         return np.concatenate([self._cut.ravel(), self._right])
 
     @cached_property
@@ -118,14 +148,18 @@ class Transform:
     def near(self, centre: Centre, offset: Complex, scale: float) -> Complex:
         """T at k = centre + offset, (m,), Im >= 0, with |k| not far above `scale`."""
         distances, place = self._offsets(centre), centre.place
-        fading = self._weights * (1 + (distances + place) / (1j * scale)) ** -tuning.FADING
+        power = tuning.FADING + len(self._borders)
+        fading = self._weights * (1 + (distances + place) / (1j * scale)) ** -power
         carried, least = fading * self._values, float(np.abs(offset).min())
         sizes = (np.abs(carried) + np.abs(fading)) / (np.abs(distances) + least)
         kept = sizes > tuning.NEGLIGIBLE * self.fields.panels.rule.tolerance * sizes.max()
         parts = (carried.real, carried.imag, fading.real, fading.imag)
         weights = np.stack([part[kept] for part in parts], axis=1)
         above, below = _cauchy(distances[kept], weights, offset.ravel())
-        return np.asarray(above / below).reshape(offset.shape)
+        result = np.asarray(above / below).reshape(offset.shape)
+        for border in self._borders:
+            result /= offset + border.distance(centre)
+        return result
 
 
 def _cauchy(place: Array, weights: Array, at: Complex) -> tuple[Complex, Complex]:

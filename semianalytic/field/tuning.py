@@ -13,6 +13,10 @@ CACHED_KERNEL = 60_000
 NEGLIGIBLE = 0.01
 """Share of the tolerance of a rule that a node may carry, over its distance, and be left out."""
 
+LONGER = 16.0
+"""How much farther in y the rule of transforms goes than that of zones: T grows like k^1/2 at a
+stuck edge, and of what a rule leaves out at v the share (k / v)^1/2 is missed."""
+
 # Cells and their polynomials (cells)
 
 SECTORS = 6
@@ -33,9 +37,8 @@ FARTHEST = 1e16
 """Distance over what shear waves do until then from which on fields are those at infinity, to
 rounding."""
 NEAREST = 1e-16
-"""The same below which a point is the contact edge.  Stresses beside a stuck edge come from T at
-k = 1 / distance, beyond most nodes of its rule: against the closed antiplane form they are off by
-7e-9 of themselves at 1e-2, 5e-7 at 1e-8, 9e-5 at 1e-12, and by half at 1e-20."""
+"""The same below which a point is the contact edge.  Against the closed antiplane form stresses
+beside a stuck edge are off by less than 1e-8 of themselves down to 1e-8, by 6e-7 at 1e-15."""
 POINTS_AT_ONCE = 100_000
 """What they need beside their fields then stays at some 100 MB."""
 

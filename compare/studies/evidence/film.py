@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from base64 import b64encode
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -79,13 +80,13 @@ def field_section(chosen: Iterable[Film]) -> str:
     return (
         paragraph(
             "The tractions of the interface determine all that happens in the two bodies. The "
-            f"{NAME} is shown through time, as a photoelastic experiment would see it; wave "
+            f"{NAME} is shown through time, which photoelasticity measures; wave "
             "fronts are dashed, what slips is coloured on the interface, the slot is black."
         )
         + "".join(_player(f"field-{number}", film) for number, film in enumerate(chosen, 1))
         + paragraph("The same pictures, animations, grids and records at points are made by")
         + code(
-            f"slipfront field {film.evidence.source} --of {QUANTITY} --animate {SHOTS}"
+            f"slipfront field {shlex.quote(film.evidence.source)} --of {QUANTITY} --animate {SHOTS}"
             for film in chosen
         )
     )

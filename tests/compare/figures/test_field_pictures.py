@@ -1,16 +1,21 @@
 """Pictures of fields: fronts are where the fields change, names and colours say what is shown."""
 
+from io import BytesIO
+
 import numpy as np
 import pytest
 from matplotlib import rcParams
+from matplotlib.colors import to_rgb
 from matplotlib.image import imread
+from PIL import Image
 
 from compare.figures import animation
 from compare.figures.animation import check_format, write_animation
 from compare.figures.fields import FieldPicture, field_figure
 from compare.figures.fronts import fronts, moving_parts, reach
 from compare.figures.quantities import ALONG_Z, QUANTITIES, find_quantity
-from compare.figures.saving import save_figure
+from compare.figures.saving import figure_png, save_figure
+from compare.figures.style import SENSE_COLOURS
 from semianalytic import (
     ComputationError,
     MissingLibraryError,
@@ -230,3 +235,14 @@ def test_a_missing_ffmpeg_is_one_sentence(monkeypatch):
     check_format("gif")
     with pytest.raises(MissingLibraryError, match=r"ffmpeg, which is not installed.*gif\.$"):
         check_format("mp4")
+
+
+def test_few_colours_keep_those_of_the_senses():
+    """A line on a picture of many colours is rare, and says which way it slips."""
+    scene = find_scene("auxetic")
+    picture = field_figure(solve(scene), find_quantity("max-shear", scene), 1.0, points=60)
+    with Image.open(BytesIO(figure_png(picture, dpi=80))) as packed:
+        pixels = np.asarray(packed.convert("RGB"), dtype=float).reshape(-1, 3)
+    for sense in ("slip", "reverse slip"):
+        colour = 255 * np.array(to_rgb(SENSE_COLOURS[sense]))
+        assert np.linalg.norm(pixels - colour, axis=1).min() < 15
