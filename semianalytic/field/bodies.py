@@ -68,13 +68,16 @@ class Bodies:
 
     @cached_property
     def error(self) -> float:
-        """Estimate of the error of stresses over the largest load, from a coarser rule."""
+        """Estimate of the error of velocities and stresses, relative to themselves plus the largest
+        load: what a rule ten times coarser changes, near the edge as well."""
         coarse = replace(self, tolerance=tuning.COARSER * self.tolerance)
-        rng = np.random.default_rng(0)
-        angle, radius = np.pi * rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
+        rng, slowest = np.random.default_rng(0), self._shear.reach
+        angle, share = rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
+        radius, angle = 2 * (2 * slowest) ** -share, 2 * np.pi * angle
         at = radius * np.cos(angle), radius * np.sin(angle), 1 / self.scene.material.shear_speed
-        change = np.abs(self._rows(*at) - coarse._rows(*at))[2:].max()
-        return tuning.CELL_ERROR + float(change) / tuning.COARSER
+        rows = self._rows(*at)
+        change = np.abs(rows - coarse._rows(*at)) / (1 + np.abs(rows))
+        return tuning.CELL_ERROR + float(change.max())
 
     def _rows(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Rows of `body.upper`, those of antiplane shear after the others, in either body."""

@@ -85,6 +85,11 @@ class Primitives:
     def _zero(self) -> int:
         return next(i for i, centre in enumerate(self.centres) if not centre.sign)
 
+    @property
+    def reach(self) -> float:
+        """Slowness of the slowest front or zone edge."""
+        return self._extent / 2
+
     @cached_property
     def _extent(self) -> float:
         """|k| from which on all centres are near 0."""
@@ -131,6 +136,10 @@ class Primitives:
         level = np.where(far, np.maximum(level, 1), level)
         return np.stack([np.where(far, -1, centre), left, level, sector], axis=1), log
 
+    def _level(self, centre: int, left: int, log: float) -> int:
+        """The level of a side at a radius, of which the logarithm is given."""
+        return int(np.ceil((log - self._tops[centre, left]) / _STEP))
+
     def _middle(self, cell: Cell) -> complex:
         """ln(k - centre) in the middle of a cell."""
         far = cell.centre < 0
@@ -149,18 +158,18 @@ class Primitives:
             k = np.array([np.exp(inner) * (1 - 1e-12)])
             (key,), log = self.located(k, tuning.CLOSE[0])
             return Cell(*map(int, key)), inner, complex(log[0])
-        if level:
-            step = -1 if level > 0 else 1
+        home = int(centre >= self._zero)
+        base = 0 if left == home else self._level(centre, left, self._tops[centre].min())
+        if level != base:
+            step = -1 if level > base else 1
             between = middle + step * _STEP / 2
             return cell._replace(level=level + step), between, between
-        home = int(centre > self._zero or centre == self._zero)
         turn = 1j * _STEP / 2 * (-1 if left else 1)
         if left != home:
             if sector < _QUARTER - 1:
                 return cell._replace(sector=sector + 1), middle + turn, middle + turn
             between = complex(middle.real, np.pi / 2)
-            top = float(self._tops[centre, home])
-            level = int(np.ceil((between.real - top) / _STEP))
+            level = self._level(centre, home, between.real)
             return Cell(centre, home, level, sector), between, between
         if sector:
             return cell._replace(sector=sector - 1), middle - turn, middle - turn

@@ -59,8 +59,8 @@ GROWN = 1e-6
 comes in like a square root at least, by 1e-8."""
 ESTIMATED_POINTS = 60
 """Points at which a coarser rule is compared for the error estimate.  Not recorded."""
-COARSER = 100.0
-"""How much coarser, in tolerance."""
+COARSER = 10.0
+"""How much coarser, in tolerance: its error is then at least twice that of the rule itself."""
 
 # Fields of a step on a stuck interface (stuck_steps)
 

@@ -469,8 +469,8 @@ class Solution:
 
     @cached_property
     def field_error(self) -> float:
-        """Estimate of the error of fields in the bodies, relative to the largest load: what a
-        coarser rule makes of them at some points, and what zone edges are off by."""
+        """Estimate of the error of fields in the bodies, relative to themselves plus the largest
+        load: what a coarser rule changes at some points, and what zone edges are off by."""
         return self._bodies.error + self.error_estimate
 
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:

@@ -345,6 +345,16 @@ def test_error_is_honest(problem):
     assert solution.field_error < 1e-4
 
 
+def test_a_zone_far_slower_than_waves_spoils_nothing_elsewhere():
+    """Integrals grow like k^2.5 towards its edge, and must not come back from there."""
+    coarse, fine = (solve(unit_scene(98.0), rtol=rtol) for rtol in (1e-8, 1e-11))
+    rng = np.random.default_rng(0)
+    radius, angle = rng.uniform(0.1, 1.0, 40), rng.uniform(-np.pi, np.pi, 40)
+    at = radius * np.cos(angle), radius * np.sin(angle), 1.0
+    np.testing.assert_allclose(coarse.stress(*at), fine.stress(*at), atol=1e-8)
+    np.testing.assert_allclose(coarse.velocity(*at), fine.velocity(*at), atol=1e-8)
+
+
 @settings(max_examples=10, deadline=None)
 @given(scene=scenes())
 def test_random_scenes_have_their_interface_fields_as_limits(scene):
