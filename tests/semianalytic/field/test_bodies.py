@@ -364,11 +364,15 @@ def test_random_scenes_have_their_interface_fields_as_limits(scene):
     time, _ = unit_time(scene)
     x = interface_positions(solution)
     stress, velocity, _ = largest(scene)
-    error = 10 * solution.error_estimate
+    error = solution.field_error
     slip = solution.velocity(x, 0.0, time)[0] - solution.velocity(x, -0.0, time)[0]
-    np.testing.assert_allclose(slip, solution.slip_rate(x, time), atol=error * velocity)
+    np.testing.assert_allclose(
+        slip, solution.slip_rate(x, time), atol=4 * error * velocity, rtol=4 * error
+    )  # of two faces, and one-sided in units of half the load
     shear = solution.stress(x, 0.0, time)[2]
-    np.testing.assert_allclose(shear, solution.shear_traction(x, time), atol=error * stress)
+    np.testing.assert_allclose(
+        shear, solution.shear_traction(x, time), atol=error * stress, rtol=error
+    )
 
 
 def test_bad_points_are_refused():
