@@ -123,6 +123,12 @@ def check_invariants(scene):
         np.abs(traction[sliding]), strength[sliding], rtol=0, atol=tolerance * load
     )
     # Causality
+    if (
+        solution.zones
+        and solution.zones[-1].outer >= (1 - 1e-13) * scene.material.longitudinal_speed
+    ):
+        strength = scene.friction * scene.base.pressure  # a base below friction sticks at first
+        assert abs(scene.base.shear) >= strength * (1 - 1e-12) or strength < 1e-12 * load
     ahead = np.array([1.001, 2.0]) * scene.material.longitudinal_speed
     np.testing.assert_allclose(solution.slip_rate(ahead, 1.0), scene.far_slip_rate, rtol=1e-15)
     assert np.all(solution.pressure(ahead, 1.0) == scene.base.pressure)

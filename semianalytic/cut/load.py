@@ -107,6 +107,12 @@ class Load:
         return bool(strength == 0 or strength < tuning.NEGLIGIBLE_FRICTION * abs(self.load_shear))
 
     @property
+    def slips_from_front(self) -> bool:
+        """Whether slip may begin at the first front, or ahead of all waves (one set): the base is
+        at friction, or nothing resists."""
+        return self.frictionless or self.critical or bool(self.far_slip_rate)
+
+    @property
     def rests(self) -> bool:
         """Whether nothing slips: the base may be at friction, the contact open (one set)."""
         drives = self.load_pressure if self.base_shear else 0.0

@@ -194,7 +194,7 @@ def edge_threshold(poisson_ratio: float) -> float:
     """Friction below which the contact edge slips under a remote load.
 
     sqrt(b/a) unless slip at the shear front comes first and loads the edge further; just past the
-    Poisson ratio at which it does, the zone there is tiny and shifts the threshold by < 1e-9.
+    Poisson ratio at which it does, the zone there is tiny and shifts the threshold by < 1e-8.
 
     Raises
     ------

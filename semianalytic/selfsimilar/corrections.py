@@ -189,7 +189,10 @@ def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> l
     for one in reversed(sorted(violations, key=lambda one: float(one.left.v[0]))):
         zone = result[one.zone]
         to_end = one.touches_right or _reaches(one.right, zone.right)
-        if one.touches_left or _reaches(zone.left, one.left):
+        from_start = one.touches_left or _reaches(zone.left, one.left)
+        if from_start and one.right is None:
+            del result[one.zone]  # all of a zone at the contact edge
+        elif from_start:
             result[one.zone] = replace(zone, left=one.right)
         elif to_end and zone.right is not None:
             result[one.zone] = replace(zone, right=one.left)

@@ -209,6 +209,8 @@ def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules:
     for sets in range(1, tuning.MOST_ZONE_SETS + 1):
         placement = locate_edges(factors, zones, load, rules.locating, rules.shift)
         steps += placement.steps
+        if zones and zones[0].left is None and not load.slips_from_front:
+            break  # traction would jump there, for no load does
         if not placement.converged:
             others = rearranged(factors, placement.zones, load)
             if others is None:

@@ -183,10 +183,11 @@ def _stepped(
     fields = profile.fields
     values = fields.mismatch()
     move = -moves(inverse[0], values)
-    size = np.abs(move).max(axis=0)
-    unknowns, rest = start + move, np.abs(move + moves(inverse[1], values)) + np.square(size)
+    size, apart = np.abs(move).max(axis=0), np.abs(move + moves(inverse[1], values))
+    unknowns, rest = start + move, np.maximum(apart, tuning.LEAST_LEFT * size) + np.square(size)
     left = shift_error(sets.edges, unknowns, unknowns + rest, fields)
-    left[~(size < tuning.FARTHEST_STEP)] = np.inf
+    agreed = apart.max(axis=0, initial=0.0) <= tuning.MOST_DISAGREEMENT * size
+    left[~((size < tuning.FARTHEST_STEP) & agreed)] = np.inf
     for _ in range(tuning.MORE_STEPS):
         again = np.flatnonzero(left < np.inf)
         again = again[SAFETY * left[again] > room[again]]

@@ -75,6 +75,19 @@ def test_edge_threshold_is_the_closed_form_unless_the_shear_front_breaks_first()
     assert edge_threshold(-0.5) > edge_threshold_alone(-0.5)
 
 
+@pytest.mark.parametrize("share", [-1e-6, 0.0, 1e-9, 1e-6])
+def test_a_zone_at_the_front_alone_makes_the_edge_slip(share):
+    """Zones of 6e-8 c_t at the edge and 1e-3 c_t around the shear front, not one up to c_l."""
+    ratio = -0.3291071428571428
+    alone = edge_threshold_alone(ratio)
+    chi = alone + share * (front_threshold_stuck(ratio) - alone)
+    solution = solve(scene_of("remote", ratio, chi), rtol=1e-6)
+    assert solution.status == "converged"
+    assert [zone.inner > 0.9999 for zone in solution.zones] == [False, True]
+    assert solution.zones[0].outer < 1e-7
+    assert 1e-9 < edge_threshold(ratio) - alone < 1e-8
+
+
 @pytest.mark.parametrize("poisson_ratio", [-0.8, -0.5, THIRD])
 def test_edge_slips_just_below_its_threshold_only(poisson_ratio):
     chi = edge_threshold(poisson_ratio)
