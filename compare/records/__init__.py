@@ -1,0 +1,1 @@
+"""What other codes wrote about an interface: files in, records at stations out."""
