@@ -21,12 +21,13 @@ stuck edge, and of what a rule leaves out at v the share (k / v)^1/2 is missed."
 
 SECTORS = 6
 """Cells from one side of the axis to the other."""
-DEGREE = 18
-"""Of the polynomial of a cell: at 1e-10 of ln(k - centre) over a cell whose nearest singularity is
-2.7 half diagonals from its middle; 16 gives 2e-9, 22 no more than the rule of 1e-10 allows."""
-CELL_ERROR = 5e-10
-"""What polynomials leave however fine the rule, over the largest load: 1e-10 to 4e-10."""
-NODES_PER_SIDE = 12
+DEGREE = 22
+"""Of the polynomial of a cell: of ln(k - centre) over a cell whose nearest singularity is 2.7 half
+diagonals from its middle.  Limits on the interface at rtol 1e-11 are then 4e-13 to 4e-12 off, as
+with 24; with 18, in the same time, 1e-10."""
+CELL_ERROR = 2e-12
+"""What polynomials leave however fine the rule, over the largest load: up to 5e-13."""
+NODES_PER_SIDE = 14
 """On the border of a cell, more than its polynomial has coefficients."""
 SCALES = 16.0
 """Ratio of the scales of k at which transforms are formed."""

@@ -25,6 +25,8 @@ def test_page_prints_what_it_says():
 def test_error_of_the_default_scene_is_that_of_the_page():
     ((error, _),) = quoted_numbers("docs/fields.md", "that of the default scene is {}")
     assert solve(find_scene("preloaded")).field_error == pytest.approx(error, rel=1)
+    ((error, _),) = quoted_numbers("docs/fields.md", "and {} of one solved with `rtol=1e-11`")
+    assert solve(find_scene("preloaded"), rtol=1e-11).field_error == pytest.approx(error, rel=1)
 
 
 def test_stress_at_the_edge_grows_as_the_page_says():
