@@ -1,0 +1,198 @@
+"""Meshes with fields as records: motion of the two faces of the interface, or fields on it."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compare.records.names import known_columns
+from compare.records.options import ReadingOptions
+from compare.records.record import Array, Records
+from compare.records.stations import joined_faces, stations_of_grid
+from semianalytic.scene.errors import DataFileError
+
+VECTORS = {"velocity": "velocity v vel velo", "displacement": "displacement u disp displ"}
+"""Names of vectors at nodes, in lower case."""
+ON_INTERFACE = 1e-9
+"""Distance from y = 0, over the size of the mesh, within which a node is on the interface."""
+
+Frame = tuple[float, Any]
+"""Time, and a mesh with fields."""
+
+
+def read_bodies(path: Path, options: ReadingOptions) -> Records:
+    """Records of frames: one PVD or XDMF file.
+
+    Raises
+    ------
+    DataFileError
+        If a file cannot be read, is of no time, or has neither motion of faces at y = 0 nor
+        quantities of the interface.
+    """
+    frames = sorted(_frames(path), key=lambda frame: frame[0])
+    if len(frames) < 2:
+        raise DataFileError(f"{path} has {len(frames)} frames; a record takes two at least.")
+    times, rows = [], []
+    notes: list[str] = []
+    x: Array | None = None
+    for time, mesh in frames:
+        here, values, notes = _interface(path, mesh, options)
+        if x is not None and not np.array_equal(x, here):
+            raise DataFileError(f"{path}: frames are on different meshes; give them on one.")
+        x = here
+        times.append(time)
+        rows.append(values)
+    assert x is not None
+    names = set.intersection(*(set(row) for row in rows))
+    values = {name: np.array([row[name] for row in rows]) for name in sorted(names)}
+    inside = x > options.origin
+    kept = {name: value[:, inside] for name, value in values.items()}
+    if not inside.any():
+        raise DataFileError(f"{path} has no node of the interface at x > {options.origin:g}.")
+    stations, mended = stations_of_grid(path, x[inside] - options.origin, np.array(times), kept)
+    spacing = float(np.median(np.diff(x[inside]))) if inside.sum() > 1 else None
+    return Records(stations, None, str(path), (*notes, *mended), spacing)
+
+
+def _frames(path: Path) -> Iterator[Frame]:
+    suffix = path.suffix.lower()
+    if suffix == ".pvd":
+        for time, piece in _pieces(path):
+            yield time, _mesh(piece)
+    elif suffix in (".xdmf", ".xmf"):
+        yield from _xdmf_frames(path)
+    else:
+        raise DataFileError(
+            f"{path} is one frame and does not say its time; give the .pvd or .xdmf file of all."
+        )
+
+
+def _pieces(path: Path) -> Iterator[tuple[float, Path]]:
+    """Times and files of a PVD file."""
+    try:
+        root = ElementTree.parse(path).getroot()
+    except (ElementTree.ParseError, OSError, UnicodeDecodeError) as error:
+        raise DataFileError(f"{path} cannot be read ({error}); write it anew.") from error
+    for entry in root.iter("DataSet"):
+        try:
+            yield float(entry.attrib["timestep"]), path.parent / entry.attrib["file"]
+        except (KeyError, ValueError):
+            raise DataFileError(
+                f"{path}: a DataSet lacks its timestep or file; write both for every frame."
+            ) from None
+
+
+def _mesh(path: Path) -> Any:
+    import meshio
+
+    try:
+        with contextlib.redirect_stdout(io.StringIO()):
+            return meshio.read(path)
+    except (Exception, SystemExit) as error:  # parsers of damaged files fail in any way at all
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise DataFileError(f"{path} cannot be read ({reason}); write it anew.") from error
+
+
+def _xdmf_frames(path: Path) -> Iterator[Frame]:
+    import meshio
+
+    try:
+        with (
+            contextlib.redirect_stdout(io.StringIO()),
+            meshio.xdmf.TimeSeriesReader(path) as reader,
+        ):
+            points, cells = reader.read_points_cells()
+            for step in range(reader.num_steps):
+                time, point_data, _ = reader.read_data(step)
+                yield float(time), meshio.Mesh(points, cells, point_data=point_data)
+    except (Exception, SystemExit) as error:  # parsers of damaged files fail in any way at all
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise DataFileError(f"{path} cannot be read ({reason}); write it anew.") from error
+
+
+def _interface(
+    path: Path, mesh: Any, options: ReadingOptions
+) -> tuple[Array, dict[str, Array], list[str]]:
+    """Positions along the interface, quantities there, and what was guessed."""
+    points = np.asarray(mesh.points, dtype=float)
+    scalars = {
+        name: np.asarray(value, dtype=float)
+        for name, value in mesh.point_data.items()
+        if np.ndim(value) == 1
+    }
+    told = {name: column for name, column in options.columns.items() if name not in VECTORS}
+    places, scales, notes = known_columns(path, list(scalars), told)
+    columns = {
+        name: scalars[list(scalars)[i]] * scales.get(name, 1.0)
+        for name, i in places.items()
+        if name not in ("t", "x")
+    }
+    on = np.abs(points[:, 1]) <= ON_INTERFACE * np.ptp(points, axis=0).max()
+    if on.all() and columns:
+        values, more = joined_faces(columns)
+        order = np.argsort(points[:, 0], kind="stable")
+        return points[order, 0], {k: v[order] for k, v in values.items()}, notes + more
+    upper, lower = _faces(path, mesh, points, on)
+    motion: dict[str, Array] = {}
+    guesses = []
+    for kind, aliases in VECTORS.items():
+        name = options.columns.get(kind) or _called(aliases, mesh.point_data)
+        if name is None:
+            continue
+        if name not in mesh.point_data:
+            known = ", ".join(mesh.point_data) or "none"
+            raise DataFileError(f"{path} has no field {name!r} at nodes; choose among {known}.")
+        field = np.asarray(mesh.point_data[name], dtype=float)
+        along = field[:, 0] if field.ndim == 2 else field
+        for side, face in (("upper", upper), ("lower", lower)):
+            if len(face):
+                motion[f"{kind}_{side}"] = along[face]
+        guesses.append(f"{kind} is the field {name!r}")
+    if not motion:
+        known = ", ".join(mesh.point_data) or "none"
+        raise DataFileError(
+            f"{path} has no field of velocity or displacement among {known}; say velocity=NAME."
+        )
+    values, more = joined_faces(motion)
+    return points[upper if len(upper) else lower, 0], values, [*guesses, *more]
+
+
+def _called(aliases: str, fields: Mapping[str, Any]) -> str | None:
+    """The field whose name, in lower case and without units, is one of the aliases."""
+    for name in fields:
+        if name.lower().split("[")[0].split("(")[0].strip() in aliases.split():
+            return name
+    return None
+
+
+def _faces(path: Path, mesh: Any, points: Array, on: Array) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes of the upper and of the lower face, by position; one of them may be empty.
+
+    They belong to cells above and below.
+    """
+    above, below = np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
+    for block in mesh.cells:
+        if block.dim < 2:
+            continue
+        middle = points[block.data, 1].mean(axis=1)
+        above[block.data[middle > 0].ravel()] = True
+        below[block.data[middle < 0].ravel()] = True
+    upper, lower = np.flatnonzero(on & above & ~below), np.flatnonzero(on & below & ~above)
+    upper, lower = (face[np.argsort(points[face, 0], kind="stable")] for face in (upper, lower))
+    if not len(upper) and not len(lower):
+        raise DataFileError(
+            f"{path} has no two faces at y = 0: nodes there belong to both bodies, or there are "
+            "none; split them along the interface, or put it at y = 0."
+        )
+    if len(upper) and len(lower):
+        both = np.intersect1d(points[upper, 0], points[lower, 0])
+        upper, lower = (face[np.isin(points[face, 0], both)] for face in (upper, lower))
+        if len(upper) != len(lower) or not len(upper):
+            raise DataFileError(f"{path}: nodes of the two faces do not lie on one another.")
+    return upper, lower

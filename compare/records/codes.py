@@ -1,0 +1,134 @@
+"""What two codes write in forms of their own: dumps of UGUCA, faults of SEM2DPACK."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from compare.records.options import ReadingOptions
+from compare.records.record import Array, Records
+from compare.records.stations import joined_faces, stations_of_grid
+from compare.records.text import text_of
+from semianalytic.scene.errors import DataFileError
+
+UGUCA_FIELDS = {
+    "top_velo_0": "velocity_upper",
+    "bot_velo_0": "velocity_lower",
+    "top_disp_0": "displacement_upper",
+    "bot_disp_0": "displacement_lower",
+    "cohesion_0": "shear_traction",
+    "cohesion_1": "pressure",
+}
+SEM_FIELDS = {
+    "Slip": "slip",
+    "Slip_Rate": "slip_rate",
+    "Shear_Stress": "shear_traction",
+    "Normal_Stress": "pressure",
+}
+FAULT = "_sem2d.hdr"
+"""How the name of a header of SEM2DPACK's fault data ends."""
+RECORD_MARK = 4
+"""Bytes before and after each record of a sequential file of Fortran."""
+
+
+def read_uguca(path: Path, options: ReadingOptions) -> Records:
+    """Records of the dump that a file NAME.info of UGUCA describes, in text.
+
+    Its slip rate is the mean over the step that follows.
+    """
+    facts = dict(_words(path, 2))
+    try:
+        coordinates = _numbers(path.parent / facts["coord_description"])
+        times = _numbers(path.parent / facts["time_description"])
+        listed = _words(path.parent / facts["field_description"], 2)
+        folder = path.parent / facts["folder_name"]
+    except KeyError as error:
+        raise DataFileError(
+            f"{path} does not say {error.args[0]}; give the file NAME.info."
+        ) from None
+    columns = {
+        UGUCA_FIELDS[name]: _numbers(folder / file) for name, file in listed if name in UGUCA_FIELDS
+    }
+    values, notes = joined_faces(columns)
+    x, t = coordinates[:, 0] - options.origin, times[:, -1]
+    _check_shapes(path, values, (len(t), len(x)))
+    inside = x > 0
+    kept = {name: value[:, inside] for name, value in values.items()}
+    stations, mended = stations_of_grid(path, x[inside], t, kept)
+    return Records(stations, None, str(path), (*notes, *mended))
+
+
+def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
+    """Records of a fault of SEM2DPACK, from its header; data and initial tractions lie beside it.
+
+    Tractions in the data are changes, to which the initial ones are added.
+    """
+    lines = text_of(path).splitlines()
+    try:
+        points, count, _, step = (float(word) for word in lines[1].split())
+        names = lines[2].strip().split(":")
+        x = np.array([float(line.split()[0]) for line in lines[4 : 4 + int(points)]])
+    except (IndexError, ValueError):
+        raise DataFileError(f"{path} is not a header of fault data; give it as written.") from None
+    stem = str(path)[: -len(FAULT)]
+    data = _fortran_records(Path(stem + "_sem2d.dat"), int(points), int(count))
+    initial = _numbers(Path(stem + "_init_sem2d.tab"))
+    if len(names) != count or len(x) != points or len(initial) != points:
+        raise DataFileError(f"{path} and the files beside it are not of one run; write them anew.")
+    columns = {SEM_FIELDS[name]: data[:, i] for i, name in enumerate(names) if name in SEM_FIELDS}
+    for name, place in (("shear_traction", 0), ("pressure", 1)):
+        if name in columns:
+            columns[name] = columns[name] + initial[:, place]
+    t = step * np.arange(float(len(data)))
+    x = x - options.origin
+    inside = x > 0
+    kept = {name: value[:, inside] for name, value in columns.items()}
+    stations, notes = stations_of_grid(path, x[inside], t, kept)
+    notes.append("Normal_Stress is read as pressure, with its sign as it is")
+    return Records(stations, None, str(path), tuple(notes))
+
+
+def _words(path: Path, least: int) -> list[list[str]]:
+    rows = [line.split() for line in text_of(path).splitlines() if line.strip()]
+    for number, row in enumerate(rows, 1):
+        if len(row) < least:
+            raise DataFileError(f"{path}, line {number}: there should be {least} words.")
+    return [row[:least] for row in rows]
+
+
+def _numbers(path: Path) -> Array:
+    """Rows of numbers of a text file, (n, k)."""
+    text = text_of(path)
+    try:
+        rows = [
+            [float(word) for word in line.split()] for line in text.splitlines() if line.strip()
+        ]
+        return np.array(rows).reshape(len(rows), -1)
+    except ValueError as error:
+        raise DataFileError(f"{path} cannot be read ({error}); write it anew.") from error
+
+
+def _check_shapes(path: Path, values: dict[str, Array], shape: tuple[int, int]) -> None:
+    for name, value in values.items():
+        if value.shape != shape:
+            raise DataFileError(
+                f"{path}: {name} has shape {value.shape}, where times and coordinates ask for "
+                f"{shape}; write the files anew."
+            )
+
+
+def _fortran_records(path: Path, points: int, count: int) -> Array:
+    """Data (m, count, points) of records of single precision, each between two marks."""
+    try:
+        raw = np.fromfile(path, dtype=np.uint8)
+    except OSError as error:
+        raise DataFileError(f"{path} cannot be read ({error.strerror}).") from error
+    size = 4 * points + 2 * RECORD_MARK
+    if not len(raw) or len(raw) % (size * count):
+        raise DataFileError(
+            f"{path} has {len(raw)} bytes, no multiple of {size * count}, what its header says one "
+            "time takes; give both files of one run."
+        )
+    records = raw.reshape(-1, size)[:, RECORD_MARK:-RECORD_MARK]
+    return np.ascontiguousarray(records).view("<f4").astype(float).reshape(-1, count, points)

@@ -1,0 +1,27 @@
+"""What a reader cannot know of a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class ReadingOptions:
+    """What is told of files of other codes.
+
+    Attributes
+    ----------
+    at : tuple of float
+        Positions of files that hold one station each, in their order [unit of the file].
+    origin : float
+        Where the edge of the contact lies in the coordinates of the file.
+    columns : mapping
+        Name of a column, array or field by what it holds: "t", "x", one of `QUANTITIES`,
+        or "velocity_upper", "velocity_lower", "displacement_upper", "displacement_lower"; for
+        meshes "velocity" and "displacement".
+    """
+
+    at: tuple[float, ...] = ()
+    origin: float = 0.0
+    columns: Mapping[str, str] = field(default_factory=dict)

@@ -1,0 +1,101 @@
+"""Files of other codes as records, by what they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from compare.records.arrays import read_hdf5, read_npz, read_simulation
+from compare.records.bodies import read_bodies
+from compare.records.codes import FAULT, read_sem2dpack, read_uguca
+from compare.records.options import ReadingOptions
+from compare.records.record import Records
+from compare.records.tables import joined, read_text
+from semianalytic.scene.errors import DataFileError
+
+MESHES = (".vtu", ".vtk", ".pvd", ".xdmf", ".xmf")
+ARRAYS = (".npz", ".npy")
+HDF5 = (".h5", ".hdf5", ".hdf")
+SIMULATION = "simulation.h5"
+
+
+def read_records(
+    paths: Sequence[str | Path], options: ReadingOptions | None = None
+) -> list[Records]:
+    """What files of other codes recorded, a run each.
+
+    Parameters
+    ----------
+    paths : sequence of path
+        Files that hold one station each, and those of a folder, are one run; any other is a run of
+        its own.
+    options : ReadingOptions, optional
+
+    Returns
+    -------
+    list of Records
+        In the order of the paths, values in units of the files.
+
+    Raises
+    ------
+    DataFileError
+        If one cannot be read; the message names the file, and the line where it has any.
+    """
+    options = options or ReadingOptions()
+    files = [Path(path) for path in paths]
+    if not files:
+        raise DataFileError("There is no file to read; name one at least.")
+    if options.at and len(options.at) != len(files):
+        raise DataFileError(
+            f"There are {len(options.at)} positions for {len(files)} files; give one for each."
+        )
+    runs: list[Records] = []
+    alone: dict[Path, list[Records]] = {}
+    for number, path in enumerate(files):
+        if path.is_dir():
+            runs.append(_read_folder(path, options))
+            continue
+        records, is_station = _read_file(path, options, options.at[number] if options.at else None)
+        if is_station:
+            alone.setdefault(path.parent, []).append(records)
+        else:
+            runs.append(records)
+    return runs + [joined(parts) for parts in alone.values()]
+
+
+def _read_file(path: Path, options: ReadingOptions, at: float | None) -> tuple[Records, bool]:
+    """Records of a file, and whether it is one station of a run."""
+    suffix = path.suffix.lower()
+    if not path.exists():
+        raise DataFileError(f"{path} does not exist; give a file that does.")
+    if suffix in MESHES:
+        return read_bodies(path, options), False
+    if suffix in ARRAYS:
+        return read_npz(path, options), False
+    if suffix in HDF5:
+        return read_hdf5(path, options), False
+    if suffix == ".info":
+        return read_uguca(path, options), False
+    if path.name.endswith(FAULT):
+        return read_sem2dpack(path, options), False
+    return read_text(path, options, at)
+
+
+def _read_folder(folder: Path, options: ReadingOptions) -> Records:
+    """A run in a folder: a simulation of ours, a fault of SEM2DPACK, or a file for each station."""
+    if (folder / SIMULATION).is_file():
+        return read_simulation(folder)
+    for header in sorted(folder.glob("*" + FAULT)):
+        return read_sem2dpack(header, options)
+    files = sorted(path for path in folder.iterdir() if path.is_file())
+    if not files:
+        raise DataFileError(f"{folder} is an empty folder; give one with files of stations.")
+    parts = []
+    for path in files:
+        records, is_station = _read_file(path, options, None)
+        if not is_station:
+            raise DataFileError(
+                f"{path} is a run of its own; give it alone, not the folder it lies in."
+            )
+        parts.append(records)
+    return joined(parts)
