@@ -28,6 +28,7 @@ ARROWS = {
     "compare": {
         "output": "",
         "comparison": "output",
+        "records": "",
         "figures": "comparison output",
         "studies": "comparison figures output",
         "cli": "comparison figures output studies",
