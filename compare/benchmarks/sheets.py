@@ -90,7 +90,7 @@ class Sheet:
         return chosen_method(self.scene) == "space-time"
 
 
-THRESHOLD = 0.01
+THRESHOLD = 0.002
 """Slip rate over the largest load over rho c_t, or pressure over that of the base, at which slip or
 opening counts as begun."""
 
@@ -99,7 +99,7 @@ _SHEETS = (
         "stuck",
         "A slot struck from afar, friction that holds",
         "diffraction at the edge: both tractions are singular there and nothing may slip",
-        SLIPPING + ("pressure",),
+        (*SLIPPING, "pressure"),
         arrival="",
         note="Slip and slip rate are zero; errors of them are over those that the load would make "
         "on a free surface.",
@@ -111,13 +111,13 @@ _SHEETS = (
         "shear wave",
         SLIPPING,
         note="Slip heals between the two zones.  Of the daughter, hardly faster than the shear "
-        "wave, slip rate is below a thirtieth of that at the edge.",
+        "wave, the slip rate is at most a 24th of that at the edge.",
     ),
     Sheet(
         "remote-shock",
         "A shock from afar, friction just low enough",
         "the same two zones under a pressure that varies and is singular at the edge",
-        SLIPPING + ("pressure",),
+        (*SLIPPING, "pressure"),
     ),
     Sheet(
         "auxetic",
@@ -154,7 +154,7 @@ _SHEETS = (
         "lift-off-shear",
         "Slip ahead of an opening",
         "separation with slip: friction grows from nothing at the end of the opening",
-        SLIPPING + ("pressure",),
+        (*SLIPPING, "pressure"),
         note="Where the contact is open, slip is the difference of the tangential displacements.",
     ),
     Sheet(
