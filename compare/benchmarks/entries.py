@@ -186,7 +186,9 @@ def _records(path: Path) -> Records:
     heading = list(rows[0]) if rows else []
     names = [name for name in QUANTITIES if name in heading]
     if not {"t", "x"} <= set(heading) or not names:
-        raise DataFileError(f"{path}: its columns must be t, x and some of {', '.join(QUANTITIES)}.")
+        raise DataFileError(
+            f"{path}: its columns must be t, x and some of {', '.join(QUANTITIES)}."
+        )
     try:
         table = {name: np.array([float(row[name]) for row in rows]) for name in ("t", "x", *names)}
     except (TypeError, ValueError) as error:

@@ -7,17 +7,15 @@ V_0 = 2 tau_0 / (rho c_t), V_0 T and tau_0 where that is zero.
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cache
-from io import StringIO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.benchmarks.answers import DATA, answer_to, arrival_times, first_crossing
+from compare.benchmarks.answers import answer_to, arrival_times, first_crossing
+from compare.benchmarks.classes import tolerance_class
 from compare.benchmarks.entries import Run
 from compare.benchmarks.sheets import STATIONS, Sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
@@ -30,9 +28,6 @@ Array = NDArray[np.float64]
 ARRIVAL = "arrival"
 GRADED = (ARRIVAL, *QUANTITIES)
 """What has tolerance classes: the error of arrivals, and the L1 errors of quantities."""
-CLASSES = ("A", "B", "C")
-"""What a first-order scheme reaches on 200, 100 and 50 cells."""
-BEYOND = "D"
 NOTHING = 1e-9
 """An exact norm below this, relative to that of the reference value, is zero."""
 
@@ -54,7 +49,7 @@ class Score:
     second : float
         The error of arrivals in cells, or the relative L2 error.
     tolerance : str
-        Of `CLASSES`, or `BEYOND`; "" without an error.
+        As by `tolerance_class`.
     note : str
         What the numbers leave out.
     """
@@ -102,7 +97,7 @@ def score(run: Run) -> tuple[Score, ...]:
             name,
             error,
             second,
-            tolerance_class(sheet, name, error),
+            tolerance_class(sheet.name, name, error),
             words,
         )
         for name, error, second, words in scores
@@ -148,7 +143,7 @@ def _relative_errors(
     parts = [part for one in stations if (part := _parts(answer, one, name))]
     if not parts:
         return math.nan, math.nan
-    unit = stress_scale(sheet.scene) if "s" not in name[:4] else slip_rate_scale(sheet.scene)
+    unit = (slip_rate_scale if name in ("slip_rate", "slip") else stress_scale)(sheet.scene)
     norms = []
     for order in (1, 2):
         wrong, whole, one = (
