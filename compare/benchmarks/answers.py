@@ -13,7 +13,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from io import StringIO
 from pathlib import Path
@@ -169,11 +169,15 @@ def errors_of(sheet: Sheet, answer: Solution | Marched) -> dict[str, Array]:
     ours = content_of(sheet, answer)
     errors = {}
     for name, values in ours.items():
-        error = answer.error_of(lambda one, name=name: content_of(sheet, one)[name])
+        error = answer.error_of(partial(_number_of, sheet, name))
         error = np.where(np.isfinite(values), error, 0.0)
         error = maximum_filter1d(error, 5, axis=0) if values.ndim == 2 else error
         errors[name] = READING_SAFETY * error + MARCH_TOLERANCE
     return errors
+
+
+def _number_of(sheet: Sheet, name: str, answer: Marched) -> Array:
+    return content_of(sheet, answer)[name]
 
 
 def document_of(sheet: Sheet, nodes: int = NODES) -> dict[str, Any]:
@@ -214,7 +218,7 @@ def _arrival_words(sheet: Sheet) -> str:
 
 def _written(values: Array, errors: Array) -> Any:
     """Values as they are written: by their digits, or by what errors leave and one decimal more."""
-    flat = []
+    flat: list[float | None] = []
     for value, error in zip(values.ravel().tolist(), errors.ravel().tolist(), strict=True):
         if not math.isfinite(value):
             flat.append(None)

@@ -1,13 +1,15 @@
 """Runs of codes on a sheet: by our own codes, written and read in the form that all hand in.
 
 A file is CSV with a heading ``t,x,slip_rate,slip,shear_traction,pressure`` or some of these, in
-units mu = rho = c_t = T = 1, behind lines as ``# code: slipfront fem`` of `LABELS`.
+units mu = rho = c_t = T = 1, behind lines as ``# code: slipfront fem`` of `LABELS`.  Where slip
+rates are means over a step, a line says ``from t to t + 0.005``.
 """
 
 from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -30,6 +32,7 @@ from semianalytic.scene.errors import DataFileError, SceneError
 LABELS = ("benchmark", "code", "version", "cells", "seconds")
 """What the comment lines of a file say; cells are those over c_t T."""
 LEAST_CELLS = 8
+_MEAN = re.compile(r"from t to t \+ ([\d.eE+-]*\d)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +48,8 @@ class Run:
     seconds : float
         That it took; nan if the file does not say.
     records : Records
+    step : float
+        Slip rates are means from t to t + step; 0 if they are those at t.
     """
 
     sheet: Sheet
@@ -53,11 +58,12 @@ class Run:
     cells: float
     seconds: float
     records: Records
+    step: float = 0.0
 
-    @property
-    def label(self) -> str:
-        """Code and cells, as figures and tables name it."""
-        return self.code if math.isnan(self.cells) else f"{self.code} {self.cells:g}"
+
+def run_label(code: str, cells: float) -> str:
+    """Code and cells of a run, as figures and tables name it."""
+    return code if math.isnan(cells) else f"{code} {cells:g}"
 
 
 def _simulated(sheet: Sheet, cells: int) -> SampledAnswer:
@@ -155,6 +161,7 @@ def read_run(path: Path, sheet: Sheet | None = None) -> Run:
         _number(said.get("cells", "nan"), path),
         _number(said.get("seconds", "nan"), path),
         _records(path),
+        _number(said.get("step", "0"), path),
     )
 
 
@@ -169,6 +176,8 @@ def _labels(path: Path) -> dict[str, str]:
         label, colon, value = line.removeprefix("#").partition(":")
         if line.startswith("#") and colon and label.strip() in LABELS:
             said[label.strip()] = value.strip()
+        if line.startswith("#") and (mean := _MEAN.search(line)):
+            said["step"] = mean[1]
     return said
 
 

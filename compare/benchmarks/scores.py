@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from compare.benchmarks.answers import answer_to, arrival_times, first_crossing
 from compare.benchmarks.classes import tolerance_class
-from compare.benchmarks.entries import Run
+from compare.benchmarks.entries import Run, run_label
 from compare.benchmarks.sheets import STATIONS, Sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import QUANTITIES, Record
@@ -64,6 +64,11 @@ class Score:
     tolerance: str
     note: str
 
+    @property
+    def label(self) -> str:
+        """Code and cells, as figures and tables name it."""
+        return run_label(self.code, self.cells)
+
 
 def score(run: Run) -> tuple[Score, ...]:
     """Every number of a run that its sheet asks for.
@@ -86,7 +91,7 @@ def score(run: Run) -> tuple[Score, ...]:
         notes = "; ".join(filter(None, (note, words)))
         scores.append((ARRIVAL, error, error * run.cells, notes))
     for name in sheet.report:
-        first, second = _relative_errors(sheet, answer, stations, name)
+        first, second = _relative_errors(run, answer, stations, name)
         scores.append((name, first, second, note))
     return tuple(
         Score(
@@ -137,13 +142,14 @@ def _arrival_error(
 
 
 def _relative_errors(
-    sheet: Sheet, answer: Solution | Marched, stations: Iterable[Record], name: str
+    run: Run, answer: Solution | Marched, stations: Iterable[Record], name: str
 ) -> tuple[float, float]:
     """Relative L1 and L2 error of a quantity; nan where no station has it."""
-    parts = [part for one in stations if (part := _parts(answer, one, name))]
+    step = run.step if name == "slip_rate" else 0.0
+    parts = [part for one in stations if (part := _parts(answer, one, name, step))]
     if not parts:
         return math.nan, math.nan
-    unit = (slip_rate_scale if name in ("slip_rate", "slip") else stress_scale)(sheet.scene)
+    unit = (slip_rate_scale if name in ("slip_rate", "slip") else stress_scale)(run.sheet.scene)
     norms = []
     for order in (1, 2):
         wrong, whole, one = (
@@ -159,7 +165,7 @@ def _relative_errors(
 
 
 def _parts(
-    answer: Solution | Marched, record: Record, name: str
+    answer: Solution | Marched, record: Record, name: str, step: float
 ) -> tuple[Array, Array, Array] | None:
     """Times, errors and exact values of a record, where it holds any."""
     values = record.values.get(name)
@@ -168,4 +174,8 @@ def _parts(
     known = np.isfinite(values)
     t = record.t[known]
     exact = getattr(answer, name)(record.x, t)
+    if step:  # a march ends at T
+        ends = np.minimum(t + step, 1.0)
+        moved = answer.slip(record.x, ends) - answer.slip(record.x, t)
+        exact = np.divide(moved, ends - t, out=exact, where=ends > t)
     return t, values[known] - exact, exact

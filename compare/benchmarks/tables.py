@@ -17,7 +17,7 @@ from pathlib import Path
 from compare.benchmarks.answers import DATA
 from compare.benchmarks.classes import COMMAND, FILE, Tolerance
 from compare.benchmarks.entries import Run, enter, read_run
-from compare.benchmarks.scores import GRADED, Score, score
+from compare.benchmarks.scores import ARRIVAL, GRADED, Score, score
 from compare.benchmarks.sheets import CELLS, SHEETS, Sheet
 from compare.output.tables import write_rows
 from semianalytic.scene.errors import SceneError, SlipfrontError
@@ -90,22 +90,20 @@ def league_rows(runs: Iterable[Run]) -> list[LeagueRow]:
     rows: list[LeagueRow] = []
     for run in ranked:
         scores = {one.quantity: one for one in score(run)}
-        errors = [scores[name].error if name in scores else math.nan for name in GRADED]
-        arrival = scores.get("arrival")
-        rows.append(
-            LeagueRow(
-                run.sheet.name,
-                run.code,
-                run.version,
-                run.cells,
-                errors[0],
-                arrival.second if arrival else math.nan,
-                *errors[1:],
-                "".join(scores[name].tolerance or "-" for name in GRADED if name in scores),
-                _order(rows[-1] if rows else None, run, scores[run.sheet.report[0]].error),
-                run.seconds,
-            )
+        errors = {name: scores[name].error if name in scores else math.nan for name in GRADED}
+        arrival = scores.get(ARRIVAL)
+        row = LeagueRow(
+            sheet=run.sheet.name,
+            code=run.code,
+            version=run.version,
+            cells=run.cells,
+            **errors,
+            arrival_cells=arrival.second if arrival else math.nan,
+            tolerance="".join(scores[name].tolerance or "-" for name in GRADED if name in scores),
+            order=_order(rows[-1] if rows else None, run, errors[run.sheet.report[0]]),
+            seconds=run.seconds,
         )
+        rows.append(row)
     return rows
 
 
@@ -133,14 +131,14 @@ def own_runs() -> Iterator[Run]:
 
 
 def others_runs(folder: Path = ENTRANTS) -> Iterator[Run]:
-    """The runs of other codes that a folder holds, in the form that all hand in.
+    """The runs of other codes that a folder holds as CODE/SHEET/CELLS.csv.
 
     Raises
     ------
     DataFileError
         If a CSV file is none.
     """
-    for path in sorted(folder.rglob("*.csv")):
+    for path in sorted(folder.glob("*/*/*.csv")):
         yield read_run(path)
 
 
