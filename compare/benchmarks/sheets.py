@@ -168,7 +168,7 @@ _SHEETS = (
     Sheet(
         "pulse",
         "A pulse of shear",
-        "the load goes off again at 0.4 T: slip stops, and starts backward",
+        "a load that goes off again, at 0.4 T: slip slows down and heals, and turns back at the edge",
         SLIPPING,
         note="Not self-similar: the answer is marched, to as many digits as are sure.",
     ),

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -120,19 +121,25 @@ def _sheets(names: Sequence[str] | None) -> list[Sheet]:
 
 
 def _score_table(scores: Sequence[Score]) -> Table:
-    """Errors with their classes, a row per quantity of a run."""
-    table = Table("sheet", "run", "quantity", title="Scores")
-    for heading in ("error", "L2, or cells", "class"):
-        table.add_column(heading, justify="right")
-    table.add_column("note")
+    """A row per run: errors, each with its class."""
+    from compare.benchmarks.scores import GRADED
+
+    runs: dict[tuple[str, str], dict[str, Score]] = {}
     for one in scores:
-        table.add_row(
-            one.sheet,
-            one.label,
-            one.quantity.replace("_", " "),
-            f"{one.error:.2g}",
-            f"{one.second:.2g}",
-            one.tolerance,
-            one.note,
-        )
+        runs.setdefault((one.sheet, one.label), {})[one.quantity] = one
+    asked = [name for name in GRADED if any(name in run for run in runs.values())]
+    title = "Arrival: RMS error over T; else: relative L1 error over all stations"
+    table = Table("sheet", "run", title=title, box=SIMPLE_HEAD, pad_edge=False)
+    for name in asked:
+        table.add_column(name.replace("_", " "), justify="right")
+    for names, run in runs.items():
+        cells = (_graded(run.get(name)) for name in asked)
+        table.add_row(*names, *cells)
+    notes = (f"{one.label} {one.quantity}: {one.note}" for one in scores if one.note)
+    table.caption = "\n".join(notes) or None
     return table
+
+
+def _graded(one: Score | None) -> str:
+    """An error and its class; nothing where the sheet does not ask for it."""
+    return "" if one is None else f"{one.error:.2g} {one.tolerance or '-'}"
