@@ -139,8 +139,9 @@ _SHEETS = (
         "one zone that grows from the edge, all of it in closed form",
         SLIPPING,
         note="In the place of Kostrov's problem, and not that problem: his crack of 1966 "
-        "(J. Appl. Math. Mech. 30, 1241) runs by itself at a speed that is given, this zone at "
-        "the speed c_t / (1 + f P_b / Q_0)^2 = 4/9 c_t at which its edge carries no singularity.",
+        "(J. Appl. Math. Mech. 30, 1241) runs at a speed that is given, with a singular edge; here "
+        "friction gives the speed, c_t / (1 + f P_b / Q_0)^2 = 4/9 c_t, at which the edge carries "
+        "no singularity.",
     ),
     Sheet(
         "lift-off",
@@ -168,7 +169,7 @@ _SHEETS = (
     Sheet(
         "pulse",
         "A pulse of shear",
-        "a load that goes off again, at 0.4 T: slip slows down and heals, and turns back at the edge",
+        "a load that goes off again, at 0.4 T: slip slows down, heals, and turns back at the edge",
         SLIPPING,
         note="Not self-similar: the answer is marched, to as many digits as are sure.",
     ),

@@ -1,8 +1,8 @@
 """The tables of docs/benchmarks.md.
 
 ``python -m compare.benchmarks.tables classes`` measures the tolerance classes, for the package and
-for docs/data; ``python -m compare.benchmarks.tables league`` scores the runs of our own codes and
-those that others' codes left in tests/data/entrants.
+for docs/data; ``... league`` scores the runs of our own codes and those that others' codes left in
+tests/data/entrants; ``... sheets`` lists the problems.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from compare.benchmarks.answers import DATA
+from compare.benchmarks.answers import DATA, written_document
 from compare.benchmarks.classes import COMMAND, FILE, Tolerance
 from compare.benchmarks.entries import Run, enter, read_run
 from compare.benchmarks.scores import ARRIVAL, GRADED, Score, score
@@ -142,22 +142,53 @@ def others_runs(folder: Path = ENTRANTS) -> Iterator[Run]:
         yield read_run(path)
 
 
+@dataclass(frozen=True)
+class SheetRow:
+    """A sheet in a line: what it tests, what moves or opens, and whether that is marched."""
+
+    sheet: str
+    title: str
+    tests: str
+    parts: str
+
+
+def sheet_rows() -> list[SheetRow]:
+    """All sheets, with the answers as they are written."""
+    return [
+        SheetRow(sheet.name, sheet.title, sheet.tests, _parts(sheet)) for sheet in SHEETS.values()
+    ]
+
+
+def _parts(sheet: Sheet) -> str:
+    """Zones and openings of a sheet over c_t."""
+    answers = written_document(sheet)["answers"]
+    if sheet.is_marched:
+        return "marched"
+    parts = [
+        f"{'slip' if sense > 0 else 'reverse slip'} {inner:.4g} to {outer:.4g}"
+        for inner, outer, sense in answers["zones"]
+    ]
+    parts += [f"open {inner:.4g} to {outer:.4g}" for inner, outer in answers["openings"]]
+    return ", ".join(parts) or "stuck"
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure classes or write the league table; the exit code is that of an error."""
-    parser = argparse.ArgumentParser(
-        prog="python -m compare.benchmarks.tables", description=__doc__
-    )
-    parser.add_argument("table", choices=("classes", "league"))
-    table = parser.parse_args(arguments).table
+    program = "python -m compare.benchmarks.tables"
+    parser = argparse.ArgumentParser(prog=program, description=__doc__)
+    parser.add_argument("table", choices=("sheets", "classes", "league"))
+    parser.add_argument("--entrants", type=Path, default=ENTRANTS, help="where others' runs are")
+    options = parser.parse_args(arguments)
     try:
-        if table == "classes":
+        if options.table == "sheets":
+            write_rows(DOCS / "benchmark-sheets.csv", sheet_rows(), command=f"{program} sheets")
+        elif options.table == "classes":
             classes = [one for sheet in SHEETS.values() for one in measured_classes(sheet)]
             write_rows(DATA / FILE, classes, command=COMMAND)
             shutil.copyfile(DATA / FILE, DOCS / f"benchmark-{FILE}")
         else:
-            rows = league_rows([*own_runs(), *others_runs()])
-            command = "python -m compare.benchmarks.tables league"
-            write_rows(DOCS / "league.csv", rows, command=command)
+            rows = league_rows([*own_runs(), *others_runs(options.entrants)])
+            write_rows(DOCS / "league.csv", rows, command=f"{program} league")
     except SlipfrontError as error:
         parser.exit(error.exit_code, f"{error}\n")
     return 0

@@ -159,12 +159,15 @@ def test_a_pulse_goes_off_again():
     assert table == ["0", "1", "40", "1", "40.00004", "0", "200", "0"]
 
 
-def test_files_that_are_there_are_refused_or_replaced(folder):
-    mine = folder / "lift-off" / "figure.png"
-    kept = mine.read_bytes()
+def test_files_that_are_there_are_refused_or_replaced(tmp_path, monkeypatch):
+    monkeypatch.setattr(exporting, "exported", lambda _: {"new/1": b"1", "there/2": b"2"})
+    mine = tmp_path / "there" / "2"
+    mine.parent.mkdir()
     mine.write_bytes(b"mine")
-    with pytest.raises(SceneError, match=r"is there already.*--overwrite"):
-        export(folder, [SHEETS["lift-off"]])
+    with pytest.raises(SceneError, match=r"there/2 is there already.*--overwrite"):
+        export(tmp_path, TWO)
     assert mine.read_bytes() == b"mine"
-    export(folder, [SHEETS["lift-off"]], overwrite=True)
-    assert mine.read_bytes() == kept
+    assert not (tmp_path / "new").exists()
+    export(tmp_path, TWO, overwrite=True)
+    assert mine.read_bytes() == b"2"
+    assert (tmp_path / "new" / "1").read_bytes() == b"1"
