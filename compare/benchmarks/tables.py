@@ -2,7 +2,7 @@
 
 ``python -m compare.benchmarks.tables classes`` measures the tolerance classes, for the package and
 for docs/data; ``... league`` scores the runs of our own codes and those that others' codes left in
-tests/data/entrants; ``... sheets`` lists the problems.
+tests/data/entrants, ``... figure`` draws them; ``... sheets`` lists the problems.
 """
 
 from __future__ import annotations
@@ -14,12 +14,17 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from matplotlib.figure import Figure
+
 from compare.benchmarks.answers import DATA, written_document
 from compare.benchmarks.classes import COMMAND, FILE, Tolerance
 from compare.benchmarks.entries import Run, enter, read_run
+from compare.benchmarks.figures import score_figure
 from compare.benchmarks.scores import ARRIVAL, GRADED, Score, score
-from compare.benchmarks.sheets import CELLS, SHEETS, Sheet
+from compare.benchmarks.sheets import CELLS, SHEETS, Sheet, find_sheet
+from compare.figures.saving import figure_png
 from compare.output.tables import write_rows
+from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import SceneError, SlipfrontError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -28,6 +33,8 @@ ENTRANTS = ROOT / "tests" / "data" / "entrants"
 LEAST_BOUND = 1e-6
 """Of a class, where our finite elements are right to rounding."""
 MARCH_CELLS = 100
+DRAWN = ("preloaded", "auxetic", "antiplane", "lift-off-shear")
+"""Sheets of the figure."""
 
 
 def measured_classes(sheet: Sheet) -> Iterator[Tolerance]:
@@ -117,10 +124,12 @@ def _order(before: LeagueRow | None, run: Run, error: float) -> float:
     return math.log(was / error) / math.log(run.cells / before.cells)
 
 
-def own_runs() -> Iterator[Run]:
+def own_runs(
+    names: Iterable[str] = tuple(SHEETS), resolutions: Iterable[int] = CELLS
+) -> Iterator[Run]:
     """What our own codes make of the sheets they take."""
-    for sheet in SHEETS.values():
-        for cells in CELLS:
+    for sheet in map(find_sheet, names):
+        for cells in resolutions:
             yield enter("fem", sheet, cells)
             if sheet.is_marched:
                 continue
@@ -140,6 +149,16 @@ def others_runs(folder: Path = ENTRANTS) -> Iterator[Run]:
     """
     for path in sorted(folder.glob("*/*/*.csv")):
         yield read_run(path)
+
+
+def league_figure(others: Iterable[Run]) -> Figure:
+    """The finest run of every code on `DRAWN`."""
+    runs = list(own_runs(DRAWN, CELLS[-1:]))
+    runs += [one for one in others if one.sheet.name in DRAWN]
+    finest: dict[tuple[str, str], Run] = {}
+    for run in sorted(runs, key=lambda run: run.cells):
+        finest[run.sheet.name, run.code] = run
+    return score_figure([one for run in finest.values() for one in score(run)])
 
 
 @dataclass(frozen=True)
@@ -176,7 +195,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Measure classes or write the league table; the exit code is that of an error."""
     program = "python -m compare.benchmarks.tables"
     parser = argparse.ArgumentParser(prog=program, description=__doc__)
-    parser.add_argument("table", choices=("sheets", "classes", "league"))
+    parser.add_argument("table", choices=("sheets", "classes", "league", "figure"))
     parser.add_argument("--entrants", type=Path, default=ENTRANTS, help="where others' runs are")
     options = parser.parse_args(arguments)
     try:
@@ -186,6 +205,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             classes = [one for sheet in SHEETS.values() for one in measured_classes(sheet)]
             write_rows(DATA / FILE, classes, command=COMMAND)
             shutil.copyfile(DATA / FILE, DOCS / f"benchmark-{FILE}")
+        elif options.table == "figure":
+            figure = league_figure(others_runs(options.entrants))
+            write_bytes(ROOT / "docs" / "figures" / "league.png", figure_png(figure))
         else:
             rows = league_rows([*own_runs(), *others_runs(options.entrants)])
             write_rows(DOCS / "league.csv", rows, command=f"{program} league")
