@@ -30,8 +30,10 @@ ARROWS = {
         "comparison": "output",
         "records": "",
         "figures": "comparison output",
+        "records": "",
+        "benchmarks": "records comparison figures output",
         "studies": "comparison figures output",
-        "cli": "comparison figures output studies",
+        "cli": "records benchmarks comparison figures output studies",
     },
 }
 """What each folder of a package may import of the others of that package, at any depth."""

@@ -7,13 +7,14 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 from io import TextIOWrapper
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 
 from compare.cli import study_commands as studies
 from compare.cli import terminal
+from compare.cli.benchmark_command import app as benchmark_app
 from compare.cli.compare_command import compare_command
 from compare.cli.field_command import field_command
 from compare.cli.interruption import INTERRUPTED, INTERRUPTION
@@ -51,6 +52,7 @@ app.command("compare")(compare_command)
 app.command("solve")(solve_command)
 app.command("simulate")(simulate_command)
 app.command("field")(field_command)
+app.add_typer(benchmark_app, name="benchmark")
 
 
 @app.command()
@@ -106,15 +108,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _options(arguments: Sequence[str]) -> set[str]:
-    """Names of the arguments that are options of the command called."""
-    commands = getattr(typer.main.get_command(app), "commands", {})
-    called = [commands[word] for word in arguments[:1] if word in commands]
-    return {
-        parameter.name
-        for command in called
-        for parameter in command.params
-        if parameter.param_type_name == "option"
-    }
+    """Names of the arguments that are options of the command called, and of its own commands."""
+    command: Any = typer.main.get_command(app)
+    options: set[str] = set()
+    for word in arguments:
+        commands = getattr(command, "commands", {})
+        if word not in commands:
+            break
+        command = commands[word]
+        options |= {one.name for one in command.params if one.param_type_name == "option"}
+    return options
 
 
 def _make_streams_lenient() -> None:

@@ -1,0 +1,1 @@
+"""Problem sheets with exact answers, and how near a code comes to them."""

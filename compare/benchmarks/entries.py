@@ -1,0 +1,210 @@
+"""Runs of codes on a sheet: by our own codes, written and read in the form that all hand in.
+
+A file is CSV with a heading ``t,x,slip_rate,slip,shear_traction,pressure`` or some of these, in
+units mu = rho = c_t = T = 1, behind lines as ``# code: slipfront fem`` of `LABELS`.  Where slip
+rates are means over a step, a line says ``from t to t + 0.005``.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from io import StringIO
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from compare.benchmarks.answers import COLUMNS
+from compare.benchmarks.sheets import STATIONS, Sheet, find_sheet
+from compare.output.files import write_text
+from compare.records.record import QUANTITIES, Record, Records
+from semianalytic import march
+from semianalytic.results.sampled import SampledAnswer
+from semianalytic.scene.checks import checked_count
+from semianalytic.scene.errors import DataFileError, SceneError
+
+LABELS = ("benchmark", "code", "version", "cells", "seconds")
+"""What the comment lines of a file say; cells are those over c_t T."""
+LEAST_CELLS = 8
+_MEAN = re.compile(r"from t to t \+ ([\d.eE+-]*\d)")
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What one code made of a sheet on one grid.
+
+    Attributes
+    ----------
+    sheet : Sheet
+    code, version : str
+    cells : float
+        Over c_t T; nan if the file does not say.
+    seconds : float
+        That it took; nan if the file does not say.
+    records : Records
+    step : float
+        Slip rates are means from t to t + step; 0 if they are those at t.
+    """
+
+    sheet: Sheet
+    code: str
+    version: str
+    cells: float
+    seconds: float
+    records: Records
+    step: float = 0.0
+
+
+def run_label(code: str, cells: float) -> str:
+    """Code and cells of a run, as figures and tables name it."""
+    return code if math.isnan(cells) else f"{code} {cells:g}"
+
+
+def _simulated(sheet: Sheet, cells: int) -> SampledAnswer:
+    from fem import simulate
+
+    return simulate(sheet.scene, 1.0, resolution=cells)
+
+
+def _marched(sheet: Sheet, cells: int) -> SampledAnswer:
+    nodes = math.ceil(cells * sheet.scene.fastest_speed)
+    return march(sheet.scene, 1.0, nodes, companion=False)
+
+
+CODES: Mapping[str, Callable[[Sheet, int], SampledAnswer]] = {"fem": _simulated, "march": _marched}
+"""Our own entrants."""
+
+
+def enter(code: str, sheet: Sheet, cells: int) -> Run:
+    """Run one of our own codes on a sheet.
+
+    Parameters
+    ----------
+    code : str
+        A key of `CODES`.
+    sheet : Sheet
+    cells : int
+        Over c_t T.
+
+    Raises
+    ------
+    SceneError
+        If there is no such code, cells are too few, or the code does not take the scene.
+    """
+    if code not in CODES:
+        raise SceneError(f"There is no code called {code!r} to enter; choose {', '.join(CODES)}.")
+    cells = checked_count("enter: cells", cells, LEAST_CELLS, "a whole number from")
+    began = perf_counter()
+    answer = CODES[code](sheet, cells)
+    seconds = perf_counter() - began
+    times = answer.interface.t
+    stations = tuple(
+        Record(x, times, {name: getattr(answer, name)(x, times) for name in QUANTITIES})
+        for x in STATIONS
+    )
+    records = Records(stations, source=f"slipfront {code}", spacing=1 / cells)
+    return Run(sheet, f"slipfront {code}", version("slipfront"), cells, seconds, records)
+
+
+def run_text(run: Run) -> str:
+    """A run as it is handed in; values to eight digits."""
+    stream = StringIO(newline="")
+    said = (run.sheet.name, run.code, run.version, f"{run.cells:g}", f"{run.seconds:.3g}")
+    for label, value in zip(LABELS, said, strict=True):
+        stream.write(f"# {label}: {value}\n")
+    table = csv.writer(stream, lineterminator="\n")
+    table.writerow(COLUMNS)
+    for station in run.records.stations:
+        for level, t in enumerate(station.t):
+            values = (station.values[name][level] for name in QUANTITIES)
+            table.writerow([f"{value:.8g}" for value in (t, station.x, *values)])
+    return stream.getvalue()
+
+
+def write_run(path: Path, run: Run) -> None:
+    """Write a run as it is handed in, whole or not at all; raises a DataFileError."""
+    write_text(path, run_text(run))
+
+
+def read_run(path: Path, sheet: Sheet | None = None) -> Run:
+    """A run from the file that was handed in.
+
+    Parameters
+    ----------
+    path : Path
+    sheet : Sheet, optional
+        That it is of, unless the file says so.
+
+    Raises
+    ------
+    DataFileError
+        If the file cannot be read as one, or says another sheet than the one given.
+    SceneError
+        If neither says which sheet it is of.
+    """
+    said = _labels(path)
+    named = said.get("benchmark")
+    if sheet is None and named is None:
+        raise SceneError(f"{path} does not say of which benchmark it is; give `sheet`.")
+    if sheet is not None and named not in (None, sheet.name):
+        raise DataFileError(f"{path} is of {named}, not of {sheet.name}; leave `sheet` out.")
+    return Run(
+        sheet or find_sheet(str(named)),
+        said.get("code", path.stem),
+        said.get("version", ""),
+        _number(said.get("cells", "nan"), path),
+        _number(said.get("seconds", "nan"), path),
+        _records(path),
+        _number(said.get("step", "0"), path),
+    )
+
+
+def _labels(path: Path) -> dict[str, str]:
+    """What the comment lines say."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, ValueError) as error:
+        raise DataFileError(f"{path} cannot be read ({error}).") from error
+    said = {}
+    for line in lines:
+        label, colon, value = line.removeprefix("#").partition(":")
+        if line.startswith("#") and colon and label.strip() in LABELS:
+            said[label.strip()] = value.strip()
+        if line.startswith("#") and (mean := _MEAN.search(line)):
+            said["step"] = mean[1]
+    return said
+
+
+def _number(text: str, path: Path) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise DataFileError(f"{path}: {text!r} is no number.") from error
+
+
+def _records(path: Path) -> Records:
+    """The table of a file, station by station."""
+    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] != "#"]
+    rows: list[dict[str, Any]] = list(csv.DictReader(lines))
+    heading = list(rows[0]) if rows else []
+    names = [name for name in QUANTITIES if name in heading]
+    if not {"t", "x"} <= set(heading) or not names:
+        raise DataFileError(
+            f"{path}: its columns must be t, x and some of {', '.join(QUANTITIES)}."
+        )
+    try:
+        table = {name: np.array([float(row[name]) for row in rows]) for name in ("t", "x", *names)}
+    except (TypeError, ValueError) as error:
+        raise DataFileError(f"{path}: every cell must hold a number ({error}).") from error
+    stations = []
+    for x in np.unique(table["x"]):
+        at = np.flatnonzero(table["x"] == x)
+        at = at[np.argsort(table["t"][at], kind="stable")]
+        stations.append(Record(float(x), table["t"][at], {name: table[name][at] for name in names}))
+    return Records(tuple(stations), source=str(path))

@@ -1,0 +1,81 @@
+"""Figures of the benchmarks: the answer to a sheet, and several runs beside each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from compare.benchmarks.answers import answer_to
+from compare.benchmarks.classes import CLASSES, tolerances
+from compare.benchmarks.scores import GRADED, Score
+from compare.benchmarks.sheets import SHEETS, Sheet
+from compare.figures.histories import march_figure
+from compare.figures.interface import prediction_figure
+from compare.figures.style import CYCLE, SMALL, STICK_SHADE, marker_handle, new_figure
+from semianalytic import Marched
+
+MARKERS = "osD^vPX<>*"
+LEAST_SHOWN = 1e-5
+"""Errors below it are drawn there."""
+
+
+def sheet_figure(sheet: Sheet) -> Figure:
+    """The answer to a sheet."""
+    answer = answer_to(sheet)
+    return march_figure(answer) if isinstance(answer, Marched) else prediction_figure(answer)
+
+
+def score_figure(scores: Sequence[Score]) -> Figure:
+    """Errors of runs, a dot each on a line per quantity; a panel per sheet, classes shaded."""
+    sheets = [name for name in SHEETS if any(one.sheet == name for one in scores)]
+    labels = list(dict.fromkeys(one.label for one in scores))
+    looks = {
+        label: (CYCLE[at % len(CYCLE)], MARKERS[at % len(MARKERS)])
+        for at, label in enumerate(labels)
+    }
+    lines = [sum(name in _asked(scores, sheet) for name in GRADED) for sheet in sheets]
+    height = 1.1 + sum(0.42 * count + 0.55 for count in lines)
+    figure = new_figure(7, height)
+    panels = figure.subplots(len(sheets), 1, sharex=True, squeeze=False, height_ratios=lines)[:, 0]
+    for panel, sheet in zip(panels, sheets, strict=True):
+        _draw_sheet(panel, SHEETS[sheet], [one for one in scores if one.sheet == sheet], looks)
+    panels[-1].set_xlabel(r"error: of arrivals $/\ T$, of all else relative $L_1$")
+    handles = [marker_handle(label, *look) for label, look in looks.items()]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=SMALL)
+    return figure
+
+
+def _asked(scores: Iterable[Score], sheet: str) -> list[str]:
+    """Quantities of a sheet, as they are listed."""
+    given = {one.quantity for one in scores if one.sheet == sheet}
+    return [name for name in GRADED if name in given]
+
+
+def _draw_sheet(
+    panel: Axes, sheet: Sheet, scores: Sequence[Score], looks: dict[str, tuple[str, str]]
+) -> None:
+    names = _asked(scores, sheet.name)
+    for row, name in enumerate(names):
+        bounds = tolerances().get((sheet.name, name))
+        for class_name in CLASSES if bounds else ():
+            bound = max(getattr(bounds, class_name), LEAST_SHOWN)
+            panel.plot([bound, bound], [row - 0.35, row + 0.35], color="0.6", linewidth=1)
+            panel.annotate(class_name, (bound, row + 0.35), fontsize=6, ha="right", color="0.4")
+        panel.axhline(row, color=STICK_SHADE, zorder=0)
+        for one in scores:
+            if one.quantity == name and math.isfinite(one.error):
+                colour, marker = looks[one.label]
+                at = max(one.error, LEAST_SHOWN)
+                panel.plot(at, row, marker, color=colour, markersize=5, alpha=0.85)
+    scene = sheet.scene
+    panel.set_title(
+        f"{sheet.name}: ν = {scene.material.poisson_ratio:.3g}, f = {scene.friction:.3g}",
+        fontsize=9,
+        loc="left",
+    )
+    panel.set_xscale("log")
+    panel.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
+    panel.set_ylim(len(names) - 0.4, -0.6)

@@ -1,0 +1,259 @@
+"""Problem sheets as pages: blocks of text, tables and pictures, in Markdown and in HTML."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+
+from compare.benchmarks.answers import arrival_level, arrival_quantity, written_document
+from compare.benchmarks.classes import CLASSES, tolerances
+from compare.benchmarks.sheets import OPENING, SI_SCALES, STATIONS, Sheet
+from compare.output.files import filled_template
+from compare.output.tables import markdown_table
+from semianalytic import Pulse, Scene, ViscousFriction
+from semianalytic.scene.units import unit
+
+FIGURE, RECORDS, ANSWERS = "figure.png", "records.csv", "answers.json"
+"""Files beside an exported sheet."""
+
+_UNITS = {
+    "slip_rate": "length / time",
+    "slip": "length",
+    "shear_traction": "stress",
+    "pressure": "stress",
+}
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading of a level from 1 on."""
+
+    text: str
+    level: int = 2
+
+
+@dataclass(frozen=True)
+class Code:
+    """Lines as they are typed or written."""
+
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of texts."""
+
+    heading: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture in a file."""
+
+    name: str
+    alternative: str
+
+
+Block = Text | Heading | Code | Table | Picture
+
+
+def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
+    """All that a sheet says."""
+    yield Heading(f"{sheet.name}: {sheet.title}", 1)
+    yield Text(f"It tests {sheet.tests}.")
+    yield Heading("Problem")
+    yield Text(_problem(sheet.scene))
+    if sheet.note:
+        yield Text(sheet.note)
+    yield Table(("", "units μ = ρ = c_t = T = 1", "SI"), tuple(_numbers(sheet)))
+    yield Picture(FIGURE, f"The answer to {sheet.name}")
+    yield Heading("What to report")
+    yield from _to_report(sheet)
+    yield Heading("The answer")
+    yield from _answer(sheet)
+    yield Heading("Tolerance classes")
+    yield Text(
+        "The largest errors of a first-order scheme (our finite elements) on 200 (A), 100 (B) and "
+        "50 cells (C) over c_t T. Of arrivals the root of the mean square error over T, of all "
+        "else the relative L1 error over time and all stations."
+    )
+    bounds = [one for one in tolerances().values() if one.sheet == sheet.name]
+    yield Table(
+        ("", *CLASSES),
+        tuple(
+            (one.quantity.replace("_", " "), *(f"{getattr(one, name):.2g}" for name in CLASSES))
+            for one in bounds
+        ),
+    )
+    yield Heading("Scoring")
+    yield Code(("slipfront benchmark score FILE ...",))
+
+
+def _problem(scene: Scene) -> str:
+    """The statement in words."""
+    along = "along z, the edge" if scene.antiplane else "along x"
+    remote = scene.base == scene.load
+    start = (
+        "At t = 0 a uniform pressure P_0 and shear Q_0 come from afar, everywhere on y = 0 at "
+        "once; the faces of the slot stay free"
+        if remote
+        else "Everything is at rest under the base tractions P_b, Q_b; from t = 0 on the faces of "
+        "the slot, x < 0, receive the change of tractions (-P_0, -Q_0)"
+    )
+    history = scene.shear_history
+    until = f", until {history.duration:g} T" if isinstance(history, Pulse) else ""
+    film = " + viscosity |V|" if isinstance(scene.friction_law, ViscousFriction) else ""
+    return (
+        "Two half-planes of one elastic solid, y > 0 and y < 0, touch on x > 0; x < 0 is an open "
+        f"slot. On the contact Coulomb's law holds, strength f p{film}; it carries no tension. "
+        f"{start}{until}. Shear and slip act {along}. Pressure is positive in compression; slip V "
+        "and its rate are those of the upper face less the lower one; tractions are the whole ones."
+    )
+
+
+def _numbers(sheet: Sheet) -> Iterator[tuple[str, str, str]]:
+    """Rows of all numbers in both systems of units."""
+    plain, si = sheet.scene, sheet.si_scene
+    rows: list[tuple[str, float, float, str]] = [
+        ("shear modulus μ", plain.material.shear_modulus, si.material.shear_modulus, "stress"),
+        ("density ρ", plain.material.density, si.material.density, "mass / length^3"),
+    ]
+    for name, symbols in (("base", "P_b Q_b"), ("load", "P_0 Q_0")):
+        for part, symbol in zip(("pressure", "shear"), symbols.split(), strict=True):
+            ours, theirs = (getattr(getattr(scene, name), part) for scene in (plain, si))
+            rows.append((f"{part} of the {name} {symbol}", ours, theirs, "stress"))
+    laws = [scene.friction_law for scene in (plain, si)]
+    films = [law.viscosity for law in laws if isinstance(law, ViscousFriction)]
+    if films:
+        rows.append(("viscosity", films[0], films[1], "stress time / length"))
+    rows.append(("end T", 1.0, SI_SCALES["t"], "time"))
+    rows.append(("c_t T", 1.0, SI_SCALES["x"], "length"))
+    for label, value, in_si, dimension in rows:
+        named = "Pa s/m" if dimension == "stress time / length" else unit(dimension, "SI")
+        yield label, f"{value:g}", f"{in_si:g} {named}"
+    nu = plain.material.poisson_ratio
+    yield "Poisson ratio ν", "1/3" if abs(3 * nu - 1) < 1e-12 else f"{nu:g}", "the same"
+    yield "friction f", f"{plain.friction:g}", "the same"
+
+
+def _to_report(sheet: Sheet) -> Iterator[Block]:
+    names = ", ".join(name.replace("_", " ") for name in sheet.report)
+    places = ", ".join(f"{x:g}" for x in STATIONS)
+    metres = ", ".join(f"{x * SI_SCALES['x']:g}" for x in STATIONS)
+    yield Text(
+        f"{names[0].upper()}{names[1:]} over 0 < t <= T at x/(c_t T) = {places} ({metres} m), at "
+        "your own time steps, as CSV in units μ = ρ = c_t = T = 1. Columns that you do not have "
+        "may be missing; where slip rate is a mean over a step, a comment line says so."
+    )
+    yield Code(
+        (
+            f"# benchmark: {sheet.name}",
+            "# code: NAME",
+            "# version: NUMBER",
+            "# cells: 100",
+            "# seconds: 12.3",
+            "# slip_rate: mean over the step from t to t + 0.005",
+            "t,x,slip_rate,slip,shear_traction,pressure",
+        )
+    )
+    if sheet.arrival:
+        name, side = arrival_quantity(sheet), "below" if sheet.arrival == OPENING else "above"
+        yield Text(
+            f"Arrivals are read off these records: the first time that {name.replace('_', ' ')} is "
+            f"{side} {arrival_level(sheet):g}, between samples by linear interpolation."
+        )
+
+
+def _answer(sheet: Sheet) -> Iterator[Block]:
+    document = written_document(sheet)
+    answers, sure = document["answers"], document["sure"]
+    yield Text(
+        f"{RECORDS} holds the records at the stations, {ANSWERS} all numbers ({sure}); SHA256SUMS, "
+        "one folder up, their checksums. To SI: " + _scales_words() + "."
+    )
+    rows = [
+        (f"zone {at}, {'slip' if sense > 0 else 'reverse slip'}, x/(c_t t)", _range(inner, outer))
+        for at, (inner, outer, sense) in enumerate(answers.get("zones", ()), start=1)
+    ]
+    rows += [("open, x/(c_t t)", _range(*ends)) for ends in answers.get("openings", ())]
+    rows += [
+        (name.replace("_", " "), f"{answers[name]:.10g}")
+        for name in answers
+        if isinstance(answers[name], float)
+    ]
+    rows += [
+        (f"arrival at x = {x:g}", "never" if time is None else f"{time:.10g}")
+        for x, time in zip(STATIONS, answers.get("arrivals", ()), strict=False)
+    ]
+    yield Table(("at t = T", ""), tuple(rows))
+
+
+def _range(inner: float, outer: float) -> str:
+    return f"{inner:.10g} to {outer:.10g}"
+
+
+def _scales_words() -> str:
+    """What plain numbers are multiplied by."""
+    return ", ".join(
+        f"{name.replace('_', ' ')} times {SI_SCALES[name]:g} {unit(dimension, 'SI')}"
+        for name, dimension in _UNITS.items()
+    )
+
+
+def as_markdown(blocks: Sequence[Block]) -> str:
+    """Blocks in Markdown."""
+    parts = []
+    for block in blocks:
+        match block:
+            case Heading(text, level):
+                parts.append(f"{'#' * level} {text}\n")
+            case Text(text):
+                parts.append(f"{text}\n")
+            case Code(lines):
+                parts.append("\n".join(("```", *lines, "```")) + "\n")
+            case Table(heading, rows):
+                parts.append(markdown_table(heading, rows))
+            case Picture(name, alternative):
+                parts.append(f"![{alternative}]({name})\n")
+    return "\n".join(parts)
+
+
+def as_html(blocks: Sequence[Block], pictures: Mapping[str, bytes]) -> str:
+    """Blocks as one HTML page that holds its pictures, PNG by name."""
+    title = next(block.text for block in blocks if isinstance(block, Heading))
+    body = "".join(_html(block, pictures) for block in blocks)
+    return filled_template("compare.benchmarks", "sheet.html", title=escape(title), body=body)
+
+
+def _html(block: Block, pictures: Mapping[str, bytes]) -> str:
+    match block:
+        case Heading(text, level):
+            return f"<h{level}>{escape(text)}</h{level}>\n"
+        case Text(text):
+            return f"<p>{escape(text)}</p>\n"
+        case Code(lines):
+            return f"<pre>{escape(chr(10).join(lines))}</pre>\n"
+        case Table(heading, rows):
+            return f"<div><table>{_cells('th', heading)}{_rows(rows)}</table></div>\n"
+        case Picture(name, alternative):
+            source = f"data:image/png;base64,{b64encode(pictures[name]).decode()}"
+            return f'<p><img src="{source}" alt="{escape(alternative)}"></p>\n'
+
+
+def _rows(rows: Sequence[Sequence[str]]) -> str:
+    return "".join(_cells("td", row) for row in rows)
+
+
+def _cells(tag: str, cells: Sequence[str]) -> str:
+    inner = "".join(f"<{tag}>{escape(cell)}</{tag}>" for cell in cells)
+    return f"<tr>{inner}</tr>\n"

@@ -1,0 +1,181 @@
+"""How far a run is from the exact answer, in the manner of Barall and Harris (2015).
+
+Arrivals as the root of their mean square error, in units of T and in cells; every quantity as the
+L1 and L2 norm of its error over time and all stations, relative to that of the exact answer, or of
+V_0 = 2 tau_0 / (rho c_t), V_0 T and tau_0 where that is zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.benchmarks.answers import answer_to, arrival_times, first_crossing
+from compare.benchmarks.classes import tolerance_class
+from compare.benchmarks.entries import Run, run_label
+from compare.benchmarks.sheets import STATIONS, Sheet
+from compare.comparison.scales import slip_rate_scale, stress_scale
+from compare.records.record import QUANTITIES, Record
+from semianalytic import Marched, Solution
+from semianalytic.scene.errors import DataFileError
+
+Array = NDArray[np.float64]
+
+ARRIVAL = "arrival"
+GRADED = (ARRIVAL, *QUANTITIES)
+"""What has tolerance classes: the error of arrivals, and the L1 errors of quantities."""
+NOTHING = 1e-9
+"""An exact norm below this, relative to that of the reference value, is zero."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """One number of a run.
+
+    Attributes
+    ----------
+    sheet, code : str
+    cells, seconds : float
+        Of the run.
+    quantity : str
+        Of `GRADED`.
+    error : float
+        Root of the mean square error of arrivals over T, or relative L1 error; nan if the run does
+        not hold the quantity.
+    second : float
+        The error of arrivals in cells, or the relative L2 error.
+    tolerance : str
+        As by `tolerance_class`.
+    note : str
+        What the numbers leave out.
+    """
+
+    sheet: str
+    code: str
+    cells: float
+    seconds: float
+    quantity: str
+    error: float
+    second: float
+    tolerance: str
+    note: str
+
+    @property
+    def label(self) -> str:
+        """Code and cells, as figures and tables name it."""
+        return run_label(self.code, self.cells)
+
+
+def score(run: Run) -> tuple[Score, ...]:
+    """Every number of a run that its sheet asks for.
+
+    Raises
+    ------
+    DataFileError
+        If the run has no station on the contact between 0 and T.
+    """
+    sheet, answer = run.sheet, answer_to(run.sheet)
+    stations = [_until_end(one) for one in run.records.stations if 0 < one.x <= 2]
+    stations = [one for one in stations if len(one.t) > 1]
+    if not stations:
+        raise DataFileError(f"{run.records.source} has no station with 0 < x <= 2 and 0 < t <= 1.")
+    note = _missing(stations)
+    scores = []
+    if sheet.arrival:
+        error, missed = _arrival_error(sheet, answer, stations)
+        words = f"{missed} station{'s' * (missed > 1)} reached by one only" if missed else ""
+        notes = "; ".join(filter(None, (note, words)))
+        scores.append((ARRIVAL, error, error * run.cells, notes))
+    for name in sheet.report:
+        first, second = _relative_errors(run, answer, stations, name)
+        scores.append((name, first, second, note))
+    return tuple(
+        Score(
+            sheet.name,
+            run.code,
+            run.cells,
+            run.seconds,
+            name,
+            error,
+            second,
+            tolerance_class(sheet.name, name, error),
+            words,
+        )
+        for name, error, second, words in scores
+    )
+
+
+def _until_end(record: Record) -> Record:
+    """A record over 0 < t <= T."""
+    kept = (record.t > 0) & (record.t <= 1 + NOTHING)
+    t = np.minimum(record.t[kept], 1.0)
+    return Record(record.x, t, {name: values[kept] for name, values in record.values.items()})
+
+
+def _missing(stations: Iterable[Record]) -> str:
+    """Which stations of the sheets are not among those of a run."""
+    places = np.array([one.x for one in stations])
+    missing = [x for x in STATIONS if np.min(np.abs(places - x)) > 1e-3]
+    return f"without x = {', '.join(f'{x:g}' for x in missing)}" if missing else ""
+
+
+def _arrival_error(
+    sheet: Sheet, answer: Solution | Marched, stations: Iterable[Record]
+) -> tuple[float, int]:
+    """Root of the mean square error, and how many stations one of the two alone has reached."""
+    errors, missed = [], 0
+    for one in stations:
+        try:
+            at = first_crossing(sheet, one.t, one.values)
+        except KeyError:
+            return math.nan, 0
+        exact = float(arrival_times(sheet, answer, [one.x])[0])
+        exact = exact if exact <= one.t[-1] else math.inf
+        if math.isfinite(at) and math.isfinite(exact):
+            errors.append(at - exact)
+        missed += math.isfinite(at) != math.isfinite(exact)
+    return (float(np.sqrt(np.mean(np.square(errors)))) if errors else math.nan), missed
+
+
+def _relative_errors(
+    run: Run, answer: Solution | Marched, stations: Iterable[Record], name: str
+) -> tuple[float, float]:
+    """Relative L1 and L2 error of a quantity; nan where no station has it."""
+    step = run.step if name == "slip_rate" else 0.0
+    parts = [part for one in stations if (part := _parts(answer, one, name, step))]
+    if not parts:
+        return math.nan, math.nan
+    unit = (slip_rate_scale if name in ("slip_rate", "slip") else stress_scale)(run.sheet.scene)
+    norms = []
+    for order in (1, 2):
+        wrong, whole, one = (
+            sum(np.trapezoid(np.abs(values) ** order, t) for t, values in column) ** (1 / order)
+            for column in (
+                [(t, off) for t, off, _ in parts],
+                [(t, exact) for t, _, exact in parts],
+                [(t, np.full(len(t), unit)) for t, _, _ in parts],
+            )
+        )
+        norms.append(float(wrong / (whole if whole > NOTHING * one else one)))
+    return norms[0], norms[1]
+
+
+def _parts(
+    answer: Solution | Marched, record: Record, name: str, step: float
+) -> tuple[Array, Array, Array] | None:
+    """Times, errors and exact values of a record, where it holds any."""
+    values = record.values.get(name)
+    if values is None or np.isfinite(values).sum() < 2:
+        return None
+    known = np.isfinite(values)
+    t = record.t[known]
+    exact = getattr(answer, name)(record.x, t)
+    if step:  # a march ends at T
+        ends = np.minimum(t + step, 1.0)
+        moved = answer.slip(record.x, ends) - answer.slip(record.x, t)
+        exact = np.divide(moved, ends - t, out=exact, where=ends > t)
+    return t, values[known] - exact, exact

@@ -1,0 +1,220 @@
+"""Ten problems for codes of dynamic contact: scenes, stations, and what is to be reported.
+
+Each stands in two systems of units: mu = rho = c_t = T = 1, and `SI_MATERIAL` with tractions in
+units of `SI_STRESS`, where T is one second.  Every answer in SI is the plain one times a number of
+`SI_SCALES`.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic import Material, Scene, Tractions, ViscousFriction
+from semianalytic.prediction import chosen_method
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import find_scene
+from semianalytic.scene.units import SI
+
+Array = NDArray[np.float64]
+
+STATIONS = (0.1, 0.25, 0.5, 0.75, 0.95)
+"""Over c_t T, from the edge of the contact."""
+TIMES = (*(step / 64 for step in range(1, 64, 2)), 1.0)
+"""Of exact records, over T: no front of any sheet passes a station at one of them."""
+CELLS = (50, 100, 200)
+"""Over c_t T, for which there are tolerance classes."""
+
+SLIP, OPENING = "slip", "opening"
+SLIPPING = ("slip_rate", "slip", "shear_traction")
+
+SI_SHEAR_MODULUS, SI_DENSITY = 1e10, 2500.0
+"""[Pa], [kg/m^3]: shear waves at 2000 m/s."""
+SI_STRESS = 1e7
+"""Traction that stands for 1 [Pa]."""
+SI_SCALES: Mapping[str, float] = {
+    "x": 2000.0,  # c_t T [m]
+    "t": 1.0,  # T [s]
+    "slip_rate": 2.0,  # SI_STRESS / (rho c_t) [m/s]
+    "slip": 2.0,  # SI_STRESS c_t T / mu [m]
+    "shear_traction": SI_STRESS,
+    "pressure": SI_STRESS,
+}
+"""What a number in units mu = rho = c_t = T = 1 is multiplied by."""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A problem.
+
+    Attributes
+    ----------
+    name : str
+        That of the scene, as in `find_scene`.
+    title : str
+    tests : str
+        What a code that passes can do.
+    report : tuple of str
+        Quantities to record at the stations, among `compare.records.record.QUANTITIES`.
+    arrival : str
+        What is timed at the stations: "slip", the first slip rate above `THRESHOLD`; "opening", the
+        first pressure below it; "" if nothing is.
+    note : str
+        What else has to be known.
+    """
+
+    name: str
+    title: str
+    tests: str
+    report: tuple[str, ...]
+    arrival: str = SLIP
+    note: str = ""
+
+    @property
+    def scene(self) -> Scene:
+        """In units mu = rho = c_t = 1."""
+        return find_scene(self.name)
+
+    @property
+    def si_scene(self) -> Scene:
+        """The same in metres, seconds, kilograms and pascals."""
+        return in_si(self.scene)
+
+    @property
+    def is_marched(self) -> bool:
+        """Whether the answer is marched: not exact, but with an error estimate."""
+        return chosen_method(self.scene) == "space-time"
+
+
+THRESHOLD = 0.002
+"""Slip rate over the largest load over rho c_t, or pressure over that of the base, at which slip or
+opening counts as begun."""
+
+_SHEETS = (
+    Sheet(
+        "stuck",
+        "A slot struck from afar, friction that holds",
+        "diffraction at the edge: both tractions are singular there and nothing may slip",
+        (*SLIPPING, "pressure"),
+        arrival="",
+        note="Slip and slip rate are zero; errors of them are over those that the load would make "
+        "on a free surface.",
+    ),
+    Sheet(
+        "preloaded",
+        "Supershear daughter",
+        "slip from the edge behind the Rayleigh wave, a stick gap, and a daughter zone across the "
+        "shear wave",
+        SLIPPING,
+        note="Slip heals between the two zones.  Of the daughter, hardly faster than the shear "
+        "wave, the slip rate is at most a 24th of that at the edge.",
+    ),
+    Sheet(
+        "remote-shock",
+        "A shock from afar, friction just low enough",
+        "the same two zones under a pressure that varies and is singular at the edge",
+        (*SLIPPING, "pressure"),
+    ),
+    Sheet(
+        "auxetic",
+        "Reverse slip around the Rayleigh front",
+        "slip that changes its sense twice; slip rate has a logarithm at the Rayleigh front",
+        SLIPPING,
+        note="Poisson ratio -0.5: a code must not take it for positive.",
+    ),
+    Sheet(
+        "viscous",
+        "A viscous film",
+        "strength that grows with slip rate: one zone across the Rayleigh front",
+        SLIPPING,
+        note="Strength is friction times pressure plus 0.1 mu/c_t times slip rate.",
+    ),
+    Sheet(
+        "antiplane",
+        "Antiplane shear",
+        "one zone that grows from the edge, all of it in closed form",
+        SLIPPING,
+        note="In the place of Kostrov's problem, and not that problem: his crack of 1966 "
+        "(J. Appl. Math. Mech. 30, 1241) runs at a speed that is given, with a singular edge; here "
+        "friction gives the speed, c_t / (1 + f P_b / Q_0)^2 = 4/9 c_t, at which the edge carries "
+        "no singularity.",
+    ),
+    Sheet(
+        "lift-off",
+        "The contact opens from its edge",
+        "separation: up to 3/16 c_t, parting smoothly",
+        ("pressure",),
+        arrival=OPENING,
+        note="Nothing slips, for there is no shear.",
+    ),
+    Sheet(
+        "lift-off-shear",
+        "Slip ahead of an opening",
+        "separation with slip: friction grows from nothing at the end of the opening",
+        (*SLIPPING, "pressure"),
+        note="Where the contact is open, slip is the difference of the tangential displacements.",
+    ),
+    Sheet(
+        "tap",
+        "Separation ahead of a tap",
+        "a contact that opens ahead of the Rayleigh wave and closes again behind it",
+        ("pressure",),
+        arrival=OPENING,
+        note="Nothing slips, for there is no shear.",
+    ),
+    Sheet(
+        "pulse",
+        "A pulse of shear",
+        "a load that goes off again, at 0.4 T: slip slows down, heals, and turns back at the edge",
+        SLIPPING,
+        note="Not self-similar: the answer is marched, to as many digits as are sure.",
+    ),
+)
+
+SHEETS: Mapping[str, Sheet] = {sheet.name: sheet for sheet in _SHEETS}
+
+
+def find_sheet(name: str) -> Sheet:
+    """Sheet of a name.
+
+    Raises
+    ------
+    SceneError
+        If there is none.
+    """
+    if name in SHEETS:
+        return SHEETS[name]
+    close = difflib.get_close_matches(name, SHEETS, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(SHEETS)}."
+    raise SceneError(f"There is no benchmark called {name!r}; {hint}")
+
+
+def in_si(scene: Scene) -> Scene:
+    """A scene in units mu = rho = c_t = T = 1 in those of the SI, T one second.
+
+    Raises
+    ------
+    SceneError
+        If its solid is not of unit shear modulus and density.
+    """
+    if (scene.material.shear_modulus, scene.material.density) != (1.0, 1.0):
+        raise SceneError("in_si: the scene must have a shear modulus and a density of 1.")
+    law = scene.friction_law
+    if isinstance(law, ViscousFriction):
+        law = ViscousFriction(law.viscosity * SI_STRESS / SI_SCALES["slip_rate"])
+    return replace(
+        scene,
+        material=Material(SI_SHEAR_MODULUS, SI_DENSITY, scene.material.poisson_ratio),
+        base=_in_pascal(scene.base),
+        load=_in_pascal(scene.load),
+        friction_law=law,
+        units=SI,
+    )
+
+
+def _in_pascal(tractions: Tractions) -> Tractions:
+    return Tractions(*(SI_STRESS * getattr(tractions, part.name) for part in fields(tractions)))

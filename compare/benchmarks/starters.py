@@ -1,0 +1,226 @@
+"""Inputs to start from for two public codes, UGUCA and SEM2DPACK.
+
+They are our own text: parameters and meshes of the sheets, as those codes read them, for `CELLS`
+cells over c_t T, in units mu = rho = c_t = 1.  UGUCA is a library, so that a program comes with
+them; SEM2DPACK takes lengths and times `SCALE` times as large, and has no viscous film.  What is
+damped there is the least that keeps slip rates quiet: one layer of elements where the upper body is
+alone, two of each where both are there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from compare.benchmarks.sheets import Sheet
+from compare.output.files import filled_template
+from semianalytic import Pulse, Scene, ViscousFriction
+
+CELLS = 40
+LENGTH, SLOT = 5.12, 2.12
+"""Period of UGUCA's interface, and the part of it that is slot, over c_t T: no wave of the far edge
+reaches a station until T."""
+SCALE = 100.0
+LEFT, RIGHT, DEPTH = 2.0, 1.5, 1.0
+"""Of SEM2DPACK's blocks, over c_t T: no reflection reaches a station until T."""
+NGLL, DAMPED_LAYERS = 5, 2
+CONTACT, SLOT_FACES = {"low": 5, "up": 6}, {"low": 7, "up": 8}
+"""Tags of the boundaries of its mesh."""
+
+
+def starter_inputs(sheet: Sheet) -> Mapping[str, str]:
+    """Texts of the inputs for a sheet by file name, code/name."""
+    inputs = {
+        f"uguca/{sheet.name}.in": uguca_parameters(sheet),
+        "uguca/uguca_sheet.cc": filled_template("compare.benchmarks", "uguca_sheet.cc"),
+    }
+    for name, text in sem2dpack_files(sheet).items():
+        inputs[f"sem2dpack/{name}"] = text
+    return inputs
+
+
+def _shear_until(scene: Scene) -> float:
+    """When the shear goes off again; after T if it stays."""
+    history = scene.shear_history
+    return history.duration if isinstance(history, Pulse) else 2.0
+
+
+def _is_pressed(scene: Scene) -> bool:
+    """Whether the load changes the pressure, so that both bodies have to be there."""
+    return scene.load.pressure != 0
+
+
+def uguca_parameters(sheet: Sheet) -> str:
+    """The parameters that ``uguca_sheet.cc`` reads."""
+    scene, law = sheet.scene, sheet.scene.friction_law
+    axis, pressed = 2 if scene.antiplane else 0, _is_pressed(scene)
+    fields = [f"cohesion_{axis}", "cohesion_1", f"top_disp_{axis}", f"top_velo_{axis}"]
+    if pressed:
+        fields += ["bot_disp_0", "bot_velo_0"]
+    lines = (
+        ("string", "name", sheet.name),
+        ("string", "kernels", "kernels/"),
+        ("int", "axis", axis),
+        ("int", "pressed", int(pressed)),
+        ("int", "cells", CELLS),
+        ("int", "steps_per_cell", 4),
+        ("double", "length", LENGTH),
+        ("int", "slot_nodes", round(SLOT * CELLS)),
+        ("double", "poisson_ratio", repr(scene.material.poisson_ratio)),
+        ("double", "friction", scene.friction),
+        ("double", "viscosity", law.viscosity if isinstance(law, ViscousFriction) else 0.0),
+        ("double", "contact_pressure", scene.base.pressure),
+        ("double", "contact_shear", scene.base.shear),
+        ("double", "slot_pressure", scene.load.pressure),
+        ("double", "slot_shear", scene.load.shear),
+        ("double", "shear_until", _shear_until(scene)),
+        ("string", "dump_fields", ",".join(fields)),
+    )
+    heading = f"# slipfront benchmark {sheet.name}, mu = rho = c_t = T = 1\n"
+    return heading + "".join(f"{kind} {name} = {value}\n" for kind, name, value in lines)
+
+
+def sem2dpack_files(sheet: Sheet) -> dict[str, str]:
+    """Par.inp, the tables of loads it names, and the mesh where both bodies are needed.
+
+    Nothing where there is a viscous film.
+    """
+    scene = sheet.scene
+    if isinstance(scene.friction_law, ViscousFriction):
+        return {}
+    elements = CELLS // (NGLL - 1)
+    pressed = _is_pressed(scene)
+    loads = {"up.x": scene.load.shear}
+    if pressed:
+        loads |= {
+            "up.y": -scene.load.pressure,
+            "low.x": -scene.load.shear,
+            "low.y": scene.load.pressure,
+        }
+    files = {
+        name: _load_table(value, _shear_until(scene) if name.endswith("x") else 2.0)
+        for name, value in loads.items()
+    }
+    if pressed:
+        files["two.mesh2d"] = "".join(_two_blocks(elements))
+    mesh = _pressed_mesh() if pressed else _sheared_mesh(elements)
+    bounds = _pressed_bounds(scene) if pressed else _sheared_bounds(scene)
+    kind = f"ndof={1 if scene.antiplane else 2}, title='{sheet.name}', verbose='1111'"
+    blocks = [
+        f"&GENERAL iexec=1, ngll={NGLL}, fmax=0.1d0, {kind}, ItInfo=1000 /",
+        *mesh,
+        *_material(scene),
+        *bounds,
+        _steps(scene, elements),
+    ]
+    return {"Par.inp": "\n".join(blocks) + "\n", **files}
+
+
+def _load_table(value: float, until: float) -> str:
+    """A load over time, gone after a time."""
+    times: Sequence[tuple[float, float]] = [(0, value), (2 * SCALE, value)]
+    if until < 1:
+        off = until * SCALE
+        times = [(0, value), (off, value), (off * (1 + 1e-6), 0.0), (2 * SCALE, 0.0)]
+    return "".join(f"{t:.9g} {load:g}\n" for t, load in times)
+
+
+def _sheared_mesh(elements: int) -> list[str]:
+    """The upper body alone, a layer of one element on the contact damped."""
+    return [
+        "&MESH_DEF method='CARTESIAN' /",
+        f"&MESH_CART xlim={-LEFT * SCALE:g},{RIGHT * SCALE:g}, zlim=0,{DEPTH * SCALE:g}, "
+        f"nelem={round((LEFT + RIGHT) * elements)},{round(DEPTH * elements)}, "
+        "fztag=2, fznz=1, split=T, splitD=0d0 /",
+    ]
+
+
+def _pressed_mesh() -> list[str]:
+    return ["&MESH_DEF method='MESH2D' /", "&MESH_MESH2D file='two.mesh2d' /"]
+
+
+def _material(scene: Scene) -> list[str]:
+    """The solid, and the same with Kelvin-Voigt damping beside the contact."""
+    nu, speed = scene.material.poisson_ratio, scene.material.longitudinal_speed
+    elastic = [f"&MAT_ELASTIC rho=1d0, cp={speed:.15g}, cs=1d0 /"]
+    if nu < 0:  # refused as a number, not as a distribution
+        elastic = [
+            "&MAT_ELASTIC rho=1d0, cpH='ORDER0', cs=1d0 /",
+            f"&DIST_ORDER0 xn=1, zn=1 /\n{speed:.15g}",
+        ]
+    return [
+        "&MATERIAL tag=1, kind='ELAST' /",
+        *elastic,
+        "&MATERIAL tag=2, kind='ELAST','KV' /",
+        *elastic,
+        f"&MAT_KV eta={0.3 if _is_pressed(scene) else 0.2} /",
+    ]
+
+
+def _friction(scene: Scene, shear: float) -> list[str]:
+    """The contact under its base: friction that slip does not weaken."""
+    return [
+        f"&BC_DYNFLT friction='SWF', Tn={-scene.base.pressure:g}, Tt={shear:g}, "
+        f"otd={SCALE / 200:g} /",
+        f"&BC_DYNFLT_SWF Dc=1d0, MuS={scene.friction:.10g}, MuD={scene.friction:.10g} /",
+    ]
+
+
+def _sheared_bounds(scene: Scene) -> list[str]:
+    base = -scene.base.shear if scene.antiplane else scene.base.shear
+    return [
+        "&BC_DEF tag=5, kind='DIRNEU' /",
+        "&BC_DIRNEU h='N', v='N', hstf='TAB' /",
+        "&STF_TAB file='up.x' /",
+        "&BC_DEF tag=1, kind='DYNFLT' /",
+        *_friction(scene, base),
+    ]
+
+
+def _pressed_bounds(scene: Scene) -> list[str]:
+    lines = []
+    for side in ("up", "low"):
+        lines += [
+            f"&BC_DEF tag={SLOT_FACES[side]}, kind='DIRNEU' /",
+            "&BC_DIRNEU h='N', v='N', hstf='TAB', vstf='TAB' /",
+            f"&STF_TAB file='{side}.x' /",
+            f"&STF_TAB file='{side}.y' /",
+        ]
+    tags = f"{CONTACT['low']},{CONTACT['up']}"
+    return [*lines, f"&BC_DEF tags={tags}, kind='DYNFLT' /", *_friction(scene, scene.base.shear)]
+
+
+def _steps(scene: Scene, elements: int) -> str:
+    """Time steps, 200 times a whole number."""
+    longest = 0.069 * SCALE / elements / scene.material.longitudinal_speed
+    steps = 200 * math.ceil(SCALE / longest / 200)
+    return f"&TIME NbSteps={steps}, Dt={SCALE / steps:.12g}, kind='leapfrog' /"
+
+
+def _two_blocks(elements: int) -> Iterator[str]:
+    """Both bodies with separate nodes on y = 0, in the format MESH2D; what is damped has tag 2."""
+    across, down, left = (round(one * elements) for one in (LEFT + RIGHT, DEPTH, LEFT))
+    row = across + 1
+    nodes = row * (down + 1)
+    yield f"NEL NPEL NNOD NBC\n{2 * across * down} 4 {2 * nodes} 4\nNID X Y\n"
+    size = SCALE / elements
+    for block in range(2):
+        for node in range(nodes):
+            x = -LEFT * SCALE + size * (node % row)
+            y = size * (node // row) - (0 if block else DEPTH * SCALE)
+            yield f"{block * nodes + node + 1} {x:.10g} {y:.10g}\n"
+    yield "EID NODES TAG\n"
+    for block in range(2):
+        for element in range(across * down):
+            level = element // across
+            corner = block * nodes + level * row + element % across + 1
+            tag = 2 if (level if block else down - 1 - level) < DAMPED_LAYERS else 1
+            number = block * across * down + element + 1
+            yield f"{number} {corner} {corner + 1} {corner + row + 1} {corner + row} {tag}\n"
+    first = {"low": (down - 1) * across + 1, "up": across * down + 1}
+    edge = {"low": 3, "up": 1}
+    for tags, places in ((CONTACT, range(left, across)), (SLOT_FACES, range(left))):
+        for side, tag in tags.items():
+            yield f"BCTAG NBEL\n{tag} {len(places)}\nBID EID EDGE\n"
+            for number, place in enumerate(places, start=1):
+                yield f"{number} {first[side] + place} {edge[side]}\n"

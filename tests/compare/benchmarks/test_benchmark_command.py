@@ -1,0 +1,67 @@
+"""``slipfront benchmark``: what it shows, writes and refuses."""
+
+import json
+
+import pytest
+
+from compare.benchmarks.sheets import SHEETS
+from compare.cli.commands import main
+
+
+def test_sheets_are_listed_and_shown(capsys):
+    assert main(["benchmark"]) == 0
+    shown = capsys.readouterr().out
+    assert all(name in shown for name in SHEETS)
+    assert main(["benchmark", "show", "lift-off"]) == 0
+    assert "0 to 0.1875" in capsys.readouterr().out
+
+
+def test_runs_enter_and_are_scored(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for cells in ("25", "50"):
+        assert main(["benchmark", "enter", "march", "preloaded", "--cells", cells]) == 0
+    assert main(["benchmark", "enter", "fem", "tap", "--cells", "20", "--output", "f.csv"]) == 0
+    files = ["march-preloaded-25.csv", "march-preloaded-50.csv", "f.csv"]
+    assert main(["benchmark", "score", *files, "--output", "scores"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.count("march") >= 2
+    assert (tmp_path / "scores" / "scores.png").stat().st_size > 10_000
+    scores = json.loads((tmp_path / "scores" / "scores.json").read_text())["scores"]
+    assert {one["sheet"] for one in scores} == {"preloaded", "tap"}
+    rows = (tmp_path / "scores" / "scores.csv").read_text().splitlines()
+    assert rows[0] == "# slipfront benchmark score"
+    assert len(rows) == 2 + len(scores)
+    by_cells = {one["cells"]: one["error"] for one in scores if one["quantity"] == "slip"}
+    assert by_cells[50] < by_cells[25]
+
+
+def test_sheets_are_exported(tmp_path, capsys):
+    place = tmp_path / "sheets"
+    place.mkdir()
+    (place / "README.md").write_text("mine")
+    assert main(["benchmark", "export", str(place), "lift-off"]) == 2
+    assert "--overwrite" in capsys.readouterr().err
+    assert main(["benchmark", "export", str(place), "lift-off", "--overwrite"]) == 0
+    assert (place / "lift-off" / "lift-off.html").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (["show", "stick"], 2, "did you mean stuck?"),
+        (["enter", "dem", "stuck"], 2, "There is no code called 'dem'"),
+        (["enter", "march", "stuck", "--cells", "3"], 2, "--cells must"),
+        (["enter", "march", "tap", "--output", "x.csv"], 2, "tensile"),
+        (["score", "none.csv"], 3, "none.csv cannot be read"),
+        (["score", "mine.csv"], 2, "does not say of which benchmark it is; give --sheet."),
+        (["score", "mine.csv", "--sheet", "tap"], 3, "its columns must be"),
+    ],
+)
+def test_refusals_are_one_sentence(tmp_path, capsys, monkeypatch, arguments, code, words):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.csv").write_text("a,b\n1,2\n")
+    assert main(["benchmark", *arguments]) == code
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.csv"]

@@ -1,0 +1,173 @@
+"""Exported sheets: whole, self-contained, and never in the place of other files."""
+
+import hashlib
+import re
+from base64 import b64decode
+from io import BytesIO
+
+import pytest
+from PIL import Image
+
+from compare.benchmarks import export as exporting
+from compare.benchmarks.answers import DATA, answer_files
+from compare.benchmarks.export import export
+from compare.benchmarks.pages import Heading, Table, Text, as_html, as_markdown, sheet_blocks
+from compare.benchmarks.sheets import SHEETS
+from compare.benchmarks.starters import starter_inputs
+from semianalytic.scene.errors import DataFileError, SceneError
+
+TWO = [SHEETS["antiplane"], SHEETS["lift-off"]]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("export") / "sheets"
+    export(place, TWO)
+    return place
+
+
+def test_all_that_is_promised_is_there(folder):
+    for sheet in TWO:
+        records, answers = answer_files(sheet)
+        assert (folder / sheet.name / "records.csv").read_bytes() == (DATA / records).read_bytes()
+        assert (folder / sheet.name / "answers.json").read_bytes() == (DATA / answers).read_bytes()
+        assert (folder / sheet.name / f"{sheet.name}.md").is_file()
+        assert (folder / sheet.name / "sem2dpack" / "Par.inp").is_file()
+        assert (folder / sheet.name / "uguca" / f"{sheet.name}.in").is_file()
+    for line in (folder / "SHA256SUMS").read_text().splitlines():
+        digest, name = line.split()
+        assert hashlib.sha256((folder / name).read_bytes()).hexdigest() == digest
+
+
+def test_pages_lack_no_figure(folder):
+    for sheet in TWO:
+        place = folder / sheet.name
+        markdown = (place / f"{sheet.name}.md").read_text()
+        pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", markdown)
+        assert pictures
+        for name in pictures:
+            assert Image.open(place / name).width > 600
+        page = (place / f"{sheet.name}.html").read_text()
+        sources = re.findall(r'<img src="([^"]*)"', page)
+        assert len(sources) == len(pictures)
+        for source in sources:
+            kind, data = source.split(",")
+            assert kind == "data:image/png;base64"
+            assert Image.open(BytesIO(b64decode(data))).width > 600
+        assert not re.search(r'(?:src|href)="(?!data:)', page)
+        assert "$" not in page
+
+
+def test_links_of_the_readme_lead_somewhere(folder):
+    links = re.findall(r"\]\(([^)]+)\)", (folder / "README.md").read_text())
+    assert len(links) == len(TWO)
+    assert all((folder / link).is_file() for link in links)
+
+
+def test_an_export_that_fails_leaves_nothing(tmp_path, monkeypatch):
+    (tmp_path / "sheets").mkdir()
+    (tmp_path / "sheets" / "notes.txt").write_text("mine")
+    write, done = exporting.write_bytes, []
+
+    def full(path, data):
+        if len(done) == 5:
+            raise DataFileError("no room")
+        done.append(path)
+        write(path, data)
+
+    monkeypatch.setattr(exporting, "write_bytes", full)
+    monkeypatch.setattr(exporting, "exported", lambda _: {f"{n}/{n}": b"1" for n in range(9)})
+    for place in ("sheets", "new/sheets"):
+        done.clear()
+        with pytest.raises(DataFileError, match="no room"):
+            export(tmp_path / place, [SHEETS["lift-off"]])
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["notes.txt", "sheets"]
+
+
+@pytest.mark.parametrize("sheet", SHEETS.values(), ids=lambda sheet: sheet.name)
+def test_sheets_say_all_numbers_in_both_systems(sheet):
+    text = as_markdown(list(sheet_blocks(sheet)))
+    for words in ("| shear modulus μ | 1 | 1e+10 Pa |", "(200, 500, 1000, 1500, 1900 m)"):
+        assert words in text
+    assert f"| friction f | {sheet.scene.friction:g} |" in text
+    assert "## Tolerance classes" in text
+    assert "nan" not in text
+
+
+def test_html_is_escaped():
+    blocks = [Heading("a < b", 1), Text("<script>"), Table(("x",), (("<td>",),))]
+    page = as_html(blocks, {})
+    assert "<script>" not in page
+    assert "<h1>a &lt; b</h1>" in page
+    assert "<td>&lt;td&gt;</td>" in page
+
+
+# --- inputs for other codes -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("sheet", SHEETS.values(), ids=lambda sheet: sheet.name)
+def test_inputs_hold_the_numbers_of_the_sheet(sheet):
+    inputs, scene = starter_inputs(sheet), sheet.scene
+    lines = inputs[f"uguca/{sheet.name}.in"].splitlines()[1:]
+    uguca = dict(re.fullmatch(r"\w+ (\w+) = (.*)", line).groups() for line in lines)
+    assert float(uguca["friction"]) == scene.friction
+    assert float(uguca["contact_pressure"]) == scene.base.pressure
+    assert float(uguca["slot_shear"]) == scene.load.shear
+    program = inputs["uguca/uguca_sheet.cc"]
+    assert set(uguca) == set(re.findall(r'(?:number|get<[\w:]+>)\("(\w+)"\)', program)) | (
+        set(uguca) & {"slot_shear", "contact_shear", "slot_pressure", "contact_pressure"}
+    )
+    if sheet.name == "viscous":
+        assert not any(name.startswith("sem2dpack") for name in inputs)
+        return
+    parameters = inputs["sem2dpack/Par.inp"]
+    assert f"MuS={scene.friction:.10g}, MuD={scene.friction:.10g}" in parameters
+    assert f"Tn={-scene.base.pressure:g}" in parameters
+    for name in re.findall(r"file='([^']+)'", parameters):
+        assert f"sem2dpack/{name}" in inputs
+
+
+def test_the_mesh_of_two_blocks_is_whole():
+    lines = starter_inputs(SHEETS["tap"])["sem2dpack/two.mesh2d"].splitlines()
+    elements, corners, nodes, bounds = map(int, lines[1].split())
+    assert (corners, bounds) == (4, 4)
+    at = [[float(part) for part in line.split()[1:]] for line in lines[3 : 3 + nodes]]
+    start = 4 + nodes
+    cells = [list(map(int, line.split())) for line in lines[start : start + elements]]
+    for number, (index, *four, tag) in enumerate(cells, start=1):
+        (x0, y0), (x1, y1), (x2, y2), (x3, y3) = (at[node - 1] for node in four)
+        assert index == number
+        assert (x1 - x0, y1 - y0, x2 - x3, y2 - y3) == (10, 0, 10, 0)
+        assert (x3 - x0, y3 - y0) == (0, 10)
+        assert tag == (2 if min(abs(y0), abs(y3)) < 20 else 1)
+    sides = start + elements
+    while sides < len(lines):
+        tag, count = map(int, lines[sides + 1].split())
+        for line in lines[sides + 3 : sides + 3 + count]:
+            _, element, edge = map(int, line.split())
+            four = cells[element - 1][1:5]
+            ends = (four[2], four[3]) if edge == 3 else (four[0], four[1])
+            assert all(at[node - 1][1] == 0 for node in ends)
+            assert all(
+                (at[node - 1][0] >= 0) == (tag in (5, 6)) or at[node - 1][0] == 0 for node in ends
+            )
+        sides += 3 + count
+
+
+def test_a_pulse_goes_off_again():
+    table = starter_inputs(SHEETS["pulse"])["sem2dpack/up.x"].split()
+    assert table == ["0", "1", "40", "1", "40.00004", "0", "200", "0"]
+
+
+def test_files_that_are_there_are_refused_or_replaced(tmp_path, monkeypatch):
+    monkeypatch.setattr(exporting, "exported", lambda _: {"new/1": b"1", "there/2": b"2"})
+    mine = tmp_path / "there" / "2"
+    mine.parent.mkdir()
+    mine.write_bytes(b"mine")
+    with pytest.raises(SceneError, match=r"there/2 is there already.*--overwrite"):
+        export(tmp_path, TWO)
+    assert mine.read_bytes() == b"mine"
+    assert not (tmp_path / "new").exists()
+    export(tmp_path, TWO, overwrite=True)
+    assert mine.read_bytes() == b"2"
+    assert (tmp_path / "new" / "1").read_bytes() == b"1"
