@@ -36,6 +36,7 @@ from semianalytic.selfsimilar.rated import (
     companion_error,
     settled_zones,
     unit_law,
+    unsettled,
 )
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.separation.normal import with_opening
@@ -127,8 +128,8 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     law, speed = unit_law(scene, dry.stress_unit), scene.material.shear_speed
     check_rated(dry.profile, law, speed)
     loose = min(loose_tolerance(rtol), tuning.LOOSEST_RATE_RULE)
-    rated, estimate = approached(dry.profile, law, loose, speed), np.inf
-    best = rated
+    rated, last = approached(dry.profile, law, loose, speed)
+    best, estimate = rated, np.inf
     for share in tuning.RATE_RULE_SHARES:
         if rated is None or estimate <= rtol:
             break
@@ -138,7 +139,8 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
             estimate = companion_error(rated, law, tolerance)
     clock.append(perf_counter())
     if best is None:
-        return replace(dry, scene=scene, status=_UNSETTLED, error_estimate=np.inf)
+        reason = unsettled(last, law, speed)
+        return replace(dry, scene=scene, status=reason, error_estimate=np.inf)
     profile, clock = best.profile, [*clock, perf_counter()]
     statistics = replace(
         dry.statistics,
@@ -151,9 +153,6 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     status = "converged" if estimate <= rtol else exceeded
     zones = slip_zones(profile, scene.material)
     return Solution(scene, zones, status, estimate, statistics, profile, dry.stress_unit)
-
-
-_UNSETTLED = "Newton's method found no slip rate that agrees with the strength it leaves"
 
 
 @dataclass(frozen=True)

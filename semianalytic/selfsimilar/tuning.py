@@ -108,8 +108,11 @@ LOOSEST_RATE_RULE, FINEST_RATE_RULE = 1e-5, 1e-13
 RATE_RULE_SHARES = (0.1, 0.01)
 """Tolerances of the rules after it, over rtol, one after the other until the error is below rtol:
 what the length of a rule leaves out no finer one brings back."""
-RATE_SHARES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0)
-"""Of what a law makes of constant friction, on the way to it where it is not reached at once."""
+LEAST_RATE_SHARE = 1 / 32
+"""Of what a law makes of constant friction: shorter steps on the way to it, where it is not reached
+at once, are not tried.  Not recorded."""
+STEEP_EXPONENT = 0.06
+"""Of slip rate beside an edge that a rule of `FARTHEST_RATE_REACH` cuts off at 1e-3 of it."""
 
 # Coulomb's law at nodes and between them (coulomb)
 
