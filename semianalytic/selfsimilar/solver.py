@@ -89,12 +89,13 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     load, normal = with_opening(load, factors, rtol)
     wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     clock = [perf_counter()]
-    trial, pivots = _search(factors, load, rtol, loose_tolerance(rtol))
+    strong = load.resistance is not None and load.resistance > tuning.STRONG_RESISTANCE
+    trial, pivots = (_strict_search if strong else _loose_search)(factors, load, rtol)
     clock.append(perf_counter())
     best, estimate = _refined(trial, rtol)
     clock.append(perf_counter())
     best, estimate = _checked(trial, best, estimate, rtol)
-    if not estimate <= rtol:
+    if not estimate <= rtol and not strong:
         best, estimate, more = _stricter(best, estimate, rtol)
         pivots += more
     clock.append(perf_counter())
@@ -201,6 +202,21 @@ def _search(
     return replace(trial, steps=steps, sets=sets), pivots
 
 
+def _loose_search(factors: RayleighFactors, load: Load, rtol: float) -> tuple[_Trial, int]:
+    """`_search` on as loose a rule as rtol and most scenes allow."""
+    return _search(factors, load, rtol, loose_tolerance(rtol))
+
+
+def _strict_search(factors: RayleighFactors, load: Load, rtol: float) -> tuple[_Trial, int]:
+    """`_search` for zones that slip so little that a loose rule cannot tell."""
+    return _search(factors, load, _strict(rtol), min(loose_tolerance(rtol), tuning.STRICT_RULE))
+
+
+def _strict(rtol: float) -> float:
+    """Accuracy to which what hardly slips is looked for."""
+    return max(tuning.STRICTER * rtol, min(rtol, tuning.STRICTEST))
+
+
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
 def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules: _Rules) -> _Trial:
     """Zones corrected from a start until Coulomb's law holds."""
@@ -284,10 +300,8 @@ def _checked(trial: _Trial, refined: _Trial, estimate: float, rtol: float) -> tu
 def _stricter(best: _Trial, estimate: float, rtol: float) -> tuple[_Trial, float, int]:
     """The better of what there is and what is found on strict rules, its error estimate, and the
     pivots this took: what hardly slips is driven by less than a loose rule can tell."""
-    strict = max(tuning.STRICTER * rtol, min(rtol, tuning.STRICTEST))
-    tolerance = min(loose_tolerance(rtol), tuning.STRICT_RULE)
-    fields = best.profile.fields
-    trial, pivots = _search(fields.factors, fields.load, strict, tolerance)
+    fields, strict = best.profile.fields, _strict(rtol)
+    trial, pivots = _strict_search(fields.factors, fields.load, rtol)
     again, lower = _checked(trial, *_refined(trial, strict), strict)
     return (again, lower, pivots) if lower <= estimate else (best, estimate, pivots)
 

@@ -13,6 +13,9 @@ MOST_ZONE_SETS = 12
 """Sets of zones tried from one start.  Not recorded."""
 LOOSEST_RULE = 1e-4
 """Tolerance of the rule on which zones are looked for, at most.  Not recorded."""
+STRONG_RESISTANCE = 1e8
+"""Of slip to its rate, eta [mu b]: beyond it zones are looked for on strict rules at once, as what
+loose ones leave in the traction is more than drives slip; from 1e10 on that search was in vain."""
 STRONGEST_RESISTANCE = 1e15
 """Of slip to its rate, eta [mu b]: beyond it slip is rounding of the traction; zones fail."""
 RULE_SHARE = 10.0
