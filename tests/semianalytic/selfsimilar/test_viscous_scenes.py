@@ -5,6 +5,11 @@ import pytest
 from laws import check_invariants, viscous_scene
 
 from semianalytic import Material, Scene, Tractions, ViscousFriction, solve
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import scaled_load
+from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.selfsimilar.edges import locate_edges
 
 ANSWERED = ("converged", "the error estimate ", "no set of slip zones ")
 
@@ -71,3 +76,16 @@ def test_zones_under_strong_films_need_one_set(viscosity):
     assert loose.statistics.zone_sets == exact.statistics.zone_sets == 1
     assert loose.statistics.pivots < 100
     assert np.abs(loose.edge_speeds - exact.edge_speeds).max() < loose.error_estimate
+
+
+def test_zones_that_rounding_made_overlap_are_given_up():
+    """As one behind an opening may begin inward of its end under the strongest films."""
+    scene = viscous_scene(np.random.default_rng(5))
+    load, factors = scaled_load(scene)[0], rayleigh_factors(0.25)
+    first, second = (
+        Zone(factors.cut([left]), factors.cut([right]), sense)
+        for left, right, sense in ((3.0, 5.0, 1), (4.0, 6.0, -1))
+    )
+    with np.errstate(invalid="ignore"):  # as the search does
+        placement = locate_edges(factors, (first, second), load, rule_for(1e-4), 1e-7)
+    assert not placement.converged
