@@ -89,3 +89,4 @@ def test_zones_that_rounding_made_overlap_are_given_up():
     with np.errstate(invalid="ignore"):  # as the search does
         placement = locate_edges(factors, (first, second), load, rule_for(1e-4), 1e-7)
     assert not placement.converged
+    assert placement.steps == 0
