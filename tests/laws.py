@@ -1,5 +1,7 @@
 """Laws that every answer must keep, and random scenes to hold them against."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import strategies as st
 
@@ -31,6 +33,23 @@ def opening_scene(random):
     held = random.choice([0.0, 1.0, -1.0]) * friction * base * random.uniform()
     material = Material(1.0, 1.0, poisson_ratio)
     return Scene(material, friction, Tractions(base, held), Tractions(step, shear))
+
+
+def viscous_scene(random):
+    """A scene with a film of any viscosity, in plane or out of it, a third of them opening."""
+    law = ViscousFriction(10 ** random.uniform(-6, 8))
+    mode = "antiplane" if random.random() < 1 / 3 else "in-plane"
+    if random.random() < 1 / 3:
+        return replace(opening_scene(random), friction_law=law, mode=mode)
+    poisson_ratio, friction = random.uniform(-0.9, 0.49), 10 ** random.uniform(-2, 0.5)
+    shear, pressure = random.normal(), random.choice([0.0, abs(random.normal())])
+    base, load = Tractions(1.0, 0.0), Tractions(pressure, shear)
+    if random.random() < 1 / 3:
+        base = load = Tractions(1.0, shear)
+    elif random.random() < 0.5:
+        base = Tractions(1.0, random.uniform(-1, 1) * friction)
+    material = Material(1.0, 1.0, poisson_ratio)
+    return Scene(material, friction, base, load, friction_law=law, mode=mode)
 
 
 def inside(x, parts):

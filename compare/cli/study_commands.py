@@ -87,7 +87,7 @@ def stability(
 
         chosen.append(write_stability)
     if judge:
-        from compare.studies.stability.judge import write_judge
+        from compare.studies.judge.study import write_judge
 
         chosen.append(write_judge)
     with working_folder(directory):

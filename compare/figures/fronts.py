@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from compare.comparison.fields.fronts import StraightFront
 from compare.comparison.scales import scene_fronts
 from compare.figures.quantities import Array
 from semianalytic.results.answer import WholeFields
@@ -108,12 +109,6 @@ def fronts(fields: WholeFields, time: float) -> Iterator[Front]:
 
 def _tangent(name: str, speed: float, wave: float, time: float, share: float) -> Front:
     """From a point that runs along the interface to the circle of a wave that is slower."""
-    ratio = wave / speed
-    foot, touch = speed * time, wave * time * ratio
-    along = np.linspace(0.0, 1.0, 41)
-    return Front(
-        name,
-        foot + along * (touch - foot),
-        along * wave * time * np.sqrt(1 - ratio * ratio),
-        share,
-    )
+    front = StraightFront(1 / wave, 1 / abs(speed), 1 if speed > 0 else -1)
+    x, y = front.line(time, np.linspace(0.0, 1.0, 41))
+    return Front(name, x, y, share)

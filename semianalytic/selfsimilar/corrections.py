@@ -154,8 +154,10 @@ def _part_of(violation: Violation, parts: list[Zone], first: int) -> int:
     """The closed part that a violation in a zone lies in, from the first part of that zone on."""
     if first < 0:
         return -1
-    behind = first + 1 < len(parts) and parts[first].right is not None
-    return first + int(behind and not violation.left.first_below(parts[first].right))  # type: ignore
+    right = parts[first].right
+    if right is None or first + 1 == len(parts) or violation.left.first_below(right):
+        return first
+    return first + 1
 
 
 def _joined_across(parts: list[Zone], opening: Zone) -> list[Zone]:
@@ -176,8 +178,11 @@ def _joined_across(parts: list[Zone], opening: Zone) -> list[Zone]:
     held = before.pop()
     if closing is None or held.right is None or closing.first_below(held.right):
         return [*before, replace(held, right=held.right if closing is not None else None), *behind]
-    reaches = behind and behind[0].left is not None
-    if reaches and behind[0].left.minus(closing)[0] < tuning.AT_OPENING * closing.v[0]:  # type: ignore
+    start_behind = behind[0].left if behind else None
+    if (
+        start_behind is not None
+        and start_behind.minus(closing)[0] < tuning.AT_OPENING * closing.v[0]
+    ):
         joined = replace(held, right=behind[0].right, inward=behind[0].sense)
         return [*before, joined, *behind[1:]]
     return [*before, replace(held, right=closing, held=True), *behind]

@@ -299,6 +299,8 @@ def locate_edges(
     edges, unknowns, inverse = start.edges, start.unknowns, start.inverse
     if not len(unknowns):
         return start
+    if not np.isfinite(unknowns).all():  # by rounding zones overlap
+        return replace(start, converged=False)
     for step in range(1, tuning.MOST_NEWTON_STEPS + 1):
         values, jacobian = linearised(edges, unknowns, load, rule)
         try:

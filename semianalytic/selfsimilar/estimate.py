@@ -56,24 +56,29 @@ def difference(
 
     Of edges over the lesser of themselves and c_t, and of slip rates over the largest, which move
     with them: compared in the middle and at the end of every panel, by their residues, and by the
-    widths of zones.
+    widths of zones.  Against a resistance also over the largest off the contact edge, but there.
 
     Parameters
     ----------
     unknowns, moved : (e,) or (e, k) arrays, edges that are right on the fine and the coarse rule
     fine, coarse : ZoneFields of the same zones on two rules
     """
-    compared, scale, peaks = [], np.ones(()), np.zeros(())
+    compared, scale, peaks, inner = [], np.ones(()), np.zeros(()), np.ones(())
     for fields in (coarse, fine):
         rate = fields.rate_integral()
         halves = rate.halves
         ends = np.cumsum(rate.totals, axis=0) + per_set(fields.load.far_slip_rate)
-        peaks = np.maximum(np.abs(ends), np.abs(ends - rate.totals + halves))
+        middles = np.abs(ends - rate.totals + halves)
+        peaks = np.maximum(np.abs(ends), middles)
         scale = peaks.max(axis=0)
+        inner = np.maximum(peaks[:-1].max(axis=0, initial=0.0), middles[-1])
         halves[rate.residues != 0] = 0.0  # the middle of such a panel depends on the rule
-        compared.append(np.concatenate([rate.totals, halves, rate.residues]))
+        compared.append(np.concatenate([halves, rate.residues, rate.totals]))
     scale = np.where(scale > 0, scale, 1.0)
-    rates = np.abs(compared[0] - compared[1]).max(axis=0) / scale
+    change = np.abs(compared[0] - compared[1])
+    rates = change.max(axis=0) / scale
+    if fine.load.resistance is not None:  # under strong films V towers at the contact edge alone
+        rates = np.maximum(rates, change[:-1].max(axis=0) / np.where(inner > 0, inner, scale))
     covers_c = fine.layout.pole >= 0
     share = tuning.BETWEEN_NODES_AT_POLE if covers_c else tuning.BETWEEN_NODES
     least = share * fine.rule.tolerance

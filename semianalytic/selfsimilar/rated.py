@@ -164,11 +164,15 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
             profile = Profile(fields)
             new, largest = profile.slip_rate_at_nodes, float(profile.largest_rate)
             moved = float(np.abs(new - step.last).max()) / largest
+            if not moved < np.inf:
+                break
             mixed = [*mixed[-tuning.MIXED_ITERATES :], (step.last, new)]
             if not moved > tuning.RATE_ROUNDING:
                 break
             step = replace(step, last=_mixed(mixed))
         changes.append(float(np.abs(new - step.before).max()) / largest)
+        if not (changes[-1] < np.inf and _shrinks(changes)):
+            break
         step = RateStep(
             law, load, factors, new, profile.fields.slip_rate_slope * fields.panels.jacobian, new
         )
@@ -176,6 +180,11 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
             break
     settled = placement.converged and bool(changes) and changes[-1] <= tuning.RATE_SETTLED
     return Rated(placement, profile, tuple(changes), settled)
+
+
+def _shrinks(changes: Sequence[float]) -> bool:
+    """Whether the last step of Newton's method is shorter than the one before, or rounding."""
+    return len(changes) < 2 or changes[-1] < max(changes[-2], tuning.RATE_SETTLED)
 
 
 def _mixed(iterates: Sequence[tuple[Array, Array]]) -> Array:
@@ -191,21 +200,23 @@ def _mixed(iterates: Sequence[tuple[Array, Array]]) -> Array:
     return np.asarray(mixed.reshape(iterates[-1][1].shape))
 
 
-def _least_exponent(fields: ZoneFields, law: UnitLaw) -> float:
-    """Of V beside edges slower than c_t: |v - e|^(1/2 - theta / pi), tan(theta) = -eta / m."""
-    least = 0.5
+def _least_exponent(fields: ZoneFields, law: UnitLaw) -> tuple[float, float]:
+    """Of V beside edges slower than c_t, and its edge: |v - e|^(1/2 - theta / pi), tan(theta) =
+    -eta / m."""
+    least, at = 0.5, np.inf
     for edge in (edge for zone in fields.zones for edge in (zone.left, zone.right)):
         if edge is not None and edge.first[2] > 0:
             eta = float(law.slopes(fields.strength(edge), np.zeros(1))[1][0])
             impedance = abs(float(fields.factors.impedance_behind(edge)[0]))
-            least = min(least, 0.5 - np.arctan2(max(-eta, 0.0), impedance) / np.pi)
-    return least
+            exponent = 0.5 - float(np.arctan2(max(-eta, 0.0), impedance)) / np.pi
+            least, at = min((least, at), (exponent, float(edge.v[0])))
+    return least, at
 
 
 def _held_rule(fields: ZoneFields, law: UnitLaw, tolerance: float) -> Rule:
     """A rule of a tolerance, as long as V asks for beside the edges of zones."""
     rule = rule_for(tolerance)
-    reach = min(rule.reach * 0.5 / _least_exponent(fields, law), tuning.FARTHEST_RATE_REACH)
+    reach = min(rule.reach * 0.5 / _least_exponent(fields, law)[0], tuning.FARTHEST_RATE_REACH)
     longer = replace(rule, reach=max(reach, rule.reach))
     return replace(replace(fields, rule=longer).panels.rule, held=True)
 
@@ -244,17 +255,37 @@ def check_rated(profile: Profile, law: UnitLaw, speed: float) -> None:
         )
 
 
-def approached(start: Profile, law: UnitLaw, tolerance: float, speed: float) -> Rated | None:
-    """Zones from a profile under constant friction, at once or in steps of `UnitLaw.share`."""
-    rated = settled_zones(start, law, tolerance, speed)
-    if rated is not None:
-        return rated
-    for share in tuning.RATE_SHARES:
+def approached(
+    start: Profile, law: UnitLaw, tolerance: float, speed: float
+) -> tuple[Rated | None, Profile]:
+    """Zones from a profile under constant friction, at once or in steps of `UnitLaw.share`, halved
+    where one fails; None where they lead nowhere, as to slip rates too steep for any rule, and the
+    last profile on the way."""
+    reached, step = 0.0, 1.0
+    while step >= tuning.LEAST_RATE_SHARE:
+        share = min(reached + step, 1.0)
         rated = settled_zones(start, replace(law, share=share), tolerance, speed)
         if rated is None:
-            return None
-        start = rated.profile
-    return rated
+            if reached and _least_exponent(start.fields, law)[0] < tuning.STEEP_EXPONENT:
+                break
+            step /= 2
+            continue
+        start, reached = rated.profile, share
+        if reached == 1.0:
+            return rated, start
+    return None, start
+
+
+def unsettled(last: Profile, law: UnitLaw, speed: float) -> str:
+    """A sentence that says why zones of the whole law were not reached from a profile."""
+    exponent, at = _least_exponent(last.fields, law)
+    if exponent < tuning.STEEP_EXPONENT:
+        return (
+            f"slip rate rises like the power {exponent:.2g} of the distance from a zone edge near "
+            f"x/t = {speed / at:.4g}, which no rule resolves; raise the rate or lower the "
+            "reduction of the friction law, or march the scene"
+        )
+    return "Newton's method found no slip rate that agrees with the strength it leaves"
 
 
 def settled_zones(start: Profile, law: UnitLaw, tolerance: float, speed: float) -> Rated | None:
@@ -283,5 +314,5 @@ def companion_error(fine: Rated, law: UnitLaw, tolerance: float) -> float:
         return np.inf
     edges, unknowns, fields = fine.placement.edges, fine.placement.unknowns, fine.profile.fields
     moved = coarse.placement.unknowns
-    cut_off = np.exp(-fields.rule.reach * _least_exponent(fields, law))
+    cut_off = np.exp(-fields.rule.reach * _least_exponent(fields, law)[0])
     return float(difference(edges, unknowns, moved, fields, coarse.profile.fields) + cut_off)

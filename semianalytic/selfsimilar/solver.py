@@ -36,6 +36,7 @@ from semianalytic.selfsimilar.rated import (
     companion_error,
     settled_zones,
     unit_law,
+    unsettled,
 )
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.separation.normal import with_opening
@@ -88,12 +89,13 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     load, normal = with_opening(load, factors, rtol)
     wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     clock = [perf_counter()]
-    trial, pivots = _search(factors, load, rtol, loose_tolerance(rtol))
+    strong = load.resistance is not None and load.resistance > tuning.STRONG_RESISTANCE
+    trial, pivots = (_strict_search if strong else _loose_search)(factors, load, rtol)
     clock.append(perf_counter())
     best, estimate = _refined(trial, rtol)
     clock.append(perf_counter())
     best, estimate = _checked(trial, best, estimate, rtol)
-    if not estimate <= rtol:
+    if not estimate <= rtol and not strong:
         best, estimate, more = _stricter(best, estimate, rtol)
         pivots += more
     clock.append(perf_counter())
@@ -127,8 +129,8 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     law, speed = unit_law(scene, dry.stress_unit), scene.material.shear_speed
     check_rated(dry.profile, law, speed)
     loose = min(loose_tolerance(rtol), tuning.LOOSEST_RATE_RULE)
-    rated, estimate = approached(dry.profile, law, loose, speed), np.inf
-    best = rated
+    rated, last = approached(dry.profile, law, loose, speed)
+    best, estimate = rated, np.inf
     for share in tuning.RATE_RULE_SHARES:
         if rated is None or estimate <= rtol:
             break
@@ -138,7 +140,8 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
             estimate = companion_error(rated, law, tolerance)
     clock.append(perf_counter())
     if best is None:
-        return replace(dry, scene=scene, status=_UNSETTLED, error_estimate=np.inf)
+        reason = unsettled(last, law, speed)
+        return replace(dry, scene=scene, status=reason, error_estimate=np.inf)
     profile, clock = best.profile, [*clock, perf_counter()]
     statistics = replace(
         dry.statistics,
@@ -151,9 +154,6 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     status = "converged" if estimate <= rtol else exceeded
     zones = slip_zones(profile, scene.material)
     return Solution(scene, zones, status, estimate, statistics, profile, dry.stress_unit)
-
-
-_UNSETTLED = "Newton's method found no slip rate that agrees with the strength it leaves"
 
 
 @dataclass(frozen=True)
@@ -200,6 +200,21 @@ def _search(
         if trial.lawful:
             break
     return replace(trial, steps=steps, sets=sets), pivots
+
+
+def _loose_search(factors: RayleighFactors, load: Load, rtol: float) -> tuple[_Trial, int]:
+    """`_search` on as loose a rule as rtol and most scenes allow."""
+    return _search(factors, load, rtol, loose_tolerance(rtol))
+
+
+def _strict_search(factors: RayleighFactors, load: Load, rtol: float) -> tuple[_Trial, int]:
+    """`_search` for zones that slip so little that a loose rule cannot tell."""
+    return _search(factors, load, _strict(rtol), min(loose_tolerance(rtol), tuning.STRICT_RULE))
+
+
+def _strict(rtol: float) -> float:
+    """Accuracy to which what hardly slips is looked for."""
+    return max(tuning.STRICTER * rtol, min(rtol, tuning.STRICTEST))
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
@@ -285,10 +300,8 @@ def _checked(trial: _Trial, refined: _Trial, estimate: float, rtol: float) -> tu
 def _stricter(best: _Trial, estimate: float, rtol: float) -> tuple[_Trial, float, int]:
     """The better of what there is and what is found on strict rules, its error estimate, and the
     pivots this took: what hardly slips is driven by less than a loose rule can tell."""
-    strict = max(tuning.STRICTER * rtol, min(rtol, tuning.STRICTEST))
-    tolerance = min(loose_tolerance(rtol), tuning.STRICT_RULE)
-    fields = best.profile.fields
-    trial, pivots = _search(fields.factors, fields.load, strict, tolerance)
+    fields, strict = best.profile.fields, _strict(rtol)
+    trial, pivots = _strict_search(fields.factors, fields.load, rtol)
     again, lower = _checked(trial, *_refined(trial, strict), strict)
     return (again, lower, pivots) if lower <= estimate else (best, estimate, pivots)
 

@@ -13,6 +13,9 @@ MOST_ZONE_SETS = 12
 """Sets of zones tried from one start.  Not recorded."""
 LOOSEST_RULE = 1e-4
 """Tolerance of the rule on which zones are looked for, at most.  Not recorded."""
+STRONG_RESISTANCE = 1e8
+"""Of slip to its rate, eta [mu b]: beyond it zones are looked for on strict rules at once, as what
+loose ones leave in the traction is more than drives slip; from 1e10 on that search was in vain."""
 STRONGEST_RESISTANCE = 1e15
 """Of slip to its rate, eta [mu b]: beyond it slip is rounding of the traction; zones fail."""
 RULE_SHARE = 10.0
@@ -108,8 +111,11 @@ LOOSEST_RATE_RULE, FINEST_RATE_RULE = 1e-5, 1e-13
 RATE_RULE_SHARES = (0.1, 0.01)
 """Tolerances of the rules after it, over rtol, one after the other until the error is below rtol:
 what the length of a rule leaves out no finer one brings back."""
-RATE_SHARES = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0)
-"""Of what a law makes of constant friction, on the way to it where it is not reached at once."""
+LEAST_RATE_SHARE = 1 / 32
+"""Of what a law makes of constant friction: shorter steps on the way to it, where it is not reached
+at once, are not tried.  Not recorded."""
+STEEP_EXPONENT = 0.06
+"""Of slip rate beside an edge that a rule of `FARTHEST_RATE_REACH` cuts off at 1e-3 of it."""
 
 # Coulomb's law at nodes and between them (coulomb)
 

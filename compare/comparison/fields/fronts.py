@@ -35,6 +35,14 @@ class StraightFront:
     source: float
     side: int
 
+    def line(self, t: float, share: Array) -> tuple[Array, Array]:
+        """Points x, y >= 0 of it at time t [length], by their share of the way from the surface to
+        the circle; not of plane waves, which have no end at the surface."""
+        ratio = self.source / self.wave
+        foot, touch = t / self.source, t / self.wave * ratio
+        x = self.side * (foot + share * (touch - foot))
+        return x, share * t / self.wave * math.sqrt(1 - ratio * ratio)
+
     def distance(self, x: Array, y: Array, t: float) -> Array:
         """How far points are from it at time t [length]; infinite beyond its end."""
         along, across = self.side * x, np.abs(y)

@@ -10,7 +10,7 @@ import pytest
 from compare.comparison.fields import errors as fields
 from compare.comparison.fields.errors import field_errors, frame_pairs, pair_errors
 from compare.comparison.fields.frames import read_frame
-from compare.comparison.fields.fronts import fronts_of
+from compare.comparison.fields.fronts import StraightFront, fronts_of
 from compare.comparison.snapshots import listed_frames
 from fem import simulate
 from semianalytic import Pulse, solve
@@ -218,6 +218,15 @@ def test_fronts_are_where_waves_arrive(side):
         assert fronts.distance(np.array(x), np.array(side * height), t) < 1e-12, name
     beside = np.array([[-mach, 1.3, 1.3], [y, c_t * t, c_l * t]])
     assert np.all(fronts.distance(beside[0], side * beside[1], t) > 0.02)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_line_is_where_its_front_is_from_the_surface_to_the_circle(side):
+    front, share = StraightFront(1.0, 0.6, side), np.linspace(0.0, 1.0, 9)
+    x, y = front.line(0.5, share)
+    np.testing.assert_allclose(front.distance(x, y, 0.5), 0.0, atol=1e-15)
+    assert (x[0], y[0]) == (side * 0.5 / 0.6, 0.0)
+    assert np.hypot(x[-1], y[-1]) == pytest.approx(0.5)
 
 
 def test_each_jump_of_a_load_sends_out_fronts_and_a_rise_does_not():

@@ -1,24 +1,20 @@
-"""The judge on real simulations, on sampled ones with a known error, and on spoilt predictions."""
+"""The judge on real simulations and on sampled ones with a known error; its verdicts and units."""
 
-import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
-from compare_cases import SELF_SIMILAR, sampled_run, simulated
+from compare_cases import SELF_SIMILAR, Spoilt, differing, named, sampled_run, simulated
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from compare import judge
-from compare.comparison.bars import SAFETY
 from compare.comparison.judgement import mesh_sentence
-from compare.comparison.prediction import method_of, predict_like, seconds_of
 from compare.comparison.profile_rows import SINGLE_STEPS
 from compare.comparison.rows import ALARM, Row
 from compare.comparison.scales import slip_rate_scale
 from compare.comparison.snapshots import SlipRateProfile
 from fem import simulate
-from semianalytic import Material, Scene, SceneError, SlipWeakening, Solution, Tractions, solve
+from semianalytic import Material, Scene, Solution, Tractions, solve
 from semianalytic.results.answer import SlipInterval
 from semianalytic.scene.named import NAMED_SCENES, find_scene, override_scene
 
@@ -36,32 +32,8 @@ THIN = {"f = 0.1", "f = 0.15", "ν = 0.45", "steel"}
 """Those with a gap far narrower than four elements of any mesh."""
 
 
-class Spoilt:
-    """An answer with some of its methods replaced; no Solution, but asked like one."""
-
-    def __init__(self, answer, **replaced):
-        self._answer = answer
-        self.__dict__.update(replaced)
-
-    def __getattr__(self, name):
-        return getattr(self._answer, name)
-
-    def history(self, x, t):
-        from semianalytic.results.answer import sampled_history
-
-        return sampled_history(self, x, t)
-
-
 def end_time(scene):
     return 1 / scene.material.shear_speed
-
-
-def named(judgement):
-    return {row.name: row for row in judgement.rows}
-
-
-def differing(judgement):
-    return [row.name for row in judgement.having("differs")]
 
 
 @pytest.fixture(scope="module")
@@ -175,126 +147,6 @@ def test_companions_are_run_where_the_simulation_carries_none(solution):
     assert judgement.simulation.companion.companion.resolution == 10
 
 
-# --- what is wrong differs ------------------------------------------------------------------
-
-
-def test_friction_of_a_third_is_told_from_that_of_three_tenths():
-    """The example of issue 14, at the default resolution."""
-    run = simulated(PRELOADED, 100)
-    assert judge(solve(PRELOADED), run).verdict == "agrees"
-    other = judge(solve(override_scene(PRELOADED, friction=0.31)), run)
-    assert other.verdict == "differs"
-    assert "slip, L1" in differing(other)
-
-
-@pytest.mark.parametrize(
-    ("other", "row"),
-    [
-        ("stuck", "slip rate, largest"),
-        ("remote-shock", "shear traction, L1"),
-        ("auxetic", "zone 1, outer edge"),
-    ],
-)
-def test_predictions_of_another_scene_differ(coarse, other, row):
-    judgement = judge(solve(find_scene(other)), coarse)
-    assert judgement.verdict == "differs"
-    assert row in differing(judgement)
-
-
-@pytest.mark.parametrize("spoil", ["one zone", "reversed", "stuck", "edge moved"])
-def test_what_is_spoilt_on_purpose_differs(spoil, solution):
-    run = simulated(PRELOADED, 100)
-    ahead = 0.95
-
-    def without_second(x, t):
-        x, t = np.broadcast_arrays(x, t)
-        return np.where(x > ahead * t, 0.0, solution.slip_rate(x, t))
-
-    if spoil == "one zone":
-        spoilt = Spoilt(
-            solution, slip_rate=without_second, zones_at=lambda t: solution.zones_at(t)[:1]
-        )
-        expected = "unpredicted slip"
-    elif spoil == "reversed":
-        spoilt = Spoilt(
-            solution,
-            slip_rate=lambda x, t: -solution.slip_rate(x, t),
-            slip=lambda x, t: -solution.slip(x, t),
-            zones_at=lambda t: tuple(replace(z, sense=-z.sense) for z in solution.zones_at(t)),
-        )
-        expected = "zone 1, outer edge"
-    elif spoil == "stuck":
-        spoilt = Spoilt(
-            solution,
-            slip_rate=lambda x, t: 0 * solution.slip_rate(x, t),
-            slip=lambda x, t: 0 * solution.slip(x, t),
-            zones_at=lambda t: (),
-        )
-        expected = "unpredicted slip"
-    else:
-
-        def moved(t):
-            first, *others = solution.zones_at(t)
-            return (replace(first, end=0.9 * first.end), *others)
-
-        spoilt = Spoilt(
-            solution,
-            slip_rate=lambda x, t: solution.slip_rate(np.asarray(x) / 0.9, t),
-            zones_at=moved,
-        )
-        expected = "zone 1, outer edge"
-    judgement = judge(spoilt, run)
-    assert judgement.verdict == "differs"
-    assert any(name.startswith(expected) for name in differing(judgement)), differing(judgement)
-
-
-@pytest.mark.parametrize("gain", [0.97, 1.03])
-def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, gain):
-    """Slip rates and tractions off by 3 %: on all meshes, or by four times as much at 2h."""
-    fields = [
-        "slip rate, L1",
-        "shear traction, L1",
-        "pressure, L1",
-        "slip rate over (x, t), L1",
-        "accumulated |slip|, L1",
-    ]
-    error = abs(gain - 1)
-    hidden, shown = (
-        named(judge(solution, sampled_run(solution, gain=gain, growth=growth)))
-        for growth in (1.0, 4.0)
-    )
-    for name in fields:
-        assert hidden[name].difference == pytest.approx(error, rel=1e-3)
-        assert hidden[name].bar < error / 2
-        assert hidden[name].verdict == "differs", name
-        assert shown[name].verdict == "agrees", name
-        assert shown[name].order == pytest.approx(2.0, abs=0.1)
-        # It changes by 12 errors from 4h to 2h; what nodes alone leave open is little.
-        assert shown[name].bar == pytest.approx(6 * SAFETY[shown[name].kind] * error, abs=8e-3)
-
-
-def test_slip_where_none_is_predicted_differs():
-    stuck = solve(find_scene("stuck"))
-    run = sampled_run(stuck)
-    meshes = [run, run.companion, run.companion.companion]
-    coarser = None
-    for mesh in reversed(meshes):
-        slipping = replace(mesh.interface, slip_rate=mesh.interface.slip_rate + 0.1)
-        coarser = replace(mesh, interface=slipping, companion=coarser)
-    judgement = judge(stuck, coarser)
-    assert {"slip rate, largest", "slip rate over (x, t), largest"} <= set(differing(judgement))
-    assert any(name.startswith("unpredicted slip") for name in differing(judgement))
-    assert any(name.startswith("onset") for name in differing(judgement))
-
-
-def test_a_stuck_interface_has_no_onset_and_no_zone():
-    stuck = solve(find_scene("stuck"))
-    rows = named(judge(stuck, sampled_run(stuck)))
-    assert not [name for name in rows if name.startswith(("zone", "onset", "unpredicted"))]
-    largest = rows["slip rate, largest"]
-    assert (largest.at_nodes, largest.simulated, largest.verdict) == (0.0, 0.0, "agrees")
-
-
 # --- three values, and nothing shifted ------------------------------------------------------
 
 
@@ -336,83 +188,6 @@ def test_bars_come_from_the_simulation():
         assert bars[0] == pytest.approx(bars[1], rel=1e-3, abs=1e-5), name
         compared += row.at_nodes != other[name].at_nodes
     assert compared >= 6
-
-
-# --- marches --------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["ramp", "unload"])
-def test_a_march_is_judged(name):
-    run = simulated(find_scene(name), 60)
-    prediction = predict_like(run)
-    assert method_of(prediction) == "space-time"
-    assert 0 < seconds_of(prediction) < math.inf
-    judgement = judge(prediction, run)
-    assert differing(judgement) == []
-    assert judgement.verdict == "agrees"
-    assert not any(row.kind == "arrival" for row in judgement.rows)
-
-
-def test_a_march_of_another_load_differs():
-    run = simulated(find_scene("ramp"), 60)
-    other = predict_like(simulated(find_scene("unload"), 60))
-    assert judge(other, run).verdict == "differs"
-
-
-def test_a_march_of_a_self_similar_scene_is_judged_too(coarse, solution):
-    marched = predict_like(coarse, "space-time")
-    judgement = judge(marched, coarse)
-    assert differing(judgement) == []
-    exact = named(judge(solution, coarse))
-    for name, row in named(judgement).items():
-        if name in exact and row.relative:
-            assert row.simulated == exact[name].simulated
-
-
-def test_what_a_march_misses_makes_its_rows_unresolved():
-    """Slip next to the edge within less than a cell: its answer of "no slip" is not believed."""
-    scene = override_scene(PRELOADED, friction=20.0)
-    run = sampled_run(solve(scene), resolution=40)
-    marched = predict_like(run, "space-time")
-    assert marched.caution
-    judgement = judge(marched, run)
-    assert judgement.verdict != "differs"
-    for row in judgement.rows:
-        if row.kind not in ("arrival", "pressure"):
-            reason, times = row.obstacle.removeprefix("the march: "), marched.shortfalls[0].times
-            assert marched.caution.startswith(reason)
-            assert reason
-            assert row.resolution == math.ceil(times * run.resolution)
-    assert judge(solve(scene), run).case.caution == ""
-
-
-def test_a_march_that_does_not_reach_as_far_is_refused(coarse):
-    from semianalytic import march
-
-    with pytest.raises(SceneError, match="answer"):
-        judge(march(PRELOADED, 0.5, 100, length=3.0), coarse)
-    with pytest.raises(SceneError, match="answer"):
-        judge(march(PRELOADED, 1.0, 100, length=1.0), coarse)
-
-
-def test_two_materials_are_refused(solution):
-    run = simulate(PRELOADED, resolution=14, lower_material=Material(2.0, 1.0, 0.3))
-    with pytest.raises(SceneError, match="two materials"):
-        judge(solution, run)
-
-
-@pytest.mark.slow
-def test_a_weakening_front_agrees_or_is_unresolved():
-    """The slip-weakening scene of issue 14: f from 0.6 to 0.2 within 0.05."""
-    scene = Scene(
-        Material(1.0, 1.0, 0.25),
-        0.6,
-        Tractions(1.0, 0.4),
-        Tractions(0.0, 0.4),
-        friction_law=SlipWeakening(2 / 3, 0.05),
-    )
-    run = simulated(scene, 100, 2.0)
-    assert differing(judge(predict_like(run), run)) == []
 
 
 # --- units ----------------------------------------------------------------------------------

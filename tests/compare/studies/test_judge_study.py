@@ -9,19 +9,20 @@ from compare.cli.commands import main
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
 from compare.docs import read_data
 from compare.output.tables import append_rows, started_rows
-from compare.studies.stability import judge_trials, spoils
-from compare.studies.stability.held_slot import held_slot
-from compare.studies.stability.judge_scenes import (
+from compare.studies.judge import spoils
+from compare.studies.judge import trials as judge_trials
+from compare.studies.judge.held_slot import held_slot
+from compare.studies.judge.scenes import (
     HISTORIES,
     OPENINGS,
     STEPS,
     draw,
     power_scenes,
 )
-from compare.studies.stability.judge_tables import SURE, alarm_rows, bar_rows, power_rows
-from compare.studies.stability.judge_trials import SHARES, TRUTH, JudgedRow, SpoiltRow, run_trials
-from compare.studies.stability.spoils import SPOILS, Window, effect, spoilt
-from compare.studies.stability.spoilt_answers import profiled
+from compare.studies.judge.spoils import SPOILS, Window, effect, spoilt
+from compare.studies.judge.spoilt_answers import profiled
+from compare.studies.judge.tables import SURE, alarm_rows, bar_rows, power_rows
+from compare.studies.judge.trials import SHARES, TRUTH, JudgedRow, SpoiltRow, run_trials
 from semianalytic import Answer, CoulombFriction, SlipWeakening, march, solve
 from semianalytic.cut.load import contact_opens
 from semianalytic.scene.named import find_scene

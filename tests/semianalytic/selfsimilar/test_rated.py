@@ -16,7 +16,14 @@ from semianalytic import (
 )
 from semianalytic.reference import viscous_edge_speed, viscous_slip_rate
 from semianalytic.scene.scene import Material
-from semianalytic.selfsimilar.rated import rated_zones, unit_law
+from semianalytic.selfsimilar import rated as rated_module
+from semianalytic.selfsimilar.rated import (
+    approached,
+    rated_zones,
+    settled_zones,
+    unit_law,
+    unsettled,
+)
 
 ONE_ZONE = unit_scene(1.0, friction_law=RateWeakening(0.4, 1.0))
 
@@ -101,3 +108,38 @@ def test_what_sticks_does_not_weaken(mode, rtol):
     scene = unit_scene(3.0, (1.0, 0.0), (1.0, 1.0), friction_law=law, mode=mode)
     stuck = solve(scene, rtol=rtol)
     assert (stuck.zones, stuck.status, stuck.scene) == ((), "converged", scene)
+
+
+def test_slip_rate_too_steep_for_any_rule_is_said():
+    law = RateWeakening(0.26215, 0.0193459)
+    solution = solve(unit_scene(0.03417, (1.0, 0.0), (0.0, 0.1357), friction_law=law), rtol=1e-5)
+    assert "rises like the power 0.05" in solution.status
+    assert "a zone edge near x/t = 0.92" in solution.status
+    assert solution.error_estimate == np.inf
+
+
+def test_steps_of_the_share_lead_where_the_whole_law_at_once_does_not(monkeypatch):
+    start = dry(ONE_ZONE)
+    law, tried = unit_law(ONE_ZONE, start.stress_unit), []
+
+    def settled(profile, towards, tolerance, speed):
+        reached = tried[-1] if tried else 0.0
+        if towards.share - reached > 0.3:
+            return None
+        tried.append(towards.share)
+        return settled_zones(profile, towards, tolerance, speed)
+
+    monkeypatch.setattr(rated_module, "settled_zones", settled)
+    rated, last = approached(start.profile, law, 1e-5, 1.0)
+    assert tried == [0.25, 0.5, 0.75, 1.0]
+    assert rated.profile is last
+    at_once = settled_zones(start.profile, law, 1e-5, 1.0)
+    np.testing.assert_allclose(rated.placement.unknowns, at_once.placement.unknowns, atol=1e-6)
+
+
+def test_where_no_step_leads_the_last_profile_is_left(monkeypatch):
+    start = dry(ONE_ZONE)
+    law = unit_law(ONE_ZONE, start.stress_unit)
+    monkeypatch.setattr(rated_module, "settled_zones", lambda *_: None)
+    assert approached(start.profile, law, 1e-5, 1.0) == (None, start.profile)
+    assert unsettled(start.profile, law, 1.0).startswith("Newton's method found no slip rate")

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
-from compare.studies.stability.judge_trials import COUNTS, TRUTH, JudgedRow, SpoiltRow
-from compare.studies.stability.spoils import SPOILS, Spoil
+from compare.studies.judge.spoils import SPOILS, Spoil
+from compare.studies.judge.trials import COUNTS, TRUTH, JudgedRow, SpoiltRow
 
 SURE = ALARM + 1
 """Bars from which on a mistake shows whatever the simulation errs within its bar."""

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from compare.comparison.rows import ALARM, DIFFERS
 from compare.figures.style import BLUE, CYCLE, SMALL, VERMILLION, marker_handle, new_figure
-from compare.studies.stability.judge_trials import STEPS, JudgedRow, SpoiltRow
-from compare.studies.stability.spoils import SPOILS
+from compare.studies.judge.spoils import SPOILS
+from compare.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 
 _FARTHEST = 3.0
 """End of the axis of differences over bars; what is further is drawn there."""

@@ -16,14 +16,14 @@ from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import predict_like
 from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
 from compare.output.tables import append_rows, started_rows
-from compare.studies.stability.judge_scenes import (
+from compare.studies.judge.scenes import (
     HISTORIES,
     OPENINGS,
     STEPS,
     draw,
     power_scenes,
 )
-from compare.studies.stability.spoils import SPOILS, Spoil, Window, effect, spoilt
+from compare.studies.judge.spoils import SPOILS, Spoil, Window, effect, spoilt
 from compare.studies.workers import Progress, run_tasks
 from compare.studies.workers import Task as WorkerTask
 from semianalytic import Answer, Scene, SceneError

@@ -1,7 +1,7 @@
 """How far the judge can be trusted: false alarms, error bars, power against spoilt answers.
 
 ``slipfront stability --judge`` runs it, and goes on where it was interrupted.
-``python -m compare.studies.stability.judge alarms bars power --csv docs/data`` writes the tables of
+``python -m compare.studies.judge.study alarms bars power --csv docs/data`` writes the tables of
 docs/judge.md from the same trials.
 """
 
@@ -16,8 +16,8 @@ from rich.console import Console
 from compare.figures.saving import save_figure
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
-from compare.studies.stability.judge_figure import judge_figure
-from compare.studies.stability.judge_tables import (
+from compare.studies.judge.figure import judge_figure
+from compare.studies.judge.tables import (
     AlarmRow,
     BarRow,
     PowerRow,
@@ -25,7 +25,7 @@ from compare.studies.stability.judge_tables import (
     bar_rows,
     power_rows,
 )
-from compare.studies.stability.judge_trials import JudgedRow, SpoiltRow, run_trials
+from compare.studies.judge.trials import JudgedRow, SpoiltRow, run_trials
 from compare.studies.tables import Study, run_studies
 from compare.studies.workers import Progress
 
@@ -80,4 +80,4 @@ def power() -> list[PowerRow]:
 STUDIES: dict[str, Study] = {"alarms": alarms, "bars": bars, "power": power}
 
 if __name__ == "__main__":
-    raise SystemExit(run_studies("compare.studies.stability.judge", "judge", STUDIES))
+    raise SystemExit(run_studies("compare.studies.judge.study", "judge", STUDIES))

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.studies.stability.held_slot import held_slot
-from compare.studies.stability.spoilt_answers import Profiled, Retold, profiled, tabulated
+from compare.studies.judge.held_slot import held_slot
+from compare.studies.judge.spoilt_answers import Profiled, Retold, profiled, tabulated
 from semianalytic import (
     Answer,
     Marched,
