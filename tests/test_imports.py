@@ -30,7 +30,9 @@ ARROWS = {
         "comparison": "output",
         "figures": "comparison output",
         "studies": "comparison figures output",
-        "cli": "comparison figures output studies",
+        "records": "",
+        "validation": "records comparison figures output",
+        "cli": "records validation comparison figures output studies",
     },
 }
 """What each folder of a package may import of the others of that package, at any depth."""
