@@ -20,6 +20,7 @@ from compare.cli.interruption import INTERRUPTED, INTERRUPTION
 from compare.cli.refusals import in_options, printable
 from compare.cli.simulate_command import simulate_command
 from compare.cli.solve_command import solve_command
+from compare.cli.validate_command import validate_command
 from semianalytic.scene.errors import DataFileError, SlipfrontError
 from semianalytic.scene.extras import needing
 
@@ -51,6 +52,7 @@ app.command("compare")(compare_command)
 app.command("solve")(solve_command)
 app.command("simulate")(simulate_command)
 app.command("field")(field_command)
+app.command("validate")(validate_command)
 
 
 @app.command()

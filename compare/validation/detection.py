@@ -29,6 +29,8 @@ SHARP = 0.02
 """The same for readings that differ by half a step only."""
 LOOKED_AT = 6
 """Stations that readings are tried on."""
+NEAREST, FARTHEST = 0.02, 1.0
+"""Over c_l T, between which the outermost station has to be for units to be inferred."""
 SHIFTS = 81
 LARGEST_SHIFT = 0.2
 """Of the time origin, over T."""
@@ -100,7 +102,7 @@ class Detection:
 
 
 def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
-    """How a run is to be read; options are obeyed, whatever else is detected is said.
+    """How a run is to be read; what is told are obeyed, whatever else is detected is said.
 
     Raises
     ------
@@ -119,7 +121,7 @@ def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
 
 
 def given_reading(conventions: Conventions) -> Reading:
-    """The reading that options ask for."""
+    """The reading that conventions ask for."""
     factors = conventions.factors()
     sign = -1.0 if conventions.sign == "reversed" else 1.0
     twice = 2.0 if conventions.slip in ("half", "face") else 1.0
@@ -176,10 +178,19 @@ def _units_and_signs(
     for (x, t), words in _places_and_times(exact):
         other = given.multiplied("x", x).multiplied("t", t)
         placed = replace(exact, end_time=exact.end_time * t)
+        if not _are_passed(other.apply(run), placed):
+            continue
         tried, said, left = _amplitudes(run, placed, other, conventions)
         if left < least:
             return tried, (words, *said)
     return reading, notes
+
+
+def _are_passed(run: Records, exact: Exact) -> bool:
+    """Whether waves pass stations while they record: elsewhere anything fits a base state."""
+    farthest = exact.scene.material.longitudinal_speed * exact.end_time
+    places = [record.x / farthest for record in run.stations]
+    return bool(places) and max(places) <= FARTHEST and max(places) >= NEAREST
 
 
 def _amplitudes(
@@ -351,7 +362,7 @@ def _shifted_error(run: Records, exact: Exact, name: str, shift: float) -> float
 
 
 def _given_notes(conventions: Conventions) -> Iterator[str]:
-    """What options have asked for, to be said first."""
+    """What was asked for, to be said first."""
     if conventions.scale:
         sizes = ", ".join(f"{name} times {size:.6g}" for name, size in conventions.scale.items())
         yield f"units, as given: {sizes}"

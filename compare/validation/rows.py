@@ -86,7 +86,7 @@ def quantity_rows(grids: Grids, exact: Exact, name: str, *, face: bool) -> Itera
         orders = [order for _, order in bars if order is not None]
         order = float(np.median(orders)) if orders else None
         yield _row("all stations", name, exact, whole, bar, order, obstacle, grids)
-    chosen = _chosen([record.x for record, _ in known], exact)
+    chosen = chosen_stations([record.x for record, _ in known], exact)
     for place in chosen:
         (record, norm), (bar, order) = known[place], bars[place]
         where = f"at {_over(record.x, exact):.3g} c_t T"
@@ -156,7 +156,7 @@ def _cells(grids: Grids, exact: Exact, bar: float | None) -> int | None:
     return int(np.ceil(length / grids.spacing * bar / TELLING))
 
 
-def _chosen(places: Sequence[float], exact: Exact) -> list[int]:
+def chosen_stations(places: Sequence[float], exact: Exact) -> list[int]:
     """Stations that have rows of their own."""
     if len(places) <= len(PLACES):
         return list(range(len(places)))
@@ -174,7 +174,7 @@ def arrival_rows(grids: Grids, exact: Exact, threshold: float | None) -> Iterato
     least = threshold or THRESHOLD * stress_scale(exact.scene) / material.shear_impedance
     runs = [_arrivals(run, least) for run in grids.runs]
     places = [x for x in sorted(runs[0]) if 0 < x <= exact.end_time * material.longitudinal_speed]
-    chosen = [places[place] for place in _chosen(places, exact)]
+    chosen = [places[place] for place in chosen_stations(places, exact)]
     for x in chosen:
         onset = Onset(exact, x, least)
         if onset.time is not None:

@@ -62,8 +62,15 @@ class Validation:
     @property
     def counts(self) -> dict[str, int]:
         """How many rows have each verdict."""
-        verdicts = [row.verdict for row in self.rows]
-        return {verdict: verdicts.count(verdict) for verdict in (AGREES, DIFFERS, UNRESOLVED)}
+        return {verdict: len(self.having(verdict)) for verdict in (AGREES, DIFFERS, UNRESOLVED)}
+
+    def having(self, verdict: str) -> tuple[Row, ...]:
+        """The rows with a verdict."""
+        return tuple(row for row in self.rows if row.verdict == verdict)
+
+    def remedy(self, row: Row) -> str:
+        """Nothing: what would resolve a row is said with what stands in its way."""
+        return ""
 
     @property
     def source(self) -> str:
@@ -88,8 +95,8 @@ def validate(
     scene : Scene
         What was simulated.
     spacing : float or sequence of float, optional
-        Distance of the grid points of each run on the interface, in units of the scene.
-    options : Conventions, optional
+        Distance of the grid points of each run on the interface, in units of its file.
+    conventions : Conventions, optional
         Units and conventions that are known; the others are detected, and said.
 
     Returns
@@ -110,7 +117,8 @@ def validate(
     read, left_out = zip(
         *(_in_reach(detection.reading.apply(run), detection) for run in runs), strict=True
     )
-    grids, guessed = arranged(read, _spacings(spacing, len(runs)), _mean(detection, runs))
+    sizes = _spacings(spacing, len(runs), detection.reading.factors.get("x", 1.0))
+    grids, guessed = arranged(read, sizes, _mean(detection, runs))
     exact = detection.exact
     face = conventions.slip == "face" and bool(scene.load.pressure)
     said = (*detection.notes, *_face_notes(conventions, face), *notes, *left_out[-1], *guessed)
@@ -137,7 +145,9 @@ def _mean(detection: Detection, runs: Sequence[Records]) -> str:
     return BEFORE if made else detection.reading.mean
 
 
-def _spacings(spacing: float | Sequence[float] | None, runs: int) -> list[float | None]:
+def _spacings(
+    spacing: float | Sequence[float] | None, runs: int, scale: float
+) -> list[float | None]:
     if spacing is None:
         return [None] * runs
     given = [spacing] if isinstance(spacing, int | float) else list(spacing)
@@ -145,7 +155,7 @@ def _spacings(spacing: float | Sequence[float] | None, runs: int) -> list[float 
         raise SceneError(
             f"validate: there are {runs} runs and {len(given)} spacings; give one for each."
         )
-    return [checked_size("validate: spacing", size) for size in given]
+    return [scale * checked_size("validate: spacing", size) for size in given]
 
 
 def _with_rates(run: Records, conventions: Conventions) -> Records:
