@@ -118,7 +118,7 @@ def write_files(validation: Validation, label: str, directory: Path) -> None:
 
 
 def _read(results: Sequence[Path]) -> list[Records]:
-    from compare.records.read import read_records
+    from compare.records.read import read_records  # type: ignore[import-not-found]
 
     return read_records(results)
 

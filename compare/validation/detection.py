@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from compare.records.record import Record, Records
 from compare.validation.conventions import Conventions
@@ -31,7 +32,9 @@ LOOKED_AT = 6
 """Stations that readings are tried on."""
 NEAREST, FARTHEST = 0.02, 1.0
 """Over c_l T, between which the outermost station has to be for units to be inferred."""
-SHIFTS = 81
+SHIFTS = 41
+SAMPLES = 60
+"""Of a record, enough for the time origin."""
 LARGEST_SHIFT = 0.2
 """Of the time origin, over T."""
 MOTION = ("slip_rate", "slip")
@@ -116,7 +119,7 @@ def detect(run: Records, scene: Scene, conventions: Conventions) -> Detection:
     reading, notes = _units_and_signs(sample, exact, given, conventions)
     exact = replace(exact, end_time=last_time(reading.apply(run)))
     reading, said = _means(sample, exact, reading)
-    notes += said + _shift(reading.apply(sample), exact, reading)
+    notes += said + _shift(reading.apply(sample), exact)
     return Detection(exact, reading, (*_given_notes(conventions), *notes))
 
 
@@ -335,22 +338,43 @@ def _means(run: Records, exact: Exact, reading: Reading) -> tuple[Reading, tuple
     return replace(reading, mean=best), (note,)
 
 
-def _shift(run: Records, exact: Exact, reading: Reading) -> tuple[str, ...]:
+def _shift(run: Records, exact: Exact) -> tuple[str, ...]:
     """What is said, and not mended, of a time origin that is not that of the load."""
     name = next(
         (name for name in MOTION if any(name in record.values for record in run.stations)), None
     )
     if name is None or (norm := quantity_norm(run, name, exact)) is None or norm.exact == 0:
         return ()
-    shifts = LARGEST_SHIFT * exact.end_time * np.linspace(-1, 1, SHIFTS)
-    errors = [_shifted_error(run, exact, name, float(shift)) for shift in shifts]
-    best = int(np.argmin(errors))
-    if errors[best] > min(SMALL, norm.L1 / CLEAR):
+    few, most = _thinned(run), LARGEST_SHIFT * exact.end_time
+
+    def error(shift: float) -> float:
+        return _shifted_error(few, exact, name, shift)
+
+    shifts = np.linspace(-most, most, SHIFTS)
+    nearest = float(shifts[np.argmin([error(float(shift)) for shift in shifts])])
+    room = 2 * most / (SHIFTS - 1)
+    best = minimize_scalar(error, bounds=(nearest - room, nearest + room), method="bounded")
+    if best.fun > min(SMALL, norm.L1 / CLEAR):
         return ()
     return (
-        f"times: the records fit best if {shifts[best]:.3g} is added to them; they are left as "
-        f"they are (time_shift {shifts[best]:.3g} would move them)",
+        f"times: the records fit best if {best.x:.3g} is added to them; they are left as they are "
+        f"(time_shift {best.x:.3g} would move them)",
     )
+
+
+def _thinned(run: Records) -> Records:
+    stations = tuple(
+        Record(
+            record.x,
+            record.t[:: max(len(record.t) // SAMPLES, 1)],
+            {
+                name: values[:: max(len(values) // SAMPLES, 1)]
+                for name, values in record.values.items()
+            },
+        )
+        for record in run.stations
+    )
+    return replace(run, stations=stations)
 
 
 def _shifted_error(run: Records, exact: Exact, name: str, shift: float) -> float:

@@ -18,7 +18,7 @@ POINT, BEFORE, AFTER = "point", "before", "after"
 """What a recorded slip rate is: that at its time, or the mean over the step before or after it."""
 CLOSEST = 0.25
 """Part of the distance to the edge that a station is moved to at most."""
-MARCH_NODES = 1600
+MARCH_NODES = 800
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from semianalytic.scene.named import find_scene
 
 PRELOADED = find_scene("preloaded")
 CELLS = 100
-TIMES = np.linspace(0.0, 1.0, 401)
+TIMES = np.linspace(0.0, 1.0, 121)
 NAMES = ("slip_rate", "slip", "shear_traction", "pressure")
 
 
