@@ -18,6 +18,7 @@ __all__ = [
     "FORWARD",
     "OPEN",
     "STICK",
+    "Conventions",
     "Cost",
     "EnergyHistory",
     "Model",
@@ -25,18 +26,22 @@ __all__ = [
     "Settings",
     "Simulation",
     "SlotHistory",
+    "Validation",
     "__version__",
     "cost",
     "load_simulation",
     "opening_sentence",
     "prepare",
     "simulate",
+    "validate",
     "with_companions",
 ]
 __all__ += semianalytic.__all__
+_VALIDATION = ("Conventions", "Validation", "validate")
 
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
+    from compare.validation import Conventions, Validation, validate
     from fem import (
         BACKWARD,
         FORWARD,
@@ -60,7 +65,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
 else:
 
     def __getattr__(name: str) -> Any:
-        """A name of `semianalytic`, or of `fem`.
+        """A name of `semianalytic`, of `compare.validation`, or of `fem`.
 
         Raises
         ------
@@ -71,6 +76,10 @@ else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         if name in semianalytic.__all__:
             return getattr(semianalytic, name)
+        if name in _VALIDATION:
+            from compare import validation
+
+            return getattr(validation, name)
         import fem
 
         return getattr(fem, name)

@@ -27,13 +27,13 @@ ARROWS = {
     },
     "compare": {
         "output": "",
+        "records": "",
         "comparison": "output",
-        "records": "",
         "figures": "comparison output",
-        "records": "",
+        "validation": "records comparison figures output",
         "benchmarks": "records comparison figures output",
         "studies": "comparison figures output",
-        "cli": "records benchmarks comparison figures output studies",
+        "cli": "records validation benchmarks comparison figures output studies",
     },
 }
 """What each folder of a package may import of the others of that package, at any depth."""

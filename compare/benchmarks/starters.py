@@ -10,14 +10,16 @@ alone, two of each where both are there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+
+import numpy as np
 
 from compare.benchmarks.sheets import Sheet
 from compare.output.files import filled_template
 from semianalytic import Pulse, Scene, ViscousFriction
 
 CELLS = 40
-LENGTH, SLOT = 5.12, 2.12
+LENGTH, SLOT = 5.2, 2.2
 """Period of UGUCA's interface, and the part of it that is slot, over c_t T: no wave of the far edge
 reaches a station until T."""
 SCALE = 100.0
@@ -89,7 +91,7 @@ def sem2dpack_files(sheet: Sheet) -> dict[str, str]:
     if isinstance(scene.friction_law, ViscousFriction):
         return {}
     elements = CELLS // (NGLL - 1)
-    pressed = _is_pressed(scene)
+    pressed, steps = _is_pressed(scene), _steps(scene, elements)
     loads = {"up.x": scene.load.shear}
     if pressed:
         loads |= {
@@ -98,7 +100,7 @@ def sem2dpack_files(sheet: Sheet) -> dict[str, str]:
             "low.y": scene.load.pressure,
         }
     files = {
-        name: _load_table(value, _shear_until(scene) if name.endswith("x") else 2.0)
+        name: _load_table(value, _shear_until(scene) if name.endswith("x") else 2.0, SCALE / steps)
         for name, value in loads.items()
     }
     if pressed:
@@ -111,18 +113,22 @@ def sem2dpack_files(sheet: Sheet) -> dict[str, str]:
         *mesh,
         *_material(scene),
         *bounds,
-        _steps(scene, elements),
+        f"&TIME NbSteps={steps}, Dt={SCALE / steps:.12g}, kind='leapfrog' /",
     ]
     return {"Par.inp": "\n".join(blocks) + "\n", **files}
 
 
-def _load_table(value: float, until: float) -> str:
-    """A load over time, gone after a time."""
-    times: Sequence[tuple[float, float]] = [(0, value), (2 * SCALE, value)]
+def _load_table(value: float, until: float, step: float) -> str:
+    """A load over time, gone after a time; by points a fortieth of a time step apart where it goes.
+
+    The code puts a cubic spline through them, which would swing far beyond few points.
+    """
+    times = np.array([0, 2 * SCALE])
     if until < 1:
-        off = until * SCALE
-        times = [(0, value), (off, value), (off * (1 + 1e-6), 0.0), (2 * SCALE, 0.0)]
-    return "".join(f"{t:.9g} {load:g}\n" for t, load in times)
+        near = until * SCALE + step * (np.arange(-120, 120) + 0.5) / 40
+        before, after = np.linspace(0, near[0], 400), np.linspace(near[-1], 2 * SCALE, 800)
+        times = np.concatenate([before[:-1], near, after[1:]])
+    return "".join(f"{t:.12g} {value if t < until * SCALE else 0:g}\n" for t in times)
 
 
 def _sheared_mesh(elements: int) -> list[str]:
@@ -190,11 +196,10 @@ def _pressed_bounds(scene: Scene) -> list[str]:
     return [*lines, f"&BC_DEF tags={tags}, kind='DYNFLT' /", *_friction(scene, scene.base.shear)]
 
 
-def _steps(scene: Scene, elements: int) -> str:
+def _steps(scene: Scene, elements: int) -> int:
     """Time steps, 200 times a whole number."""
     longest = 0.069 * SCALE / elements / scene.material.longitudinal_speed
-    steps = 200 * math.ceil(SCALE / longest / 200)
-    return f"&TIME NbSteps={steps}, Dt={SCALE / steps:.12g}, kind='leapfrog' /"
+    return 200 * math.ceil(SCALE / longest / 200)
 
 
 def _two_blocks(elements: int) -> Iterator[str]:

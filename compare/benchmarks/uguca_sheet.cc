@@ -81,7 +81,7 @@ int main(int, char * argv[]) {
   contact->dump(0, 0);
   int steps = cells * steps_per_cell;
   for (int s = 1; s <= steps; ++s) {
-    if ((s - 1) * step >= number("shear_until"))
+    if ((s + 0.5) * step > number("shear_until"))
       for (int n = 0; n < slot; ++n)
         (*shear)(n) = number("contact_shear");
     contact->advanceTimeStep();

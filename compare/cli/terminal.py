@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE_HEAD
@@ -30,6 +30,7 @@ from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:
+    from compare.validation.validation import Validation
     from fem import Simulation
 
 TOTALS = ("accumulated_slip", "frictional_work")
@@ -201,15 +202,48 @@ def judgement_table(judgement: Judgement, label: str) -> Table:
     return table
 
 
-def references_line(judgement: Judgement) -> str:
+def validation_table(validation: Validation, label: str) -> Table:
+    """The rows of a validation, errors of norms in per cent; what differs in red."""
+    title = f"{label}: {validation.source or 'records'} against the exact answer"
+    table = Table(title=escape(title), box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("quantity", min_width=14)
+    for heading in ("exact", "recorded", "differ by", "bar ±", "order"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    for row in validation.rows:
+        table.add_row(
+            escape(row.name if row.unit == "exact" else f"{row.name} [{row.unit}]"),
+            *(shown_number(value, DIGITS) for value in (row.exact, row.simulated)),
+            row.shown_share(row.difference),
+            row.shown_share(row.bar),
+            "" if row.order is None else f"{row.order:.1f}",
+            _verdict(row),
+        )
+    return table
+
+
+def norms_table(validation: Validation) -> Table:
+    """Relative errors of every quantity over all stations."""
+    table = Table(title="Over all stations", box=SIMPLE_HEAD)
+    table.add_column("quantity")
+    for heading in ("L1 error", "L2 error", "samples"):
+        table.add_column(heading, justify="right")
+    for norm in validation.norms:
+        if norm.x is None:
+            parts = (f"{two_digits(100 * part)} %" for part in (norm.L1, norm.L2))
+            table.add_row(norm.quantity.replace("_", " "), *parts, str(norm.samples))
+    return table
+
+
+def references_line(judgement: Judgement | Validation) -> str:
     """What the symbols in the units of a judgement stand for."""
-    simulation = judgement.simulation
-    references = reference_values(simulation.scene, simulation.end_time)
+    run = judgement.simulation if isinstance(judgement, Judgement) else judgement.exact
+    references = reference_values(run.scene, run.end_time)
     values = (f"{symbol} = {value:.4g} {unit}" for symbol, (value, unit) in references.items())
     return f"Units: {', '.join(values)}; % of the prediction"
 
 
-def verdict_text(judgement: Judgement) -> str:
+def verdict_text(judgement: Judgement | Validation, options: Collection[str] = MESH_OPTIONS) -> str:
     """The verdict in a sentence; then what is unresolved, why, and what would do."""
     counts = judgement.counts
     parts = [f"{count} {verdict}" for verdict, count in counts.items() if count]
@@ -219,7 +253,7 @@ def verdict_text(judgement: Judgement) -> str:
     alike: dict[str, list[str]] = {}
     for row in judgement.having(UNRESOLVED):
         remedy = judgement.remedy(row)
-        reason = in_options(row.obstacle, MESH_OPTIONS)
+        reason = in_options(row.obstacle, options)
         alike.setdefault(f"{reason}{f' ({remedy})' if remedy else ''}", []).append(row.name)
     lines += [f"  · {'; '.join(names)}: {reason}" for reason, names in alike.items()]
     return "\n".join(lines)

@@ -1,0 +1,195 @@
+"""Error bars of what another code recorded: from its other grids, or from its spacing alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.bars import error_bar, observed_order
+from compare.records.record import Record, Records
+from compare.validation.exact import POINT, Exact
+from compare.validation.norms import station_size, weights
+from semianalytic.scene.errors import SceneError
+
+Array = NDArray[np.float64]
+
+SMEAR: Mapping[str, float] = {
+    "slip_rate": 1.0,
+    "slip": 0.6,
+    "shear_traction": 0.7,
+    "pressure": 0.5,
+}
+"""Part of what one cell too near or far, early or late, would make of a record, that a scheme of
+first order at fronts leaves of it: set on some scenes, tried on others (docs/validate.md)."""
+CARRIED = 0.2
+"""Times spacing over c_t T: part of a quantity at all stations that a quiet station may catch."""
+FLOOR = 0.05
+"""Part of the smear below which no difference of grids is believed."""
+LEAST = 1e-3
+"""Relative error of a record below which nothing is believed at all."""
+PROFILE = 20
+"""Evenly spaced stations that are the points of a grid, and not chosen ones."""
+EVEN = 0.01
+USUAL_RATIO = 2.0
+SAME_PLACE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Grids:
+    """Runs of one code, finest first, read in units of the scene.
+
+    Attributes
+    ----------
+    runs : tuple of Records
+    spacing : float or None
+        Of the finest [length].
+    ratio : float
+        Of the spacings of two runs that follow each other.
+    mean : str
+        What a slip rate is: `POINT`, `BEFORE` or `AFTER`.
+    """
+
+    runs: tuple[Records, ...]
+    spacing: float | None
+    ratio: float
+    mean: str = POINT
+
+    @property
+    def finest(self) -> Records:
+        """The run that is judged."""
+        return self.runs[0]
+
+    @property
+    def are_told(self) -> bool:
+        """Whether there is anything that an error bar can come from."""
+        return self.spacing is not None or len(self.runs) > 1
+
+
+def arranged(
+    runs: Sequence[Records], spacings: Sequence[float | None], mean: str
+) -> tuple[Grids, tuple[str, ...]]:
+    """Runs in order, finest first, and what had to be guessed of their grids.
+
+    Parameters
+    ----------
+    runs : sequence of Records
+        At rising resolution, unless spacings say otherwise.
+    spacings : sequence of float or None
+        As given for each [length].
+
+    Raises
+    ------
+    SceneError
+        If two runs have one spacing.
+    """
+    notes: list[str] = []
+    sizes = []
+    for run, given in zip(runs, spacings, strict=True):
+        size = given if given is not None else run.spacing
+        if size is None and (size := profile_spacing(run)) is not None:
+            notes.append(f"spacing {size:.4g}: the distance of the stations of a whole profile")
+        sizes.append(size)
+    pairs = list(zip(runs, sizes, strict=True))
+    if all(size is not None for size in sizes):
+        pairs.sort(key=lambda pair: pair[1] or 0.0)
+    else:
+        pairs.reverse()
+    ratio, size = USUAL_RATIO, pairs[0][1]
+    if len(pairs) > 1:
+        second = pairs[1][1]
+        if size is not None and second is not None:
+            ratio = second / size
+            if ratio < 1.05:
+                raise SceneError(
+                    f"validate: two runs have the same spacing, {size:.4g}; give runs of different "
+                    "resolution, or the spacing of each."
+                )
+        else:
+            notes.append(
+                "resolutions: files are taken to be given from coarse to fine, each with "
+                "half the spacing of the one before"
+            )
+    return Grids(tuple(run for run, _ in pairs), size, ratio, mean), tuple(notes)
+
+
+def profile_spacing(run: Records) -> float | None:
+    """Distance of the stations of a run [length] if they are all points of a grid."""
+    places = np.array([record.x for record in run.stations])
+    if len(places) < PROFILE:
+        return None
+    steps = np.diff(places)
+    middle = float(np.median(steps))
+    even = np.abs(steps - middle) <= EVEN * middle
+    return middle if middle > 0 and even.mean() > 0.9 else None
+
+
+def smear(grids: Grids, record: Record, name: str, exact: Exact) -> float | None:
+    """What one cell may make of a record, as a relative L1 error; None without a spacing."""
+    if grids.spacing is None:
+        return None
+    band = grids.spacing
+    if name == "slip_rate" and len(record.t) > 1:
+        step = float(np.median(np.diff(record.t)))
+        band = max(band, 0.5 * step * exact.scene.material.shear_speed)
+    expected = exact.record(name, record.x, record.t, grids.mean)
+    weight = weights(record.t, record.values[name])
+    size = station_size(expected, weight, exact.unit(name))
+    moved = exact.smeared(name, record.x, record.t, band)
+    return max(float(weight @ np.abs(other - expected)) for other in moved) / size
+
+
+def spacing_bar(
+    grids: Grids, record: Record, name: str, exact: Exact, everywhere: float
+) -> float | None:
+    """Error bar of a record from the spacing of its grid alone, relative as its L1 error.
+
+    Parameters
+    ----------
+    grids, record, name, exact
+        What was recorded, and what is exact.
+    everywhere : float
+        Mean |quantity| of the exact answer at all stations over that at this one.
+    """
+    if grids.spacing is None:
+        return None
+    part = smear(grids, record, name, exact)
+    cells = grids.spacing / (exact.scene.material.shear_speed * exact.end_time)
+    return SMEAR[name] * (part or 0.0) + CARRIED * cells * everywhere + LEAST
+
+
+def changes(grids: Grids, record: Record, name: str, exact: Exact) -> list[float]:
+    """Relative L1 differences of runs that follow each other, finest first, at one station."""
+    values = [_seen(run, record, name) for run in grids.runs]
+    expected = exact.record(name, record.x, record.t, grids.mean)
+    found: list[float] = []
+    for one, other in pairwise(values):
+        if one is None or other is None:
+            break
+        weight = weights(record.t, one - other)
+        if not weight.any():
+            break
+        size = station_size(expected, weight, exact.unit(name))
+        found.append(float(weight @ np.nan_to_num(np.abs(one - other))) / size)
+    return found
+
+
+def grid_bar(
+    kind: str, grids: Grids, differences: Sequence[float], part: float | None
+) -> tuple[float, float | None]:
+    """Error bar from differences of runs, and the order that they show."""
+    bar = error_bar(kind, differences, grids.ratio)
+    return max(bar, FLOOR * (part or 0.0), LEAST), observed_order(differences, grids.ratio)
+
+
+def _seen(run: Records, record: Record, name: str) -> Array | None:
+    """What a run holds at a station of another, at the times of that one."""
+    size = SAME_PLACE * max(abs(record.x), 1e-300)
+    same = [one for one in run.stations if abs(one.x - record.x) <= size]
+    if not same or name not in same[0].values:
+        return None
+    one = same[0]
+    return np.interp(record.t, one.t, one.values[name], left=np.nan, right=np.nan)

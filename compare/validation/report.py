@@ -1,0 +1,61 @@
+"""A validation as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from compare.comparison.documents import SCENE_DIMENSIONS, json_text, units_document
+from compare.comparison.prediction import method_of
+from compare.comparison.scales import reference_values
+from compare.output.files import write_text
+from compare.validation.validation import Validation
+from semianalytic.scene.scene import scene_document
+
+FORMAT = "slipfront validation 1"
+
+
+def validation_document(validation: Validation, label: str) -> dict[str, Any]:
+    """A validation as plain dictionaries, lists, strings and finite numbers, for JSON.
+
+    `label` names the scene.  Values of rows and norms are in what units/rows says; spacing and T
+    are in units of the scene.
+    """
+    scene, exact, grids = validation.scene, validation.exact, validation.grids
+    document: dict[str, Any] = {
+        "format": FORMAT,
+        "slipfront": version("slipfront"),
+        "source": [run.source for run in grids.runs],
+        "scene": label,
+        "verdict": validation.verdict,
+        "counts": validation.counts,
+        "notes": list(validation.notes),
+        "parameters": scene_document(scene),
+        "method": method_of(exact.answer),
+        "end_time": exact.end_time,
+        "spacing": grids.spacing,
+        "ratio": grids.ratio if len(grids.runs) > 1 else None,
+        "slip_rate_is": grids.mean,
+        "rows": [{**asdict(row), "verdict": row.verdict} for row in validation.rows],
+        "norms": [asdict(norm) for norm in validation.norms],
+    }
+    dimensions = {"parameters": SCENE_DIMENSIONS, "end_time": "time", "spacing": "length"}
+    document["units"] = units_document(document, dimensions, scene)
+    document["units"]["rows"] = {
+        symbol: f"{value:.10g} {unit}"
+        for symbol, (value, unit) in reference_values(scene, exact.end_time).items()
+    }
+    return document
+
+
+def write_validation(validation: Validation, label: str, path: Path) -> None:
+    """Write a validation as JSON, whole or not at all.
+
+    Raises
+    ------
+    DataFileError
+        If the file cannot be written.
+    """
+    write_text(path, json_text(validation_document(validation, label)))

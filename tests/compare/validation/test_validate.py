@@ -1,0 +1,238 @@
+"""Right records agree, wrong ones differ, and what is detected is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.records.record import Records
+from compare.validation import Conventions, validate
+from compare.validation.power import SPOILS, history_arrays
+from semianalytic import Material, Scene, Tractions, march, solve
+from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.named import find_scene
+
+PRELOADED = find_scene("preloaded")
+CELLS = 100
+TIMES = np.linspace(0.0, 1.0, 121)
+NAMES = ("slip_rate", "slip", "shear_traction", "pressure")
+
+
+@pytest.fixture(scope="module")
+def solution():
+    return solve(PRELOADED)
+
+
+@pytest.fixture(scope="module")
+def exact(solution):
+    x = np.array([0.1, 0.25, 0.5, 0.75, 0.95])
+    return recorded(solution, TIMES, x)
+
+
+@pytest.fixture(scope="module")
+def simulated():
+    fem = pytest.importorskip("fem")
+    return history_arrays(fem.simulate(PRELOADED, 1.0, resolution=60).interface, 1.0)
+
+
+def recorded(answer, t, x):
+    history = answer.history(x, t)
+    return {"t": t, "x": x, **{name: getattr(history, name) for name in NAMES}}
+
+
+def judged(data, scene=PRELOADED, **conventions):
+    return validate(data, scene, spacing=1 / CELLS, conventions=Conventions(**conventions))
+
+
+def test_exact_records_agree_in_every_row_and_nothing_is_said(exact):
+    validation = judged(exact)
+    assert validation.verdict == "agrees"
+    assert validation.notes == ()
+    assert validation.counts["differs"] == 0
+    assert max(norm.L1 for norm in validation.norms) < 1e-6
+
+
+@pytest.mark.parametrize("factor", [0.97, 1.03])
+def test_friction_off_by_three_per_cent_differs(exact, factor):
+    validation = judged(exact, replace(PRELOADED, friction=factor * PRELOADED.friction))
+    assert validation.verdict == "differs"
+    assert validation.notes == ()
+
+
+def test_a_missing_zone_differs(exact):
+    data, scene = SPOILS["no second zone"](exact, PRELOADED)
+    validation = judged(data, scene)
+    assert validation.verdict == "differs"
+    assert validation.notes == ()
+
+
+def test_finite_elements_agree_and_differ_with_other_friction(simulated):
+    assert validate(simulated, PRELOADED, spacing=1 / 60).verdict == "agrees"
+    other = replace(PRELOADED, friction=1.03 * PRELOADED.friction)
+    assert validate(simulated, other, spacing=1 / 60).verdict == "differs"
+
+
+def changed(data, **factors):
+    return {**data, **{name: factor * data[name] for name, factor in factors.items()}}
+
+
+@pytest.mark.parametrize(
+    ("factors", "words"),
+    [
+        ({"slip": 0.5, "slip_rate": 0.5}, "slip rate and slip: half of the relative one"),
+        ({"slip": -1, "slip_rate": -1}, "slip rate and slip: the sign is the other way"),
+        ({"slip": -0.5, "slip_rate": -0.5}, "and the sign is the other way"),
+        ({"shear_traction": -1}, "shear traction: the sign is the other way"),
+        ({"pressure": -1}, "pressure: tension is positive"),
+        ({"shear_traction": 1e-6, "pressure": 1e-6}, "times 1e6"),
+    ],
+)
+def test_conventions_are_detected_and_said(exact, factors, words):
+    validation = judged(changed(exact, **factors))
+    assert validation.verdict == "agrees"
+    assert any(words in note for note in validation.notes)
+
+
+def test_tractions_without_the_base_are_said(exact):
+    data = {**exact, "pressure": exact["pressure"] - PRELOADED.base.pressure}
+    sudden = find_scene("remote-shock")
+    validation = judged(data)
+    assert validation.counts["differs"] == 0 or "the base is added" in str(validation.notes)
+    shocked = recorded(solve(sudden), TIMES, exact["x"])
+    shocked["shear_traction"] = shocked["shear_traction"] - sudden.base.shear
+    assert "the base is added" in str(judged(shocked, sudden).notes)
+
+
+def test_what_is_given_is_not_detected(exact):
+    data = changed(exact, slip=0.5, slip_rate=0.5)
+    assert judged(data, slip="relative").verdict == "differs"
+    validation = judged(data, slip="half")
+    assert validation.verdict == "agrees"
+    assert validation.notes == ("slip, as given: half",)
+    assert judged(changed(exact, slip=-1, slip_rate=-1), sign="as-given").verdict == "differs"
+
+
+def test_ten_per_cent_are_no_convention(exact):
+    validation = judged(changed(exact, slip=1.1, slip_rate=1.1))
+    assert validation.verdict == "differs"
+    assert validation.notes == ()
+
+
+def test_a_slip_rate_that_is_the_mean_over_a_step_is_said(solution, exact):
+    t = np.linspace(0.0, 1.0, 41)
+    slip = solution.slip(exact["x"], t[:, None])
+    rate = np.diff(slip, axis=0, prepend=0.0) / (t[1] - t[0])
+    data = {"t": t, "x": exact["x"], "slip_rate": rate, "slip": slip}
+    validation = judged(data)
+    assert any("mean over the step before" in note for note in validation.notes)
+    assert validation.verdict == "agrees"
+
+
+def test_another_time_origin_is_said_and_differs(exact):
+    data = {**exact, "t": exact["t"] + 0.1}
+    validation = judged(data)
+    assert validation.verdict == "differs"
+    assert any("if -0.1 is added" in note for note in validation.notes)
+    assert judged(data, time_shift=-0.1).verdict == "agrees"
+
+
+def test_unsorted_rows_and_gaps(exact):
+    t, x = (grid.ravel() for grid in np.meshgrid(exact["t"], exact["x"], indexing="ij"))
+    order = np.random.default_rng(1).permutation(len(t))
+    data = {"t": t[order], "x": x[order], "slip_rate": exact["slip_rate"].ravel()[order]}
+    data["slip_rate"][order % 7 == 3] = np.nan
+    data["slip_rate"][5] = np.nan
+    validation = judged(data)
+    assert validation.verdict == "agrees"
+    assert max(norm.L1 for norm in validation.norms) < 1e-6
+
+
+def test_a_plain_file_for_a_scene_in_si(exact):
+    solid = Material(1e10, 2500.0, 1 / 3)
+    scene = Scene(solid, 0.3, base=Tractions(1e7, 0.0), load=Tractions(0.0, 1e7), units="SI")
+    validation = judged(exact, scene)
+    assert validation.verdict == "agrees"
+    assert any("positions are over c_t" in note for note in validation.notes)
+    assert any("without dimension" in note for note in validation.notes)
+    wrong = replace(scene, friction=0.31)
+    assert judged(exact, wrong).verdict == "differs"
+
+
+def test_units_by_name(exact):
+    data = {**exact, "x": 1e3 * exact["x"], "slip": 1e3 * exact["slip"]}
+    data["slip_rate"] = 1e3 * exact["slip_rate"]
+    spaced = validate(
+        data, PRELOADED, spacing=1e3 / CELLS, conventions=Conventions(scale={"length": 1e-3})
+    )
+    assert spaced.verdict == "agrees"
+    assert spaced.grids.spacing == pytest.approx(1 / CELLS)
+
+
+def test_one_face_is_right_in_shear_and_unresolved_under_pressure(exact):
+    half = changed(exact, slip=0.5, slip_rate=0.5)
+    assert judged(half, slip="face").verdict == "agrees"
+    scene = find_scene("remote-shock")
+    data = changed(recorded(solve(scene), TIMES, exact["x"]), slip=0.5, slip_rate=0.5)
+    rows = [
+        row for row in judged(data, scene, slip="face").rows if row.kind in ("slip", "slip rate")
+    ]
+    assert {row.verdict for row in rows} == {"unresolved"}
+
+
+def test_without_a_spacing_nothing_is_resolved_and_it_is_said_what_would_help(exact):
+    validation = validate(exact, PRELOADED)
+    assert validation.verdict == "unresolved"
+    assert all("`spacing`" in row.obstacle for row in validation.rows)
+
+
+def test_three_resolutions_show_orders_and_bars(exact):
+    rising = [changed(exact, slip=1 + error, slip_rate=1 + error) for error in (0.04, 0.02, 0.01)]
+    validation = validate(rising, PRELOADED)
+    rows = {row.name: row for row in validation.rows}
+    row = rows["slip all stations"]
+    assert row.order == pytest.approx(1.0, abs=0.05)
+    assert row.difference == pytest.approx(0.01, rel=1e-3)
+    assert row.bar == pytest.approx(0.7 * 0.01, rel=0.05)
+    stays = [changed(exact, slip=1.05 + error) for error in (0.04, 0.02, 0.01)]
+    assert validate(stays, PRELOADED).verdict == "differs"
+
+
+def test_slip_rate_from_slip_if_it_is_asked_for(exact):
+    data = {name: exact[name] for name in ("t", "x", "slip")}
+    assert {row.kind for row in judged(data).rows} == {"slip"}
+    validation = judged(data, rate_from_slip=True)
+    assert "slip rate" in {row.kind for row in validation.rows}
+    assert validation.verdict == "agrees"
+
+
+def test_a_march_is_validated_as_well():
+    scene = find_scene("pulse")
+    marched = march(scene, 1.0, 200)
+    data = history_arrays(marched.history(np.linspace(0.02, 1.0, 50), TIMES), 1.0)
+    assert validate(data, scene, spacing=1 / 200).verdict == "agrees"
+
+
+@pytest.mark.parametrize(
+    ("data", "sentence"),
+    [
+        ({"t": [0.1], "slip": [1.0]}, "lack x"),
+        ({"t": [0.1], "x": [1.0]}, "lack any of slip_rate"),
+        ({"t": [0.1, 0.2], "x": [1.0], "slip": [1.0]}, "does not fit"),
+        ({"t": [-0.2, -0.1], "x": 0.5, "slip": [0.0, 0.0]}, "nothing was recorded after t = 0"),
+        ({"t": [0.1, 0.2], "x": 2000.0, "slip": [0.0, 0.0]}, "units of the file"),
+        (Records(()), "nothing was recorded"),
+        ([], "no records"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused_in_one_sentence(data, sentence):
+    with pytest.raises(DataFileError, match=sentence):
+        validate(data, PRELOADED)
+
+
+def test_conventions_that_are_none_are_refused():
+    with pytest.raises(SceneError, match="sign must be one of as-given, reversed"):
+        Conventions(sign="up")
+    with pytest.raises(SceneError, match="nothing called 'mass' to scale"):
+        Conventions(scale={"mass": 2.0})
+    with pytest.raises(SceneError, match="2 spacings"):
+        validate({"t": [0.1], "x": 0.1, "slip": [0.0]}, PRELOADED, spacing=[0.1, 0.2])
