@@ -16,13 +16,11 @@ from importlib.metadata import version
 from io import StringIO
 from pathlib import Path
 from time import perf_counter
-from typing import Any
-
-import numpy as np
 
 from compare.benchmarks.answers import COLUMNS
 from compare.benchmarks.sheets import STATIONS, Sheet, find_sheet
 from compare.output.files import write_text
+from compare.records.read import read_records
 from compare.records.record import QUANTITIES, Record, Records
 from semianalytic import march
 from semianalytic.results.sampled import SampledAnswer
@@ -160,7 +158,7 @@ def read_run(path: Path, sheet: Sheet | None = None) -> Run:
         said.get("version", ""),
         _number(said.get("cells", "nan"), path),
         _number(said.get("seconds", "nan"), path),
-        _records(path),
+        _one_run(path),
         _number(said.get("step", "0"), path),
     )
 
@@ -188,23 +186,7 @@ def _number(text: str, path: Path) -> float:
         raise DataFileError(f"{path}: {text!r} is no number.") from error
 
 
-def _records(path: Path) -> Records:
-    """The table of a file, station by station."""
-    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line[:1] != "#"]
-    rows: list[dict[str, Any]] = list(csv.DictReader(lines))
-    heading = list(rows[0]) if rows else []
-    names = [name for name in QUANTITIES if name in heading]
-    if not {"t", "x"} <= set(heading) or not names:
-        raise DataFileError(
-            f"{path}: its columns must be t, x and some of {', '.join(QUANTITIES)}."
-        )
-    try:
-        table = {name: np.array([float(row[name]) for row in rows]) for name in ("t", "x", *names)}
-    except (TypeError, ValueError) as error:
-        raise DataFileError(f"{path}: every cell must hold a number ({error}).") from error
-    stations = []
-    for x in np.unique(table["x"]):
-        at = np.flatnonzero(table["x"] == x)
-        at = at[np.argsort(table["t"][at], kind="stable")]
-        stations.append(Record(float(x), table["t"][at], {name: table[name][at] for name in names}))
-    return Records(tuple(stations), source=str(path))
+def _one_run(path: Path) -> Records:
+    """The records of a file."""
+    (records,) = read_records([path])
+    return records

@@ -193,11 +193,11 @@ def test_what_cannot_be_entered_is_refused():
     ("text", "message"),
     [
         ("# benchmark: preloaded\n# cells: many\nt,x,slip\n0,1,2\n", "no number"),
-        ("# benchmark: preloaded\nt,x,slip\n0,1,here\n", "every cell must hold a number"),
-        ("# benchmark: preloaded\nt,x,slip\n0,1\n", "every cell must hold a number"),
-        ("# benchmark: preloaded\ntime,x,slip\n0,1,2\n", "its columns must be"),
-        ("# benchmark: preloaded\nt,x,gap\n0,1,2\n", "its columns must be"),
-        ("# benchmark: preloaded\n", "its columns must be"),
+        ("# benchmark: preloaded\nt,x,slip\n0,1,here\n", "line 3: 'here' is not a number"),
+        ("# benchmark: preloaded\nt,x,slip\n0,1\n", "line 3: there are 2 entries"),
+        ("# benchmark: preloaded\nstep,x,slip\n0,1,2\n", "no column of times"),
+        ("# benchmark: preloaded\nt,x,gap\n0,1,2\n", "none of it is"),
+        ("# benchmark: preloaded\n", "no row of numbers"),
         ("# benchmark: stuck\nt,x,slip\n0,1,2\n", "is of stuck, not of preloaded"),
     ],
 )
