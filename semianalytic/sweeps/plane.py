@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
+from operator import itemgetter
 from time import perf_counter
 
 import numpy as np
@@ -123,17 +124,13 @@ class Plane:
         return ZoneSets(self._edges(pattern, which), load)
 
     def _batches(
-        self,
-        pattern: Pattern,
-        which: np.ndarray,
-        unknowns: Array,
-        rule: Array | float = 1.0,
+        self, pattern: Pattern, which: np.ndarray, unknowns: Array, rule: Array | float
     ) -> Iterator[np.ndarray]:
         """Points, as places in `which`, whose zones may share panels: edges on one side of every
         cut, and close to one front or to none.
 
-        Those with many nodes come together: on fine ones of the tolerances `rule` (t,), and those
-        with narrow gaps, which need long panels.
+        Those with many nodes come together, and fewer of them: on fine rules of the tolerances
+        `rule` (t,), and those with narrow gaps, which need long panels.
         """
         if not len(which):
             return
@@ -151,7 +148,8 @@ class Plane:
         for one in range(group.max() + 1):
             some = np.flatnonzero(group == one)
             some = some[np.argsort(nodes[some])]
-            yield from np.array_split(some, -(-len(some) // tuning.PLANE_BATCH))
+            size = np.cumsum((len(parts[0]) + 2) * nodes[some]) / tuning.PLANE_BATCH
+            yield from np.split(some, np.flatnonzero(np.diff(size.astype(int))) + 1)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
     def _follow(self, pattern: Pattern, certain: bool, targets: np.ndarray) -> None:
@@ -175,8 +173,9 @@ class Plane:
         done = corrected(self._sets(pattern, some.points), some, certain, self.rtol)
         seconds = (perf_counter() - start) / len(some)
         sound = np.flatnonzero(done.sound)
-        parts = zip(done.unknowns.T[sound], some.tolerance[sound], done.estimate[sound], strict=True)
-        found = [Followed(pattern, one, float(rule), float(off)) for one, rule, off in parts]
+        now, rules = done.unknowns.T[sound], some.tolerance[sound]
+        parts = zip(now, rules.tolist(), done.estimate[sound].tolist(), strict=True)
+        found = [Followed(pattern, *each) for each in parts]
         self._keep(some.points[sound], found, INTERPOLATED, 1, done.nodes, seconds)
         return done.approached[~(done.sound | done.refuted)]
 
@@ -190,8 +189,9 @@ class Plane:
         now, inverse = done.unknowns[:, sound], done.inverse[sound]
         footings = _footings(sets.chosen(sound), now, inverse, self.loose)
         seconds = (perf_counter() - start) / len(some)
-        parts = zip(now.T, done.tolerances[sound], done.estimate[sound], footings, strict=True)
-        found = [Followed(pattern, one, float(rule), float(off), at) for one, rule, off, at in parts]
+        rules, estimates = done.tolerances[sound].tolist(), done.estimate[sound].tolist()
+        parts = zip(now.T, rules, estimates, footings, strict=True)
+        found = [Followed(pattern, *each) for each in parts]
         self._keep(some.points[sound], found, COMPUTED, done.steps, done.nodes, seconds)
 
     def _from_scratch(self, targets: list[int]) -> None:
@@ -212,7 +212,7 @@ class Plane:
                 np.array([i for i, *_ in some]),
                 np.array([one for _, one, *_ in some]),
             )
-            for batch in self._batches(pattern, which, unknowns):
+            for batch in self._batches(pattern, which, unknowns, self.loose.tolerance):
                 sets, now = self._sets(pattern, which[batch]), unknowns[batch].T
                 inverse = np.zeros((len(batch), 0, 0))
                 if len(now):
@@ -243,7 +243,7 @@ class Plane:
             scene = self.scenes[i]
             self.zones[i], self.origin[i] = followed, origin
             (load, stress), rule = scaled_load(scene), rule_for(followed.tolerance)
-            zones = tuple(zone.seen_by(lambda edge, j=j: edge[j]) for zone in every)
+            zones = tuple(zone.seen_by(itemgetter(j)) for zone in every)
             factors = self.factors[scene.material.poisson_ratio]
             profile = Profile(ZoneFields(factors, load, zones, rule))
             self.solutions[i] = Solution(

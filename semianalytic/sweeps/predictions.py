@@ -157,8 +157,9 @@ def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
 
 def joined(parts: Sequence[Predictions]) -> Predictions:
     """Predictions of several batches in a row."""
-    names = [field.name for field in fields(Predictions)]
-    return Predictions(*(np.concatenate([getattr(one, name) for one in parts]) for name in names))
+    return Predictions(
+        *(np.concatenate([getattr(one, field.name) for one in parts]) for field in fields(parts[0]))
+    )
 
 
 @dataclass(frozen=True)
