@@ -96,8 +96,9 @@ def predicted(
     firm = np.array([one.footing is not None for one in known])
     stencils = Neighbourhood(at[firm]).stencils(places)
     slopes = np.where(shared, _share_slope(values), 1.0)
-    inverse = np.array([footing.inverse for _, footing in footed]) * slopes[firm, :, None]
+    scaled = np.array([footing.inverse for _, footing in footed]) * slopes[firm, :, None]
     back = np.where(shared, _share_slope(unknowns), 1.0)[..., None]
+    inverse, others = (one / back for one in stencils.best(values[firm])(scaled))
     near = stencils.near[:, : tuning.CERTAIN_NEIGHBOURS]
     tolerance = np.median(np.array([one.tolerance for one, _ in footed])[near], axis=1)
     nearest = near[:, : tuning.NEAREST_ESTIMATES]
@@ -110,13 +111,15 @@ def predicted(
         points,
         unknowns,
         doubt,
-        *(one / back for one in stencils.best(values[firm])(inverse)),
+        inverse,
+        others,
         tolerance,
         loose,
         estimate + lacking,
     )
 
 
+@np.errstate(invalid="ignore", divide="ignore")  # of polynomials that leave 0 to 1: no number
 def _between(stencils: Stencils, values: Array) -> tuple[Array, Array, np.ndarray]:
     """Unknowns (t, e) between known ones (n, e), how far they may be off (t,), and of which edges
     (e,) not they but their shares 1 / (1 + exp(-u)) were taken for polynomials: where an edge comes
