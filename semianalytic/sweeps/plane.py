@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
+from operator import itemgetter
 from time import perf_counter
 
 import numpy as np
@@ -40,6 +41,7 @@ from semianalytic.sweeps.predictions import (
     Pattern,
     Predictions,
     corrected,
+    joined,
     predicted,
 )
 
@@ -122,19 +124,16 @@ class Plane:
         return ZoneSets(self._edges(pattern, which), load)
 
     def _batches(
-        self,
-        pattern: Pattern,
-        which: np.ndarray,
-        unknowns: Array,
-        led: np.ndarray | bool = True,
-        rule: Array | float = 1.0,
+        self, pattern: Pattern, which: np.ndarray, unknowns: Array, rule: Array | float
     ) -> Iterator[np.ndarray]:
         """Points, as places in `which`, whose zones may share panels: edges on one side of every
-        cut, close to one front or to none; and all `led` (t,) or none.
+        cut, and close to one front or to none.
 
-        Those with many nodes come together: on fine ones of the tolerances `rule` (t,), and those
-        with narrow gaps, which need long panels.
+        Those with many nodes come together, and fewer of them: on fine rules of the tolerances
+        `rule` (t,), and those with narrow gaps, which need long panels.
         """
+        if not len(which):
+            return
         edges = self._edges(pattern, which)
         parts, hiding = edges.parts(unknowns.T), self.family.hiding[which]
         beyond = (hiding == 2) & (parts[0] > self.family.hidden_root.real[which, 0])
@@ -142,14 +141,15 @@ class Plane:
         nearest = np.where(
             distances.min(axis=0) < tuning.CLOSE_TO_FRONT, distances.argmin(axis=0), 3
         )
-        keys = np.concatenate([[hiding, np.broadcast_to(led, hiding.shape)], beyond, nearest])
+        keys = np.concatenate([[hiding], beyond, nearest])
         _, group = np.unique(keys, axis=1, return_inverse=True)
         digits = 2 - np.log(rule)
         nodes = digits * (2 * digits - np.log(distances[2].min(axis=0, initial=1.0)))
         for one in range(group.max() + 1):
             some = np.flatnonzero(group == one)
             some = some[np.argsort(nodes[some])]
-            yield from np.array_split(some, -(-len(some) // tuning.PLANE_BATCH))
+            size = np.cumsum((len(parts[0]) + 2) * nodes[some]) / tuning.PLANE_BATCH
+            yield from np.split(some, np.flatnonzero(np.diff(size.astype(int))) + 1)
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
     def _follow(self, pattern: Pattern, certain: bool, targets: np.ndarray) -> None:
@@ -158,25 +158,26 @@ class Plane:
         parts = [self.zones[i] for i in known], self.places[known]
         every = predicted(*parts, targets, self.places[targets], self.rtol)
         rule = every.loose if certain else every.tolerance
-        led = every.doubt < tuning.LEADING_DOUBT
-        for batch in self._batches(pattern, targets, every.unknowns, led, rule):
-            some = every[batch]
-            if led[batch[0]]:
-                some = some[self._correct(pattern, certain, some)]
-            if len(some):
-                self._compute(pattern, some)
+        led = np.flatnonzero(every.doubt < tuning.LEADING_DOUBT)
+        left = [every[every.doubt >= tuning.LEADING_DOUBT]]
+        for batch in self._batches(pattern, targets[led], every.unknowns[led], rule[led]):
+            left.append(self._correct(pattern, certain, every[led[batch]]))
+        rest = joined(left)
+        for batch in self._batches(pattern, rest.points, rest.unknowns, rest.tolerance):
+            self._compute(pattern, rest[batch])
 
-    def _correct(self, pattern: Pattern, certain: bool, some: Predictions) -> np.ndarray:
-        """Keep predictions that can be corrected on a loose rule; which of the others may still
-        have these zones."""
+    def _correct(self, pattern: Pattern, certain: bool, some: Predictions) -> Predictions:
+        """Keep predictions that can be corrected on a loose rule; those of the others that may
+        still have these zones."""
         start = perf_counter()
         done = corrected(self._sets(pattern, some.points), some, certain, self.rtol)
         seconds = (perf_counter() - start) / len(some)
-        for j in np.flatnonzero(done.sound):
-            parts = done.unknowns[:, j], float(some.tolerance[j]), float(done.estimate[j])
-            followed = Followed(pattern, *parts)
-            self._add(int(some.points[j]), followed, INTERPOLATED, 1, done.nodes, seconds)
-        return ~(done.sound | done.refuted)
+        sound = np.flatnonzero(done.sound)
+        now, rules = done.unknowns.T[sound], some.tolerance[sound]
+        parts = zip(now, rules.tolist(), done.estimate[sound].tolist(), strict=True)
+        found = [Followed(pattern, *each) for each in parts]
+        self._keep(some.points[sound], found, INTERPOLATED, 1, done.nodes, seconds)
+        return done.approached[~(done.sound | done.refuted)]
 
     def _compute(self, pattern: Pattern, some: Predictions) -> None:
         """Keep predictions that can be corrected on the fine rule."""
@@ -188,10 +189,10 @@ class Plane:
         now, inverse = done.unknowns[:, sound], done.inverse[sound]
         footings = _footings(sets.chosen(sound), now, inverse, self.loose)
         seconds = (perf_counter() - start) / len(some)
-        for j, k in enumerate(sound):
-            parts = now[:, j], float(done.tolerances[k]), float(done.estimate[k])
-            followed = Followed(pattern, *parts, footings[j])
-            self._add(int(some.points[k]), followed, COMPUTED, done.steps, done.nodes, seconds)
+        rules, estimates = done.tolerances[sound].tolist(), done.estimate[sound].tolist()
+        parts = zip(now.T, rules, estimates, footings, strict=True)
+        found = [Followed(pattern, *each) for each in parts]
+        self._keep(some.points[sound], found, COMPUTED, done.steps, done.nodes, seconds)
 
     def _from_scratch(self, targets: list[int]) -> None:
         """Solve points without help; those with converged edges help others."""
@@ -211,7 +212,7 @@ class Plane:
                 np.array([i for i, *_ in some]),
                 np.array([one for _, one, *_ in some]),
             )
-            for batch in self._batches(pattern, which, unknowns):
+            for batch in self._batches(pattern, which, unknowns, self.loose.tolerance):
                 sets, now = self._sets(pattern, which[batch]), unknowns[batch].T
                 inverse = np.zeros((len(batch), 0, 0))
                 if len(now):
@@ -221,27 +222,39 @@ class Plane:
                     i, one, tolerance, estimate = some[k]
                     self.zones[i] = Followed(pattern, one, tolerance, estimate, footing)
 
-    def _add(
-        self, i: int, followed: Followed, origin: str, steps: int, nodes: int, seconds: float
+    def _keep(
+        self,
+        points: np.ndarray,
+        found: list[Followed],
+        origin: str,
+        steps: int,
+        nodes: int,
+        seconds: float,
     ) -> None:
-        scene = self.scenes[i]
-        self.zones[i], self.origin[i] = followed, origin
-        load, stress = scaled_load(scene)
-        factors = self.factors[scene.material.poisson_ratio]
-        edges = Edges(factors, *followed.pattern)
-        zones = edges.zones(followed.unknowns)
-        profile = Profile(ZoneFields(factors, load, zones, rule_for(followed.tolerance)))
+        """Solutions at points from zones of one pattern that were found there."""
+        if not found:
+            return
+        count, size = len(found), len(found[0].unknowns)
+        unknowns = np.array([one.unknowns for one in found]).reshape(count, size).T
+        every = self._edges(found[0].pattern, points).zones(unknowns)
         stages = {"zones": 0.0, "edges": seconds, "check": 0.0}
-        statistics = Statistics(0, steps, 1, len(followed.unknowns), nodes, stages)
-        self.solutions[i] = Solution(
-            scene,
-            slip_zones(profile, scene.material),
-            "converged",
-            followed.estimate,
-            statistics,
-            profile,
-            stress,
-        )
+        statistics = Statistics(0, steps, 1, size, nodes, stages)
+        for j, (i, followed) in enumerate(zip(points.tolist(), found, strict=True)):
+            scene = self.scenes[i]
+            self.zones[i], self.origin[i] = followed, origin
+            (load, stress), rule = scaled_load(scene), rule_for(followed.tolerance)
+            zones = tuple(zone.seen_by(itemgetter(j)) for zone in every)
+            factors = self.factors[scene.material.poisson_ratio]
+            profile = Profile(ZoneFields(factors, load, zones, rule))
+            self.solutions[i] = Solution(
+                scene,
+                slip_zones(profile, scene.material),
+                "converged",
+                followed.estimate,
+                statistics,
+                profile,
+                stress,
+            )
 
 
 def _footings(sets: ZoneSets, unknowns: Array, inverse: Array, loose: Rule) -> list[Footing]:

@@ -7,7 +7,7 @@ neighbours, far less than the tolerance of the rule, and counts in the error est
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, shif
 from semianalytic.selfsimilar.tuning import FARTHEST, SAFETY
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.batches import Prediction, ZoneSets, approached
-from semianalytic.sweeps.neighbours import Neighbourhood
+from semianalytic.sweeps.neighbours import Neighbourhood, Stencils
 
 Pattern = tuple[tuple[Zone, ...], tuple[bool, bool], tuple[int, ...]]
 """Kinds, open ends and segments of `Edges`, whatever the Poisson ratio."""
@@ -91,13 +91,14 @@ def predicted(
 ) -> Predictions:
     """Zones at places (t, 2) of points (t,) from those of one pattern known at others (n, 2)."""
     values = np.array([one.unknowns for one in known])
-    unknowns, other = Neighbourhood(at).stencils(places).best(values)(values)
-    unknowns = np.clip(unknowns, -FARTHEST, FARTHEST)
-    doubt = np.abs(unknowns - other).max(axis=1, initial=0.0)
+    unknowns, doubt, shared = _between(Neighbourhood(at).stencils(places), values)
     footed = [(one, one.footing) for one in known if one.footing is not None]
     firm = np.array([one.footing is not None for one in known])
     stencils = Neighbourhood(at[firm]).stencils(places)
-    inverse = np.array([footing.inverse for _, footing in footed])
+    slopes = np.where(shared, _share_slope(values), 1.0)
+    scaled = np.array([footing.inverse for _, footing in footed]) * slopes[firm, :, None]
+    back = np.where(shared, _share_slope(unknowns), 1.0)[..., None]
+    inverse, others = (one / back for one in stencils.best(values[firm])(scaled))
     near = stencils.near[:, : tuning.CERTAIN_NEIGHBOURS]
     tolerance = np.median(np.array([one.tolerance for one, _ in footed])[near], axis=1)
     nearest = near[:, : tuning.NEAREST_ESTIMATES]
@@ -109,12 +110,44 @@ def predicted(
     return Predictions(
         points,
         unknowns,
-        np.where(np.isnan(doubt), np.inf, doubt),
-        *stencils.best(values[firm])(inverse),
+        doubt,
+        inverse,
+        others,
         tolerance,
         loose,
         estimate + lacking,
     )
+
+
+@np.errstate(invalid="ignore", divide="ignore")  # of polynomials that leave 0 to 1: no number
+def _between(stencils: Stencils, values: Array) -> tuple[Array, Array, np.ndarray]:
+    """Unknowns (t, e) between known ones (n, e), how far they may be off (t,), and of which edges
+    (e,) not they but their shares 1 / (1 + exp(-u)) were taken for polynomials: where an edge comes
+    near the end of its segment one of them is smooth."""
+    places, edges = len(stencils.near), values.shape[1]
+    result, doubt = np.zeros((places, edges)), np.zeros(places)
+    shared = np.zeros(edges, dtype=bool)
+    for edge in range(edges):
+        own = values[:, [edge]]
+        plain = stencils.best(own)(own)
+        share = 1 / (1 + np.exp(-own))
+        by_share = tuple(np.log(x / (1 - x)) for x in stencils.best(share)(share))
+        apart = [_apart(*one) for one in (plain, by_share)]
+        shared[edge] = np.median(apart[1]) < np.median(apart[0])
+        chosen, off = (by_share, apart[1]) if shared[edge] else (plain, apart[0])
+        result[:, edge] = np.clip(np.nan_to_num(chosen[0][:, 0]), -FARTHEST, FARTHEST)
+        doubt = np.maximum(doubt, off)
+    return result, doubt, shared
+
+
+def _apart(one: Array, other: Array) -> Array:
+    """(t,) differences of values (t, 1), infinite where these are no numbers."""
+    return np.nan_to_num(np.abs(one - other)[:, 0], nan=np.inf)
+
+
+def _share_slope(unknowns: Array) -> Array:
+    """Derivative of 1 / (1 + exp(-u))."""
+    return np.asarray(1 / (2 + np.exp(unknowns) + np.exp(-unknowns)))
 
 
 def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
@@ -125,16 +158,25 @@ def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
     return np.asarray(loose_tolerance(rtol) * 10 ** (-tuning.RULE_STEP * steps))
 
 
+def joined(parts: Sequence[Predictions]) -> Predictions:
+    """Predictions of several batches in a row."""
+    return Predictions(
+        *(np.concatenate([getattr(one, field.name) for one in parts]) for field in fields(parts[0]))
+    )
+
+
 @dataclass(frozen=True)
 class CorrectedZones:
     """Corrected unknowns (e, k), error estimates (k,), which are sound, of which Coulomb's law says
-    on the fine rule that there are other zones, and nodes per set."""
+    on the fine rule that there are other zones, and nodes per set; and the predictions, those that
+    were far off moved near their places."""
 
     unknowns: Array
     estimate: Array
     sound: np.ndarray
     refuted: np.ndarray
     nodes: int
+    approached: Predictions
 
 
 def corrected(
@@ -149,8 +191,10 @@ def corrected(
     far = np.flatnonzero(predictions.doubt >= tuning.NEAR)
     if len(unknowns) and len(far):
         some = sets.chosen(far), unknowns[:, far], inverse[far]
-        unknowns[:, far], inverse[far], left, _ = approached(*some, rule_for(loosest))
+        unknowns[:, far], better, left, _ = approached(*some, rule_for(loosest))
         arrived[far] = left < np.inf
+        inverse[far[left < np.inf]] = better[left < np.inf]
+    nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse)
     rule = rule_for(float((predictions.loose if certain else predictions.tolerance).min()))
     if len(unknowns) and not certain:  # the law is asked of edges in their places
         move = moves(inverse, sets.mismatch(unknowns, rule))
@@ -171,7 +215,7 @@ def corrected(
     sound &= estimate <= rtol
     refuted = sound & ~lawful & (not certain)
     nodes = fields.panels.jacobian[:, 0].size
-    return CorrectedZones(unknowns, estimate, sound & lawful, refuted, nodes)
+    return CorrectedZones(unknowns, estimate, sound & lawful, refuted, nodes, nearer)
 
 
 def _stepped(

@@ -15,6 +15,7 @@ from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.scene.named import find_scene
 from semianalytic.sweeps.neighbours import Neighbourhood
+from semianalytic.sweeps.predictions import Followed, Footing, predicted
 from semianalytic.sweeps.sweep import sweep
 
 RTOL = 1e-6
@@ -133,6 +134,26 @@ def test_polynomials_between_neighbours_reproduce_their_degree():
     value, other = Neighbourhood(places).stencils(to).best(cubic(places))(cubic(places))
     np.testing.assert_allclose(value, cubic(to), atol=1e-10)
     assert np.all(np.abs(value - other) < 0.1)
+
+
+def test_edges_near_the_end_of_their_segment_are_predicted_by_their_shares():
+    """A share that is a polynomial is met where it is 1, and its logit infinite, close by; another
+    edge has a logit that is one, over all scales of shares."""
+    random = np.random.default_rng(4)
+    places, to = random.random((200, 2)), 0.05 + 0.9 * random.random((20, 2))
+
+    def unknowns(at):
+        x, y = at.T
+        share = 1 - 0.02 * (1.02 - x) * (1.1 - y)
+        return np.stack([np.log(share / (1 - share)), 30 * x - 20 * y], axis=-1)
+
+    known = [
+        Followed(((), (False, True), (2, 2)), one, 1e-7, 1e-7, Footing(np.eye(2), 0.0))
+        for one in unknowns(places)
+    ]
+    predictions = predicted(known, places, np.arange(20), to, RTOL)
+    np.testing.assert_allclose(predictions.unknowns, unknowns(to), atol=1e-8)
+    assert predictions.doubt.max() < 1e-7
 
 
 def test_neighbours_of_other_ratios_save_most_of_the_time():
