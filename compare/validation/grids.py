@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.bars import error_bar, observed_order
+from compare.comparison.bars import observed_order
 from compare.records.record import Record, Records
 from compare.validation.exact import POINT, Exact
 from compare.validation.norms import station_size, weights
@@ -31,6 +31,10 @@ FLOOR = 0.05
 """Part of the smear below which no difference of grids is believed."""
 LEAST = 1e-3
 """Relative error of a record below which nothing is believed at all."""
+GCI, FEW_GRIDS = 1.25, 3.0
+"""Factors of safety of the grid convergence index: of three grids or more, and of two."""
+ORDERS = (0.4, 4.0)
+"""Between which an observed order is believed."""
 PROFILE = 20
 """Evenly spaced stations that are the points of a grid, and not chosen ones."""
 EVEN = 0.01
@@ -177,12 +181,19 @@ def changes(grids: Grids, record: Record, name: str, exact: Exact) -> list[float
     return found
 
 
-def grid_bar(
-    kind: str, grids: Grids, differences: Sequence[float], part: float | None
-) -> tuple[float, float | None]:
-    """Error bar from differences of runs, and the order that they show."""
-    bar = error_bar(kind, differences, grids.ratio)
-    return max(bar, FLOOR * (part or 0.0), LEAST), observed_order(differences, grids.ratio)
+def grid_bar(grids: Grids, differences: Sequence[float]) -> tuple[float, float | None]:
+    """Error bar from differences of runs that follow each other, and the order that they show.
+
+    Roache's grid convergence index: what changed last over ratio^order - 1, times `GCI` where three
+    grids show an order, and times `FEW_GRIDS`, at first order, where they show none to be believed
+    or there are two.  No order is believed to be above the first.
+    """
+    order = observed_order(differences, grids.ratio)
+    largest = max(abs(change) / grids.ratio**step for step, change in enumerate(differences))
+    if order is None or not ORDERS[0] <= order <= ORDERS[1]:
+        return max(FEW_GRIDS * largest / (grids.ratio - 1), LEAST), order
+    power = min(order, 1.0)
+    return max(GCI * largest / (grids.ratio**power - 1), LEAST), order
 
 
 def _seen(run: Records, record: Record, name: str) -> Array | None:

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from compare.comparison.bars import error_bar, observed_order
-from compare.comparison.measures import onset_time
+from compare.comparison.measures import NOTHING, onset_time
 from compare.comparison.rows import TELLING, Row
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES, Record, Records
 from compare.validation.exact import Exact
-from compare.validation.grids import LEAST, Grids, changes, grid_bar, smear, spacing_bar
+from compare.validation.grids import FLOOR, Grids, changes, grid_bar, smear, spacing_bar
 from compare.validation.norms import Norm, pooled, station_norm, weights
 
 Array = NDArray[np.float64]
@@ -71,7 +70,7 @@ def quantity_rows(grids: Grids, exact: Exact, name: str, *, face: bool) -> Itera
     if not known:
         return
     whole = pooled([norm for _, norm in known])
-    sizes = [norm.exact if norm.exact > 0 else 1.0 for _, norm in known]
+    sizes = [norm.exact if norm.exact > NOTHING else 1.0 for _, norm in known]
     obstacle = ONE_FACE if face and name in ("slip", "slip_rate") else ""
     bars = [
         _bar(grids, exact, record, name, whole.exact / size)
@@ -82,7 +81,7 @@ def quantity_rows(grids: Grids, exact: Exact, name: str, *, face: bool) -> Itera
         bar = None
         if all(part is not None for part in parts):
             total = sum((part or 0.0) * size for part, size in zip(parts, sizes, strict=True))
-            bar = total / sum(sizes)
+            bar = total / (len(sizes) * (whole.exact if whole.exact > NOTHING else 1.0))
         orders = [order for _, order in bars if order is not None]
         order = float(np.median(orders)) if orders else None
         yield _row("all stations", name, exact, whole, bar, order, obstacle, grids)
@@ -98,14 +97,14 @@ def _bar(
     grids: Grids, exact: Exact, record: Record, name: str, everywhere: float
 ) -> tuple[float | None, float | None]:
     """Bar and observed order of one record."""
-    kind, doubt = name.replace("_", " "), 0.0
+    doubt = 0.0
     if companion := exact.doubt(name, record.x, record.t):
         mean = float(np.abs(exact.record(name, record.x, record.t)).mean())
         doubt = companion / max(mean, 1e-6 * exact.unit(name))
     differences = changes(grids, record, name, exact) if len(grids.runs) > 1 else []
     if differences:
-        bar, order = grid_bar(kind, grids, differences, smear(grids, record, name, exact))
-        return bar + doubt, order
+        bar, order = grid_bar(grids, differences)
+        return max(bar, FLOOR * (smear(grids, record, name, exact) or 0.0)) + doubt, order
     alone = spacing_bar(grids, record, name, exact, everywhere)
     return (None if alone is None else alone + doubt), None
 
@@ -245,17 +244,19 @@ def _arrivals(run: Records, threshold: float) -> dict[float, float | None]:
 def _arrival_bar(
     grids: Grids, exact: Exact, onset: Onset, times: Sequence[float | None]
 ) -> tuple[float | None, float | None]:
-    """How far an onset may be off [time], and the order that other grids show."""
+    """How far an onset may be off [time], and the order that other grids show.
+
+    A threshold is crossed by whole steps and ripples: what changes from grid to grid is never
+    believed to be less than what the finest spacing alone leaves open.
+    """
     cell = None if grids.spacing is None else grids.spacing / exact.scene.material.shear_speed
+    alone = None if cell is None else 2 * cell + onset.reach(cell)
     known = [time for time in times if time is not None]
-    if len(known) == len(times) > 1:
-        differences = [one - other for one, other in pairwise(known)]
-        bar = error_bar("arrival", differences, grids.ratio)
-        order = observed_order(differences, grids.ratio)
-        return max(bar, 0.5 * (cell or 0.0), LEAST * exact.end_time), order
-    if cell is None:
-        return None, None
-    return 2 * cell + onset.reach(cell), None
+    if not len(known) == len(times) > 1:
+        return alone, None
+    differences = [one - other for one, other in pairwise(known)]
+    bar, order = grid_bar(grids, [change / exact.end_time for change in differences])
+    return max(bar * exact.end_time, alone or 0.0), order
 
 
 def strength_rows(grids: Grids, exact: Exact) -> Iterator[Row]:
