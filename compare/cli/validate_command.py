@@ -14,7 +14,8 @@ from compare.cli.options import SCENE_OPTIONS, Output, option_name, with_options
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import REPORT
 from compare.output.places import working_folder
-from compare.records.record import Records
+from compare.records.options import ReadingOptions
+from compare.records.read import read_records
 from compare.validation.conventions import Conventions, named_scale
 from compare.validation.report import write_validation
 from compare.validation.validation import Validation, validate
@@ -37,19 +38,34 @@ def _option(type_: Any, text: str, *, metavar: str | None = None) -> Any:
 
 
 UNIT_OPTIONS: Mapping[str, Any] = {
-    name: _option(str | None, text)
-    for name, text in {
-        "length_unit": "Of positions and slip: m, km, cm, mm or um.",
-        "time_unit": "s, ms or us.",
-        "stress_unit": "Pa, kPa, MPa or GPa.",
-    }.items()
+    "length_unit": _option(str | None, "Of positions and slip: m, km, cm, mm or um."),
+    "time_unit": _option(str | None, "s, ms or us."),
+    "stress_unit": _option(str | None, "Pa, kPa, MPa or GPa."),
+}
+CONVENTIONS: Mapping[str, Any] = {
+    "sign": _option(str | None, "Of slip and shear: as-given or reversed."),
+    "slip": _option(str | None, "relative, half, or face: that of one face."),
+    "pressure": _option(str | None, "What is positive: compression or tension."),
+    "time_shift": _option(float | None, "Added to the times, in units of the scene."),
+}
+PLACES: Mapping[str, Any] = {
+    "scale": _option(
+        list[str] | None, "What numbers are multiplied by, as length=0.001.", metavar="NAME=NUMBER"
+    ),
+    "at": _option(list[float] | None, "Where the station of each file is, in its units."),
+    "origin": _option(float | None, "Where the contact begins in the coordinates of the file."),
+    "column": _option(
+        list[str] | None, "What a column holds, as slip_rate=V1.", metavar="NAME=COLUMN"
+    ),
 }
 
 
-@with_options(overrides=SCENE_OPTIONS, units=UNIT_OPTIONS)
+@with_options(overrides=SCENE_OPTIONS, units=UNIT_OPTIONS, conventions=CONVENTIONS, places=PLACES)
 def validate_command(
     overrides: Mapping[str, Any],
     units: Mapping[str, str],
+    conventions: Mapping[str, Any],
+    places: Mapping[str, Any],
     results: Annotated[
         list[Path],
         typer.Argument(metavar="RESULT...", help="What another code wrote; coarse to fine."),
@@ -64,13 +80,6 @@ def validate_command(
             "resolution."
         ),
     ] = None,
-    scale: _option(  # type: ignore[valid-type]
-        list[str] | None, "What numbers are multiplied by, as length=0.001.", metavar="NAME=NUMBER"
-    ) = None,
-    sign: _option(str | None, "Of slip and shear: as-given or reversed.") = None,  # type: ignore[valid-type]
-    slip: _option(str | None, "relative, half, or face: that of one face.") = None,  # type: ignore[valid-type]
-    pressure: _option(str | None, "What is positive: compression or tension.") = None,  # type: ignore[valid-type]
-    time_shift: _option(float, "Added to the times, in units of the scene.") = 0.0,  # type: ignore[valid-type]
     rate_from_slip: Annotated[
         bool, typer.Option("--rate-from-slip", help="Make a slip rate of differences of slip.")
     ] = False,
@@ -88,18 +97,21 @@ def validate_command(
     require("slipfront validate", *PLOT)
     scene = override_scene(find_scene(scene_name), **overrides)
     label = scene_label(scene_name)
-    conventions = Conventions(
-        scale=_scales(units, scale or ()),
-        sign=sign,
-        slip=slip,
-        pressure=pressure,
-        time_shift=time_shift,
+    said = Conventions(
+        scale=_scales(units, places.get("scale", ())),
         rate_from_slip=rate_from_slip,
         threshold=threshold,
+        **conventions,
+    )
+    options = ReadingOptions(
+        tuple(places.get("at", ())),
+        places.get("origin", 0.0),
+        _columns(places.get("column", ())),
     )
     directory = output or scene_folder(f"{label}-validation", overrides)
     try:
-        validation = validate(_read(results), scene, spacing=spacing, conventions=conventions)
+        records = read_records(results, options)
+        validation = validate(records, scene, spacing=spacing, conventions=said)
     except DataFileError as error:
         raise UnreadableError(str(error)) from error
     with working_folder(directory):
@@ -117,10 +129,16 @@ def write_files(validation: Validation, label: str, directory: Path) -> None:
     write_validation(validation, label, directory / REPORT)
 
 
-def _read(results: Sequence[Path]) -> list[Records]:
-    from compare.records.read import read_records  # type: ignore[import-not-found]
-
-    return read_records(results)
+def _columns(told: Sequence[str]) -> dict[str, str]:
+    """Names of columns by what they hold."""
+    pairs = [text.partition("=") for text in told]
+    for name, equals, column in pairs:
+        if not name or not equals or not column:
+            raise SceneError(
+                f"{option_name('column')} must be a name and a column as slip_rate=V1, got "
+                f"{name + equals + column!r}."
+            )
+    return {name: column for name, _, column in pairs}
 
 
 def _scales(units: Mapping[str, str], scale: Sequence[str]) -> dict[str, float]:

@@ -78,7 +78,7 @@ def joined(parts: list[Records]) -> Records:
             if one.x in stations:
                 raise DataFileError(
                     f"{stations[one.x][1]} and {part.source} are both of the station x = {one.x:g};"
-                    " leave one of them out, or say where each is."
+                    " say where each is, or put every run into a folder of its own."
                 )
             stations[one.x] = one, part.source
     notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))

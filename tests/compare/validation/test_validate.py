@@ -192,7 +192,7 @@ def test_three_resolutions_show_orders_and_bars(exact):
     row = rows["slip all stations"]
     assert row.order == pytest.approx(1.0, abs=0.05)
     assert row.difference == pytest.approx(0.01, rel=1e-3)
-    assert row.bar == pytest.approx(0.7 * 0.01, rel=0.05)
+    assert row.bar == pytest.approx(1.25 * 0.01, rel=0.05)
     stays = [changed(exact, slip=1.05 + error) for error in (0.04, 0.02, 0.01)]
     assert validate(stays, PRELOADED).verdict == "differs"
 
