@@ -10,8 +10,8 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from io import StringIO
 from pathlib import Path
@@ -161,6 +161,17 @@ def read_run(path: Path, sheet: Sheet | None = None) -> Run:
         _one_run(path),
         _number(said.get("step", "0"), path),
     )
+
+
+def told_apart(runs: Sequence[Run]) -> list[Run]:
+    """The runs, those of the same sheet, code and cells called by their files as well."""
+    marks = [(run.sheet.name, run_label(run.code, run.cells)) for run in runs]
+    return [
+        replace(run, code=f"{run.code} ({Path(run.records.source).name})")
+        if marks.count(mark) > 1
+        else run
+        for run, mark in zip(runs, marks, strict=True)
+    ]
 
 
 def _labels(path: Path) -> dict[str, str]:

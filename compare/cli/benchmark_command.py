@@ -78,11 +78,12 @@ def score(
     """Score runs: arrivals, slip, slip rate and tractions over all stations."""
     if output is not None:
         require("slipfront benchmark score --output", *PLOT)
-    from compare.benchmarks.entries import read_run
+    from compare.benchmarks.entries import read_run, told_apart
     from compare.benchmarks.scores import score as score_run
 
     given = None if sheet is None else find_sheet(sheet)
-    scores = [one for path in files for one in score_run(read_run(path, given))]
+    runs = told_apart([read_run(path, given) for path in files])
+    scores = [one for run in runs for one in score_run(run)]
     Console().print(_score_table(scores))
     if output is not None:
         from compare.benchmarks.reports import write_scores

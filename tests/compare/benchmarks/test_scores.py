@@ -8,7 +8,7 @@ import pytest
 
 from compare.benchmarks.answers import answer_to
 from compare.benchmarks.classes import CLASSES, tolerance_class, tolerances
-from compare.benchmarks.entries import Run, enter, read_run, write_run
+from compare.benchmarks.entries import Run, enter, read_run, told_apart, write_run
 from compare.benchmarks.scores import score
 from compare.benchmarks.sheets import SHEETS, STATIONS
 from compare.benchmarks.tables import ROOT, league_rows
@@ -218,3 +218,13 @@ def test_a_file_must_say_its_sheet_unless_it_is_given(tmp_path):
     assert run.records.stations[0].t.tolist() == [0.1, 0.2]
     with pytest.raises(DataFileError, match="cannot be read"):
         read_run(tmp_path / "none.csv")
+
+
+def test_runs_of_one_code_and_grid_are_told_apart(tmp_path):
+    files = [tmp_path / name for name in ("a.csv", "b.csv", "c.csv")]
+    for path, cells in zip(files, (50, 50, 100), strict=True):
+        path.write_text(
+            f"# benchmark: preloaded\n# code: me\n# cells: {cells}\nt,x,slip\n0,1,0\n1,1,0\n"
+        )
+    runs = told_apart([read_run(path) for path in files])
+    assert [run.code for run in runs] == ["me (a.csv)", "me (b.csv)", "me"]
