@@ -2,8 +2,8 @@
 
 ``import slipfront as sf``: everything under the name it is installed by.  Nothing is made here:
 scenes and semi-analytic solvers come from `semianalytic`, finite elements from `fem`, which needs
-the extra ``slipfront[fem]``.  What a plain solution does without is imported when one of its names
-is first used.
+the extra ``slipfront[fem]``, the judge of other codes' results from `compare.validation`.  What a
+plain solution does without is imported when one of its names is first used.
 """
 
 from importlib.metadata import version

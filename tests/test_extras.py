@@ -12,6 +12,7 @@ import pytest
 import fem
 import semianalytic
 import slipfront
+from compare import validation
 from semianalytic import MissingLibraryError
 from semianalytic.scene.extras import FEM, HDF5, PLOT, needing, require
 
@@ -174,10 +175,10 @@ def test_extras_hold_what_they_are_said_to():
 
 def test_slipfront_holds_all_public_names_and_nothing_of_its_own():
     public = [name for name in slipfront.__all__ if name != "__version__"]
-    assert sorted(public) == sorted([*semianalytic.__all__, *fem.__all__])
+    assert sorted(public) == sorted([*semianalytic.__all__, *fem.__all__, *validation.__all__])
     assert len(set(public)) == len(public)
     for name in public:
-        source = fem if name in fem.__all__ else semianalytic
+        source = next(one for one in (fem, validation, semianalytic) if name in one.__all__)
         assert getattr(slipfront, name) is getattr(source, name)
     assert slipfront.__version__ == PROJECT["project"]["version"]
     assert dir(slipfront) == sorted(slipfront.__all__)
