@@ -30,6 +30,8 @@ EARLY = 0.2
 """Part of the end time that is left out, in which little is resolved."""
 NEIGHBOURS = 2
 """Elements on either side of a probe from which the error bar of slip rate is taken."""
+ROUNDING = 1e-9
+"""Relative, of positions and times."""
 ONSET_FLOOR = 0.25
 """Elements over c_t by which nodes and steps leave a time open."""
 
@@ -44,7 +46,7 @@ def sense_maps(case: Case) -> tuple[Senses, Senses, NDArray[np.bool_]]:
     """Predicted and simulated sense of slip, `APART` where the contact is open, and what the waves
     have reached, (m, n) each."""
     seen = case.seen
-    reached = seen.x <= case.scene.fastest_speed * seen.t[:, None]
+    reached = _behind_front(case, seen.x, seen.t[:, None])
     return _senses(case, case.at_nodes), _senses(case, seen), reached
 
 
@@ -145,6 +147,11 @@ def _map_row(case: Case, name: str, unit: float, units: tuple[str, str], unseen:
     return case.judged(row, None if nothing else 1.0)
 
 
+def _behind_front(case: Case, x: Array, t: Array) -> NDArray[np.bool_]:
+    """Where the first wave has come by, which rounding does not take from nodes right at it."""
+    return np.asarray(x <= (1 + ROUNDING) * case.scene.fastest_speed * t)
+
+
 def sense_rows(case: Case) -> Iterator[Row]:
     """Parts of the space-time area behind the first wave that slip, each way, and that differ."""
     predicted, simulated, reached = sense_maps(case)
@@ -165,7 +172,7 @@ def sense_rows(case: Case) -> Iterator[Row]:
     changes = []
     for fine, coarse in case.pairs:
         x, t = np.broadcast_arrays(coarse.x, coarse.t[:, None])
-        behind = x <= case.scene.fastest_speed * t
+        behind = _behind_front(case, x, t)
         between = (interpolated(fine, field, x, t) for field in ("slip_rate", "gap"))
         senses = [_sense_or_apart(case, *between), _senses(case, coarse)]
         changes.append(float((senses[0] != senses[1])[behind].sum() / behind.sum()))
@@ -191,7 +198,7 @@ def sense_rows(case: Case) -> Iterator[Row]:
 
 def _part(case: Case, sense: int, history: InterfaceHistory) -> float:
     """Part of the area behind the first wave that slips one way, or is open."""
-    reached = history.x <= case.scene.fastest_speed * history.t[:, None]
+    reached = _behind_front(case, history.x, history.t[:, None])
     slips = _senses(case, history) == sense
     return float(slips[reached].sum() / reached.sum())
 

@@ -32,7 +32,7 @@ SMOOTHED = (2.0, 5.0)
 SLIDING = 0.05
 """Part of the largest slip rate of a station above which it slides for sure."""
 STRENGTH_FLOOR = 0.005
-NO_GRID = "nothing says how fine the grid is; give `spacing`, or a second resolution"
+NO_GRID = "nothing says how fine the grid is; give `spacing`"
 ONE_FACE = (
     "one face moves by more than half of the slip where pressure acts on it; record both faces"
 )
@@ -184,7 +184,7 @@ def _arrival_row(grids: Grids, exact: Exact, onset: Onset, times: Sequence[float
     """An onset at one station, by all runs, finest first."""
     expected, seen = onset.time or 0.0, times[0]
     bar, order = _arrival_bar(grids, exact, onset, times)
-    obstacle = "" if bar is not None else NO_GRID
+    obstacle = NO_GRID if grids.spacing is None else ""  # all grids may miss what is too narrow
     if bar is not None and bar > TELLING * expected:
         obstacle = "what begins to slip here is too weak, or too narrow, for this grid"
     end = exact.end_time

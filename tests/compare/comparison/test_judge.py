@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from compare_cases import SELF_SIMILAR, Spoilt, differing, named, sampled_run, simulated
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from compare import judge
@@ -200,7 +200,14 @@ def test_bars_come_from_the_simulation():
     stress=st.floats(1e-3, 1e9),
     time=st.floats(1e-6, 1e6),
 )
-@settings(max_examples=4, deadline=None, phases=(Phase.explicit, Phase.generate))
+@example(  # rounding took four nodes from right at the first front
+    friction=0.15,
+    modulus=345189.93357197515,
+    density=2618.909489753386,
+    stress=0.005718496539732717,
+    time=1e5,
+)
+@settings(max_examples=3, deadline=None, phases=(Phase.explicit, Phase.generate))
 def test_units_do_not_matter(friction, modulus, density, stress, time):
     """The same run in other units is judged alike, to the digits that rounding leaves."""
     run = simulated(override_scene(PRELOADED, friction=friction), 32)
