@@ -1,35 +1,14 @@
 """``slipfront validate``: what it says, writes and returns."""
 
-import csv
 import json
 
 import numpy as np
 import pytest
 
-from compare.cli import validate_command as command
 from compare.cli.commands import main
 from compare.records.record import QUANTITIES
-from compare.validation.data import as_runs
 from semianalytic import solve
-from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.named import find_scene
-
-
-def read_plain(paths):
-    """The plainest reader: CSV with a header, a row for each sample."""
-    runs = []
-    for path in paths:
-        with path.open() as stream:
-            rows = list(csv.DictReader(stream))
-        if "t" not in rows[0]:
-            raise DataFileError(f"{path}, line 1: there is no column t; name the columns.")
-        runs += as_runs({name: [float(row[name]) for row in rows] for name in rows[0]})
-    return runs
-
-
-@pytest.fixture(autouse=True)
-def plain_reader(monkeypatch):
-    monkeypatch.setattr(command, "_read", read_plain)
 
 
 @pytest.fixture(scope="module")
