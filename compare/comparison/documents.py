@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compare.comparison.history_rows import PROBES, SENSE_THRESHOLD
-from compare.comparison.scales import scene_fronts, speed_regime
+from compare.comparison.scales import reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.halfplane.stuck_histories import intensity_history
 from semianalytic.scene.scene import scene_document
@@ -105,6 +105,14 @@ def units_document(document: Any, dimensions: Any, scene: Scene) -> Any:
         name: units_document(document[name], below, scene)
         for name, below in dimensions.items()
         if name in document
+    }
+
+
+def row_units(scene: Scene, end_time: float) -> dict[str, str]:
+    """What the symbols in units of rows stand for."""
+    return {
+        symbol: f"{value:.10g} {unit}"
+        for symbol, (value, unit) in reference_values(scene, end_time).items()
     }
 
 

@@ -10,13 +10,13 @@ from compare.comparison.documents import (
     SCENE_DIMENSIONS,
     Dimensions,
     json_text,
+    row_units,
     solution_document,
     units_document,
 )
 from compare.comparison.fields.errors import BAND
 from compare.comparison.judgement import Judgement
 from compare.comparison.prediction import method_of
-from compare.comparison.scales import reference_values
 from compare.output.files import write_text
 from semianalytic import Solution
 from semianalytic.scene.scene import scene_document
@@ -76,11 +76,8 @@ def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
         "fields": judgement.fields
         and {"band": BAND, "frames": [asdict(error) for error in judgement.fields.rows]},
     }
-    references = reference_values(simulation.scene, simulation.end_time)
     document["units"] = units_document(document, REPORT_DIMENSIONS, simulation.scene)
-    document["units"]["rows"] = {
-        symbol: f"{value:.10g} {unit}" for symbol, (value, unit) in references.items()
-    }
+    document["units"]["rows"] = row_units(simulation.scene, simulation.end_time)
     return document
 
 

@@ -11,8 +11,13 @@ import numpy as np
 
 from compare.records.names import known_columns, no_columns
 from compare.records.options import ReadingOptions
-from compare.records.record import Array, Records
-from compare.records.stations import joined_faces, stations_of_grid, stations_of_rows
+from compare.records.record import QUANTITIES, Array, Records
+from compare.records.stations import (
+    contact_stations,
+    joined_faces,
+    stations_of_grid,
+    stations_of_rows,
+)
 from semianalytic.results.interface_history import FORMAT as HISTORY
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
@@ -70,10 +75,8 @@ def read_simulation(folder: Path) -> Records:
 
 def of_history(path: Path, history: InterfaceHistory, spacing: float | None = None) -> Records:
     """Records at all positions of a history but that of the contact edge."""
-    inside = history.x > 0
-    names = ("slip_rate", "slip", "shear_traction", "pressure")
-    values = {name: getattr(history, name)[:, inside] for name in names}
-    stations, notes = stations_of_grid(path, history.x[inside], history.t, values)
+    values = {name: getattr(history, name) for name in QUANTITIES}
+    stations, notes = contact_stations(path, history.x, history.t, values)
     return Records(stations, None, str(path), tuple(notes), spacing)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from compare.records.names import known_columns
 from compare.records.options import ReadingOptions
 from compare.records.record import Array, Records
-from compare.records.stations import joined_faces, stations_of_grid
+from compare.records.stations import contact_stations, joined_faces
 from semianalytic.scene.errors import DataFileError
 
 VECTORS = {"velocity": "velocity v vel velo", "displacement": "displacement u disp displ"}
@@ -51,12 +51,11 @@ def read_bodies(path: Path, options: ReadingOptions) -> Records:
     assert x is not None
     names = set.intersection(*(set(row) for row in rows))
     values = {name: np.array([row[name] for row in rows]) for name in sorted(names)}
-    inside = x > options.origin
-    kept = {name: value[:, inside] for name, value in values.items()}
-    if not inside.any():
+    x = x - options.origin
+    if not (x > 0).any():
         raise DataFileError(f"{path} has no node of the interface at x > {options.origin:g}.")
-    stations, mended = stations_of_grid(path, x[inside] - options.origin, np.array(times), kept)
-    spacing = float(np.median(np.diff(x[inside]))) if inside.sum() > 1 else None
+    stations, mended = contact_stations(path, x, np.array(times), values)
+    spacing = float(np.median(np.diff(x[x > 0]))) if len(stations) > 1 else None
     return Records(stations, None, str(path), (*notes, *mended), spacing)
 
 
@@ -91,26 +90,26 @@ def _pieces(path: Path) -> Iterator[tuple[float, Path]]:
 def _mesh(path: Path) -> Any:
     import meshio
 
-    try:
-        with contextlib.redirect_stdout(io.StringIO()):
-            return meshio.read(path)
-    except (Exception, SystemExit) as error:  # parsers of damaged files fail in any way at all
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise DataFileError(f"{path} cannot be read ({reason}); write it anew.") from error
+    with _parsing(path):
+        return meshio.read(path)
 
 
 def _xdmf_frames(path: Path) -> Iterator[Frame]:
     import meshio
 
+    with _parsing(path), meshio.xdmf.TimeSeriesReader(path) as reader:
+        points, cells = reader.read_points_cells()
+        for step in range(reader.num_steps):
+            time, point_data, _ = reader.read_data(step)
+            yield float(time), meshio.Mesh(points, cells, point_data=point_data)
+
+
+@contextlib.contextmanager
+def _parsing(path: Path) -> Iterator[None]:
+    """What meshio prints is dropped, and its failure is one sentence."""
     try:
-        with (
-            contextlib.redirect_stdout(io.StringIO()),
-            meshio.xdmf.TimeSeriesReader(path) as reader,
-        ):
-            points, cells = reader.read_points_cells()
-            for step in range(reader.num_steps):
-                time, point_data, _ = reader.read_data(step)
-                yield float(time), meshio.Mesh(points, cells, point_data=point_data)
+        with contextlib.redirect_stdout(io.StringIO()):
+            yield
     except (Exception, SystemExit) as error:  # parsers of damaged files fail in any way at all
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise DataFileError(f"{path} cannot be read ({reason}); write it anew.") from error

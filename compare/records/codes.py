@@ -8,7 +8,7 @@ import numpy as np
 
 from compare.records.options import ReadingOptions
 from compare.records.record import Array, Records
-from compare.records.stations import joined_faces, stations_of_grid
+from compare.records.stations import contact_stations, joined_faces
 from compare.records.text import text_of
 from semianalytic.scene.errors import DataFileError
 
@@ -53,9 +53,7 @@ def read_uguca(path: Path, options: ReadingOptions) -> Records:
     values, notes = joined_faces(columns)
     x, t = coordinates[:, 0] - options.origin, times[:, -1]
     _check_shapes(path, values, (len(t), len(x)))
-    inside = x > 0
-    kept = {name: value[:, inside] for name, value in values.items()}
-    stations, mended = stations_of_grid(path, x[inside], t, kept)
+    stations, mended = contact_stations(path, x, t, values)
     return Records(stations, None, str(path), (*notes, *mended))
 
 
@@ -81,10 +79,7 @@ def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
         if name in columns:
             columns[name] = columns[name] + initial[:, place]
     t = step * np.arange(float(len(data)))
-    x = x - options.origin
-    inside = x > 0
-    kept = {name: value[:, inside] for name, value in columns.items()}
-    stations, notes = stations_of_grid(path, x[inside], t, kept)
+    stations, notes = contact_stations(path, x - options.origin, t, columns)
     notes.append("Normal_Stress is read as pressure, with its sign as it is")
     return Records(stations, None, str(path), tuple(notes))
 

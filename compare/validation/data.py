@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,9 +32,9 @@ def as_runs(data: Data | Sequence[Data]) -> list[Records]:
     DataFileError
         If there are no records, or arrays do not fit each other.
     """
-    alone = isinstance(data, Records | InterfaceHistory | Mapping)
-    given: Iterable[Any] = [data] if alone else data  # type: ignore[assignment]
-    runs = [_run(one) for one in given]
+    if isinstance(data, Records | InterfaceHistory | Mapping):
+        data = [data]
+    runs = [_run(one) for one in data]
     if not runs:
         raise DataFileError("validate: there are no records; give at least one run.")
     return runs

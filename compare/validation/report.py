@@ -7,9 +7,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from compare.comparison.documents import SCENE_DIMENSIONS, json_text, units_document
+from compare.comparison.documents import SCENE_DIMENSIONS, json_text, row_units, units_document
 from compare.comparison.prediction import method_of
-from compare.comparison.scales import reference_values
 from compare.output.files import write_text
 from compare.validation.validation import Validation
 from semianalytic.scene.scene import scene_document
@@ -43,10 +42,7 @@ def validation_document(validation: Validation, label: str) -> dict[str, Any]:
     }
     dimensions = {"parameters": SCENE_DIMENSIONS, "end_time": "time", "spacing": "length"}
     document["units"] = units_document(document, dimensions, scene)
-    document["units"]["rows"] = {
-        symbol: f"{value:.10g} {unit}"
-        for symbol, (value, unit) in reference_values(scene, exact.end_time).items()
-    }
+    document["units"]["rows"] = row_units(scene, exact.end_time)
     return document
 
 
