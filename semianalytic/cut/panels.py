@@ -86,7 +86,7 @@ class Panels:
 
     def integrals(self, density: Array) -> Array:
         """(p, ...) integrals over whole panels; principal values at a pole at c."""
-        return self.rule.spacing * np.einsum("...n,...n->...", density, self.jacobian)
+        return np.einsum("...n,...n,n->...", density, self.jacobian, self.rule.weights)
 
     def coordinate(self, panel: int, at: CutPoints) -> Array:
         """The y of (m,) points inside a panel of a single set of zones."""
@@ -115,7 +115,7 @@ class Panels:
         own, other = np.empty_like(weights), np.abs(self.from_ends[pairs.near, pairs.target])
         own[:behind] = self.from_left[source[:behind]]
         own[behind:] = self.from_right[source[behind:]]
-        weights = self.rule.spacing * weights
+        weights = self.rule.weights * weights
         weights[behind:] *= -1
         if own.shape[-1] < tuning.MANY_NODES:
             return _summed(weights, own, other)

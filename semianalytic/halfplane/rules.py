@@ -62,14 +62,22 @@ class Rule:
         """Slope of `share`."""
         return self.share * self.share[::-1]
 
+    @cached_property
+    def weights(self) -> Array:
+        """Of the nodes in an integral, (n,): those at either end stand for what lies beyond them of
+        densities that decay like exp(-|y| / 2)."""
+        result = np.full(len(self.y), self.spacing)
+        result[[0, -1]] /= 1 - np.exp(-self.spacing / 2)
+        return result
+
     def running(self, density: Array) -> Array:
         """Integrals from -inf to each node of the sinc interpolant of `density` (..., n)."""
-        return self.spacing * (density @ _running(len(self.y)))
+        return np.asarray(density @ _running(len(self.y), self.spacing))
 
     def halved(self, density: Array) -> Array:
         """Its integrals from -inf to the middle node, (...)."""
         n = len(self.y)
-        return self.spacing * (density @ _running(n)[:, n // 2])
+        return np.asarray(density @ _running(n, self.spacing)[:, n // 2])
 
     @property
     def alternate(self) -> Array:
@@ -82,7 +90,7 @@ class Rule:
 
     def interpolate_running(self, y: Array, density: Array) -> Array:
         """Integral from -inf to y of the sinc interpolant of `density` ((n,) or (k, n))."""
-        return self.spacing * _sinc_step((y[:, None] - self.y) / self.spacing) @ density.T
+        return _sinc_step((y[:, None] - self.y) / self.spacing) @ (self.weights * density).T
 
 
 def _sinc_step(x: Array) -> Array:
@@ -93,19 +101,38 @@ def _sinc_step(x: Array) -> Array:
 
 
 @lru_cache(maxsize=32)
-def _running(n: int) -> Array:
-    step = _sinc_step(np.arange(1.0 - n, n))
+def _running(n: int, spacing: float) -> Array:
+    beyond = _beyond(spacing)
+    step = spacing * _sinc_step(np.arange(1.0 - n - beyond, n + beyond))
     order = np.arange(n)
-    return step[order - order[:, None] + n - 1]
+    every = step[order - np.arange(-beyond, n + beyond)[:, None] + n + beyond - 1]
+    return _folded(every, n, np.exp(-spacing / 2 * np.arange(1.0, beyond + 1)))
 
 
 @lru_cache(maxsize=32)
 def _alternate(n: int, spacing: float) -> Array:
-    steps = np.arange(1 - n, n)
+    beyond = _beyond(spacing)
+    steps = np.arange(1 - n - beyond, n + beyond)
     inverse = np.zeros(len(steps))
     inverse[steps % 2 != 0] = 1 / np.sinh(steps[steps % 2 != 0] * (spacing / 2))
     order = np.arange(n)
-    return inverse[order[:, None] - order + n - 1]
+    every = inverse[np.arange(-beyond, n + beyond)[:, None] - order + n + beyond - 1]
+    return _folded(every, n, np.ones(beyond))
+
+
+def _beyond(spacing: float) -> int:
+    """Nodes beyond the ends until what decays like exp(-|y| / 2) is below rounding."""
+    return int(np.ceil(80 / spacing))
+
+
+def _folded(every: Array, n: int, decay: Array) -> Array:
+    """Rows (n, m) of n nodes from those of more on either side (n + 2 b, m), on which a density is
+    that of the last node times `decay` (b,)."""
+    beyond = len(decay)
+    result = every[beyond:-beyond].copy()
+    result[0] += decay[::-1] @ every[:beyond]
+    result[-1] += decay @ every[-beyond:]
+    return result
 
 
 @lru_cache(maxsize=64)
