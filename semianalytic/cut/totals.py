@@ -97,7 +97,7 @@ def running_integrals(
             inside, behind = (from_left > 0) & (to_right > 0), to_right <= 0
             y = np.log(from_left[inside] / to_right[inside])
             result[:, inside] += rule.interpolate_running(y, density).T
-            result[:, behind] += rule.spacing * density.sum(axis=1)[:, None]
+            result[:, behind] += (density @ rule.weights)[:, None]
     return result
 
 
@@ -121,7 +121,7 @@ def _beside_opening(
     result = np.zeros((2, len(at.v)))
     y = panels.coordinate(panel, at[inside])
     result[:, inside] = panels.rule.interpolate_running(y, rest).T + unit.inside(panels, at[inside])
-    result[:, behind] = (panels.rule.spacing * rest.sum(axis=1) + unit.total)[:, None]
+    result[:, behind] = (rest @ panels.rule.weights + unit.total)[:, None]
     return result
 
 

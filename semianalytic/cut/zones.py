@@ -342,8 +342,8 @@ class ZoneFields:
         sources, imag = self._pressure.sources
         for source in sources:
             kernel = 1 / (panels.at.v[source] + flat[:, None])
-            weights = panels.jacobian[source] * imag[source]
-            cauchy -= panels.rule.spacing / np.pi * (kernel @ weights)
+            weights = panels.rule.weights * panels.jacobian[source] * imag[source]
+            cauchy -= kernel @ weights / np.pi
         for edge, amount in self._terms:
             cauchy += np.ravel(amount) / (edge.v + flat)
         result = self.canonical.reciprocal_off_cut(flat) * cauchy

@@ -139,7 +139,7 @@ def _folded(every: Array, n: int, decay: Array) -> Array:
 def rule_for(tolerance: float) -> Rule:
     """Grid on which end exponents of at least 1/2 are integrated to about `tolerance`."""
     digits = np.log(1 / tolerance)
-    return Rule(float(np.pi**2 / (digits + 2)), float(2 * digits + 2))
+    return Rule(float(np.pi**2 / (digits + 2)), float(1.5 * (digits + 1)))
 
 
 @lru_cache(maxsize=64)
