@@ -14,6 +14,9 @@ import numpy as np
 from semianalytic.halfplane.rayleigh import Array
 
 _FARTHEST = 100.0  # in y: what lies further out is below rounding
+REACH = 1.5
+"""Of a rule over what its tolerance takes of the decay of a density: an integrand that decays like
+exp(-|y| / 2) is continued beyond the ends, and what is left falls at least twice as fast."""
 _STEPS = 32  # per power of two: finer rules come in steps, so that their tables are met again
 
 
@@ -139,7 +142,7 @@ def _folded(every: Array, n: int, decay: Array) -> Array:
 def rule_for(tolerance: float) -> Rule:
     """Grid on which end exponents of at least 1/2 are integrated to about `tolerance`."""
     digits = np.log(1 / tolerance)
-    return Rule(float(np.pi**2 / (digits + 2)), float(1.5 * (digits + 1)))
+    return Rule(float(np.pi**2 / (digits + 2)), float(REACH * (digits + 1)))
 
 
 @lru_cache(maxsize=64)

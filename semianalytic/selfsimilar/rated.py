@@ -22,7 +22,7 @@ from semianalytic.cut.load import Load
 from semianalytic.cut.profile import Profile
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
-from semianalytic.halfplane.rules import Rule, rule_for
+from semianalytic.halfplane.rules import REACH, Rule, rule_for
 from semianalytic.halfplane.stuck import traction_of
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import RateFriction
@@ -216,7 +216,8 @@ def _least_exponent(fields: ZoneFields, law: UnitLaw) -> tuple[float, float]:
 def _held_rule(fields: ZoneFields, law: UnitLaw, tolerance: float) -> Rule:
     """A rule of a tolerance, as long as V asks for beside the edges of zones."""
     rule = rule_for(tolerance)
-    reach = min(rule.reach * 0.5 / _least_exponent(fields, law)[0], tuning.FARTHEST_RATE_REACH)
+    cut_off = rule.reach / REACH  # the logarithm of what may be left out
+    reach = min(cut_off / _least_exponent(fields, law)[0], tuning.FARTHEST_RATE_REACH)
     longer = replace(rule, reach=max(reach, rule.reach))
     return replace(replace(fields, rule=longer).panels.rule, held=True)
 

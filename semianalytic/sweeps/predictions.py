@@ -13,6 +13,7 @@ import numpy as np
 
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.selfsimilar.coulomb import admissible
@@ -106,7 +107,8 @@ def predicted(
     shift = np.array([footing.shift for _, footing in footed])[near].max(axis=1)
     room = np.maximum(rtol - estimate, tuning.LEAST_ROOM * rtol)
     loose = np.maximum(_loose_enough(shift, room, rtol), tolerance)
-    lacking = np.where(loose > tolerance, SAFETY * shift * loose / loose_tolerance(rtol), 0.0)
+    share = (loose / loose_tolerance(rtol)) ** tuning.LACK_ORDER
+    lacking = np.where(loose > tolerance, SAFETY * shift * share, 0.0)
     return Predictions(
         points,
         unknowns,
@@ -151,10 +153,11 @@ def _share_slope(unknowns: Array) -> Array:
 
 
 def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
-    """Tolerances, in steps, of rules on which errors (t,) of the loose rule, which fall like the
-    tolerance, take but a share of the room in the error estimate."""
+    """Tolerances, in steps, of rules on which errors (t,) of the loose rule, which fall like a power
+    of the tolerance, take but a share of the room in the error estimate."""
     most = tuning.LOOSE_SHARE * room / SAFETY
-    steps = np.ceil(np.log10(np.maximum(shift / most, 1.0)) / tuning.RULE_STEP)
+    decades = np.log10(np.maximum(shift / most, 1.0)) / tuning.LACK_ORDER
+    steps = np.ceil(decades / tuning.RULE_STEP)
     return np.asarray(loose_tolerance(rtol) * 10 ** (-tuning.RULE_STEP * steps))
 
 
@@ -182,9 +185,9 @@ class CorrectedZones:
 def corrected(
     sets: ZoneSets, predictions: Predictions, certain: bool, rtol: float
 ) -> CorrectedZones:
-    """Correct predictions on the loosest rule that serves, or, where it is not certain that there
-    are these zones, on the fine one, and hold them against Coulomb's law as strictly as that rule
-    allows."""
+    """Correct predictions on the loosest rule that serves, and hold them against Coulomb's law as
+    strictly as that allows, or, where it is not certain that there are these zones, as strictly as
+    the fine one does."""
     loosest = loose_tolerance(rtol)
     unknowns, inverse = predictions.unknowns.T.copy(), predictions.inverse.copy()
     arrived = np.ones(len(predictions), dtype=bool)
@@ -195,23 +198,25 @@ def corrected(
         arrived[far] = left < np.inf
         inverse[far[left < np.inf]] = better[left < np.inf]
     nearer = replace(predictions, unknowns=unknowns.T.copy(), inverse=inverse)
-    rule = rule_for(float((predictions.loose if certain else predictions.tolerance).min()))
-    if len(unknowns) and not certain:  # the law is asked of edges in their places
-        move = moves(inverse, sets.mismatch(unknowns, rule))
-        arrived &= np.abs(move).max(axis=0) < tuning.FARTHEST_STEP
-        unknowns -= np.where(arrived, move, 0.0)
-    fields, estimate = sets.fields(unknowns, rule), predictions.estimate
-    profile, law = Profile(fields), tuning.LOOSE_CHECK * loosest
-    if not certain:
-        law, estimate = min(rtol, tuning.LOOSEST_LAW), estimate + missed_slip(profile)
-    lawful = admissible(profile, law)
+    fields, estimate = (
+        sets.fields(unknowns, rule_for(float(predictions.loose.min()))),
+        predictions.estimate,
+    )
     sound = arrived.copy()
     if len(unknowns):
-        unknowns, left = _stepped(
-            sets, unknowns, profile, (inverse, predictions.others), rtol - estimate
-        )
+        both = inverse, predictions.others
+        unknowns, left = _stepped(sets, unknowns, fields, both, rtol - estimate)
         sound &= sets.edges.admits(unknowns)
         estimate = estimate + SAFETY * left
+    law = tuning.LOOSE_CHECK * loosest
+    if not certain:  # the law is asked of edges in their places
+        law, rule = min(rtol, tuning.LOOSEST_LAW), rule_for(float(predictions.tolerance.min()))
+        sound &= estimate <= rtol
+        fields = sets.fields(np.where(sound, unknowns, nearer.unknowns.T), rule)
+    profile = Profile(fields)
+    lawful = admissible(profile, law)
+    if not certain:
+        estimate = estimate + missed_slip(profile)
     sound &= estimate <= rtol
     refuted = sound & ~lawful & (not certain)
     nodes = fields.panels.jacobian[:, 0].size
@@ -219,12 +224,11 @@ def corrected(
 
 
 def _stepped(
-    sets: ZoneSets, start: Array, profile: Profile, inverse: tuple[Array, Array], room: Array
+    sets: ZoneSets, start: Array, fields: ZoneFields, inverse: tuple[Array, Array], room: Array
 ) -> tuple[Array, Array]:
-    """Unknowns (e, k) after a chord step from `start`, where the profile is, or some more, and the
+    """Unknowns (e, k) after a chord step from `start`, where the fields are, or some more, and the
     error that is left (k,): of what the two inverse Jacobians disagree upon, or of what the last
     step leaves if it shrinks as before."""
-    fields = profile.fields
     values = fields.mismatch()
     move = -moves(inverse[0], values)
     size, apart = np.abs(move).max(axis=0), np.abs(move + moves(inverse[1], values))

@@ -95,6 +95,8 @@ MORE_STEPS = 3
 LOOSE_SHARE, LEAST_ROOM = 0.5, 0.05
 """Share of the room that neighbours' error estimates leave below rtol which the rule takes that
 edges are corrected on, and that room over rtol at least."""
+LACK_ORDER = 1.25
+"""Power of its tolerance with which what edges lack on a rule falls; 1.5 where edges are sharp."""
 RULE_STEP = 0.25
 """Between such rules, in powers of ten."""
 FIRST_LATTICE = 6
