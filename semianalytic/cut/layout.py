@@ -233,7 +233,7 @@ def outline(
     ends, stretches = [factors.front_a], []
     edges = () if opening is None else (opening.left, opening.right)
     every = [*factors.cuts, *cuts, *(edge for edge in edges if edge is not None)]
-    every.sort(key=lambda cut: cut.first[0])
+    every.sort(key=lambda cut: cut.first)
     for right, zone, index in _stretches(zones):
         for cut in every:
             if lies_between(ends[-1], cut, right):

@@ -76,18 +76,19 @@ class ZoneFields:
         by_slip = load.resists_rate or load.given_slope is not None
         tail = self.tail or by_slip  # then slip behind the last edge counts
         opening = load.opened.zone if load.opened else None
-        rule = finer_rule(self.rule, self._strip, 0.0)
+        rule = finer_rule(self.rule, *self._beside_resistance)
         return lay_panels(self.factors, self.zones, rule, sets, tail, self._cuts, opening)
 
     @property
-    def _strip(self) -> float:
+    def _beside_resistance(self) -> tuple[float, float]:
         """Strip of analyticity, over pi, that slip up to the contact edge has where strong
-        resistance meets it: M + eta vanishes at about v = i eta / kappa."""
+        resistance meets it, and how much further it goes in y: M + eta vanishes at about
+        v = i eta / kappa."""
         edge = self.zones[-1].left if self.zones and self.zones[-1].right is None else None
         if edge is None or self.load.resistance is None:
-            return 1.0
-        root = float(np.max(np.abs(self.load.resistance))) / self.factors.kappa
-        return 1 - float(np.arctan(root / edge.first[0])) / np.pi
+            return 1.0, 0.0
+        root = float(np.max(np.abs(self.load.resistance))) / self.factors.kappa / edge.first[0]
+        return 1 - float(np.arctan(root)) / np.pi, float(np.log1p(root))
 
     @cached_property
     def _cuts(self) -> tuple[CutPoints, ...]:

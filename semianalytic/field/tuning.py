@@ -13,7 +13,7 @@ CACHED_KERNEL = 60_000
 NEGLIGIBLE = 0.01
 """Share of the tolerance of a rule that a node may carry, over its distance, and be left out."""
 
-LONGER = 16.0
+LONGER = 28.0
 """How much farther in y the rule of transforms goes than that of zones: T grows like k^1/2 at a
 stuck edge, and of what a rule leaves out at v the share (k / v)^1/2 is missed."""
 

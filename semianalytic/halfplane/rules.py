@@ -147,7 +147,8 @@ def rule_for(tolerance: float) -> Rule:
 
 @lru_cache(maxsize=64)
 def _finer(rule: Rule, refinements: int, further: int) -> Rule:
-    return Rule(rule.spacing * 2.0 ** (-refinements / _STEPS), rule.reach, further)
+    spacing = rule.spacing * 2.0 ** (-refinements / _STEPS)
+    return Rule(spacing, rule.reach, max(rule.further, further))
 
 
 def finer_rule(rule: Rule, strip: float, further: float) -> Rule:

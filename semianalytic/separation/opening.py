@@ -153,6 +153,8 @@ class Detached:
             from_a < from_c, factors.beside("a", from_a).parts, factors.beside("c", -from_c).parts
         )
         left[1], left[3] = from_a, -from_c
+        at_b = np.abs(left[2]) < tuning.AT_SHEAR_FRONT  # on one side of it in all parts
+        left[0] = np.where(at_b, 1.0 + left[2], left[0])
         right = factors.beside("c", np.exp(unknowns[1])).parts
         return Zone(CutPoints(left[..., None]), CutPoints(right[..., None]), 1)
 

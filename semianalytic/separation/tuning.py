@@ -36,3 +36,5 @@ EDGE_SHARE = 0.2
 AT_POLE = 25.0
 """Error of the rate of the gap over the tolerance of a rule: at points between nodes, where the
 opening covers c, relative to its largest value away from there.  13 and 20 were seen."""
+AT_SHEAR_FRONT = 1e-14
+"""Distance from the shear front, in slowness, that is rounding of sums."""
