@@ -153,8 +153,8 @@ def _share_slope(unknowns: Array) -> Array:
 
 
 def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
-    """Tolerances, in steps, of rules on which errors (t,) of the loose rule, which fall like a power
-    of the tolerance, take but a share of the room in the error estimate."""
+    """Tolerances, in steps, of rules on which errors (t,) of the loose rule, which fall like a
+    power of the tolerance, take but a share of the room in the error estimate."""
     most = tuning.LOOSE_SHARE * room / SAFETY
     decades = np.log10(np.maximum(shift / most, 1.0)) / tuning.LACK_ORDER
     steps = np.ceil(decades / tuning.RULE_STEP)
