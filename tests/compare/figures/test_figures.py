@@ -44,6 +44,7 @@ def marked_fronts(panel):
     return {text.get_text() for text in panel.texts}
 
 
+@pytest.mark.thinned(3)
 def test_slip_rate_figure_shows_both_answers_and_their_difference(case):
     solution, history = case
     upper, lower = slip_rate_figure(solution, history).axes
@@ -91,6 +92,7 @@ def test_prediction_figure_needs_no_simulation(case):
         assert_finite(panel)
 
 
+@pytest.mark.thinned(3)
 def test_figures_draw_into_axes_of_others(case):
     solution, history = case
     figure = Figure()

@@ -124,6 +124,7 @@ def test_a_worker_that_is_killed_is_one_sentence():
         dict(run_tasks([(kill_me, ()), (kill_me, ())], 2))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("module", "number", "code"),
     [
