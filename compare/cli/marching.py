@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from rich.console import Console
 from compare.cli import terminal
 from compare.cli.interruption import INTERRUPTED
 from compare.cli.options import in_bytes, option_name
-from compare.comparison.documents import json_text, march_document
+from compare.comparison.documents import march_document
 from compare.output.places import check_file, save_somewhere
 from compare.output.progress import progress_bar
 from semianalytic import Marched, Scene, march, march_on
@@ -115,7 +114,8 @@ def _show(
 
         save_figure(march_figure(marched), plot)
     if as_json:
-        sys.stdout.write(json_text(march_document(marched)))
+        files = [path for path in (save, plot) if path is not None]
+        terminal.print_json("solve", march_document(marched), files=files)
         return
     Console().print(terminal.march_table(marched, label))
     for done, path in (("Saved", save), ("Drawn", plot)):

@@ -24,6 +24,7 @@ SceneArgument = Annotated[
     str, typer.Argument(metavar="SCENE", help="Name of a scene, or a TOML file.")
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results only, no progress.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 NoSnapshots = Annotated[bool, typer.Option("--no-snapshots", help="Write no field snapshots.")]
 Budget = Annotated[
     str | None,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,13 +14,14 @@ from compare.cli.marching import march_command
 from compare.cli.options import (
     MARCH_OPTIONS,
     SCENE_OPTIONS,
+    AsJson,
     Method,
     Quiet,
     SceneArgument,
     option_name,
     with_options,
 )
-from compare.comparison.documents import json_text, solution_document
+from compare.comparison.documents import solution_document
 from compare.output.places import check_file
 from semianalytic import Scene, Solution, solve
 from semianalytic.prediction import chosen_method
@@ -43,7 +43,7 @@ def solve_command(
             help="Time T until which to say what happens; where a march ends, 1 / c_t then."
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: AsJson = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw slip rate and tractions (.png, .pdf).")
     ] = None,
@@ -88,7 +88,8 @@ def _solve_exactly(
 
         save_figure(prediction_figure(solution), plot)
     if as_json:
-        sys.stdout.write(json_text(solution_document(solution, end_time)))
+        document = solution_document(solution, end_time)
+        terminal.print_json("solve", document, files=[] if plot is None else [plot])
     else:
         console = Console()
         console.print(terminal.zones_table(solution, label))

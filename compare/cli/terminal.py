@@ -1,11 +1,13 @@
-"""What the terminal shows: tables."""
+"""What the terminal shows: tables, or JSON and nothing else."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Collection, Iterator
-from typing import TYPE_CHECKING
+import sys
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.markup import escape
@@ -17,6 +19,8 @@ from compare.comparison.documents import (
     END_DIMENSIONS,
     edge_state,
     end_document,
+    envelope,
+    json_text,
     march_document,
     units_document,
 )
@@ -35,6 +39,13 @@ if TYPE_CHECKING:
 
 TOTALS = ("accumulated_slip", "frictional_work")
 DIGITS = 4
+
+
+def print_json(
+    command: str, document: Mapping[str, Any], status: str = "done", files: Iterable[Path] = ()
+) -> None:
+    """Print the `envelope` of a document."""
+    sys.stdout.write(json_text(envelope(command, document, status, files)))
 
 
 def scenes_table() -> Table:

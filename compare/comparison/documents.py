@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
 from types import NoneType
 from typing import Any
 
@@ -225,14 +227,40 @@ def edge_state(solution: Solution) -> str:
     return "slipping" if solution.zones and solution.zones[0].inner == 0 else "stuck"
 
 
-def json_text(document: dict[str, Any]) -> str:
+def envelope(
+    command: str, document: Mapping[str, Any], status: str = "done", files: Iterable[Path] = ()
+) -> dict[str, Any]:
+    """What a command prints with ``--json``: its own document between what all have in common.
+
+    Parameters
+    ----------
+    command : str
+        As it is typed behind ``slipfront``.
+    document : mapping
+        Its own keys go in as they are, its "status" and "units" in place of those of all.
+    status : str
+        How it ended: "done", or the verdict.
+    files : paths
+        That were written.
+    """
+    return {
+        "command": command,
+        "version": version("slipfront"),
+        "status": status,
+        "units": {},
+        **document,
+        "files": [str(path) for path in files],
+    }
+
+
+def json_text(document: Mapping[str, Any]) -> str:
     """JSON of a document, numbers of numpy included; null for what is not a finite number."""
     return json.dumps(_finite(document), indent=2, allow_nan=False) + "\n"
 
 
 def _finite(part: Any) -> Any:
     """Part of a document with None in place of infinities and what is not a number."""
-    if isinstance(part, dict):
+    if isinstance(part, Mapping):
         return {key: _finite(value) for key, value in part.items()}
     if isinstance(part, (list, tuple)):
         return [_finite(value) for value in part]
