@@ -247,8 +247,8 @@ def envelope(
         "command": command,
         "version": version("slipfront"),
         "status": status,
-        "units": {},
         **document,
+        "units": document.get("units", {}),
         "files": [str(path) for path in files],
     }
 
