@@ -30,7 +30,6 @@ from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
 from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
-from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:
@@ -46,14 +45,6 @@ def print_json(
 ) -> None:
     """Print the `envelope` of a document."""
     sys.stdout.write(json_text(envelope(command, document, status, files)))
-
-
-def scenes_table() -> Table:
-    """Names and one-line summaries of the scenes that come with the package."""
-    table = Table("scene", "what it shows", title="Scenes")
-    for name, named in NAMED_SCENES.items():
-        table.add_row(name, named.summary)
-    return table
 
 
 def zones_table(solution: Solution, title: str) -> Table:
