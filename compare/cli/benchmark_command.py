@@ -13,6 +13,7 @@ from rich.table import Table
 
 from compare.benchmarks.sheets import SHEETS, Sheet, find_sheet
 from compare.cli.options import AsJson
+from compare.cli.scenes.completion import CODES, one_of, sheet_names
 from compare.cli.terminal import print_json
 from compare.output.places import check_file, working_folder
 from semianalytic.scene.errors import SceneError
@@ -26,7 +27,9 @@ app = typer.Typer(
     invoke_without_command=True,
 )
 
-SheetName = Annotated[str, typer.Argument(metavar="NAME", help="Name of a sheet.")]
+SheetName = Annotated[
+    str, typer.Argument(metavar="NAME", help="Name of a sheet.", autocompletion=sheet_names)
+]
 
 
 @app.callback()
@@ -65,7 +68,9 @@ def export(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write to.")],
     names: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[NAME...]", help="Sheets, all unless given."),
+        typer.Argument(
+            metavar="[NAME...]", help="Sheets, all unless given.", autocompletion=sheet_names
+        ),
     ] = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace files that are there.")
@@ -90,7 +95,11 @@ def score(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Records of runs, CSV.")],
     sheet: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="The sheet, unless the files say which."),
+        typer.Option(
+            metavar="NAME",
+            help="The sheet, unless the files say which.",
+            autocompletion=sheet_names,
+        ),
     ] = None,
     output: Annotated[
         Path | None,
@@ -125,7 +134,9 @@ def score(
 
 @app.command()
 def enter(
-    code: Annotated[str, typer.Argument(metavar="CODE", help="fem or march.")],
+    code: Annotated[
+        str, typer.Argument(metavar="CODE", help="fem or march.", autocompletion=one_of(*CODES))
+    ],
     name: SheetName,
     cells: Annotated[int, typer.Option(help="Cells over c_t T.")] = 100,
     output: Annotated[

@@ -24,6 +24,7 @@ from compare.cli.options import (
     option_name,
     with_options,
 )
+from compare.cli.scenes.completion import scene_names
 from compare.cli.simulate_command import simulate_into, with_error_bars
 from compare.cli.solve_command import check_converged
 from compare.comparison.fields.errors import field_errors
@@ -62,6 +63,7 @@ def compare_command(
         typer.Argument(
             metavar="[SCENE]",
             help=f"Name of a scene, or a TOML file; {DEFAULT_SCENE} unless given.",
+            autocompletion=scene_names,
         ),
     ] = None,
     from_: Annotated[

@@ -25,6 +25,7 @@ from compare.cli.options import (
     option_name,
     with_options,
 )
+from compare.cli.scenes.completion import FORMATS, QUANTITIES, one_of
 from compare.cli.solve_command import check_converged
 from compare.cli.terminal import print_json
 from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
@@ -43,7 +44,6 @@ from semianalytic.scene.scene import scene_document
 if TYPE_CHECKING:
     from compare.figures.quantities import Quantity
 
-FORMATS = ("gif", "mp4")
 MARCHED_OPTIONS = {name: MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")}
 GRID = (200, 200)
 """Cells of a grid unless they are given."""
@@ -119,6 +119,7 @@ def field_command(
         typer.Option(
             help="speed, pressure, max-shear, fringes, vx, vy, ux, uy, sxx, syy or sxy; in "
             "antiplane shear also vz, uz, sxz or syz.",
+            autocompletion=one_of(*QUANTITIES),
             rich_help_panel=_PICTURE,
         ),
     ] = "speed",
@@ -146,7 +147,13 @@ def field_command(
         ),
     ] = 0,
     form: Annotated[
-        str, typer.Option("--format", help="gif or mp4.", rich_help_panel=_FILM)
+        str,
+        typer.Option(
+            "--format",
+            help="gif or mp4.",
+            rich_help_panel=_FILM,
+            autocompletion=one_of(*FORMATS),
+        ),
     ] = "gif",
     vtu: Annotated[
         bool,

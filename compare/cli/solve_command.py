@@ -21,6 +21,7 @@ from compare.cli.options import (
     option_name,
     with_options,
 )
+from compare.cli.scenes.completion import figure_names
 from compare.comparison.documents import solution_document
 from compare.output.places import check_file
 from semianalytic import Scene, Solution, solve
@@ -53,7 +54,9 @@ def solve_command(
     figure: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="What --plot draws: interface, or what packages of yours bring."
+            metavar="NAME",
+            help="What --plot draws: interface, or what packages of yours bring.",
+            autocompletion=figure_names,
         ),
     ] = None,
     quiet: Quiet = False,

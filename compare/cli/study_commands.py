@@ -12,6 +12,7 @@ import typer
 from rich.console import Console
 
 from compare.cli.options import AsJson, Quiet
+from compare.cli.scenes.completion import CHARTED, LOADINGS, one_of, scene_names
 from compare.cli.terminal import print_json
 from compare.comparison.rows import DIFFERS
 from compare.output.places import working_folder
@@ -28,7 +29,11 @@ Quick = Annotated[bool, typer.Option("--quick", help="Coarser and smaller: a loo
 
 def regimes(
     loading: Annotated[
-        str, typer.Option(help="preload (shear step), remote (sudden remote load) or both.")
+        str,
+        typer.Option(
+            help="preload (shear step), remote (sudden remote load) or both.",
+            autocompletion=one_of(*LOADINGS),
+        ),
     ] = "both",
     size: Annotated[int, typer.Option(help="Points along each axis of a map.")] = 100,
     output: Output = None,
@@ -132,7 +137,11 @@ def article(
 def chart(
     scenes: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[SCENE...]", help="Scenes of the chart, all unless given."),
+        typer.Argument(
+            metavar="[SCENE...]",
+            help="Scenes of the chart, all unless given.",
+            autocompletion=one_of(*CHARTED),
+        ),
     ] = None,
     output: Output = None,
     quick: Quick = False,
@@ -198,7 +207,11 @@ def wear(
 def evidence(
     scenes: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[SCENE...]", help="Names or TOML files; all scenes unless given."),
+        typer.Argument(
+            metavar="[SCENE...]",
+            help="Names or TOML files; all scenes unless given.",
+            autocompletion=scene_names,
+        ),
     ] = None,
     output: Annotated[
         Path | None,

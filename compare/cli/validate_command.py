@@ -11,6 +11,7 @@ from rich.console import Console
 
 from compare.cli import terminal
 from compare.cli.options import SCENE_OPTIONS, AsJson, Output, option_name, with_options
+from compare.cli.scenes.completion import scene_names
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import REPORT
 from compare.output.places import working_folder
@@ -71,7 +72,13 @@ def validate_command(
         typer.Argument(metavar="RESULT...", help="What another code wrote; coarse to fine."),
     ],
     scene_name: Annotated[
-        str, typer.Option("--scene", metavar="SCENE", help="Name of a scene, or a TOML file.")
+        str,
+        typer.Option(
+            "--scene",
+            metavar="SCENE",
+            help="Name of a scene, or a TOML file.",
+            autocompletion=scene_names,
+        ),
     ],
     spacing: Annotated[
         list[float] | None,

@@ -12,6 +12,13 @@ QUANTITIES = (
     *("speed", "pressure", "max-shear", "fringes"),
     *("vx", "vy", "vz", "ux", "uy", "uz", "sxx", "syy", "sxy", "sxz", "syz"),
 )
+MESH_NAMES = {
+    "model": ("auto", "two-blocks"),
+    "element": ("P1", "Q1", "Q2"),
+    "mesh": ("squares", "graded", "triangles"),
+}
+CHARTED = ("preloaded", "remote-shock", "auxetic", "ramp")
+CODES = ("fem", "march")
 LOADINGS = ("both", "preload", "remote")
 FORMATS = ("gif", "mp4")
 """As the functions have them that take them; written out here, for those import numpy."""
