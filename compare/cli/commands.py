@@ -14,6 +14,7 @@ import typer
 from compare.cli import study_commands as studies
 from compare.cli.benchmark_command import app as benchmark_app
 from compare.cli.compare_command import compare_command
+from compare.cli.explore_command import explore_command
 from compare.cli.field_command import field_command
 from compare.cli.interruption import INTERRUPTED, INTERRUPTION
 from compare.cli.refusals import in_options, printable
@@ -52,6 +53,7 @@ app.command("compare")(compare_command)
 app.command("solve")(solve_command)
 app.command("simulate")(simulate_command)
 app.command("field")(field_command)
+app.command("explore")(explore_command)
 app.add_typer(benchmark_app, name="benchmark")
 app.command("validate")(validate_command)
 

@@ -14,9 +14,16 @@ HDF5 = ("h5py",)
 """What saved results import."""
 PLOT = ("matplotlib", "PIL")
 """What figures import."""
+EXPLORE = ("bokeh",)
+"""What the page in the browser imports."""
 
 _DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
-_EXTRAS = {**dict.fromkeys(FEM, "fem"), **dict.fromkeys(PLOT, "plot"), "xarray": "xarray"}
+_EXTRAS = {
+    **dict.fromkeys(FEM, "fem"),
+    **dict.fromkeys(PLOT, "plot"),
+    **dict.fromkeys(EXPLORE, "explore"),
+    "xarray": "xarray",
+}
 
 
 def require(what: str, *modules: str) -> None:
