@@ -3,8 +3,10 @@
   const given = JSON.parse(document.getElementById("given").textContent);
   const by = (id) => document.getElementById(id);
   const form = by("controls");
-  let fixed = {}, asked = null, told = null, busy = 0, waiting = null, shownQuery = location.search;
-  const times = (window.slipfrontTimes = []);
+  let fixed = {}, asked = null, told = null, busy = 0, waiting = null, pause = 0;
+  let record = "replace"; // what becomes of the address with the next scene that stands still
+  const times = (window.slipfrontTimes = []); // from move to picture [ms]
+  const STILL = 250; // after which a slider has stopped [ms]
 
   function show(values) {
     fixed = values;
@@ -62,7 +64,7 @@
   }
 
   function words(news) {
-    if ("message" in news || "solved" in news) by("message").textContent = news.message || "";
+    if ("message" in news) by("message").textContent = news.message;
     if ("status" in news) {
       const error = "error" in news ? `, error estimate ${news.error}` : "";
       const time = "solved" in news ? `, solved in ${news.solved.toFixed(0)} ms` : "";
@@ -99,50 +101,52 @@
     setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
   }
 
-  let still = false;
+  // a slider that moves leaves the address alone; where it stops is a step of the history
+  function keep(query) {
+    if (query === location.search) return;
+    if (record === "push") history.pushState(null, "", query);
+    else history.replaceState(null, "", query);
+    record = "push";
+  }
+
   function hear() {
     const news = JSON.parse(told.value);
     words(news);
     if ("values" in news) { show(news.values); ask(false); }
     if ("file" in news) save(news.file);
-    if ("query" in news && news.query !== shownQuery) {
-      if (still) history.pushState(null, "", news.query);
-      else history.replaceState(history.state, "", news.query);
-      shownQuery = news.query;
-    }
+    if ("query" in news && !news.moving) keep(news.query);
     if ("since" in news) {
       requestAnimationFrame(() => setTimeout(() => times.push(performance.now() - news.since)));
       next();
     }
   }
 
+  function moved(event) {
+    if (event.target.id === "scenes") return;
+    clearTimeout(pause);
+    by("message").textContent = "";
+    if (event.target.type === "range") ask(true);
+    pause = setTimeout(() => ask(false), event.target.type === "range" ? STILL : 0);
+  }
+
   function start(documents) {
     [asked, told] = ["asked", "told"].map((name) => documents[0].get_model_by_name(name));
     told.properties.value.change.connect(hear);
-    form.addEventListener("input", (event) => {
-      if (event.target.id === "scenes") return;
-      still = event.target.type !== "range";
-      ask(event.target.type === "range");
-    });
-    form.addEventListener("change", (event) => {
-      if (event.target.id === "scenes") {
-        if (event.target.value) send({ query: event.target.value });
-        event.target.value = "";
-        still = true;
-      } else { still = true; ask(false); }
-    });
+    form.addEventListener("input", moved);
     form.addEventListener("submit", (event) => event.preventDefault());
+    by("scenes").addEventListener("change", (event) => {
+      if (event.target.value) send({ query: event.target.value });
+      event.target.value = "";
+    });
     for (const button of form.querySelectorAll("[data-file]"))
       button.addEventListener("click", () => send({ file: button.dataset.file }));
     by("link").addEventListener("click", () => navigator.clipboard.writeText(location.href));
     addEventListener("popstate", () => {
-      shownQuery = location.search; still = false;
+      record = "replace";
       send({ query: location.search });
     });
     show(given.values);
-    still = false;
     ask(false);
-    window.slipfrontReady = true;
   }
 
   const wait = setInterval(() => {

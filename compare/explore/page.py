@@ -163,6 +163,7 @@ class Session:
                 self._tell(
                     stale=True,
                     query=query_of(values),
+                    moving=moving,
                     since=since,
                     status="let go of the slider to march it" if moving else "marching",
                     **self._place(scene),
@@ -188,6 +189,7 @@ class Session:
         self._tell(
             since=since,
             query=query,
+            moving=moving,
             status=solution.status,
             error=f"{solution.error_estimate:.1e}",
             solved=1e3 * solved,
