@@ -4,6 +4,7 @@ import os
 from collections import Counter
 
 import pytest
+from chromium import CHROMIUM, Browser
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # as many processes as cores: one thread each
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -24,6 +25,15 @@ def undrawn(monkeypatch):
     For tests that look at other results; those of figures are in compare/figures/test_figures.py.
     """
     monkeypatch.setattr("compare.figures.saving.save_figure", lambda figure, path: path.touch())
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    if CHROMIUM is None:
+        pytest.skip("no chromium: apt install chromium")
+    browser = Browser(tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.close()
 
 
 @pytest.hookimpl(tryfirst=True)

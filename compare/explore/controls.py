@@ -13,7 +13,6 @@ from semianalytic import Scene
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import PULSE_SHAPES
 from semianalytic.scene.scene import (
-    ANTIPLANE,
     IN_PLANE,
     MODES,
     part_document,
@@ -198,14 +197,9 @@ def _number(values: Mapping[str, Any], name: str) -> float:
 
 def query_of(values: Mapping[str, Any]) -> str:
     """The query of an address, ``?friction=0.3&...``, that holds all that its scene calls for."""
-    names = [*_NUMBERS, "mode", "law", *LAWS[values["law"]], "history"]
+    names = [*_NUMBERS, "mode", "units", "law", *LAWS[values["law"]], "history"]
     names += HISTORIES[values["history"]]
-    kept = {name: values[name] for name in names}
-    if kept["mode"] != ANTIPLANE:
-        del kept["mode"]
-    if values.get("units"):
-        kept["units"] = values["units"]
-    return "?" + urlencode(kept)
+    return "?" + urlencode({name: values[name] for name in names})
 
 
 def values_from_query(query: str, start: Scene) -> Values:

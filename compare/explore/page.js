@@ -83,6 +83,8 @@
         term.textContent = name; text.textContent = value;
         return [term, text];
       }));
+    if ("since" in news || "field" in news)
+      by("pictures").classList.toggle("late", !news.field);
     if ("map" in news) by("map-words").textContent = news.map;
     if ("regimes" in news)
       by("regimes").replaceChildren(...news.regimes.map(({ name, colour }) => {

@@ -70,7 +70,6 @@ class Session:
     def __init__(self, document: Document, start: Scene, query: str) -> None:
         self._start = start
         self._answer: Solution | Marched | None = None
-        self._scene = start
         self._map_key: tuple[object, ...] | None = None
         self._field_worker, self._map_worker, self._march_worker = Worker(), Worker(), Worker()
         self._asked_field: tuple[Scene, int, float] | None = None
@@ -154,7 +153,7 @@ class Session:
         self._march_worker.stop()
         try:
             scene = scene_of(values)
-            self._scene = scene
+            self._map.place(scene.friction, scene.material.poisson_ratio)
             exact = chosen_method(scene) == "self-similar"
             if exact:
                 self._show_solution(scene, moving, since, query_of(values))
@@ -166,7 +165,6 @@ class Session:
                     moving=moving,
                     since=since,
                     status="let go of the slider to march it" if moving else "marching",
-                    **self._place(scene),
                 )
                 if not moving:
                     self._march_worker.start(marched_views, scene)
@@ -195,26 +193,17 @@ class Session:
             solved=1e3 * solved,
             readings=_readings(solution),
             program=program(scene),
-            **self._place(scene),
         )
         self._document.unhold()
         points, rtol = (MOVING_POINTS, MOVING_RTOL) if moving else (POINTS, RTOL)
-        self._ask_field(scene, points, rtol, patient=moving)
-
-    def _ask_field(self, scene: Scene, points: int, rtol: float, patient: bool) -> None:
-        """Have the field computed; while a slider moves, when the one before is there."""
         self._asked_field = (scene, points, rtol)
-        if not (patient and self._field_worker.busy):
+        if not self._field_worker.busy:
             self._next_field()
 
     def _next_field(self) -> None:
         if self._asked_field is not None:
             self._field_worker.start(solved_field, *self._asked_field)
             self._asked_field = None
-
-    def _place(self, scene: Scene) -> dict[str, Any]:
-        self._map.place(scene.friction, scene.material.poisson_ratio)
-        return {}
 
     def _draw_map(self, scene: Scene) -> None:
         """Have the map drawn anew where more than friction and Poisson ratio have changed."""
@@ -243,7 +232,7 @@ class Session:
     def _field_news(self, kind: str, content: Any) -> None:
         if kind == "result" and isinstance(content, FieldView):
             self._field.draw(content)
-            self._tell(field=True)
+            self._tell(field=self._asked_field is None)
         self._next_field()
 
     def _map_news(self, kind: str, content: Any) -> None:

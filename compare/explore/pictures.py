@@ -41,6 +41,8 @@ REGIME_COLOURS = dict(
 )
 WAVES = {"Rayleigh": "c_R", "S": "c_t", "P": "c_l"}
 HEIGHT = 260
+WITH_COLOUR_BAR = 1.12
+"""Width over height of a picture with equal axes and a bar beside it."""
 
 
 def _source(*names: str) -> ColumnDataSource:
@@ -48,7 +50,7 @@ def _source(*names: str) -> ColumnDataSource:
 
 
 def _panel(name: str, title: str, x_label: str, y_label: str, height: int = HEIGHT) -> figure:
-    """An empty picture as wide as there is room."""
+    """An empty picture as wide as there is room [pixels]."""
     panel = figure(
         name=name,
         title=title,
@@ -190,8 +192,9 @@ class FieldPicture:
 
     def __init__(self) -> None:
         self.panel = _panel(
-            "field", "Particle speed / V₀ in both bodies", "x / (c_t T)", "y / (c_t T)", 320
+            "field", "Particle speed / V₀ in both bodies", "x / (c_t T)", "y / (c_t T)"
         )
+        self.panel.update(height=None, sizing_mode="scale_width", aspect_ratio=WITH_COLOUR_BAR)
         self._image = _source("image", "x", "width")
         self._colours = LinearColorMapper(Viridis256, low=0.0, high=1.0)
         self.panel.image(

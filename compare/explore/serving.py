@@ -33,13 +33,13 @@ def make_server(scene: Scene, port: int) -> Server:
         query = context.request.query if context is not None else ""
         Session(document, scene, query)
 
-    names = (HOST, "localhost")
+    if not 0 <= port < 65536:
+        raise SceneError(f"port must lie between 0 and 65535, got {port}.")
     try:
         server = Server(
             {"/": Application(FunctionHandler(open_page))},
             address=HOST,
             port=port,
-            allow_websocket_origin=[f"{name}:{port}" for name in names] if port else None,
             unused_session_lifetime_milliseconds=5000,
             check_unused_sessions_milliseconds=3000,
             quiet=True,
@@ -50,8 +50,6 @@ def make_server(scene: Scene, port: int) -> Server:
         raise SceneError(
             f"port {port} {reason}; give another with --port, or 0 for any."
         ) from error
-    except OverflowError as error:
-        raise SceneError(f"port must lie between 0 and 65535, got {port}.") from error
     return server
 
 

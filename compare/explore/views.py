@@ -85,10 +85,9 @@ def _places(solution: Solution) -> Array:
     """Positions [length] at T for smooth curves, more beside edges and fronts."""
     scene = solution.scene
     far = BEYOND * scene.fastest_speed
-    edges = [
-        one for part in (*solution.zones, *solution.openings) for one in (part.inner, part.outer)
-    ]
-    near = np.array([*scene_fronts(scene).values(), *(one for one in edges if 0 < one < np.inf)])
+    parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
+    edges = [one for part in parts for one in (part.inner, part.outer) if 0 < one < np.inf]
+    near = np.array([*scene_fronts(scene).values(), *edges])
     even = np.linspace(far / NODES, far, NODES)
     speeds = np.concatenate([even, (near[:, None] * (1 + BESIDE)).ravel()])
     return np.unique(speeds[(speeds > 0) & (speeds <= far)]) * end_time(scene)
