@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from compare.comparison.scales import scene_fronts, slip_rate_scale, stress_scale
 from compare.figures.fronts import fronts, moving_parts, reach
 from compare.figures.quantities import find_quantity
-from semianalytic import Marched, Scene, Solution
+from semianalytic import Marched, OpenZone, Scene, SlipZone, Solution
 from semianalytic.results.answer import WholeFields
 
 Array = NDArray[np.float64]
