@@ -1,5 +1,6 @@
 """Every notebook in docs/tutorials runs, asserts what it teaches, and is kept without outputs."""
 
+import ast
 import json
 import re
 import sys
@@ -16,8 +17,10 @@ FOLDER = ROOT / "docs" / "tutorials"
 LESSONS = re.findall(r"\]\((\w+)\.ipynb\)", (FOLDER / "index.md").read_text())
 LONGEST = 290
 """Seconds a cell may take: a lesson is one of five minutes."""
-UNIT = re.compile(r"\[.+\]$|ratio|coefficient|^cells")
-"""What a label of an axis ends in, or that it needs none."""
+TITLE = re.compile(r"ν.*\bf\b|\bf\b.*ν", re.DOTALL)
+"""What the title of a figure says."""
+UNIT = re.compile(r"\[.+\]'$|ratio|coefficient|cells")
+"""What a label of an axis ends in, or a word that needs none."""
 
 
 class ThisInterpreter(KernelSpecManager):
@@ -46,6 +49,15 @@ def read(name):
 
 def code_of(notebook):
     return [cell.source for cell in notebook.cells if cell.cell_type == "code"]
+
+
+def calls(tree, function):
+    """Where a cell calls a method of this name."""
+    return [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == function
+    ]
 
 
 def text_of(notebook):
@@ -93,17 +105,27 @@ def test_tutorial_says_what_it_is_for_and_asks(name):
 
 @pytest.mark.parametrize("name", LESSONS)
 def test_figures_of_tutorials_say_poisson_ratio_friction_and_units(name):
-    cells = code_of(read(name))
-    words = re.findall(r'^(\w+) = f?".*ν.*\bf\b', "\n".join(cells), re.MULTILINE)
-    said = re.compile("|".join([r"ν.*\bf\b", r"\bf\b.*ν", *(rf"^{word}\b" for word in words)]))
-    drawn = [source for source in cells if "subplots(" in source]
+    cells = [ast.parse(source) for source in code_of(read(name))]
+    drawn = [cell for cell in cells if calls(cell, "subplots")]
     assert len(drawn) >= 2
-    for source in drawn:
-        titles = re.findall(r"title\((.+), fontsize=9\)", source)
-        assert [title for title in titles if said.search(title)], source
-        labels = re.findall(r'[xy]label="(.+?)"', source)
-        assert labels, source
-        assert [one for one in labels if not UNIT.search(one)] == []
+    words = {
+        node.targets[0].id
+        for cell in cells
+        for node in ast.walk(cell)
+        if isinstance(node, ast.Assign) and TITLE.search(ast.unparse(node.value))
+    }
+    for cell in drawn:
+        titles = [call.args[0] for call in calls(cell, "set_title") + calls(cell, "suptitle")]
+        names = {one.id for title in titles for one in ast.walk(title) if isinstance(one, ast.Name)}
+        assert words & names or TITLE.search(" ".join(map(ast.unparse, titles)))
+        labels = [
+            ast.unparse(label.value)
+            for call in calls(cell, "set")
+            for label in call.keywords
+            if label.arg in ("xlabel", "ylabel")
+        ]
+        assert labels
+        assert [label for label in labels if not UNIT.search(label)] == []
 
 
 @pytest.mark.parametrize("name", LESSONS)
