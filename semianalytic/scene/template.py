@@ -7,6 +7,8 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import Any, TypeVar
 
+import numpy as np
+
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import (
     CoulombFriction,
@@ -200,17 +202,12 @@ def _scales(material: Material, stress: float) -> dict[str, float]:
 
 def _scaled(part: Part, scales: Mapping[str, float], digits: int = 15) -> Part:
     """A history or law of units mu = rho = 1 in those that the scales are of, rounded."""
-
-    def scaled(value: float) -> float:
-        return float(f"{scales[dimension] * value:.{digits}g}")
-
     values: dict[str, Any] = {}
     for name, (dimension, _) in part_parameters(type(part)).items():
         if dimension and dimension not in scales:
             raise SceneError(f"{name} is in {dimension}, which cannot be turned into other units.")
-        value = getattr(part, name)
-        if isinstance(value, tuple):
-            values[name] = tuple(map(scaled, value))
-        elif dimension:
-            values[name] = scaled(value)
+        if dimension:
+            value = np.multiply(scales[dimension], getattr(part, name))
+            rounded = np.array([float(f"{one:.{digits}g}") for one in value.ravel()])
+            values[name] = rounded.reshape(value.shape).tolist()
     return replace(part, **values)  # type: ignore[type-var]
