@@ -13,6 +13,7 @@ from compare.cli import terminal
 from compare.cli.options import (
     MESH_OPTIONS,
     SCENE_OPTIONS,
+    AsJson,
     Budget,
     Method,
     NoSnapshots,
@@ -23,13 +24,14 @@ from compare.cli.options import (
     option_name,
     with_options,
 )
+from compare.cli.scenes.completion import scene_names
 from compare.cli.simulate_command import simulate_into, with_error_bars
 from compare.cli.solve_command import check_converged
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
 from compare.comparison.prediction import check_predictable, predict_before, predict_like
-from compare.comparison.report import write_report
+from compare.comparison.report import report_document, write_report
 from compare.comparison.rows import DIFFERS
 from compare.comparison.snapshots import last_snapshot
 from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
@@ -61,6 +63,7 @@ def compare_command(
         typer.Argument(
             metavar="[SCENE]",
             help=f"Name of a scene, or a TOML file; {DEFAULT_SCENE} unless given.",
+            autocompletion=scene_names,
         ),
     ] = None,
     from_: Annotated[
@@ -73,6 +76,7 @@ def compare_command(
     budget: Budget = None,
     output: Output = None,
     no_snapshots: NoSnapshots = False,
+    as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Solve and simulate a scene; write figures and a judgement on whether the two agree.
@@ -96,7 +100,7 @@ def compare_command(
         directory = output or scene_folder(scene_name, overrides)
         scene = override_scene(find_scene(scene_name), **overrides)
         check_predictable(scene, method)
-    with working_folder(directory):
+    with working_folder(directory) as files:
         if from_ is None:
             prediction = predict_before(scene, method)
             choice = _mesh(prediction, scene, seconds, settings, snapshots=snapshots)
@@ -123,7 +127,11 @@ def compare_command(
                 fields = field_errors(prediction, simulation, frames, progress)
         judgement = judge(prediction, simulation, snapshot, fields)
         write_comparison(judgement, label, directory)
-    _show(judgement, label, directory)
+    if as_json:
+        document = report_document(judgement, label)
+        terminal.print_json("compare", document, judgement.verdict, files)
+    else:
+        _show(judgement, label, directory)
     if isinstance(prediction, Solution):
         check_converged(prediction, label)
     raise typer.Exit(1 if judgement.verdict == DIFFERS else 0)

@@ -149,12 +149,16 @@ class MostRow:
     frictional_work: float
 
 
-def most_rows() -> list[MostRow]:
+def most_of(rows: Sequence[WearRow]) -> list[MostRow]:
     """`most_wear` of all loads and Poisson ratios."""
-    rows = list(swept_rows(frictions(40), NODES))
     return [
         MostRow(load, nu, *most_wear(rows, load, nu)) for nu in POISSON_RATIOS for load in LOADS
     ]
+
+
+def most_rows() -> list[MostRow]:
+    """The same of the whole sweep."""
+    return most_of(list(swept_rows(frictions(40), NODES)))
 
 
 if __name__ == "__main__":

@@ -171,6 +171,14 @@ def charted(points: Sequence[Point]) -> list[str]:
     return [name for name in SCENES if name in present]
 
 
+def slopes(points: Sequence[Point]) -> dict[str, dict[str, float]]:
+    """Slope of error against time by scene and method; nan where there is none."""
+    return {
+        name: {method: slope(group) for method, group in by_method(points, name)}
+        for name in charted(points)
+    }
+
+
 def slopes_table(points: Sequence[Point]) -> Table:
     """Slope of error against time of every method on every scene."""
     names = charted(points)

@@ -36,8 +36,13 @@ FOLDER = Path("results", "stability")
 
 def write_judge(
     directory: Path, quick: bool = False, progress: Progress | None = None
-) -> tuple[list[JudgedRow], list[SpoiltRow]]:
+) -> dict[str, Sequence[object]]:
     """Run what is missing of the trials; write their tables and the figure into a folder.
+
+    Returns
+    -------
+    dict
+        Rows of the tables "alarms", "bars" and "power".
 
     Raises
     ------
@@ -53,7 +58,7 @@ def write_judge(
     for name, rows in tables.items():
         write_rows(directory / f"judge-{name}.csv", rows)
     save_figure(judge_figure(judged, spoilt), directory / FIGURE_NAME)
-    return judged, spoilt
+    return tables
 
 
 @cache

@@ -67,7 +67,7 @@ def write_regimes(
     loading: str = "both",
     quick: bool = False,
     progress: Progress | None = None,
-) -> None:
+) -> RegimeResults:
     """Map regimes on size x size points, trace their boundaries, and write figures and CSV files.
 
     regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, for the preload
@@ -105,6 +105,7 @@ def write_regimes(
     columns, speeds = _openings(quick)
     write_rows(output / "openings.csv", [*columns, *speeds])
     save_openings(output / "openings.png", columns, speeds)
+    return results
 
 
 def _openings(quick: bool) -> tuple[list[OpeningPoint], list[OpeningPoint]]:

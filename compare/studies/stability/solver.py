@@ -38,7 +38,7 @@ _DEEPEST = 9
 
 def write_solver_stability(
     output: Path, quick: bool = False, progress: Progress | None = None
-) -> None:
+) -> list[StudyRow]:
     """Study limits, thresholds, grids and rules; write figures and stability-solver.csv.
 
     Small grids and few points, within a minute, if quick; otherwise some minutes.
@@ -57,6 +57,7 @@ def write_solver_stability(
     rows.sort(key=_order)
     write_rows(output / "stability-solver.csv", rows)
     save_figures(output, rows)
+    return rows
 
 
 def _order(row: StudyRow) -> tuple[str, str, str, str, float]:

@@ -68,7 +68,9 @@ def stability_rows(quick: bool) -> Iterator[StudyRow]:
         yield StudyRow(study, case, "space-time", value, "slip rate error", error, status)
 
 
-def write_stability(output: Path, quick: bool = False, progress: Progress | None = None) -> None:
+def write_stability(
+    output: Path, quick: bool = False, progress: Progress | None = None
+) -> list[StudyRow]:
     """Run the study; write stability-space-time.csv and .png into a folder.
 
     Raises
@@ -80,6 +82,7 @@ def write_stability(output: Path, quick: bool = False, progress: Progress | None
     rows = list(counted(stability_rows(quick), len(list(trials(quick))), progress))
     write_rows(output / "stability-space-time.csv", rows)
     save_figure(stability_figure(rows), output / "stability-space-time.png")
+    return rows
 
 
 def stability_figure(rows: Sequence[StudyRow]) -> Figure:
