@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from compare.benchmarks.sheets import SHEETS, Sheet, find_sheet
+from compare.cli.options import FiguresForm
 from compare.output.places import check_file, working_folder
 from semianalytic.scene.extras import FEM, PLOT, require
 
@@ -74,6 +75,7 @@ def score(
         Path | None,
         typer.Option(metavar="DIR", help="Folder for scores.csv, scores.json and scores.png."),
     ] = None,
+    figures: FiguresForm = "png",
 ) -> None:
     """Score runs: arrivals, slip, slip rate and tractions over all stations."""
     if output is not None:
@@ -89,7 +91,7 @@ def score(
         from compare.benchmarks.reports import write_scores
 
         with working_folder(output):
-            write_scores(output, scores)
+            write_scores(output, scores, figures)
         Console().print(f"Written to {output}/", highlight=False)
 
 

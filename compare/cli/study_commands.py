@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from compare.cli.options import Quiet
+from compare.cli.options import FiguresForm, Quiet
 from compare.comparison.rows import DIFFERS
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
@@ -31,6 +31,7 @@ def regimes(
     ] = "both",
     size: Annotated[int, typer.Option(help="Points along each axis of a map.")] = 100,
     output: Output = None,
+    figures: FiguresForm = "png",
     quick: Quick = False,
     quiet: Quiet = False,
 ) -> None:
@@ -43,7 +44,7 @@ def regimes(
 
     directory = output or Path("results", "regimes")
     with working_folder(directory), _progress(quiet, "mapping") as progress:
-        write_regimes(directory, size, loading, quick, progress)
+        write_regimes(directory, size, loading, quick, progress, figures)
     _written(f"{directory}/")
 
 
@@ -62,6 +63,7 @@ def stability(
         ),
     ] = False,
     output: Output = None,
+    figures: FiguresForm = "png",
     quick: Quick = False,
     quiet: Quiet = False,
 ) -> None:
@@ -93,18 +95,23 @@ def stability(
     with working_folder(directory):
         for study in chosen:
             with _progress(quiet, "studying") as progress:
-                study(directory, quick, progress)
+                study(directory, quick, progress, figures)
     _written(f"{directory}/")
 
 
-def article(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> None:
+def article(
+    output: Output = None,
+    figures: FiguresForm = "png",
+    quick: Quick = False,
+    quiet: Quiet = False,
+) -> None:
     """Redraw the article's figures by three methods and judge its claims."""
     require("slipfront article", *FEM, *PLOT)
     from compare.studies.article.study import claims_table, write_article
 
     directory = output or Path("results", "article")
     with working_folder(directory):
-        found = write_article(directory, quick, _teller(Console(stderr=True), quiet))
+        found = write_article(directory, quick, _teller(Console(stderr=True), quiet), figures)
     Console().print(claims_table(found.claims), highlight=False, markup=False)
     _written(f"{directory}/")
 
@@ -115,6 +122,7 @@ def chart(
         typer.Argument(metavar="[SCENE...]", help="Scenes of the chart, all unless given."),
     ] = None,
     output: Output = None,
+    figures: FiguresForm = "png",
     quick: Quick = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is there.")] = False,
     quiet: Quiet = False,
@@ -139,20 +147,25 @@ def chart(
                 progress=progress,
                 tell=_teller(notes, quiet),
             )
-        text = write_chart(directory, points)
+        text = write_chart(directory, points, figures)
     Console().print(text, highlight=False, markup=False, soft_wrap=True)
     Console().print(slopes_table(points), highlight=False, markup=False)
     _written(f"{directory}/")
 
 
-def wear(output: Output = None, quick: Quick = False, quiet: Quiet = False) -> None:
+def wear(
+    output: Output = None,
+    figures: FiguresForm = "png",
+    quick: Quick = False,
+    quiet: Quiet = False,
+) -> None:
     """Sweep friction for a step, a ramp and a pulse: accumulated slip and frictional work."""
     require("slipfront wear", *PLOT)
     from compare.studies.wear import LOADS, POISSON_RATIOS, most_wear, write_wear
 
     directory = output or Path("results", "wear")
     with working_folder(directory), _progress(quiet, "sweeping") as progress:
-        rows = write_wear(directory, quick, progress)
+        rows = write_wear(directory, quick, progress, figures)
     for poisson_ratio in POISSON_RATIOS:
         for load in LOADS:
             chi, work = most_wear(rows, load, poisson_ratio)

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 
 from compare.cli import terminal
-from compare.cli.options import SCENE_OPTIONS, Output, option_name, with_options
+from compare.cli.options import SCENE_OPTIONS, FiguresForm, Output, option_name, with_options
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import REPORT
 from compare.output.places import working_folder
@@ -23,7 +23,7 @@ from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
 
-FIGURE = "validation.png"
+FIGURE = "validation"
 _UNITS = "Units and conventions of the file (detected and said unless given)"
 
 
@@ -88,6 +88,7 @@ def validate_command(
         typer.Option(help="Slip rate at which slip has begun; a hundredth of load / (ρ c_t)."),
     ] = None,
     output: Output = None,
+    figures: FiguresForm = "png",
 ) -> None:
     """Hold what another code recorded on the interface against the exact answer.
 
@@ -115,17 +116,17 @@ def validate_command(
     except DataFileError as error:
         raise UnreadableError(str(error)) from error
     with working_folder(directory):
-        write_files(validation, label, directory)
+        write_files(validation, label, directory, figures)
     _show(validation, label, directory)
     raise typer.Exit(1 if validation.verdict == DIFFERS else 0)
 
 
-def write_files(validation: Validation, label: str, directory: Path) -> None:
-    """Write a validation into a folder, as JSON and as a figure."""
+def write_files(validation: Validation, label: str, directory: Path, form: str = "png") -> None:
+    """Write a validation into a folder, as JSON and as a figure of a format."""
     from compare.figures.saving import save_figure
     from compare.validation.figure import validation_figure
 
-    save_figure(validation_figure(validation), directory / FIGURE)
+    save_figure(validation_figure(validation), directory / f"{FIGURE}.{form}")
     write_validation(validation, label, directory / REPORT)
 
 
