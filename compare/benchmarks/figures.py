@@ -14,7 +14,7 @@ from compare.benchmarks.scores import GRADED, Score
 from compare.benchmarks.sheets import SHEETS, Sheet
 from compare.figures.histories import march_figure
 from compare.figures.interface import prediction_figure
-from compare.figures.style import cycle, ink, marker_handle, new_figure, shade, styled
+from compare.figures.style import cycle, ink, marker_handle, new_figure, styled
 from semianalytic import Marched
 
 MARKERS = "osD^vPX<>*"
@@ -64,21 +64,22 @@ def _draw_sheet(
         bounds = tolerances().get((sheet.name, name))
         for class_name in CLASSES if bounds else ():
             bound = max(getattr(bounds, class_name), LEAST_SHOWN)
-            panel.plot([bound, bound], [row - 0.35, row + 0.35], color=ink(0.45), linewidth=1)
+            panel.plot([bound, bound], [row - 0.35, row + 0.35], color=ink(0.5), linewidth=1)
             panel.annotate(
                 class_name, (bound, row + 0.35), fontsize="x-small", ha="right", color=ink(0.65)
             )
-        panel.axhline(row, color=shade("stick"), zorder=0)
         for one in scores:
             if one.quantity == name and math.isfinite(one.error):
                 colour, marker = looks[one.label]
                 at = max(one.error, LEAST_SHOWN)
-                panel.plot(at, row, marker, color=colour, markersize=5, alpha=0.85)
+                panel.plot(at, row, marker, color=colour, markersize=5)
     scene = sheet.scene
     panel.set_title(
         f"{sheet.name}: ν = {scene.material.poisson_ratio:.3g}, f = {scene.friction:.3g}",
         loc="left",
     )
     panel.set_xscale("log")
+    panel.grid(axis="y", color=ink(0.1))
+    panel.set_axisbelow(True)
     panel.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     panel.set_ylim(len(names) - 0.4, -0.6)

@@ -38,7 +38,7 @@ def main(folder: Path = Path(".")) -> list[sf.Solution]:
     rate.set(ylim=(0, 0.5), ylabel="slip rate", xlabel="x / (c_t t)", xlim=(0, 2.05))
     (opening,) = solution.openings
     for panel in (normal, shear, rate):
-        panel.axvspan(opening.inner, opening.outer, color="0.92", zorder=0)
+        panel.axvspan(opening.inner, opening.outer, color="0.95", zorder=0)
     normal.legend(frameon=False)
     shear.legend(frameon=False)
     figure.savefig(folder / "openings.png", dpi=90)

@@ -164,13 +164,9 @@ def _range(values: Array, quantity: Quantity, rest: float) -> tuple[float, float
 
 def _draw_front(panel: Axes, front: Front, window: Window, colour: str, around: str) -> None:
     """A front and its mirror image; its name where the upper one can be seen."""
-    line: dict[str, Any] = {
-        "linestyle": "--",
-        "linewidth": 0.8,
-        "path_effects": outline(around, 1.6),
-    }
+    line: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 0.8}
     for side in (1, -1):
-        panel.plot(front.x, side * front.y, **line)
+        panel.plot(front.x, side * front.y, **line, path_effects=outline(around, 1.6))
     x0, x1, y0, y1 = window
     at = min(int(front.share * len(front.x)), len(front.x) - 1)
     x, y = front.x[at], front.y[at]

@@ -122,7 +122,7 @@ def history_figure(case: Case) -> Figure:
     for panel, moment in zip(panels, MOMENTS, strict=True):
         level = int(np.argmin(np.abs(seen.t - moment * end)))
         x, slip_rate = curve(case.prediction, float(seen.x[-1]), float(seen.t[level]))
-        panel.axhline(0, color=ink(0.4), linewidth=0.6)
+        panel.axhline(0, color=ink(0.5), linewidth=0.6)
         panel.plot(
             seen.x / length, seen.slip_rate[level] / scale, ".", color=SIMULATION, markersize=2.5
         )

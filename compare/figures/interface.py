@@ -96,7 +96,7 @@ def tractions_figure(
     predicted = _draw_predicted_tractions(panel, solution, time)
     panel.plot(velocity, shear, ".", color=SIMULATION, markersize=3)
     for sign in (1, -1):
-        panel.plot(velocity, sign * bound, "_", color=SIMULATION, markersize=3, alpha=0.6)
+        panel.plot(velocity, sign * bound, "_", color=SIMULATION, markersize=3)
     mark_waves(panel, scene_fronts(scene), unit)
     handles = (
         line_handle("shear traction, semi-analytic", PREDICTION),

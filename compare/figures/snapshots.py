@@ -64,7 +64,9 @@ def snapshot_figure(errors: FieldErrors, simulation: Simulation) -> Figure:
             vmax=high,
             interpolation="nearest",
         )
-        panel.plot([0, side], [0, 0], color="0.5", linewidth=0.6)
+        panel.plot(
+            [0, side], [0, 0], color=BLACK, linewidth=0.6, path_effects=outline("white", 1.4)
+        )
         panel.plot([-side, 0], [0, 0], color=BLACK, linewidth=1.2, path_effects=outline())
         panel.set(title=title, xlabel=PLACE_LABEL)
         if panel is not panels[0]:

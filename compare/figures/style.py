@@ -42,7 +42,7 @@ SENSE_COLOURS = {"reverse slip": VERMILLION, "stick": STICK_SHADE, "slip": SKY, 
 SHADES = {
     "slip": (SKY, 0.3),
     "stick": ("", 0.06),
-    "reverse slip": (VERMILLION, 0.25),
+    "reverse slip": (VERMILLION, 0.18),
     "open": (YELLOW, 0.45),
 }
 """Of zones behind curves: a colour, or that of text, and how much of it is in the background."""

@@ -76,8 +76,6 @@ def _draw(
     fine = np.linspace(0.0, end, FINE + 1)[1:]
     upper.plot(fine / end, exact.record(name, record.x, fine) / unit, color=colour, linewidth=1.0)
     values, every = record.values[name] / unit, max(len(record.t) // DOTS, 1)
-    upper.plot(
-        record.t[::every] / end, values[::every], ".", color=colour, markersize=3.5, alpha=0.8
-    )
+    upper.plot(record.t[::every] / end, values[::every], ".", color=colour, markersize=3.5)
     expected = exact.record(name, record.x, record.t, mean) / unit
     lower.plot(record.t / end, values - expected, color=colour, linewidth=0.8)

@@ -308,7 +308,7 @@ def _title(method: str) -> str:
 @styled
 def slot_figure(checks: Sequence[SlotCheck]) -> Figure:
     """Traction under a prescribed pulse of slip: simulation against both kernels, both modes."""
-    title = r"smooth pulse of slip, $\nu$ = 1/3, $f$ without effect, $c_t$ = $\mu$ = $t$ = 1"
+    title = r"smooth pulse of slip, $\nu$ = 1/3, $f$ without effect, units $c_t$ = $\mu$ = $t$ = 1"
     figure, [panels] = _panels(len(checks), 4.8 * len(checks), title=title)
     for panel, check in zip(panels, checks, strict=True):
         edge = int(np.searchsorted(check.x, 0.0))
@@ -316,7 +316,7 @@ def slot_figure(checks: Sequence[SlotCheck]) -> Figure:
         panel.plot(x, free, color=PREDICTION, label="kernel, slot face free")
         panel.plot(x, held, color=BROWN, label="kernel, slot face held, (4.31), (4.37)")
         panel.plot(check.x, check.simulated, ".", color=SIMULATION, markersize=3, label="FEM")
-        panel.axvline(0, color=ink(0.45), linewidth=0.8)
+        panel.axvline(0, color=ink(0.5), linewidth=0.8)
         panel.set(xlabel="x", ylabel="traction", title=f"mode {check.mode}")
         panel.legend()
     return figure

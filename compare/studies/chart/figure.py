@@ -23,7 +23,6 @@ from compare.figures.style import (
     PUBLISHED,
     SIMULATION,
     VIOLET,
-    describe,
     ink,
     marker_handle,
     new_figure,
@@ -128,7 +127,7 @@ def chart_figure(points: Sequence[Point], scene_name: str) -> Figure:
         handles.append(marker_handle(label, ink(0.45), "o", size))
     named = NAMED_SCENES[scene_name]
     title = f"{scene_name}: {named.summary}\n{scene_words(named.scene)}"
-    describe(figure, title).set(x=0.02, ha="left")
+    figure.suptitle(title, x=0.02, ha="left", color=ink(0.75))
     figure.legend(handles=handles, loc="outside right upper", frameon=False)
     return figure
 
@@ -154,7 +153,7 @@ def _finish(panel: Axes, bar: float) -> None:
         return
     low, high = panel.get_ylim()
     low = min(low, bar / 10)
-    panel.axhspan(low, bar, color=ink(0.1), linewidth=0, zorder=1)
+    panel.axhspan(low, bar, facecolor="none", edgecolor=ink(0.2), hatch="//", linewidth=0, zorder=1)
     panel.annotate(
         "reference uncertain",
         (0.01, low),

@@ -221,7 +221,7 @@ def _pair(evidence: SceneEvidence) -> tuple[Figure, tuple[Axes, Axes], Array]:
     figure = describe(new_figure(7, 5.2), evidence.scene)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     for panel in (upper, lower):
-        panel.axhline(0, color=ink(0.4), linewidth=0.6)
+        panel.axhline(0, color=ink(0.5), linewidth=0.6)
         mark_waves(panel, scene_fronts(evidence.scene), material.shear_speed, labels=panel is upper)
     lower.set(xlabel=PLACE_LABEL, xlim=(0, place[-1]))
     return figure, (upper, lower), place

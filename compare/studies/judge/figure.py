@@ -82,7 +82,6 @@ def _draw_mistakes(panel: Axes, spoilt: Sequence[SpoiltRow]) -> None:
             "o" if caught else "x",
             color=colour,
             markersize=4,
-            alpha=0.7,
         )
     _mark_bars(panel)
     panel.set(

@@ -8,7 +8,7 @@ checks it.
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -80,8 +80,16 @@ def solved_regimes(size: int) -> list[list[str]]:
     ]
 
 
+def viscosity_curves(count: int) -> dict[float, list[ViscosityRow]]:
+    """Thresholds over viscosity of all Poisson ratios of the figure."""
+    viscosities = np.logspace(*DECADES, count).tolist()
+    return {nu: [viscosity_row(nu, one) for one in viscosities] for nu in POISSON_RATIOS}
+
+
 @styled
-def viscosity_figure(regimes: Sequence[Sequence[str]], count: int) -> Figure:
+def viscosity_figure(
+    regimes: Sequence[Sequence[str]], curves: Mapping[float, Sequence[ViscosityRow]]
+) -> Figure:
     """The map with its thresholds, and where the gap closes at several Poisson ratios."""
     figure = describe(new_figure(11, 5.0), FRICTION["preload"])
     left, right = figure.subplots(1, 2)
@@ -95,12 +103,10 @@ def viscosity_figure(regimes: Sequence[Sequence[str]], count: int) -> Figure:
         norm=BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)),
         rasterized=True,
     )
-    viscosities = np.logspace(*DECADES, count).tolist()
-    rows = [viscosity_row(MAP_POISSON_RATIO, one) for one in viscosities]
-    left.plot(
-        viscosities, [row.nucleation for row in rows], "--", color=PURPLE, path_effects=outline()
-    )
-    left.plot(viscosities, [row.closing for row in rows], color=BLACK, path_effects=outline())
+    rows = curves[MAP_POISSON_RATIO]
+    for name, line, colour in (("nucleation", "--", PURPLE), ("closing", "-", BLACK)):
+        x, y = zip(*((row.viscosity, getattr(row, name)) for row in rows), strict=True)
+        left.plot(x, y, line, color=colour, path_effects=outline())
     labels = {
         "slow": REGIMES["slow"],
         "two": REGIMES["two"],
@@ -111,8 +117,8 @@ def viscosity_figure(regimes: Sequence[Sequence[str]], count: int) -> Figure:
     patches = [Patch(color=COLOURS[name], label=labels[name]) for name in labels if name in present]
     left.legend(handles=patches, loc="upper right")
     left.set_title(rf"$\nu = {MAP_POISSON_RATIO:.3g}$")
-    for nu, colour in zip(POISSON_RATIOS, cycle(), strict=False):
-        closing = [viscosity_row(nu, one).closing for one in viscosities]
+    for (nu, rows), colour in zip(curves.items(), cycle(), strict=False):
+        viscosities, closing = zip(*((row.viscosity, row.closing) for row in rows), strict=True)
         right.plot(viscosities, closing, color=colour, label=rf"$\nu = {nu:.3g}$")
         right.axhline(closing_limit(nu), linestyle=":", color=colour, linewidth=1)
     right.set_title("slip covers $c_R$ below; dotted: $q^*(c)$")
@@ -126,5 +132,5 @@ def viscosity_figure(regimes: Sequence[Sequence[str]], count: int) -> Figure:
 if __name__ == "__main__":
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/regimes")
     folder.mkdir(parents=True, exist_ok=True)
-    figure = viscosity_figure(solved_regimes(MAP_SIZE), CURVE_SIZE)
+    figure = viscosity_figure(solved_regimes(MAP_SIZE), viscosity_curves(CURVE_SIZE))
     save_figure(figure, folder / "regimes_viscosity.png")

@@ -14,7 +14,18 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator, ScalarFormatter
 
 from compare.figures.saving import save_figure
-from compare.figures.style import BLUE, GREEN, SMALL, VERMILLION, describe, ink, new_figure, styled
+from compare.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    SMALL,
+    VERMILLION,
+    describe,
+    ink,
+    new_figure,
+    outline,
+    styled,
+)
 from compare.studies.stability.sweeps import StudyRow
 
 PLACEMENT_STYLE = {
@@ -77,9 +88,17 @@ def thresholds_figure(rows: Sequence[StudyRow]) -> Figure:
         if row.quantity == "error estimate" and math.isfinite(row.value):
             values[i, j] = row.value
         if row.quantity == "zones" and row.status == "converged":
-            panel.text(j, i, f"{row.value:.0f}", ha="center", va="center", color="white")
+            panel.text(
+                j,
+                i,
+                f"{row.value:.0f}",
+                ha="center",
+                va="center",
+                color="white",
+                path_effects=outline(BLACK),
+            )
         elif row.quantity == "zones":
-            panel.plot(j, i, "x", color=VERMILLION, markersize=8, markeredgewidth=2)
+            panel.plot(j, i, "x", color=VERMILLION, markersize=8, path_effects=outline())
     image = panel.imshow(
         np.maximum(values, 1e-15), norm=LogNorm(1e-15, 1e-7), cmap="viridis", aspect="auto"
     )
@@ -138,7 +157,7 @@ def _draw_rounds(panel: Axes, part: Sequence[StudyRow], colour: str, style: str,
         panel.loglog(*_xy(solved), ".", linestyle=style, color=colour)
         return
     panel.loglog(*_xy(solved), "o", color=colour, markersize=5, fillstyle="none")
-    panel.loglog(*_xy([row for row in part if row not in solved]), "x", color=colour, alpha=0.7)
+    panel.loglog(*_xy([row for row in part if row not in solved]), "x", color=colour)
 
 
 @styled
