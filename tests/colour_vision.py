@@ -79,3 +79,31 @@ def lightness_is_ordered(colours, vision, slack=0.5):
         for several in parts
         for sign in (1, -1)
     )
+
+
+def palette_figure():
+    """Curves and areas of the palette, as they are and as they are seen without a kind of cones."""
+    from matplotlib.colors import to_hex
+    from matplotlib.figure import Figure
+
+    from compare.figures import style
+
+    curves = ["BLUE", "VERMILLION", "GREEN", "PURPLE", "BROWN", "VIOLET", "BLACK"]
+    areas = ["SKY", "ORANGE", "YELLOW"]
+    figure = Figure(figsize=(8, 2.6), layout="constrained")
+    panel = figure.subplots()
+    for row, (vision, matrix) in enumerate(VISIONS.items()):
+        for column, name in enumerate([*curves, *areas]):
+            rgb = np.clip(linear([getattr(style, name)])[0] @ matrix.T, 0, 1)
+            srgb = np.where(rgb <= 0.0031308, 12.92 * rgb, 1.055 * rgb ** (1 / 2.4) - 0.055)
+            panel.barh(row, 0.94, 0.8, column, align="center", color=to_hex(srgb))
+            if row == 0:
+                panel.text(column + 0.47, -0.55, name.lower(), ha="center", fontsize="small")
+        panel.text(-0.1, row, vision, ha="right", va="center")
+    panel.set(xlim=(-1.6, 10), ylim=(3.5, -0.9))
+    panel.axis("off")
+    return figure
+
+
+if __name__ == "__main__":
+    palette_figure().savefig("docs/figures/palette.png", dpi=100)

@@ -89,7 +89,7 @@ def _draw_mistakes(panel: Axes, spoilt: Sequence[SpoiltRow]) -> None:
         xscale="log",
         xlim=(0.8 * _LEAST_EFFECT, 1.25 * _LARGEST_EFFECT),
         ylim=(len(names) - 0.4, -0.6),
-        title="wrong answers, made a quarter to eight times as wrong as usual",
+        title="wrong answers, a quarter to eight times the usual",
     )
     panel.set_yticks(range(len(names)), names, fontsize=SMALL)
     panel.grid(axis="y", color=ink(0.1))

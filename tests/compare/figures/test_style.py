@@ -31,7 +31,7 @@ def plain():
 def facts():
     """Size of the title, colours of curve, background and words."""
     figure = prediction_figure(SOLUTION)
-    upper, lower = figure.axes
+    upper, _ = figure.axes
     (curve,) = (line for line in upper.lines if len(line.get_xdata()) > 100)
     legend = upper.get_legend().get_texts()[0]
     return {
@@ -127,7 +127,7 @@ def test_words_stay_words_in_vector_files(tmp_path):
     save_figure(figure_of_words(), tmp_path / "one.svg")
     save_figure(figure_of_words(), tmp_path / "one.pdf")
     root = ElementTree.parse(tmp_path / "one.svg").getroot()
-    words = {"".join(text.itertext()).strip() for text in root.iter("{*}text")}
+    words = {"".join(text.itertext()).strip() for text in root.findall(".//{*}text")}
     assert "place [m]" in words
     assert any("ν = 0.333" in word for word in words)
     pdf = (tmp_path / "one.pdf").read_bytes()
