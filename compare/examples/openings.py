@@ -22,7 +22,7 @@ BASE, TAP = sf.Tractions(pressure=0.02, shear=0.0), sf.Tractions(pressure=1.0, s
 def main(folder: Path = Path(".")) -> list[sf.Solution]:
     """Draw gap and pressure, shear traction and slip rate under weak to strong friction."""
     figure, xi = Figure(figsize=(6.4, 6.8), layout="constrained"), np.linspace(5e-3, 2.05, 1200)
-    describe(figure, "ν = 1/3, f = 0.1 to 10; step of pressure P₀ = 1, slip rate over 2 P₀ / ρcₜ")
+    describe(figure, "ν = 1/3, f = 0.1 to 10; step of pressure P₀ = 1, slip rate over P₀ / ρcₜ")
     normal, shear, rate = figure.subplots(3, 1, sharex=True)
     solutions = [sf.solve(sf.Scene(SOLID, friction, BASE, TAP)) for friction in (0.1, 1.0, 10.0)]
     for solution in solutions:
