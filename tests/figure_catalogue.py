@@ -18,6 +18,7 @@ from unittest.mock import patch
 
 import numpy as np
 from compare_cases import sampled_run
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from compare.benchmarks.entries import read_run, told_apart
@@ -248,6 +249,8 @@ def _example(name):
     saved = []
 
     def keep(figure, path, **options):
+        for line in (line for panel in figure.axes for line in panel.lines):
+            line.set_color(to_hex(line.get_color()))  # "C0" is that of the style it is drawn in
         saved.append(figure)
 
     main = importlib.import_module(f"compare.examples.{name}").main

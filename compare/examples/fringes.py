@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import slipfront as sf
-from compare.figures.style import describe, look
+from compare.figures.style import describe, look, outline
 
 # Fast: c_t 1345, c_l 2705 m/s, E = 5.7 GPa (Svetlizky & Fineberg, Nature 509, 205, 2014)
 PMMA = sf.Material(shear_modulus=2.12e9, density=1170.0, poisson_ratio=0.336)
@@ -32,7 +32,7 @@ def main(folder: Path = Path(".")) -> np.ndarray:
     figure = describe(Figure(figsize=(6, 5.2), layout="constrained"), solution.scene)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     above.imshow(light, cmap="gray", extent=(-60, 60, -30, 30), origin="lower", aspect="auto")
-    above.axhline(1e3 * HEIGHT, color="C1", linewidth=1)
+    above.axhline(1e3 * HEIGHT, color="C1", linewidth=1, path_effects=outline())
     below.plot(1e3 * x, order, color="C1")
     above.set(ylabel="y [mm]")
     below.set(xlabel="x [mm]", ylabel="fringe order at y = 2 mm", ylim=(0, None))
