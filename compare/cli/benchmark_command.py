@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from compare.benchmarks.sheets import SHEETS, Sheet, find_sheet
-from compare.cli.options import AsJson
+from compare.cli.options import AsJson, FiguresForm
 from compare.cli.scenes.completion import CODES, one_of, sheet_names
 from compare.cli.terminal import print_json
 from compare.output.places import check_file, working_folder
@@ -105,6 +105,7 @@ def score(
         Path | None,
         typer.Option(metavar="DIR", help="Folder for scores.csv, scores.json and scores.png."),
     ] = None,
+    figures: FiguresForm = "png",
     as_json: AsJson = False,
 ) -> None:
     """Score runs: arrivals, slip, slip rate and tractions over all stations."""
@@ -121,7 +122,7 @@ def score(
         from compare.benchmarks.reports import write_scores
 
         with working_folder(output) as written:
-            write_scores(output, scores)
+            write_scores(output, scores, figures)
     if as_json:
         from compare.benchmarks.documents import scores_document
 

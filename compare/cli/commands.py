@@ -84,7 +84,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         0 if all went well, 1 if two answers differ by more than their error bars allow, 2 for a
         usage or scene error, 3 for a damaged file, 4 for a failed computation, 5 for a missing
-        library, 130 when interrupted (the program itself returns 143 if that was by SIGTERM).
+        or broken package, 130 when interrupted (the program itself returns 143 if that was by
+        SIGTERM).
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     _make_streams_lenient()

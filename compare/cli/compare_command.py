@@ -15,6 +15,7 @@ from compare.cli.options import (
     SCENE_OPTIONS,
     AsJson,
     Budget,
+    FiguresForm,
     Method,
     NoSnapshots,
     Output,
@@ -75,6 +76,7 @@ def compare_command(
     method: Method = "auto",
     budget: Budget = None,
     output: Output = None,
+    figures: FiguresForm = "png",
     no_snapshots: NoSnapshots = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -126,7 +128,7 @@ def compare_command(
             with progress_bar(Console(stderr=True), quiet, "fields") as progress:
                 fields = field_errors(prediction, simulation, frames, progress)
         judgement = judge(prediction, simulation, snapshot, fields)
-        write_comparison(judgement, label, directory)
+        write_comparison(judgement, label, directory, figures)
     if as_json:
         document = report_document(judgement, label)
         terminal.print_json("compare", document, judgement.verdict, files)
@@ -150,19 +152,20 @@ def _mesh(
     return choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **options)
 
 
-def write_comparison(judgement: Judgement, label: str, directory: Path) -> None:
-    """Draw the figures of a judgement into a folder and write it there as JSON; fields as CSV."""
+def write_comparison(judgement: Judgement, label: str, directory: Path, form: str = "png") -> None:
+    """Draw the figures of a judgement into a folder, in a format; write JSON, and fields as CSV."""
     from compare.figures.histories import comparison_figures
     from compare.figures.saving import save_figure
     from compare.figures.snapshots import snapshot_figure
 
     drawn, fields = comparison_figures(judgement.case), judgement.fields
     if fields is not None:
-        drawn["fields.png"] = lambda case: snapshot_figure(fields, case.simulation)
+        drawn["fields"] = lambda case: snapshot_figure(fields, case.simulation)
         write_rows(directory / FIELDS, fields.rows)
     for name, draw in drawn.items():
-        save_figure(draw(judgement.case), directory / name)
-    forget_figures(directory, drawn if fields is None else {*drawn, FIELDS})
+        save_figure(draw(judgement.case), directory / f"{name}.{form}")
+    kept = {f"{name}.{form}" for name in drawn}
+    forget_figures(directory, kept if fields is None else {*kept, FIELDS})
     write_report(judgement, label, directory / REPORT)
 
 

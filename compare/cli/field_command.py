@@ -17,6 +17,7 @@ from compare.cli.options import (
     MARCH_OPTIONS,
     SCENE_OPTIONS,
     AsJson,
+    FiguresForm,
     Method,
     Output,
     Quiet,
@@ -91,6 +92,7 @@ class Request:
     grid : (int, int), cells for ParaView, or None for no such files
     gauges : places, [length]
     samples : int, of a record
+    figures : str, format of pictures
     """
 
     time: float
@@ -101,6 +103,7 @@ class Request:
     grid: tuple[int, int] | None
     gauges: tuple[tuple[float, float], ...]
     samples: int
+    figures: str
 
     @property
     def times(self) -> list[float]:
@@ -173,6 +176,7 @@ def field_command(
     samples: Annotated[int, typer.Option(help="Times of a record.", rich_help_panel=_GAUGE)] = 1000,
     method: Method = "auto",
     output: Output = None,
+    figures: FiguresForm = "png",
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -208,6 +212,7 @@ def field_command(
         (_grid(grid) if grid else GRID) if vtu else None,
         tuple(_place(one) for one in gauge or ()),
         _count("samples", samples, 2, MOST_SAMPLES),
+        figures,
     )
     if request.frames:
         check_format(form)
@@ -274,7 +279,7 @@ def _draw(
 
     window = request.window or _reach(fields, request)
     picture = FieldPicture(fields, quantity, window, request.points, request.time)
-    save_figure(picture.figure, directory / f"{name}.png")
+    save_figure(picture.figure, directory / f"{name}.{request.figures}")
     if request.frames:
         path = directory / f"{name}.{request.form}"
         with progress_bar(Console(stderr=True), quiet, "drawing") as progress:
@@ -304,7 +309,7 @@ def _record(
         asked = [f"--gauge={x!r},{y!r}", f"--time={request.time!r}", f"--samples={len(t)}"]
         command = shlex.join(["slipfront", "field", *words, *asked])
         write_record(path, record, scene.units, command)
-        save_figure(record_figure(record, scene), path.with_suffix(".png"))
+        save_figure(record_figure(record, scene), path.with_suffix(f".{request.figures}"))
 
 
 def _fringe_stress(of: str, thickness: float | None, stress_optical: float | None) -> float | None:

@@ -55,6 +55,24 @@ Output = Annotated[
         help="Folder to write to; results/SCENE unless given, as in results/SCENE-friction-0.2.",
     ),
 ]
+FORMS = ("png", "pdf", "svg")
+
+
+def _known_form(form: str) -> str:
+    if form not in FORMS:
+        raise SceneError(f"--figures must be one of {', '.join(FORMS)}, got {shown(form)}.")
+    return form
+
+
+FiguresForm = Annotated[
+    str,
+    typer.Option(
+        "--figures",
+        metavar="FORMAT",
+        callback=_known_form,
+        help=f"Format of figures: {', '.join(FORMS[:-1])} or {FORMS[-1]}.",
+    ),
+]
 Method = Annotated[
     str,
     typer.Option(

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from compare.cli.options import AsJson, Quiet
+from compare.cli.options import AsJson, FiguresForm, Quiet
 from compare.cli.scenes.completion import CHARTED, LOADINGS, one_of, scene_names
 from compare.cli.terminal import print_json
 from compare.comparison.rows import DIFFERS
@@ -37,6 +37,7 @@ def regimes(
     ] = "both",
     size: Annotated[int, typer.Option(help="Points along each axis of a map.")] = 100,
     output: Output = None,
+    figures: FiguresForm = "png",
     quick: Quick = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -51,7 +52,7 @@ def regimes(
 
     directory = output or Path("results", "regimes")
     with working_folder(directory) as files, _progress(quiet, "mapping") as progress:
-        results = write_regimes(directory, size, loading, quick, progress)
+        results = write_regimes(directory, size, loading, quick, progress, figures)
     if as_json:
         print_json("regimes", regimes_document(results), files=files)
     else:
@@ -73,6 +74,7 @@ def stability(
         ),
     ] = False,
     output: Output = None,
+    figures: FiguresForm = "png",
     quick: Quick = False,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -108,7 +110,7 @@ def stability(
     with working_folder(directory) as files:
         for name, study in chosen.items():
             with _progress(quiet, "studying") as progress:
-                rows = study(directory, quick, progress)
+                rows = study(directory, quick, progress, figures)
             tables[name] = rows if isinstance(rows, dict) else {"rows": rows}
     if as_json:
         print_json("stability", stability_document(tables), files=files)
@@ -117,7 +119,11 @@ def stability(
 
 
 def article(
-    output: Output = None, quick: Quick = False, as_json: AsJson = False, quiet: Quiet = False
+    output: Output = None,
+    figures: FiguresForm = "png",
+    quick: Quick = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Redraw the article's figures by three methods and judge its claims."""
     require("slipfront article", *FEM, *PLOT)
@@ -126,7 +132,7 @@ def article(
 
     directory = output or Path("results", "article")
     with working_folder(directory) as files:
-        found = write_article(directory, quick, _teller(Console(stderr=True), quiet))
+        found = write_article(directory, quick, _teller(Console(stderr=True), quiet), figures)
     if as_json:
         print_json("article", article_document(found), files=files)
         return
@@ -144,6 +150,7 @@ def chart(
         ),
     ] = None,
     output: Output = None,
+    figures: FiguresForm = "png",
     quick: Quick = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is there.")] = False,
     as_json: AsJson = False,
@@ -170,7 +177,7 @@ def chart(
                 progress=progress,
                 tell=_teller(notes, quiet),
             )
-        text = write_chart(directory, points)
+        text = write_chart(directory, points, figures)
     if as_json:
         print_json("chart", chart_document(points), files=files)
         return
@@ -180,7 +187,11 @@ def chart(
 
 
 def wear(
-    output: Output = None, quick: Quick = False, as_json: AsJson = False, quiet: Quiet = False
+    output: Output = None,
+    figures: FiguresForm = "png",
+    quick: Quick = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Sweep friction for a step, a ramp and a pulse: accumulated slip and frictional work."""
     require("slipfront wear", *PLOT)
@@ -189,7 +200,7 @@ def wear(
 
     directory = output or Path("results", "wear")
     with working_folder(directory) as files, _progress(quiet, "sweeping") as progress:
-        rows = write_wear(directory, quick, progress)
+        rows = write_wear(directory, quick, progress, figures)
     if as_json:
         print_json("wear", wear_document(rows), files=files)
         return

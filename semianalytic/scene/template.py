@@ -7,6 +7,8 @@ from dataclasses import replace
 from decimal import Decimal
 from typing import Any, TypeVar
 
+import numpy as np
+
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import (
     CoulombFriction,
@@ -143,7 +145,7 @@ def _part(scene: Scene, own: Part, examples: tuple[Part, ...]) -> Iterator[str]:
     scales = _scales(scene.material, _largest(scene))
     for example in examples:
         if type(example) is not type(own):
-            for line in _kind(_scaled(example, scales), scene.units):
+            for line in _kind(_scaled(example, scales, digits=3), scene.units):
                 yield f"# {line}"
 
 
@@ -198,15 +200,14 @@ def _scales(material: Material, stress: float) -> dict[str, float]:
     }
 
 
-def _scaled(part: Part, scales: Mapping[str, float]) -> Part:
-    """A history or law of units mu = rho = 1 in those that the scales are of."""
+def _scaled(part: Part, scales: Mapping[str, float], digits: int = 15) -> Part:
+    """A history or law of units mu = rho = 1 in those that the scales are of, rounded."""
     values: dict[str, Any] = {}
     for name, (dimension, _) in part_parameters(type(part)).items():
         if dimension and dimension not in scales:
             raise SceneError(f"{name} is in {dimension}, which cannot be turned into other units.")
-        value = getattr(part, name)
-        if isinstance(value, tuple):
-            values[name] = tuple(scales[dimension] * one for one in value)
-        elif dimension:
-            values[name] = scales[dimension] * value
+        if dimension:
+            value = np.multiply(scales[dimension], getattr(part, name))
+            rounded = np.array([float(f"{one:.{digits}g}") for one in value.ravel()])
+            values[name] = rounded.reshape(value.shape).tolist()
     return replace(part, **values)  # type: ignore[type-var]

@@ -29,13 +29,15 @@ from compare.studies.judge.trials import JudgedRow, SpoiltRow, run_trials
 from compare.studies.tables import Study, run_studies
 from compare.studies.workers import Progress
 
-FIGURE_NAME = "judge.png"
 FOLDER = Path("results", "stability")
 """Where the command leaves its trials unless told otherwise, and the tables of docs look."""
 
 
 def write_judge(
-    directory: Path, quick: bool = False, progress: Progress | None = None
+    directory: Path,
+    quick: bool = False,
+    progress: Progress | None = None,
+    form: str = "png",
 ) -> dict[str, Sequence[object]]:
     """Run what is missing of the trials; write their tables and the figure into a folder.
 
@@ -57,7 +59,7 @@ def write_judge(
     }
     for name, rows in tables.items():
         write_rows(directory / f"judge-{name}.csv", rows)
-    save_figure(judge_figure(judged, spoilt), directory / FIGURE_NAME)
+    save_figure(judge_figure(judged, spoilt), directory / f"judge.{form}")
     return tables
 
 

@@ -12,13 +12,19 @@ from typing import get_args
 
 import numpy as np
 
+from compare.figures.saving import save_figure
 from compare.output.tables import append_rows, write_rows
-from compare.studies.regimes.figures import RegimeResults, save_fronts, save_regimes, save_reverse
+from compare.studies.regimes.figures import (
+    RegimeResults,
+    front_speeds_figure,
+    regimes_figure,
+    reverse_figure,
+)
 from compare.studies.regimes.openings import (
     OpeningPoint,
     opening_column,
     opening_speeds,
-    save_openings,
+    openings_figure,
     sorted_openings,
 )
 from compare.studies.regimes.points import (
@@ -67,13 +73,14 @@ def write_regimes(
     loading: str = "both",
     quick: bool = False,
     progress: Progress | None = None,
+    form: str = "png",
 ) -> RegimeResults:
     """Map regimes on size x size points, trace their boundaries, and write figures and CSV files.
 
-    regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, for the preload
-    reverse-slip.csv and .png, and openings.csv and .png; few points if quick.  Columns of a map
-    are kept in a hidden file as they are done, so that an interrupted run continues when started
-    again with the same size.
+    regimes-LOADING.csv and .png (or of another `form`), boundaries.csv, front-speeds.csv and .png,
+    for the preload reverse-slip.csv and .png, and openings.csv and .png; few points if quick.
+    Columns of a map are kept in a hidden file as they are done, so that an interrupted run
+    continues when started again with the same size.
 
     Raises
     ------
@@ -94,17 +101,17 @@ def write_regimes(
     results = _computed(output, loadings, count, quick, progress)
     for name in loadings:
         write_rows(output / f"regimes-{name}.csv", results.points[name])
-        save_regimes(output / f"regimes-{name}.png", name, results)
+        save_figure(regimes_figure(name, results), output / f"regimes-{name}.{form}")
         _part(output, name, count).unlink(missing_ok=True)
     write_rows(output / "boundaries.csv", results.curves)
     write_rows(output / "front-speeds.csv", results.fronts)
-    save_fronts(output / "front-speeds.png", results)
+    save_figure(front_speeds_figure(results), output / f"front-speeds.{form}")
     if "preload" in loadings:
         write_rows(output / "reverse-slip.csv", results.reverse)
-        save_reverse(output / "reverse-slip.png", results)
+        save_figure(reverse_figure(results), output / f"reverse-slip.{form}")
     columns, speeds = _openings(quick)
     write_rows(output / "openings.csv", [*columns, *speeds])
-    save_openings(output / "openings.png", columns, speeds)
+    save_figure(openings_figure(columns, speeds), output / f"openings.{form}")
     return results
 
 

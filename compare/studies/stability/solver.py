@@ -37,7 +37,10 @@ _DEEPEST = 9
 
 
 def write_solver_stability(
-    output: Path, quick: bool = False, progress: Progress | None = None
+    output: Path,
+    quick: bool = False,
+    progress: Progress | None = None,
+    form: str = "png",
 ) -> list[StudyRow]:
     """Study limits, thresholds, grids and rules; write figures and stability-solver.csv.
 
@@ -56,7 +59,7 @@ def write_solver_stability(
         rows += part
     rows.sort(key=_order)
     write_rows(output / "stability-solver.csv", rows)
-    save_figures(output, rows)
+    save_figures(output, rows, form)
     return rows
 
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from compare.figures.saving import save_figure
-from compare.figures.style import CYCLE, SMALL, new_figure
+from compare.figures.style import cycle, describe, new_figure, styled
 from compare.output.tables import write_rows
 from compare.studies.accuracy.spacetime import last_march, step_error
 from compare.studies.stability.sweeps import StudyRow
@@ -69,7 +69,10 @@ def stability_rows(quick: bool) -> Iterator[StudyRow]:
 
 
 def write_stability(
-    output: Path, quick: bool = False, progress: Progress | None = None
+    output: Path,
+    quick: bool = False,
+    progress: Progress | None = None,
+    form: str = "png",
 ) -> list[StudyRow]:
     """Run the study; write stability-space-time.csv and .png into a folder.
 
@@ -81,10 +84,11 @@ def write_stability(
     output.mkdir(parents=True, exist_ok=True)
     rows = list(counted(stability_rows(quick), len(list(trials(quick))), progress))
     write_rows(output / "stability-space-time.csv", rows)
-    save_figure(stability_figure(rows), output / "stability-space-time.png")
+    save_figure(stability_figure(rows), output / f"stability-space-time.{form}")
     return rows
 
 
+@styled
 def stability_figure(rows: Sequence[StudyRow]) -> Figure:
     """Errors of the study's four parts; crosses at the bottom where a run was refused."""
     labels = {
@@ -94,11 +98,13 @@ def stability_figure(rows: Sequence[StudyRow]) -> Figure:
         "end time": r"end time, at constant $h$",
     }
     figure = new_figure(9, 6.5)
-    title = "space-time march of preloaded and remote-shock, one thing varied at a time"
-    figure.suptitle(title, fontsize=9)
+    named = (NAMED_SCENES[name].scene for name in FRICTIONS)
+    kept = zip(FRICTIONS, named, strict=True)
+    scenes = (f"{k} (ν = {s.material.poisson_ratio:.3g}, f = {s.friction:g})" for k, s in kept)
+    describe(figure, f"marches of {' and '.join(scenes)}, one thing varied at a time")
     for panel, (study, label) in zip(figure.subplots(2, 2).ravel(), labels.items(), strict=True):
         part = [row for row in rows if row.study == study]
-        for case, colour in zip(dict.fromkeys(row.case for row in part), CYCLE, strict=False):
+        for case, colour in zip(dict.fromkeys(row.case for row in part), cycle(), strict=False):
             own = [row for row in part if row.case == case]
             ran = [(row.parameter, 100 * row.value) for row in own if row.status == RAN]
             refused = [(row.parameter, FLOOR) for row in own if row.status != RAN]
@@ -108,5 +114,5 @@ def stability_figure(rows: Sequence[StudyRow]) -> Figure:
         if study in ("friction", "end time"):
             panel.set_xscale("log")
             panel.xaxis.set_minor_formatter(NullFormatter())
-        panel.legend(fontsize=SMALL)
+        panel.legend()
     return figure
