@@ -184,6 +184,12 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "statistics": Key("what it took", {"type": "object"}),
         },
     ),
+    "explore": (
+        {
+            "scene": _SCENE_KEY,
+            "address": Key("of the page, served until the command is ended", TEXT),
+        },
+    ),
     "compare": (
         {
             "scene": _LABEL,

@@ -33,7 +33,8 @@ ARROWS = {
         "validation": "records comparison figures output",
         "benchmarks": "records comparison figures output",
         "studies": "comparison figures output",
-        "cli": "records validation benchmarks comparison figures output studies",
+        "explore": "comparison figures output studies",
+        "cli": "records validation benchmarks explore comparison figures output studies",
     },
 }
 """What each folder of a package may import of the others of that package, at any depth."""

@@ -20,25 +20,16 @@ from compare.figures.style import (
     BLACK,
     BLUE,
     GREEN,
-    OPEN_SHADE,
-    ORANGE,
     PURPLE,
-    REVERSE_SHADE,
     SENSE_COLOURS,
-    SKY,
-    SLIP_SHADE,
     STICK_SHADE,
     VERMILLION,
+    shade,
 )
+from compare.studies.regimes.figures import COLOURS
 
-SHADES = dict(zip(KINDS, (STICK_SHADE, SLIP_SHADE, REVERSE_SHADE, OPEN_SHADE), strict=True))
-REGIME_COLOURS = dict(
-    zip(
-        REGIMES,
-        (STICK_SHADE, SLIP_SHADE, "#f6ec9f", SKY, BLUE, "#8fd3bf", ORANGE, PURPLE, BLACK),
-        strict=True,
-    )
-)
+SHADES = {kind: shade(kind) for kind in KINDS}
+REGIME_COLOURS = {**COLOURS, "open": PURPLE}
 WAVES = {"Rayleigh": "c_R", "S": "c_t", "P": "c_l"}
 HEIGHT = 260
 WITH_COLOUR_BAR = 1.12
