@@ -80,7 +80,7 @@ __all__ = [
 
 _LATER = {
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
-    "semianalytic.fitting": ("Fit", "Gauge", "fit"),
+    "semianalytic.inversion.fitting": ("Fit", "Gauge", "fit"),
     "semianalytic.prediction": ("predict",),
     "semianalytic.selfsimilar.derivative": ("Derivative", "OpenDerivative", "ZoneDerivative"),
     "semianalytic.spacetime.march": ("march", "march_on"),
@@ -91,7 +91,7 @@ _LATER = {
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.field.derived import fringe_order, fringes, strain
-    from semianalytic.fitting import Fit, Gauge, fit
+    from semianalytic.inversion.fitting import Fit, Gauge, fit
     from semianalytic.prediction import predict
     from semianalytic.selfsimilar.derivative import Derivative, OpenDerivative, ZoneDerivative
     from semianalytic.spacetime.march import march, march_on

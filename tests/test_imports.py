@@ -24,6 +24,7 @@ ARROWS = {
         "reference": "scene halfplane",
         "sweeps": "scene results halfplane cut selfsimilar",
         "regimes": "scene halfplane cut selfsimilar",
+        "inversion": "scene halfplane field selfsimilar sweeps",
     },
     "compare": {
         "output": "",
@@ -139,7 +140,7 @@ _DERIVATIVES = (
     "selfsimilar.variation",
     "selfsimilar.varied",
 )
-LATER = ("fitting", "prediction", "reference", "regimes", *_DERIVATIVES, "spacetime", "sweeps")
+LATER = ("inversion", "prediction", "reference", "regimes", *_DERIVATIVES, "spacetime", "sweeps")
 """What a plain solution does without."""
 
 
@@ -149,7 +150,7 @@ LATER = ("fitting", "prediction", "reference", "regimes", *_DERIVATIVES, "spacet
         ("", ()),
         ("solution.slip_rate(0.3, 1.0)", ()),
         ("solution.derivative('friction')", _DERIVATIVES),
-        ("slipfront.fit", ("fitting", *_DERIVATIVES)),
+        ("slipfront.fit", ("inversion", *_DERIVATIVES)),
         ("slipfront.march", ("spacetime",)),
         ("slipfront.sweep", ("sweeps",)),
     ],
