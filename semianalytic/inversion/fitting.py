@@ -1,84 +1,36 @@
-"""Parameters of a scene from records of slip rate: least squares with exact derivatives."""
+"""Unknowns from what gauges recorded: least squares from the lowest of all minima."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.inversion.gauges import Gauge, check_quantity
+from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
+from semianalytic.inversion.samples import Samples
+from semianalytic.inversion.search import Minimum, minima
+from semianalytic.inversion.trials import Trials
+from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
+from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.scene import Scene
-from semianalytic.selfsimilar.derivative import PARAMETERS, Derivative, parameter
 from semianalytic.selfsimilar.solution import Solution
-from semianalytic.selfsimilar.solver import solve
 
-_SETTLED = 1e-5
-"""Change of chi2, relative, that ends a search: a hundredth of what noise does."""
 UNCONSTRAINED = 1.0
 """Standard error over the size of a parameter from which data are said not to constrain it."""
 LARGEST_CONDITION = 1e8
 """Of the weighted Jacobian in parameters over their sizes; beyond it some direction is free."""
-
-
-@dataclass(frozen=True, eq=False)
-class Gauge:
-    """A record of relative slip rate at one place.
-
-    Parameters
-    ----------
-    x : float
-        Position on the contact [length], positive.
-    t : (n,) array
-        Times of the samples [time], ascending.
-    slip_rate : (n,) array
-        Samples [length / time].
-    noise : float
-        Standard deviation of their errors, taken to be independent [length / time].
-
-    Raises
-    ------
-    SceneError
-        If a number is out of range or not finite, or times and samples do not match.
-    """
-
-    x: float
-    t: Array
-    slip_rate: Array
-    noise: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "x", checked_size("gauge: x", self.x))
-        object.__setattr__(self, "noise", checked_size("gauge: noise", self.noise))
-        for name in ("t", "slip_rate"):
-            object.__setattr__(self, name, np.array(getattr(self, name), dtype=float))
-        t, rate = self.t, self.slip_rate
-        if t.ndim != 1 or t.shape != rate.shape or not t.size:
-            raise SceneError("gauge: t and slip_rate must be two rows of as many numbers.")
-        if not np.all(np.isfinite(t)) or not np.all(np.isfinite(rate)) or np.any(np.diff(t) <= 0):
-            raise SceneError("gauge: t and slip_rate must be finite numbers, and t ascending.")
-
-    def misfit(self, solution: Solution) -> Array:
-        """(n,) slip rate of a solution less the record, over the noise."""
-        return np.asarray((solution.slip_rate(self.x, self.t) - self.slip_rate) / self.noise)
-
-    def sensitivity(self, solution: Solution, derivative: Derivative) -> Array:
-        """(n,) derivatives of the misfit.
-
-        At an edge they are infinite, and what a sample tells of it ends where its neighbour begins:
-        nearer to an edge than half the time between samples they are taken at that distance.
-        """
-        t, half = self.t.copy(), np.gradient(self.t) / 2 if len(self.t) > 1 else self.t / 100
-        speeds = solution.edge_speeds
-        for speed in speeds[(speeds > 0) & np.isfinite(speeds)]:
-            since = t - self.x / speed
-            near = np.abs(since) < half
-            t[near] = self.x / speed + np.where(since[near] < 0, -half[near], half[near])
-        return np.asarray(derivative.slip_rate(self.x, t) / self.noise)
+AS_GOOD = 4.0
+"""chi2 above the least, up to which another minimum is as good: two standard deviations of one."""
+FAR = 3.0
+"""Standard errors between two minima that are as good, from which on the status says so."""
+ROUGH = 0.2
+"""Relative error of derivatives in the bodies from which on the status says so."""
+BY_PRIOR = 0.9
+"""Standard error over that of the prior from which on the data add nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,14 +42,20 @@ class Fit:
     parameters : tuple of str, their names
     values : (p,) array, estimates, in the units of the scene
     covariance : (p, p) array, of the estimates; infinite for what the data do not constrain
-    chi2 : float, sum of squares of the misfits over the noise
-    freedom : int, samples less parameters: what chi2 is about where the noise is right
+    chi2 : float, sum of squares of the misfits over the noise, and over the widths of priors
+    freedom : int, samples and priors less parameters: what chi2 is about where the noise is right
     unconstrained : tuple of str, parameters that the data do not constrain, alone or together
     status : str
         "converged", or a sentence saying what to distrust.
     solution : Solution, of the scene with these parameters
+    setup : Setup, of the gauges, with these parameters
     gauges : tuple of Gauge
+    minima : (m, p) array, values at all minima that the search came to, the lowest first
+    chi2_of_minima : (m,) array
+    derivative_error : float
+        Relative, of the derivatives by differences that gauges in the bodies take; 0 without any.
     solutions : int, that were computed on the way
+    trials : Trials, misfits of any values
     """
 
     parameters: tuple[str, ...]
@@ -108,8 +66,13 @@ class Fit:
     unconstrained: tuple[str, ...]
     status: str
     solution: Solution
+    setup: Setup
     gauges: tuple[Gauge, ...]
+    minima: Array
+    chi2_of_minima: Array
+    derivative_error: float
     solutions: int
+    trials: Trials = field(repr=False)
 
     def __repr__(self) -> str:
         pairs = zip(self.parameters, self.values, self.standard_errors, strict=True)
@@ -127,156 +90,130 @@ class Fit:
         return np.sqrt(np.diag(self.covariance))
 
     @property
+    def correlation(self) -> Array:
+        """(p, p) correlations of the estimates; nan for what the data do not constrain."""
+        errors = self.standard_errors
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.covariance / np.outer(errors, errors))
+
+    @property
+    def next_minimum(self) -> float:
+        """chi2 of the next minimum above the least; infinite if the search saw no other."""
+        above = self.chi2_of_minima[1:] - self.chi2_of_minima[0]
+        return float(above[0]) if above.size else np.inf
+
+    @property
     def residuals(self) -> tuple[Array, ...]:
-        """Of each gauge, record less fit [length / time]."""
-        return tuple(-one.noise * one.misfit(self.solution) for one in self.gauges)
+        """Of each gauge, record less fit, in the units of its quantity."""
+        return tuple(one.values - self.seen(one, one.t) for one in self.gauges)
 
-
-def with_parameter(scene: Scene, name: str, value: float) -> Scene:
-    """A scene with another value of one of `PARAMETERS`."""
-    if name == "friction":
-        return replace(scene, friction=value)
-    if name == "poisson_ratio":
-        return replace(scene, material=replace(scene.material, poisson_ratio=value))
-    if name == "viscosity":
-        return replace(scene, friction_law=ViscousFriction(value))
-    part, kind = name.split("_")
-    return replace(scene, **{part: replace(getattr(scene, part), **{kind: value})})
-
-
-@dataclass
-class _Trials:
-    """Misfits of trial values, in units of `sizes`, and their derivatives."""
-
-    gauges: tuple[Gauge, ...]
-    scene: Scene
-    names: tuple[str, ...]
-    rtol: float
-    count: int = 0
-    last: tuple[bytes, Solution] | None = field(default=None, repr=False)
-
-    @cached_property
-    def sizes(self) -> Array:
-        """By which parameters are counted: their own, or that of tractions or of one tenth."""
-        scene = self.scene
-        tractions = [scene.base.pressure, scene.base.shear, scene.load.pressure, scene.load.shear]
-        stress, result = max(map(abs, tractions)) or 1.0, []
-        for name in self.names:
-            least = 0.1 if name in ("friction", "poisson_ratio") else 0.1 * stress
-            if name == "viscosity":
-                least = 0.1 * scene.material.shear_impedance
-            result.append(max(abs(parameter(scene, name)), least))
-        return np.array(result)
-
-    def solution(self, scaled: Array) -> Solution:
-        """Solution of the scene with values over `sizes`; the last one is kept."""
-        if self.last is None or self.last[0] != scaled.tobytes():
-            scene = self.scene
-            for name, value in zip(self.names, scaled * self.sizes, strict=True):
-                scene = with_parameter(scene, name, float(value))
-            self.count += 1
-            self.last = scaled.tobytes(), solve(scene, rtol=self.rtol)
-        return self.last[1]
-
-    def misfit(self, scaled: Array) -> Array:
-        """Of all gauges in a row; infinite where there is no such scene."""
-        try:
-            solution = self.solution(scaled)
-        except SceneError:
-            return np.full(sum(len(one.t) for one in self.gauges), np.inf)
-        return np.concatenate([one.misfit(solution) for one in self.gauges])
-
-    def jacobian(self, scaled: Array) -> Array:
-        """(samples, p) derivatives of the misfits."""
-        solution = self.solution(scaled)
-        columns = []
-        for name, size in zip(self.names, self.sizes, strict=True):
-            derivative = solution.derivative(name)
-            rows = [one.sensitivity(solution, derivative) for one in self.gauges]
-            columns.append(size * np.concatenate(rows))
-        return np.stack(columns, axis=1)
+    def seen(self, gauge: Gauge, t: Array) -> Array:
+        """(n,) what a gauge would have recorded at times (n,) of the records, without noise."""
+        t = np.asarray(t, dtype=float)
+        like = Samples((replace(gauge, t=t, values=np.zeros_like(t), noise=1.0),))
+        return np.asarray(like.gain(self.setup) * like.of(self.solution, self.setup))
 
 
 def fit(
-    gauges: Sequence[Gauge], scene: Scene, parameters: Sequence[str], *, rtol: float = 1e-8
+    gauges: Sequence[Gauge],
+    scene: Scene,
+    parameters: Sequence[str],
+    *,
+    priors: Mapping[str, Prior] | None = None,
+    setup: Setup | None = None,
+    rtol: float = 1e-6,
 ) -> Fit:
-    """Fit parameters of a scene to records of slip rate, by least squares.
+    """Fit parameters of a scene, and of the set-up, to what gauges recorded, by least squares.
 
     Parameters
     ----------
     gauges : sequence of Gauge
         Records, each with its noise.
     scene : Scene
-        Where to begin, and all that is not fitted.
+        All that is not fitted, and a first guess of what is.
     parameters : sequence of str
         Any of "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
-        "load_shear" and "viscosity".
+        "load_shear", "viscosity", "shear_modulus", "density" of the scene; "t0", "x0" and "gain"
+        of the set-up (`Setup`), and "gain:NAME" of the gauges of that name.
+    priors : mapping from names to Normal, LogNormal or Uniform, optional
+        What is known of parameters beforehand; also where the search looks.
+    setup : Setup, optional
+        Of the gauges, for what is not fitted.
     rtol : float
         Accuracy of the solutions, as in `solve`.
 
     Returns
     -------
     Fit
-        With the covariance from the derivatives at the best values, and a `status` that names
-        what the data do not constrain.
+        The lowest of the minima that a scan of the plausible ranges leads to, with the covariance
+        from the derivatives there, and a `status` that names what the data do not constrain.  With
+        priors it is the most probable set of values (of the logarithm under `LogNormal`).
 
     Raises
     ------
     SceneError
-        If there are no gauges, fewer samples than parameters, an unknown or repeated parameter, or
-        no solution or derivative where the fit begins.
+        If there are no gauges, fewer samples than parameters, an unknown or repeated parameter, a
+        prior of none of them, or no solution or derivative at the first guess.
     """
-    from scipy.optimize import least_squares  # here, for `import semianalytic` is to be quick
-
-    gauges, names = tuple(gauges), tuple(parameters)
-    _check(gauges, names)
-    trials = _Trials(gauges, scene, names, rtol)
-    start = np.array([parameter(scene, name) for name in names]) / trials.sizes
-    trials.jacobian(start)  # refuses what has no solution or derivative
-    bounds = np.array([_bounds(name) for name in names]).T / trials.sizes
-    found = least_squares(
-        trials.misfit,
-        np.clip(start, bounds[0] + 1e-9, bounds[1] - 1e-9),
-        jac=trials.jacobian,
-        bounds=(bounds[0], bounds[1]),
-        xtol=1e-9,
-        ftol=_SETTLED,
-        gtol=_SETTLED,
-    )
-    solution = trials.solution(found.x)
-    covariance, free = _covariance(trials.jacobian(found.x))
-    status = "converged" if found.success else "the least squares did not converge"
-    if solution.status != "converged":
-        status = solution.status
+    gauges, names, priors = tuple(gauges), tuple(parameters), dict(priors or {})
+    _check(gauges, scene, names, priors)
+    samples = Samples(gauges)
+    duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
+    trials = Trials(samples, Unknowns(names, scene, setup or Setup(), duration), priors, rtol)
+    trials.jacobian(trials.start)  # refuses what has no solution or derivative
+    ends = minima(trials)
+    best, size = ends[0], trials.sizes
+    if not np.isfinite(best.chi2):
+        raise ComputationError("fit: no values within the ranges make a scene that can be solved.")
+    covariance, free = _covariance(best.jacobian)
     unconstrained = tuple(name for name, one in zip(names, free, strict=True) if one)
-    if unconstrained:
-        together = " apart" if len(unconstrained) > 1 else ""
-        status = f"the data do not constrain {' and '.join(unconstrained)}{together}"
-    size = trials.sizes
+    derivative_error = trials.difference_error(best.scaled)
+    scene, fitted = trials.at(best.scaled)
+    solution = trials.solution(best.scaled)
+    status = _status(ends, solution, unconstrained, covariance)
+    if status == "converged" and derivative_error > ROUGH:
+        status = (
+            f"derivatives in the bodies are off by {derivative_error:.0%}, and the errors as much"
+        )
     return Fit(
         parameters=names,
-        values=found.x * size,
+        values=best.scaled * size,
         covariance=covariance * np.outer(size, size),
-        chi2=float(2 * found.cost),
-        freedom=len(found.fun) - len(names),
+        chi2=best.chi2,
+        freedom=trials.rows - len(names),
         unconstrained=unconstrained,
         status=status,
         solution=solution,
+        setup=fitted,
         gauges=gauges,
+        minima=np.array([end.scaled * size for end in ends]),
+        chi2_of_minima=np.array([end.chi2 for end in ends]),
+        derivative_error=derivative_error,
         solutions=trials.count,
+        trials=trials,
     )
 
 
-def _check(gauges: tuple[Gauge, ...], names: tuple[str, ...]) -> None:
+def _check(
+    gauges: tuple[Gauge, ...],
+    scene: Scene,
+    names: tuple[str, ...],
+    priors: Mapping[str, Prior],
+) -> None:
     """Raise SceneError for what cannot be fitted."""
     if not gauges or not all(isinstance(one, Gauge) for one in gauges):
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
-    for name in names:
-        if name not in PARAMETERS:
-            known = ", ".join(PARAMETERS)
-            raise SceneError(f"fit: parameters must be among {known}, got {shown(name)}.")
-    if not names or len(set(names)) < len(names):
-        raise SceneError("fit: name at least one parameter, and each of them once.")
+    for gauge in gauges:
+        check_quantity(gauge.quantity, scene)
+    check_names(names, gauges)
+    for name, prior in priors.items():
+        if name not in names:
+            raise SceneError(f"fit: there is a prior of {shown(name)}, which is not fitted.")
+        if not isinstance(prior, Normal | LogNormal | Uniform):
+            raise SceneError(
+                f"fit: the prior of {name} must be Normal, LogNormal or Uniform, got "
+                f"{shown(prior)}."
+            )
     samples = sum(len(one.t) for one in gauges)
     checked_number(
         "fit: the number of samples",
@@ -286,11 +223,27 @@ def _check(gauges: tuple[Gauge, ...], names: tuple[str, ...]) -> None:
     )
 
 
-def _bounds(name: str) -> tuple[float, float]:
-    """Between which values a parameter may lie."""
-    if name == "poisson_ratio":
-        return -0.95, 0.499
-    return (0.0 if name in ("friction", "base_pressure", "viscosity") else -np.inf), np.inf
+def _status(
+    ends: list[Minimum], solution: Solution, unconstrained: tuple[str, ...], covariance: Array
+) -> str:
+    """What to distrust of the lowest minimum."""
+    if unconstrained:
+        together = " apart" if len(unconstrained) > 1 else ""
+        return f"the data do not constrain {' and '.join(unconstrained)}{together}"
+    if solution.status != "converged":
+        return solution.status
+    if not ends[0].converged:
+        return "the least squares did not converge"
+    best = ends[0]
+    for other in ends[1:]:
+        away = other.scaled - best.scaled
+        apart = float(np.sqrt(away @ np.linalg.solve(covariance, away)))
+        if other.chi2 - best.chi2 < AS_GOOD and apart > FAR:
+            return (
+                f"another minimum, {apart:.1f} standard errors away, fits as well "
+                f"(chi2 {other.chi2 - best.chi2:.2g} above)"
+            )
+    return "converged"
 
 
 def _covariance(jacobian: Array) -> tuple[Array, np.ndarray]:
