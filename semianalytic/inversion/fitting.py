@@ -121,7 +121,7 @@ def fit(
     *,
     priors: Mapping[str, Prior] | None = None,
     setup: Setup | None = None,
-    rtol: float = 1e-6,
+    rtol: float = 1e-8,
 ) -> Fit:
     """Fit parameters of a scene, and of the set-up, to what gauges recorded, by least squares.
 

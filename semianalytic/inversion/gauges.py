@@ -105,7 +105,9 @@ class Gauge:
             raise SceneError("gauge: t and values must be finite numbers, and t ascending.")
         noise = _numbers("noise", self.noise)
         if noise.shape not in ((), t.shape) or not np.all((noise > 0) & np.isfinite(noise)):
-            raise SceneError("gauge: noise must be positive and finite, one number or one a sample.")
+            raise SceneError(
+                "gauge: noise must be positive and finite, one number or one for each sample."
+            )
         object.__setattr__(self, "noise", noise if noise.ndim else float(noise))
 
     @property

@@ -40,7 +40,7 @@ class Normal:
 
     def log_density(self, value: float) -> float:
         """Of a value, up to a constant."""
-        return -self.misfit(value)[0] ** 2 / 2
+        return -(self.misfit(value)[0] ** 2) / 2
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class LogNormal:
         """Of a value, up to a constant."""
         if value <= 0:
             return -math.inf
-        return -self.misfit(value)[0] ** 2 / 2 - math.log(value)
+        return -(self.misfit(value)[0] ** 2) / 2 - math.log(value)
 
 
 @dataclass(frozen=True)

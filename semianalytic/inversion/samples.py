@@ -1,8 +1,8 @@
 """All samples of all gauges in a row: what a solution has for them, and how that changes.
 
 Exactly with respect to parameters of the scene on the interface (`Solution.derivative`); by
-similarity with respect to modulus and density, which act through c_t and the impedance Z alone: with
-q the quantity, n = -1 for rates, motion and strain and 0 for tractions, and m = -1 for slip,
+similarity with respect to modulus and density, which act through c_t and the impedance Z alone:
+with q the quantity, n = -1 for rates, motion and strain and 0 for tractions, and m = -1 for slip,
 displacement and strain, else 0,
 
     dq/dln Z = n q ,   dq/dln c_t = m q + t dq/dt .
@@ -150,9 +150,7 @@ class Samples:
         )
         return np.asarray((right - left) / (2 * step))
 
-    def over_moduli(
-        self, solution: Solution, setup: Setup, t: Array
-    ) -> tuple[Array, Array]:
+    def over_moduli(self, solution: Solution, setup: Setup, t: Array) -> tuple[Array, Array]:
         """(n,) twice, derivatives with respect to ln Z and ln c_t."""
         seen = self.of(solution, setup, t)
         by_speed = t * self.over_time(solution, setup, t)

@@ -1,22 +1,20 @@
 """Where sums of squares are least, of all places and not only near the first guess.
 
-chi2 rises where the edge of a slip zone passes a sample, so it has minima of its own, some standard
-errors apart, in a basin that may lie anywhere.  So a scan of the plausible ranges finds basins, least
-squares go down in the best of them, and from the lowest point on scans of its surroundings, as wide
-as the errors, find what is lower still.
+chi2 rises where the edge of a slip zone passes a sample, so it has minima some standard errors
+apart, in a basin that may lie anywhere.  So a scan of the plausible ranges finds basins, least
+squares go down in the best of them, and from the lowest point on scans of its surroundings, as
+wide as the errors, find what is lower still.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.inversion.trials import Trials
-from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.selfsimilar.derivative import PARAMETERS
+from semianalytic.inversion.unknowns import SOLVED
 
 SCENES = (1, 32, 96, 144)
 """Scenes of a scan for no, one, two and more unknowns that take a solution."""
@@ -24,15 +22,18 @@ FIELD_SHARE = 3
 """As many times fewer where gauges are in the bodies, whose fields cost more."""
 SETUPS = (1, 7, 16)
 """Trial values of the other unknowns in each of these scenes, by their number."""
-SCAN_RTOL = 1e-4
 STARTS = 3
 ROUNDS = 4
 WORTH = 0.3
 """By how much chi2 must fall for one more round: a tenth of what parameters cost it."""
 NEARBY = 20
 """Points of a scan of surroundings, by unknown."""
+SHORT = 12
+"""Solutions of least squares that need not end: the lowest are taken further."""
 REACH = 6.0
 """Of it, in standard errors."""
+WIDEST, CONDITION = 0.1, 1e6
+"""Most of a standard error that is scanned, in sizes, and least of the others over it."""
 APART = 0.5
 """Distance of minima that count as two, in standard errors."""
 SETTLED = 1e-5
@@ -78,10 +79,12 @@ def minima(trials: Trials) -> list[Minimum]:
     for _ in range(1 + ROUNDS):
         lowest = ends[0].chi2 if ends else np.inf
         for start in starts:
-            _add(ends, descend(trials, start))
+            _add(ends, descend(trials, start, SHORT))
         if ends[0].chi2 > lowest - WORTH:
             break
         starts = surroundings(trials, ends[0])
+    if not ends[0].converged:
+        ends[0] = descend(trials, ends[0].scaled)
     return ends
 
 
@@ -94,8 +97,8 @@ def _add(ends: list[Minimum], end: Minimum) -> None:
     ends.sort(key=lambda one: one.chi2)
 
 
-def descend(trials: Trials, start: Array) -> Minimum:
-    """Least squares from a start."""
+def descend(trials: Trials, start: Array, most: int | None = None) -> Minimum:
+    """Least squares from a start, with so many solutions at most."""
     from scipy.optimize import least_squares  # here, for `import semianalytic` is to be quick
 
     low, high = trials.bounds
@@ -107,8 +110,9 @@ def descend(trials: Trials, start: Array) -> Minimum:
         xtol=1e-9,
         ftol=SETTLED,
         gtol=SETTLED,
+        max_nfev=most,
     )
-    return Minimum(found.x, float(2 * found.cost), found.jac, bool(found.success))
+    return Minimum(found.x, float(2 * found.cost), np.asarray(found.jac), bool(found.success))
 
 
 def scan(trials: Trials) -> list[Array]:
@@ -118,38 +122,37 @@ def scan(trials: Trials) -> list[Array]:
     if count * setups == 1:
         return [trials.start]
     points = low + (high - low) * spread(count * setups, len(low))
-    is_setup = np.array([name not in PARAMETERS for name in trials.unknowns.names])
-    trial: list[Array] = [trials.start]
+    is_setup = np.array([name not in SOLVED for name in trials.unknowns.names])
     for first in range(0, count * setups, setups):
-        some = points[first : first + setups]
-        some[:, ~is_setup] = some[0, ~is_setup]
-        trial += list(some)
-    squares = [np.sum(trials.misfit(one) ** 2) for one in trial]
-    return _best(trial, squares)
+        points[first : first + setups, ~is_setup] = points[first, ~is_setup]
+    return _best(trials, [trials.start, *points])
 
 
 def _counts(trials: Trials) -> tuple[int, int]:
-    solved = sum(name in PARAMETERS for name in trials.unknowns.names)
+    """Scenes of a scan, and trial values of other unknowns in each."""
+    solved = sum(name in SOLVED for name in trials.unknowns.names)
     other = len(trials.unknowns.names) - solved
     count = SCENES[min(solved, len(SCENES) - 1)]
-    if not trials.samples.on_interface.all():
-        count = max(count // FIELD_SHARE, 1)
-    return count, SETUPS[min(other, len(SETUPS) - 1)]
+    return max(count // _share(trials), 1), SETUPS[min(other, len(SETUPS) - 1)]
+
+
+def _share(trials: Trials) -> int:
+    """By which scans have fewer scenes."""
+    return 1 if trials.samples.on_interface.all() else FIELD_SHARE
 
 
 def surroundings(trials: Trials, end: Minimum) -> list[Array]:
     """The best starts around a minimum, within `REACH` standard errors."""
     p = len(end.scaled)
     _, values, rows = np.linalg.svd(end.jacobian, full_matrices=False)
-    widths = 1 / np.maximum(values, values.max() * 1e-6)
-    widths = np.minimum(widths, 0.1)
-    wide = REACH * max(1.0, np.sqrt(end.chi2 / max(len(end.jacobian) - p, 1)))
-    points = (2 * spread(NEARBY * p, p) - 1) * wide
-    trial = np.clip(end.scaled + (points * widths) @ rows, *trials.bounds)
-    squares = [np.sum(trials.misfit(one) ** 2) for one in trial]
-    return _best(list(trial), squares)
+    widths = np.minimum(1 / np.maximum(values, values.max() / CONDITION), WIDEST)
+    reach = REACH * max(1.0, np.sqrt(end.chi2 / max(len(end.jacobian) - p, 1)))
+    points = reach * (2 * spread(NEARBY * p // _share(trials), p) - 1)
+    return _best(trials, list(np.clip(end.scaled + (points * widths) @ rows, *trials.bounds)))
 
 
-def _best(trial: list[Array], squares: list[float]) -> list[Array]:
+def _best(trials: Trials, points: list[Array]) -> list[Array]:
+    """The lowest of them."""
+    squares = np.sum(np.square(trials.misfits(points)), axis=1)
     order = [i for i in np.argsort(squares, kind="stable") if np.isfinite(squares[i])]
-    return [trial[i] for i in order[:STARTS]] or [trial[0]]
+    return [points[i] for i in order[:STARTS]] or points[:1]

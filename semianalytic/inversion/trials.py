@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.priors import Prior, Uniform
+from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
 from semianalytic.inversion.samples import Samples
-from semianalytic.inversion.unknowns import MATERIAL, Setup, Unknowns, has_similarity
+from semianalytic.inversion.unknowns import MATERIAL, SOLVED, Setup, Unknowns, has_similarity
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivative import PARAMETERS
@@ -20,6 +21,8 @@ from semianalytic.selfsimilar.solver import solve
 
 STEPS = (1e-5, 1e-2)
 """Least and largest step of differences of solutions, over the size of a parameter."""
+SWEPT = 1e-4
+"""Accuracy of sweeps."""
 _KEPT = 8
 """Solutions that are kept."""
 
@@ -107,6 +110,25 @@ class Trials:
         except (SceneError, ComputationError):
             return np.full(self.rows, np.inf)
 
+    def misfits(self, points: Sequence[Array]) -> Array:
+        """(m, n) of many values, not to be searched on: by a sweep where one answers them."""
+        of_scene = set(self.unknowns.names).intersection(SOLVED)
+        if not of_scene or of_scene - {"friction", "poisson_ratio"}:
+            return np.array([self.misfit(point) for point in points])
+        from semianalytic.sweeps.sweep import sweep  # here, for a quick import
+
+        rows = np.full((len(points), self.rows), np.inf)
+        ready: list[tuple[int, Scene, Setup]] = []
+        for number, point in enumerate(points):
+            with suppress(SceneError):
+                ready.append((number, *self.at(point)))
+        frictions = [scene.friction for _, scene, _ in ready]
+        ratios = [scene.material.poisson_ratio for _, scene, _ in ready]
+        answers = sweep(self.unknowns.scene, frictions, SWEPT, poisson_ratio=ratios)
+        for (number, _, setup), answer in zip(ready, answers, strict=True):
+            rows[number] = self.misfit_of(answer, setup, points[number])
+        return rows
+
     def misfit_of(self, solution: Solution, setup: Setup, scaled: Array) -> Array:
         """(n,) the same of a solution that is known."""
         samples = self.samples
@@ -119,13 +141,16 @@ class Trials:
         """Of misfits: samples, and priors that are not uniform."""
         return len(self.samples.t) + len(self._known_before(self.sizes))
 
-    def _known_before(self, scaled: Array) -> list[tuple[int, Prior, float]]:
+    def _known_before(self, scaled: Array) -> list[tuple[int, Normal | LogNormal, float]]:
         """Priors that pull: number, prior and value of each unknown that has one."""
         values = scaled * self.sizes
+        priors = (
+            (number, self.priors.get(name)) for number, name in enumerate(self.unknowns.names)
+        )
         return [
-            (number, self.priors[name], float(values[number]))
-            for number, name in enumerate(self.unknowns.names)
-            if name in self.priors and not isinstance(self.priors[name], Uniform)
+            (number, prior, float(values[number]))
+            for number, prior in priors
+            if isinstance(prior, Normal | LogNormal)
         ]
 
     def jacobian(self, scaled: Array) -> Array:
@@ -136,7 +161,7 @@ class Trials:
         columns = []
         for number, name in enumerate(self.unknowns.names):
             column = self._column(name, solution, setup, t)
-            if name not in ("gain",) and not name.startswith("gain:"):
+            if not name.startswith("gain"):
                 column = samples.gain(setup) * column
             rows = np.zeros(self.rows)
             rows[: len(t)] = column / samples.noise

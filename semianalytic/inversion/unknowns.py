@@ -14,9 +14,11 @@ from semianalytic.selfsimilar.derivative import PARAMETERS, parameter
 
 MATERIAL = ("shear_modulus", "density")
 """Of the scene; by similarity they change nothing but units."""
+SOLVED = (*PARAMETERS, *MATERIAL)
+"""All of the scene: another value takes another solution."""
 SETUP = ("t0", "x0", "gain")
 """Not of the scene at all; "gain:NAME" is that of one gauge."""
-UNKNOWNS = (*PARAMETERS, *MATERIAL, *SETUP)
+UNKNOWNS = (*SOLVED, *SETUP)
 
 _TINY = 1e-3
 _LONE_GAIN = "gain:"
@@ -84,10 +86,10 @@ class Unknowns:
             part, _, kind = name.partition("_")
             if part in tractions:
                 tractions[part][kind] = value
-            elif name in (*PARAMETERS, *MATERIAL):
+            elif name in SOLVED:
                 scene = with_parameter(scene, name, value)
             elif name in SETUP:
-                setup = replace(setup, **{name: value})
+                setup = _with_setup(setup, name, value)
             else:
                 gains = {**setup.gains, name.removeprefix(_LONE_GAIN): value}
                 setup = replace(setup, gains=gains)
@@ -145,6 +147,12 @@ class Unknowns:
             return (0.0 if name == "base_pressure" else -self._stress), self._stress
         low, high = sorted((value / 3, 2.5 * value))
         return low, high
+
+
+def _with_setup(setup: Setup, name: str, value: float) -> Setup:
+    if name == "t0":
+        return replace(setup, t0=value)
+    return replace(setup, x0=value) if name == "x0" else replace(setup, gain=value)
 
 
 def with_parameter(scene: Scene, name: str, value: float) -> Scene:
