@@ -34,7 +34,8 @@ ARROWS = {
         "validation": "records comparison figures output",
         "benchmarks": "records comparison figures output",
         "studies": "comparison figures output",
-        "cli": "records validation benchmarks comparison figures output studies",
+        "inversion": "records comparison figures output",
+        "cli": "records validation benchmarks comparison figures output studies inversion",
     },
 }
 """What each folder of a package may import of the others of that package, at any depth."""

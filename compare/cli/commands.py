@@ -17,6 +17,7 @@ from compare.cli import terminal
 from compare.cli.benchmark_command import app as benchmark_app
 from compare.cli.compare_command import compare_command
 from compare.cli.field_command import field_command
+from compare.cli.fit_command import fit_command
 from compare.cli.interruption import INTERRUPTED, INTERRUPTION
 from compare.cli.refusals import in_options, printable
 from compare.cli.simulate_command import simulate_command
@@ -55,6 +56,7 @@ app.command("simulate")(simulate_command)
 app.command("field")(field_command)
 app.add_typer(benchmark_app, name="benchmark")
 app.command("validate")(validate_command)
+app.command("fit")(fit_command)
 
 
 @app.command()

@@ -29,8 +29,6 @@ FAR = 3.0
 """Standard errors between two minima that are as good, from which on the status says so."""
 ROUGH = 0.2
 """Relative error of derivatives in the bodies from which on the status says so."""
-BY_PRIOR = 0.9
-"""Standard error over that of the prior from which on the data add nothing."""
 
 
 @dataclass(frozen=True, eq=False)

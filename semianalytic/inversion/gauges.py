@@ -144,18 +144,26 @@ def check_quantity(quantity: str, scene: Scene) -> None:
         )
 
 
-def recorded(solution: Solution, quantity: str, x: Array, y: Array, t: Array) -> Array:
-    """(n,) what a gauge would see of a solution at n places and times; y is not looked at for what
-    is of the interface."""
+def component(quantity: str) -> tuple[str, int]:
+    """Which rows of `seen` a quantity is of, and which of them; of the interface the only one."""
     if quantity in INTERFACE:
-        return np.asarray(getattr(solution, quantity)(x, t))
-    kind, axis = quantity[0], _KINDS[quantity[0]][0].split().index(quantity[1:])
+        return quantity, 0
+    return quantity[0], _KINDS[quantity[0]][0].split().index(quantity[1:])
+
+
+def seen(solution: Solution, kind: str, x: Array, y: Array, t: Array) -> Array:
+    """(k, n) what gauges would see of a solution at n places and times.
+
+    Of a quantity of the interface, which does not look at y, or all components of "v", velocity,
+    "u", displacement, "s", stress, or "e", strain since t = 0.
+    """
+    if kind in INTERFACE:
+        return np.asarray(getattr(solution, kind)(x, t))[None]
     if kind == "v":
-        return solution.velocity(x, y, t)[axis]
+        return solution.velocity(x, y, t)
     if kind == "u":
-        return solution.displacement(x, y, t)[axis]
+        return solution.displacement(x, y, t)
     stress = solution.stress(x, y, t)
     if kind == "s":
-        return np.asarray(stress[axis])
-    before = solution.stress(x, y, np.zeros_like(t))
-    return np.asarray(strain(stress - before, solution.scene.material)[axis])
+        return stress
+    return strain(stress - solution.stress(x, y, np.zeros_like(t)), solution.scene.material)

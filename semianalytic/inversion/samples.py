@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.inversion.gauges import INTERFACE, QUANTITIES, Gauge, recorded
+from semianalytic.inversion.gauges import INTERFACE, QUANTITIES, Gauge, component, seen
 from semianalytic.inversion.unknowns import Setup
 from semianalytic.selfsimilar.derivative import Derivative
 from semianalytic.selfsimilar.solution import Solution
@@ -28,6 +28,17 @@ CLOSE = 0.01
 """Step of differences over time and place, over half the time between samples."""
 _MOTION = {"length / time", "length", "1"}
 _GROWN = {"length", "1"}
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """Samples of a kind: which, the first at each place and time, and which of these and which
+    component each is."""
+
+    part: np.ndarray
+    first: np.ndarray
+    which: np.ndarray
+    axis: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,9 +135,24 @@ class Samples:
     def _recorded(self, solution: Solution, x0: float, t: Array) -> Array:
         x, y = self.places[0] - x0, self.places[1]
         result = np.empty(len(t))
-        for name, part in self.groups.items():
-            result[part] = recorded(solution, name, x[part], y[part], t[part])
+        for kind, look in self._looks.items():
+            rows = seen(solution, kind, x[look.first], y[look.first], t[look.first])
+            result[look.part] = rows[look.axis, look.which]
         return result
+
+    @cached_property
+    def _looks(self) -> dict[str, _Look]:
+        """Of each kind that is recorded: components at one place and time are seen at once."""
+        kinds = [component(one.quantity) for one in self.gauges]
+        of_kind = np.repeat([kind for kind, _ in kinds], self._counts)
+        axes = np.repeat([axis for _, axis in kinds], self._counts)
+        at = np.stack([*self.places, self.t, self.half], axis=1)
+        looks = {}
+        for kind in np.unique(of_kind):
+            part = np.flatnonzero(of_kind == kind)
+            _, first, which = np.unique(at[part], axis=0, return_index=True, return_inverse=True)
+            looks[str(kind)] = _Look(part, part[first], np.ravel(which), axes[part])
+        return looks
 
     def exact(self, derivative: Derivative, setup: Setup, t: Array) -> Array:
         """(n,) derivatives with respect to a parameter of the scene on the interface; 0 off it."""

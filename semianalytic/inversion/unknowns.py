@@ -19,6 +19,15 @@ SOLVED = (*PARAMETERS, *MATERIAL)
 SETUP = ("t0", "x0", "gain")
 """Not of the scene at all; "gain:NAME" is that of one gauge."""
 UNKNOWNS = (*SOLVED, *SETUP)
+DIMENSIONS: Mapping[str, str] = {
+    **dict.fromkeys(("base_pressure", "base_shear", "load_pressure", "load_shear"), "stress"),
+    "viscosity": "stress time / length",
+    "shear_modulus": "stress",
+    "density": "mass / length^3",
+    "t0": "time",
+    "x0": "length",
+}
+"""Their dimensions; others have none."""
 
 _TINY = 1e-3
 _LONE_GAIN = "gain:"

@@ -14,9 +14,12 @@ HDF5 = ("h5py",)
 """What saved results import."""
 PLOT = ("matplotlib", "PIL")
 """What figures import."""
+BAYES = ("emcee",)
+"""What samples of posteriors import."""
 
 _DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
 _EXTRAS = {**dict.fromkeys(FEM, "fem"), **dict.fromkeys(PLOT, "plot"), "xarray": "xarray"}
+_EXTRAS |= dict.fromkeys(BAYES, "bayes")
 
 
 def require(what: str, *modules: str) -> None:

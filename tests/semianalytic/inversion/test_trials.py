@@ -7,7 +7,7 @@ import pytest
 from catalogue import PRELOADED, unit_scene
 
 from semianalytic import Gauge, LogNormal, Normal, SceneError, Setup, Uniform, fit, solve
-from semianalytic.inversion.gauges import FIELDS, INTERFACE
+from semianalytic.inversion.gauges import FIELDS, INTERFACE, component, seen
 from semianalytic.inversion.samples import Samples
 from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import MATERIAL, SETUP, UNKNOWNS, Unknowns
@@ -104,9 +104,8 @@ def test_gauges_beside_the_interface_tell_friction_and_modulus():
 
 
 def recorded_at(solution, quantity, t):
-    from semianalytic.inversion.gauges import recorded
-
-    return recorded(solution, quantity, np.full(len(t), 0.4), np.full(len(t), 0.1), t)
+    kind, axis = component(quantity)
+    return seen(solution, kind, np.full(len(t), 0.4), np.full(len(t), 0.1), t)[axis]
 
 
 @pytest.mark.parametrize("prior", [Normal(0.34, 0.002), LogNormal(0.34, 1.006)])
