@@ -43,10 +43,13 @@ _UNIT = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]$")
 
 @dataclass(frozen=True)
 class _Column:
-    """What a column holds: "t", "x", "y" or a quantity; or the noise of one, "" for all."""
+    """What a column holds: "t", "x", "y" or a quantity; or the noise of one, "" for all.
+
+    Numbers times `scale` are in the units of the scene; None for noise in that of its quantity.
+    """
 
     kind: str
-    scale: float
+    scale: float | None
     is_noise: bool = False
 
 
@@ -57,8 +60,9 @@ def read_gauges(
 
     A table has the columns t, x, for what is off the interface y, and quantities by the names of
     `Gauge` (or sigma_xx, eps_xy, v_x, ...), with units in brackets where they are not those of
-    the scene; `noise`, or NAME_noise, holds standard deviations.  A gauge is what has one x and
-    y; rows without y are of the interface.  Whatever `slipfront validate` reads is taken as well.
+    the scene; `noise`, or NAME_noise, holds standard deviations in the same unit.  A gauge is what
+    has one x and y; rows without y are of the interface.  Whatever `slipfront validate` reads is
+    taken as well.
 
     Parameters
     ----------
@@ -119,8 +123,10 @@ def _columns(table: Table) -> dict[int, _Column]:
         kind = "" if name == NOISE else names.get(stem)
         if kind is None:
             continue
-        column = _Column(kind, _scale(table, kind, unit), name == NOISE or stem != name)
-        if any(one == column for one in result.values()):
+        is_noise = name == NOISE or stem != name
+        scale = None if is_noise and not unit else _scale(table, kind, unit)
+        column = _Column(kind, scale, is_noise)
+        if any((one.kind, one.is_noise) == (kind, is_noise) for one in result.values()):
             raise DataFileError(
                 f"{table.path}, line {table.line}: two columns are {table.names[place]}; "
                 "rename one."
@@ -149,9 +155,10 @@ def _scale(table: Table, kind: str, unit: str) -> float:
 
 def _of_table(table: Table, noise: Mapping[str, float]) -> Iterator[_Made]:
     """What makes a gauge from its name, and its quantity, for each of a table."""
+    said = {(one.kind, one.is_noise): (place, one) for place, one in _columns(table).items()}
     columns = {
-        (column.kind, column.is_noise): column.scale * table.rows[:, place]
-        for place, column in _columns(table).items()
+        key: (1.0 if one.scale is None else one.scale) * table.rows[:, place]
+        for key, (place, one) in said.items()
     }
     t, x = columns["t", False], columns["x", False]
     y = columns.get(("y", False), np.full(len(t), np.nan))
@@ -164,7 +171,12 @@ def _of_table(table: Table, noise: Mapping[str, float]) -> Iterator[_Made]:
     places = sorted({pair for pair in zip(x.tolist(), _listed(y), strict=True)}, key=_order)
     for quantity in quantities:
         values = columns[quantity, False]
-        error = columns.get((quantity, True), columns.get(("", True)))
+        of_noise = next((key for key in ((quantity, True), ("", True)) if key in columns), None)
+        error = None
+        if of_noise is not None:
+            same_unit = said[of_noise][1].scale is None
+            unit = said[quantity, False][1].scale if same_unit else 1.0
+            error = (unit or 1.0) * columns[of_noise]
         for at_x, at_y in places:
             here = (x == at_x) & (np.isnan(y) if at_y is None else y == at_y)
             here &= np.isfinite(t) & np.isfinite(values)

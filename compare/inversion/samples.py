@@ -54,21 +54,21 @@ def main(folder: Path = FOLDER) -> None:
     random = np.random.default_rng(11)
     rows = ["t [us],x [mm],y [mm],exx [ustrain],eyy [ustrain],exy [ustrain]"]
     t = np.arange(0.0, 71.0) * 1e-6
-    for x in GAUGES:
-        stress = march.stress(x, HEIGHT, np.maximum(t - TRIGGER, 0.0))
-        strain = sf.strain(stress - march.stress(x, HEIGHT, np.zeros(1)), PMMA)
+    for place in GAUGES:
+        stress = march.stress(place, HEIGHT, np.maximum(t - TRIGGER, 0.0))
+        strain = sf.strain(stress - march.stress(place, HEIGHT, np.zeros(1)), PMMA)
         strain += random.normal(scale=STRAIN_NOISE, size=strain.shape)
         for number, time in enumerate(t):
             values = ",".join(f"{value * 1e6:.0f}" for value in strain[:, number])
-            rows.append(f"{time * 1e6:g},{x * 1e3:g},{HEIGHT * 1e3:g},{values}")
+            rows.append(f"{time * 1e6:g},{place * 1e3:g},{HEIGHT * 1e3:g},{values}")
     _write(folder / "pmma_gauges.csv", rows)
     rows = ["t [us],x [mm],y [mm],ux [um]"]
     x = np.arange(-20.0, 81.0, 4.0) * 1e-3
     for time in (20e-6, 40e-6, 60e-6):
         motion = march.displacement(x, HEIGHT, time - TRIGGER)[0]
         motion = motion + random.normal(scale=MOTION_NOISE, size=len(x))
-        for place, value in zip(x.tolist(), motion.tolist(), strict=True):
-            rows.append(f"{time * 1e6:g},{place * 1e3:g},{HEIGHT * 1e3:g},{value * 1e6:.2f}")
+        for at, value in zip(x.tolist(), motion.tolist(), strict=True):
+            rows.append(f"{time * 1e6:g},{at * 1e3:g},{HEIGHT * 1e3:g},{value * 1e6:.2f}")
     _write(folder / "pmma_line.csv", rows)
     write_text(folder / "pmma.toml", SCENE)
 

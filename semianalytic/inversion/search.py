@@ -22,13 +22,14 @@ FIELD_SHARE = 3
 """As many times fewer where gauges are in the bodies, whose fields cost more."""
 SETUPS = (1, 7, 16)
 """Trial values of the other unknowns in each of these scenes, by their number."""
-STARTS = 3
+STARTS, NEAR_STARTS = 3, 2
+"""Of least squares after a scan, and after one of surroundings."""
 ROUNDS = 4
 WORTH = 0.3
 """By how much chi2 must fall for one more round: a tenth of what parameters cost it."""
 NEARBY = 20
 """Points of a scan of surroundings, by unknown."""
-SHORT = 12
+SHORT = 9
 """Solutions of least squares that need not end: the lowest are taken further."""
 REACH = 6.0
 """Of it, in standard errors."""
@@ -75,14 +76,14 @@ def spread(count: int, dimensions: int) -> Array:
 def minima(trials: Trials) -> list[Minimum]:
     """All that were come to, the lowest first."""
     ends: list[Minimum] = []
-    starts = scan(trials)
-    for _ in range(1 + ROUNDS):
-        lowest = ends[0].chi2 if ends else np.inf
-        for start in starts:
+    for start in scan(trials):
+        _add(ends, descend(trials, start, SHORT))
+    for _ in range(ROUNDS):
+        lowest = ends[0].chi2
+        for start in surroundings(trials, ends[0]):
             _add(ends, descend(trials, start, SHORT))
         if ends[0].chi2 > lowest - WORTH:
             break
-        starts = surroundings(trials, ends[0])
     if not ends[0].converged:
         ends[0] = descend(trials, ends[0].scaled)
     return ends
@@ -125,7 +126,7 @@ def scan(trials: Trials) -> list[Array]:
     is_setup = np.array([name not in SOLVED for name in trials.unknowns.names])
     for first in range(0, count * setups, setups):
         points[first : first + setups, ~is_setup] = points[first, ~is_setup]
-    return _best(trials, [trials.start, *points])
+    return _best(trials, [trials.start, *points], STARTS)
 
 
 def _counts(trials: Trials) -> tuple[int, int]:
@@ -148,11 +149,12 @@ def surroundings(trials: Trials, end: Minimum) -> list[Array]:
     widths = np.minimum(1 / np.maximum(values, values.max() / CONDITION), WIDEST)
     reach = REACH * max(1.0, np.sqrt(end.chi2 / max(len(end.jacobian) - p, 1)))
     points = reach * (2 * spread(NEARBY * p // _share(trials), p) - 1)
-    return _best(trials, list(np.clip(end.scaled + (points * widths) @ rows, *trials.bounds)))
+    around = np.clip(end.scaled + (points * widths) @ rows, *trials.bounds)
+    return _best(trials, list(around), NEAR_STARTS)
 
 
-def _best(trials: Trials, points: list[Array]) -> list[Array]:
-    """The lowest of them."""
+def _best(trials: Trials, points: list[Array], count: int) -> list[Array]:
+    """The lowest of them, so many."""
     squares = np.sum(np.square(trials.misfits(points)), axis=1)
     order = [i for i in np.argsort(squares, kind="stable") if np.isfinite(squares[i])]
-    return [points[i] for i in order[:STARTS]] or points[:1]
+    return [points[i] for i in order[:count]] or points[:1]
