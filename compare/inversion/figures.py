@@ -145,6 +145,10 @@ def _draw_records(figure: SubFigure, fit: Fit, panels: Sequence[_Panel]) -> None
         for one in (left, right):
             one.set_xlabel(f"{panel.along} [{dimensioned}]", fontsize=9)
             one.tick_params(labelsize=SMALL)
+            one.ticklabel_format(scilimits=(-3, 4))
+            one.locator_params(axis="x", nbins=5)
+            for axis in (one.xaxis, one.yaxis):
+                axis.offsetText.set_fontsize(SMALL)
         if panel.curves[0].label:
             left.legend(fontsize=SMALL)
 

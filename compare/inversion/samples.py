@@ -3,8 +3,8 @@
 Strain gauges 3.5 mm off the interface and a line of image correlation in PMMA, as around the
 ruptures of Svetlizky & Fineberg (Nature 509, 205, 2014), from a march on the interface, which
 shares no zone or edge with the solver that fits them; with noise, and a clock that runs ahead of
-the load.  Writes pmma_gauges.csv, pmma_line.csv and pmma.toml, a first guess, to FOLDER,
-docs/data unless given.
+the load; and slip across the interface, as image correlation sees it.  Writes pmma_gauges.csv,
+pmma_line.csv, pmma_slip.csv and pmma.toml, a first guess, to FOLDER, docs/data unless given.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ import slipfront as sf
 from compare.output.files import write_text
 
 FOLDER = Path(__file__).resolve().parents[2] / "docs" / "data"
-COMMAND = "python -m compare.inversion.samples"
+COMMAND = "python -m compare.inversion.samples docs/data"
 PMMA = sf.Material(shear_modulus=2.12e9, density=1170.0, poisson_ratio=0.336)
 TRUTH = sf.Scene(PMMA, 0.35, sf.Tractions(5e6, 0.0), sf.Tractions(0.0, 4e6), units="SI")
 TRIGGER = 3e-6
 """When the load acts on the clock of the records [s]."""
 GAUGES, HEIGHT = (0.02, 0.04, 0.06), 3.5e-3
 """Where they are [m]."""
-STRAIN_NOISE, MOTION_NOISE = 30e-6, 2e-6
-"""Standard deviations, [1] and [m]."""
+STRAIN_NOISE, MOTION_NOISE, SLIP_NOISE = 30e-6, 2e-6, 1e-6
+"""Standard deviations, [1], [m] and [m]."""
 END, NODES = 80e-6, 1600
 
 SCENE = """# A first guess; friction, load and the time of the trigger are to be found.
@@ -70,6 +70,14 @@ def main(folder: Path = FOLDER) -> None:
         for at, value in zip(x.tolist(), motion.tolist(), strict=True):
             rows.append(f"{time * 1e6:g},{at * 1e3:g},{HEIGHT * 1e3:g},{value * 1e6:.2f}")
     _write(folder / "pmma_line.csv", rows)
+    rows = ["t [us],x [mm],slip [um],noise [um]"]
+    t = np.arange(0.0, 71.0, 2.0) * 1e-6
+    for place in GAUGES:
+        slip = march.slip(place, np.maximum(t - TRIGGER, 0.0))
+        slip = slip + random.normal(scale=SLIP_NOISE, size=len(t))
+        for time, value in zip(t.tolist(), slip.tolist(), strict=True):
+            rows.append(f"{time * 1e6:g},{place * 1e3:g},{value * 1e6:.2f},{SLIP_NOISE * 1e6:g}")
+    _write(folder / "pmma_slip.csv", rows)
     write_text(folder / "pmma.toml", SCENE)
 
 
