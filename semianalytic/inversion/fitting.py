@@ -203,7 +203,7 @@ def _check(
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
     for gauge in gauges:
         check_quantity(gauge.quantity, scene)
-    check_names(names, gauges)
+    check_names(names, gauges, scene)
     for name, prior in priors.items():
         if name not in names:
             raise SceneError(f"fit: there is a prior of {shown(name)}, which is not fitted.")

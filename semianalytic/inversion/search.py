@@ -33,8 +33,8 @@ SHORT = 9
 """Solutions of least squares that need not end: the lowest are taken further."""
 REACH = 6.0
 """Of it, in standard errors."""
-WIDEST, CONDITION = 0.1, 1e6
-"""Most of a standard error that is scanned, in sizes, and least of the others over it."""
+WIDEST = 0.1
+"""Most of a standard error that is scanned, in sizes."""
 APART = 0.5
 """Distance of minima that count as two, in standard errors."""
 SETTLED = 1e-5
@@ -146,7 +146,7 @@ def surroundings(trials: Trials, end: Minimum) -> list[Array]:
     """The best starts around a minimum, within `REACH` standard errors."""
     p = len(end.scaled)
     _, values, rows = np.linalg.svd(end.jacobian, full_matrices=False)
-    widths = np.minimum(1 / np.maximum(values, values.max() / CONDITION), WIDEST)
+    widths = 1 / np.maximum(values, 1 / WIDEST)
     reach = REACH * max(1.0, np.sqrt(end.chi2 / max(len(end.jacobian) - p, 1)))
     points = reach * (2 * spread(NEARBY * p // _share(trials), p) - 1)
     around = np.clip(end.scaled + (points * widths) @ rows, *trials.bounds)

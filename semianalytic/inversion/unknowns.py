@@ -181,7 +181,7 @@ def has_similarity(scene: Scene) -> bool:
     return type(scene.friction_law) is CoulombFriction
 
 
-def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...]) -> None:
+def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene) -> None:
     """Raise SceneError for what cannot be fitted."""
     called = {one.name for one in gauges} - {""}
     for name in names:
@@ -194,5 +194,7 @@ def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...]) -> None:
             raise SceneError(
                 f"fit: parameters must be among {known} and gain:NAME, got {shown(name)}."
             )
+    if "viscosity" in names and not parameter(scene, "viscosity"):
+        raise SceneError("fit: viscosity needs ViscousFriction of a positive viscosity in scene.")
     if not names or len(set(names)) < len(names):
         raise SceneError("fit: name at least one parameter, and each of them once.")
