@@ -184,6 +184,31 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "statistics": Key("what it took", {"type": "object"}),
         },
     ),
+    "fit": (
+        {
+            "scene": _SCENE_KEY,
+            "parameters": Key("by name", _of(_object(value=NUMBER, standard_error=NUMBER))),
+            "covariance": Key("of the parameters, in their order", _list(_list(NUMBER))),
+            "correlation": Key("likewise", _list(_list(NUMBER))),
+            "chi2": Key("sum of squares of the misfits over the noise", NUMBER),
+            "freedom": Key("samples less parameters", WHOLE),
+            "unconstrained": Key("parameters that the data leave free", _list(TEXT)),
+            "known_by_prior": Key("parameters known by their prior alone", _list(TEXT)),
+            "minima": Key("all that were found", _list(_object(values=_list(NUMBER), chi2=NUMBER))),
+            "gauges": Key(
+                "records, each with its part of chi2",
+                _list(
+                    _object(
+                        name=TEXT, quantity=TEXT, x=NUMBER, y=NUMBER, samples=WHOLE, chi2=NUMBER
+                    )
+                ),
+            ),
+            "derivative_error": Key("of the derivatives, relative", NUMBER),
+            "solutions": Key("that it took", WHOLE),
+            "misfit": Key("how large misfits are for the noise, in a sentence", TEXT),
+            "posterior": Key("with --posterior: what was sampled", {"type": "object"}, False),
+        },
+    ),
     "explore": (
         {
             "scene": _SCENE_KEY,

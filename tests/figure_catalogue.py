@@ -35,6 +35,7 @@ from compare.figures.fronts import reach
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
+from compare.inversion.figures import fit_figure
 from compare.output.field_files import record_fields
 from compare.studies.article import study as article
 from compare.studies.article.cases import SlotCheck, run_cases
@@ -59,7 +60,7 @@ from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow, sweep_figure
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
 from fem import simulate
-from semianalytic import find_scene, march, solve
+from semianalytic import Gauge, find_scene, fit, march, solve
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "docs" / "data"
@@ -264,6 +265,13 @@ def _example(name):
     return figure
 
 
+def _fit() -> Figure:
+    """Friction and load from one record of slip rate."""
+    solution, t = _solved("preloaded"), np.linspace(0.3, 1.5, 24)
+    gauge = Gauge(0.25, t, solution.slip_rate(0.25, t), 0.01)
+    return fit_figure(fit([gauge], solution.scene, ("friction", "load_shear")))
+
+
 CATALOGUE: dict[str, Callable[[], Figure]] = {
     **{
         f"figures.histories.{name}_figure/{scene}": partial(_of_case, name, scene)
@@ -288,6 +296,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         for name, of in (("auxetic", "speed"), ("tap", "pressure"), ("antiplane", "fringes"))
     },
     "validation.figure.validation_figure": _validation,
+    "inversion.figures.fit_figure": _fit,
     "benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
     "benchmarks.figures.score_figure": _scores,
     **{

@@ -16,6 +16,7 @@ from compare.cli.benchmark_command import app as benchmark_app
 from compare.cli.compare_command import compare_command
 from compare.cli.explore_command import explore_command
 from compare.cli.field_command import field_command
+from compare.cli.fit_command import fit_command
 from compare.cli.interruption import INTERRUPTED, INTERRUPTION
 from compare.cli.refusals import in_options, printable
 from compare.cli.scenes.commands import init, scenes
@@ -56,6 +57,7 @@ app.command("field")(field_command)
 app.command("explore")(explore_command)
 app.add_typer(benchmark_app, name="benchmark")
 app.command("validate")(validate_command)
+app.command("fit")(fit_command)
 
 
 for command in (

@@ -18,6 +18,8 @@ EXAMPLES = (
     "openings",
     "fit_friction",
     "sensitivity",
+    "fit_gauges",
+    "bent_posterior",
     "sweep_friction",
     "custom_history",
     "friction_law",

@@ -16,12 +16,15 @@ PLOT = ("matplotlib", "PIL")
 """What figures import."""
 EXPLORE = ("bokeh",)
 """What the page in the browser imports."""
+BAYES = ("emcee",)
+"""What samples of posteriors import."""
 
 _DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
 _EXTRAS = {
     **dict.fromkeys(FEM, "fem"),
     **dict.fromkeys(PLOT, "plot"),
     **dict.fromkeys(EXPLORE, "explore"),
+    **dict.fromkeys(BAYES, "bayes"),
     "xarray": "xarray",
 }
 
