@@ -12,17 +12,17 @@ from typing import Annotated, Any
 import typer
 
 from compare.cli import study_commands as studies
-from compare.cli.benchmark_command import app as benchmark_app
 from compare.cli.compare_command import compare_command
 from compare.cli.explore_command import explore_command
 from compare.cli.field_command import field_command
-from compare.cli.fit_command import fit_command
 from compare.cli.interruption import INTERRUPTED, INTERRUPTION
+from compare.cli.measured.benchmark_command import app as benchmark_app
+from compare.cli.measured.fit_command import fit_command
+from compare.cli.measured.validate_command import validate_command
 from compare.cli.refusals import in_options, printable
 from compare.cli.scenes.commands import init, scenes
 from compare.cli.simulate_command import simulate_command
 from compare.cli.solve_command import solve_command
-from compare.cli.validate_command import validate_command
 from semianalytic.scene.errors import DataFileError, SlipfrontError
 from semianalytic.scene.extras import needing
 
