@@ -4,7 +4,8 @@ import os
 from collections import Counter
 
 import pytest
-from chromium import CHROMIUM, Browser
+
+from compare.explore.chromium import CHROMIUM, Browser
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # as many processes as cores: one thread each
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

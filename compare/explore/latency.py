@@ -1,7 +1,7 @@
 """How long the page of `slipfront explore` takes from a move to its picture, in Chromium.
 
-``python tests/explore_latency.py`` moves the friction slider of some scenes step by step and writes
-docs/data/explore-latency.csv and docs/figures/explore.png, what the page then looks like.
+``python -m compare.explore.latency`` moves the friction slider of some scenes step by step and
+writes docs/data/explore-latency.csv and docs/figures/explore.png, what the page then looks like.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ import time
 from pathlib import Path
 
 import numpy as np
-from chromium import Browser
 
+from compare.explore.chromium import CHROMIUM, Browser
 from compare.explore.controls import defaults, query_of
 from semianalytic.scene.named import find_scene
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 SCENES = ("preloaded", "remote-shock", "auxetic", "viscous", "antiplane", "lift-off-shear", "tap")
 MOVES = 40
 MOVE = """
@@ -31,9 +31,12 @@ slider.dispatchEvent(new Event('input', {bubbles: true}));
 
 
 def main() -> None:
+    """Measure, and write table and picture."""
+    if CHROMIUM is None:
+        raise SystemExit("There is no Chromium to measure in; apt install chromium.")
     command = "import sys; from compare.cli.entry import main; sys.exit(main())"
     arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
-    rows = ["# python tests/explore_latency.py", "scene,moves,median_ms,most_ms,load"]
+    rows = ["# python -m compare.explore.latency", "scene,moves,median_ms,most_ms,load"]
     with (
         tempfile.TemporaryDirectory() as profile,
         subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server,

@@ -1,4 +1,4 @@
-"""Headless Chromium for tests of pages."""
+"""Headless Chromium, spoken to without a library of its own: for tests and measurements."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import time
 from pathlib import Path
+from typing import Any
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))), None)
 
@@ -16,6 +17,7 @@ class Browser:
     """Headless Chromium, spoken to by its DevTools protocol over two pipes."""
 
     def __init__(self, profile: Path) -> None:
+        assert CHROMIUM is not None
         to_child, self._out = os.pipe()
         self._in, from_child = os.pipe()
         options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe"]
@@ -83,7 +85,7 @@ class Browser:
         self.call("Page.navigate", url=address)
         self.wait("Page.loadEventFired")
 
-    def value(self, expression: str) -> object:
+    def value(self, expression: str) -> Any:
         """What an expression of JavaScript comes to."""
         found = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
         assert "exceptionDetails" not in found, found
