@@ -32,8 +32,9 @@ ARROWS = {
         "figures": "comparison output",
         "validation": "records comparison figures output",
         "benchmarks": "records comparison figures output",
-        "studies": "comparison figures output",
-        "cli": "records validation benchmarks comparison figures output studies",
+        "surveys": "output",
+        "studies": "comparison figures output surveys",
+        "cli": "records validation benchmarks comparison figures output surveys studies",
     },
 }
 """What each folder of a package may import of the others of that package, at any depth."""

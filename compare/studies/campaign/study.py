@@ -28,7 +28,7 @@ from compare.output.progress import progress_bar
 from compare.output.tables import append_rows, started_rows, write_rows
 from compare.studies.campaign.scenes import drawn, random_history_scene, random_step_scene
 from compare.studies.tables import shown_rows
-from compare.studies.workers import Progress, run_tasks
+from compare.surveys.workers import Progress, run_tasks
 from semianalytic import (
     Marched,
     Scene,

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from compare.comparison.measures import relative_error
 from compare.output.tables import read_rows, write_rows
 from compare.studies.chart.methods import METHODS, PLACES, scaled_zones
-from compare.studies.workers import LIFELINE, ONE_THREAD, Progress, lifeline
+from compare.surveys.workers import LIFELINE, ONE_THREAD, Progress, lifeline
 from semianalytic import Scene, SlipZone, solve
 from semianalytic.reference.known_answers import closed_form
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError

@@ -27,7 +27,7 @@ from compare.studies.judge.tables import (
 )
 from compare.studies.judge.trials import JudgedRow, SpoiltRow, run_trials
 from compare.studies.tables import Study, run_studies
-from compare.studies.workers import Progress
+from compare.surveys.workers import Progress
 
 FIGURE_NAME = "judge.png"
 FOLDER = Path("results", "stability")

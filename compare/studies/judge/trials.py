@@ -24,8 +24,8 @@ from compare.studies.judge.scenes import (
     power_scenes,
 )
 from compare.studies.judge.spoils import SPOILS, Spoil, Window, effect, spoilt
-from compare.studies.workers import Progress, run_tasks
-from compare.studies.workers import Task as WorkerTask
+from compare.surveys.workers import Progress, run_tasks
+from compare.surveys.workers import Task as WorkerTask
 from semianalytic import Answer, Scene, SceneError
 
 if TYPE_CHECKING:

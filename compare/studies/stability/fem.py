@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from compare.figures.saving import save_figure
 from compare.output.files import write_text
 from compare.studies.accuracy.fem import errors_of
-from compare.studies.workers import Progress, counted
+from compare.surveys.workers import Progress, counted
 from semianalytic import Scene, Tractions, solve
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES

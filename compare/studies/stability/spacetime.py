@@ -16,7 +16,7 @@ from compare.figures.style import CYCLE, SMALL, new_figure
 from compare.output.tables import write_rows
 from compare.studies.accuracy.spacetime import last_march, step_error
 from compare.studies.stability.sweeps import StudyRow
-from compare.studies.workers import Progress, counted
+from compare.surveys.workers import Progress, counted
 from semianalytic import Marched, Material, Scene, march
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES

@@ -1,0 +1,1 @@
+"""Surveys: one scene at many values of its parameters, on many processes or machines."""
