@@ -2,8 +2,9 @@
 
 ``import slipfront as sf``: everything under the name it is installed by.  Nothing is made here:
 scenes and semi-analytic solvers come from `semianalytic`, finite elements from `fem`, which needs
-the extra ``slipfront[fem]``, the judge of other codes' results from `compare.validation`.  What a
-plain solution does without is imported when one of its names is first used.
+the extra ``slipfront[fem]``, the judge of other codes' results from `compare.validation`, and many
+scenes at once from `compare.surveys`.  What a plain solution does without is imported when one of
+its names is first used.
 """
 
 from importlib.metadata import version
@@ -33,6 +34,7 @@ __all__ = [
     "opening_sentence",
     "prepare",
     "simulate",
+    "survey",
     "validate",
     "with_companions",
 ]
@@ -41,6 +43,7 @@ _VALIDATION = ("Conventions", "Validation", "validate")
 
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
+    from compare.surveys import survey
     from compare.validation import Conventions, Validation, validate
     from fem import (
         BACKWARD,
@@ -65,7 +68,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
 else:
 
     def __getattr__(name: str) -> Any:
-        """A name of `semianalytic`, of `compare.validation`, or of `fem`.
+        """A name of `semianalytic`, `compare.validation`, `compare.surveys` or `fem`.
 
         Raises
         ------
@@ -80,6 +83,10 @@ else:
             from compare import validation
 
             return getattr(validation, name)
+        if name == "survey":
+            from compare.surveys import survey
+
+            return survey
         import fem
 
         return getattr(fem, name)

@@ -12,9 +12,9 @@ import pytest
 import fem
 import semianalytic
 import slipfront
-from compare import validation
+from compare import surveys, validation
 from semianalytic import MissingLibraryError
-from semianalytic.scene.extras import FEM, HDF5, PLOT, needing, require
+from semianalytic.scene.extras import CLUSTER, FEM, HDF5, PLOT, XARRAY, needing, require
 
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
@@ -41,7 +41,7 @@ for line in {lines}:
         code = main(line.split())
     print(json.dumps([code, out.getvalue(), err.getvalue()]))
 """
-ALL = (*FEM, *PLOT, "xarray")
+ALL = (*FEM, *PLOT, *XARRAY, *CLUSTER)
 FINE = [
     "--help",
     "scenes",
@@ -164,10 +164,10 @@ def test_other_missing_modules_stay_what_they_are():
 def test_extras_hold_what_they_are_said_to():
     extras = PROJECT["project"]["optional-dependencies"]
     names = {"skfem": "scikit-fem", "PIL": "pillow"}
-    for extra, modules in {"fem": FEM, "plot": PLOT, "xarray": ("xarray",)}.items():
+    for extra, modules in {"fem": FEM, "plot": PLOT, "xarray": XARRAY, "cluster": CLUSTER}.items():
         listed = {requirement.split(">")[0] for requirement in extras[extra]}
         assert listed == {names.get(module, module) for module in modules}
-    assert extras["all"] == ["slipfront[fem,plot,xarray]"]
+    assert extras["all"] == ["slipfront[fem,plot,xarray,cluster]"]
     assert "slipfront[all]" in extras["test"]
     needed = {requirement.split(">")[0] for requirement in PROJECT["project"]["dependencies"]}
     assert needed == {"numpy", "scipy", "rich", "typer"}
@@ -175,10 +175,14 @@ def test_extras_hold_what_they_are_said_to():
 
 def test_slipfront_holds_all_public_names_and_nothing_of_its_own():
     public = [name for name in slipfront.__all__ if name != "__version__"]
-    assert sorted(public) == sorted([*semianalytic.__all__, *fem.__all__, *validation.__all__])
+    assert sorted(public) == sorted(
+        [*semianalytic.__all__, *fem.__all__, *validation.__all__, *surveys.__all__]
+    )
     assert len(set(public)) == len(public)
     for name in public:
-        source = next(one for one in (fem, validation, semianalytic) if name in one.__all__)
+        source = next(
+            one for one in (fem, validation, surveys, semianalytic) if name in one.__all__
+        )
         assert getattr(slipfront, name) is getattr(source, name)
     assert slipfront.__version__ == PROJECT["project"]["version"]
     assert dir(slipfront) == sorted(slipfront.__all__)

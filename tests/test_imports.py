@@ -32,7 +32,7 @@ ARROWS = {
         "figures": "comparison output",
         "validation": "records comparison figures output",
         "benchmarks": "records comparison figures output",
-        "surveys": "output",
+        "surveys": "comparison output",
         "studies": "comparison figures output surveys",
         "cli": "records validation benchmarks comparison figures output surveys studies",
     },

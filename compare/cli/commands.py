@@ -21,6 +21,7 @@ from compare.cli.interruption import INTERRUPTED, INTERRUPTION
 from compare.cli.refusals import in_options, printable
 from compare.cli.simulate_command import simulate_command
 from compare.cli.solve_command import solve_command
+from compare.cli.survey_command import survey_command
 from compare.cli.validate_command import validate_command
 from semianalytic.scene.errors import DataFileError, SlipfrontError
 from semianalytic.scene.extras import needing
@@ -55,6 +56,7 @@ app.command("simulate")(simulate_command)
 app.command("field")(field_command)
 app.add_typer(benchmark_app, name="benchmark")
 app.command("validate")(validate_command)
+app.command("survey")(survey_command)
 
 
 @app.command()

@@ -14,9 +14,17 @@ HDF5 = ("h5py",)
 """What saved results import."""
 PLOT = ("matplotlib", "PIL")
 """What figures import."""
+XARRAY = ("xarray", "h5netcdf", "h5py", "zarr")
+"""What datasets, and their files, import."""
+CLUSTER = ("dask", "distributed")
+"""What runs on several machines imports."""
 
 _DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
-_EXTRAS = {**dict.fromkeys(FEM, "fem"), **dict.fromkeys(PLOT, "plot"), "xarray": "xarray"}
+_EXTRAS = {
+    module: extra
+    for extra, modules in (("xarray", XARRAY), ("fem", FEM), ("plot", PLOT), ("cluster", CLUSTER))
+    for module in modules
+}
 
 
 def require(what: str, *modules: str) -> None:
