@@ -75,7 +75,7 @@ def on_cluster(
     futures = client.map(_called, functions, arguments, pure=False)
     places = {future.key: index for index, future in enumerate(futures)}
     try:
-        for future, result in as_completed(futures, with_results=True):
+        for future, result in as_completed(futures, loop=client.loop, with_results=True):
             yield places.pop(future.key), result
             future.release()  # or the workers would hold all results
     except KilledWorker as error:

@@ -207,7 +207,7 @@ def write_zarr(folder: Path, plan: Plan, chunks: Chunks, command: str) -> None:
                 shape=values.shape,
                 dtype=str if text else values.dtype,
                 dimension_names=along,
-                attributes=attrs,
+                attributes={**attrs},
             )[...] = values.astype(object) if text else values
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the third format of Zarr has not settled what these are

@@ -123,12 +123,15 @@ class Plan:
         plane = [name for name in _SWEPT_TOGETHER if name in sizes]
         if len(plane) == 2:
             name = plane[0]
-            block[name] = min(sizes[name], max(round(scale * _SWEPT_TOGETHER[name]), 1), room)
+            parts = max(round(sizes[name] / (scale * _SWEPT_TOGETHER[name])), 1)
+            block[name] = min(math.ceil(sizes[name] / parts), room)
         for name in [*reversed(plane), *plane, *(n for n in reversed(sizes) if n not in plane)]:
             free = room // math.prod(length for key, length in block.items() if key != name)
             block[name] = max(block[name], min(sizes[name], free))
-        parts = {name: math.ceil(sizes[name] / length) for name, length in block.items()}
-        return {name: math.ceil(sizes[name] / number) for name, number in parts.items()}
+        return {
+            name: math.ceil(sizes[name] / math.ceil(sizes[name] / length))
+            for name, length in block.items()
+        }
 
     @cached_property
     def regions(self) -> list[Region]:
