@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
@@ -16,13 +16,22 @@ from compare.comparison.rows import DIFFERS
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.extras import FEM, PLOT, require
+from semianalytic.scene.extras import CLUSTER, FEM, PLOT, require
 
 Output = Annotated[
     Path | None,
     typer.Option(metavar="DIR", help="Folder to write to, results/COMMAND if not given."),
 ]
 Quick = Annotated[bool, typer.Option("--quick", help="Coarser and smaller: a look at everything.")]
+
+
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Work on the Dask cluster of this scheduler, as tcp://127.0.0.1:8786.",
+    ),
+]
 
 
 def regimes(
@@ -32,6 +41,7 @@ def regimes(
     size: Annotated[int, typer.Option(help="Points along each axis of a map.")] = 100,
     output: Output = None,
     quick: Quick = False,
+    scheduler: Scheduler = None,
     quiet: Quiet = False,
 ) -> None:
     """Map how the interface slips over Poisson ratio and friction, with traced boundaries.
@@ -42,8 +52,9 @@ def regimes(
     from compare.studies.regimes.study import write_regimes
 
     directory = output or Path("results", "regimes")
-    with working_folder(directory), _progress(quiet, "mapping") as progress:
-        write_regimes(directory, size, loading, quick, progress)
+    bar = _progress(quiet, "mapping")
+    with on_scheduler(scheduler) as client, working_folder(directory), bar as progress:
+        write_regimes(directory, size, loading, quick, progress, client)
     _written(f"{directory}/")
 
 
@@ -63,6 +74,7 @@ def stability(
     ] = False,
     output: Output = None,
     quick: Quick = False,
+    scheduler: Scheduler = None,
     quiet: Quiet = False,
 ) -> None:
     """Study where the methods fail, how, and what the program does about it.
@@ -90,10 +102,10 @@ def stability(
         from compare.studies.judge.study import write_judge
 
         chosen.append(write_judge)
-    with working_folder(directory):
+    with on_scheduler(scheduler) as client, working_folder(directory):
         for study in chosen:
             with _progress(quiet, "studying") as progress:
-                study(directory, quick, progress)
+                study(directory, quick, progress, client)
     _written(f"{directory}/")
 
 
@@ -117,6 +129,7 @@ def chart(
     output: Output = None,
     quick: Quick = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is there.")] = False,
+    scheduler: Scheduler = None,
     quiet: Quiet = False,
 ) -> None:
     """Chart error against time of every method; an interrupted chart goes on when started again.
@@ -129,7 +142,7 @@ def chart(
 
     directory = output or Path("results", "chart-quick" if quick else "chart")
     notes = Console(stderr=True)
-    with working_folder(directory):
+    with on_scheduler(scheduler) as client, working_folder(directory):
         with progress_bar(notes, quiet, "measuring") as progress:
             points = measure_all(
                 directory / FILE_NAME,
@@ -138,6 +151,7 @@ def chart(
                 fresh=fresh,
                 progress=progress,
                 tell=_teller(notes, quiet),
+                client=client,
             )
         text = write_chart(directory, points)
     Console().print(text, highlight=False, markup=False, soft_wrap=True)
@@ -190,6 +204,15 @@ def evidence(
         found = write_evidence(path, scenes or (), quick=quick, progress=progress)
     _written(path)
     raise typer.Exit(1 if found.verdict == DIFFERS else 0)
+
+
+def on_scheduler(address: str | None) -> AbstractContextManager[Any]:
+    """A client of the scheduler at an address; None without an address."""
+    from compare.surveys.cluster import connected
+
+    if address is not None:
+        require("--scheduler", *CLUSTER)
+    return connected(address)
 
 
 def _progress(quiet: bool, doing: str) -> AbstractContextManager[Callable[[int, int], None]]:

@@ -16,9 +16,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from compare.cli.options import SCENE_OPTIONS, Quiet, SceneArgument, option_name, with_options
+from compare.cli.study_commands import Scheduler, on_scheduler
 from compare.output.progress import progress_bar
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.extras import CLUSTER, require
 from semianalytic.scene.named import find_scene, scene_label
 from semianalytic.scene.units import unit
 
@@ -53,13 +53,6 @@ QUESTIONS: Mapping[str, Any] = {
         "length": (float, "Of the contact that marches observe [length]."),
     }.items()
 }
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ADDRESS",
-        help="Work on the Dask cluster of this scheduler, as tcp://127.0.0.1:8786.",
-    ),
-]
 
 
 @with_options(values=VALUE_OPTIONS, samples=SAMPLES, question=QUESTIONS)
@@ -97,7 +90,6 @@ def survey_command(
     An interrupted survey goes on when it is started again with the same values.  Scenes that are
     refused are nan, with the reason in their status; the exit code is 0 all the same.
     """
-    from compare.surveys.cluster import connected
     from compare.surveys.plan import Question, planned
     from compare.surveys.run import FIELDS, run_survey
 
@@ -105,8 +97,6 @@ def survey_command(
     path = output or Path("results", f"{scene_label(scene_name)}-survey.nc")
     if workers is not None and workers < 1:
         raise SceneError(f"{option_name('workers')} must be a whole number from 1, got {workers}.")
-    if scheduler is not None:
-        require("--scheduler", *CLUSTER)
     places = {
         name: tuple(np.atleast_1d(typed_values(name, text)).tolist())
         for name, text in samples.items()
@@ -117,7 +107,7 @@ def survey_command(
     plan = planned(scene, given, Question(**asked), together=together, chunk=chunk)
     command = shlex.join(["slipfront", *sys.argv[1:]])
     bar = progress_bar(Console(stderr=True), quiet or as_json, "surveying")
-    with connected(scheduler) as client, bar as progress:
+    with on_scheduler(scheduler) as client, bar as progress:
         found = run_survey(plan, path, workers, client, progress, command)
     document = survey_document(found, path)
     if as_json:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -35,16 +36,18 @@ FOLDER = Path("results", "stability")
 
 
 def write_judge(
-    directory: Path, quick: bool = False, progress: Progress | None = None
+    directory: Path, quick: bool = False, progress: Progress | None = None, client: Any = None
 ) -> tuple[list[JudgedRow], list[SpoiltRow]]:
     """Run what is missing of the trials; write their tables and the figure into a folder.
+
+    A `client` of a Dask cluster lets that run them.
 
     Raises
     ------
     DataFileError
         If a file cannot be written.
     """
-    judged, spoilt = run_trials(directory, quick, progress)
+    judged, spoilt = run_trials(directory, quick, progress, client)
     tables: dict[str, Sequence[object]] = {
         "alarms": alarm_rows(judged),
         "bars": bar_rows(judged),

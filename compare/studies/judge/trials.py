@@ -290,7 +290,7 @@ def flawless(judgement: Judgement) -> Simulation:
 
 
 def run_trials(
-    directory: Path, quick: bool = False, progress: Progress | None = None
+    directory: Path, quick: bool = False, progress: Progress | None = None, client: Any = None
 ) -> tuple[list[JudgedRow], list[SpoiltRow]]:
     """All rows, those of an earlier run included; two tables in a folder.
 
@@ -320,7 +320,7 @@ def run_trials(
     kept = {kind: _whole(started_rows(table, kind)) for kind, table in tables.items()}
     known = {_trial_of(row) for rows in kept.values() for row in rows}
     left = [key for key in tasks if key not in known]
-    for _, rows in run_tasks([tasks[key] for key in left], None, progress):
+    for _, rows in run_tasks([tasks[key] for key in left], None, progress, client):
         append_rows(tables[type(rows[0])], rows)
         kept[type(rows[0])] += rows
     judged, spoiled = (

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -67,13 +67,14 @@ def write_regimes(
     loading: str = "both",
     quick: bool = False,
     progress: Progress | None = None,
+    client: Any = None,
 ) -> None:
     """Map regimes on size x size points, trace their boundaries, and write figures and CSV files.
 
     regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, for the preload
     reverse-slip.csv and .png, and openings.csv and .png; few points if quick.  Columns of a map
     are kept in a hidden file as they are done, so that an interrupted run continues when started
-    again with the same size.
+    again with the same size.  A `client` of a Dask cluster lets that do it.
 
     Raises
     ------
@@ -91,7 +92,7 @@ def write_regimes(
     count = min(size, _QUICK_SIZE) if quick else size
     loadings: list[Loading] = [name for name in known if loading in (name, "both")]
     output.mkdir(parents=True, exist_ok=True)
-    results = _computed(output, loadings, count, quick, progress)
+    results = _computed(output, loadings, count, quick, progress, client)
     for name in loadings:
         write_rows(output / f"regimes-{name}.csv", results.points[name])
         save_regimes(output / f"regimes-{name}.png", name, results)
@@ -102,18 +103,18 @@ def write_regimes(
     if "preload" in loadings:
         write_rows(output / "reverse-slip.csv", results.reverse)
         save_reverse(output / "reverse-slip.png", results)
-    columns, speeds = _openings(quick)
+    columns, speeds = _openings(quick, client)
     write_rows(output / "openings.csv", [*columns, *speeds])
     save_openings(output / "openings.png", columns, speeds)
 
 
-def _openings(quick: bool) -> tuple[list[OpeningPoint], list[OpeningPoint]]:
+def _openings(quick: bool, client: Any) -> tuple[list[OpeningPoint], list[OpeningPoint]]:
     """What opens under a step of pressure: points of the map, and of the panels of speeds."""
     size, count = _OPENING_COUNTS[quick]
     columns = [(opening_column, (nu, size)) for nu in poisson_ratios(size).tolist()]
     speeds = [(opening_speeds, (nu, count)) for nu in FRONT_POISSON_RATIOS]
     parts: tuple[list[OpeningPoint], list[OpeningPoint]] = ([], [])
-    for index, points in run_tasks([*columns, *speeds], progress=None):
+    for index, points in run_tasks([*columns, *speeds], client=client):
         parts[index >= size].extend(points)
     return sorted_openings(parts[0]), sorted_openings(parts[1])
 
@@ -129,7 +130,12 @@ def _traced_ratios(count: int) -> list[float]:
 
 
 def _computed(
-    output: Path, loadings: Sequence[Loading], count: int, quick: bool, progress: Progress | None
+    output: Path,
+    loadings: Sequence[Loading],
+    count: int,
+    quick: bool,
+    progress: Progress | None,
+    client: Any,
 ) -> RegimeResults:
     traced, shown, within = _COUNTS[quick]
     kept = {name: kept_columns(_part(output, name, count), name, count) for name in loadings}
@@ -149,7 +155,7 @@ def _computed(
         for nu in poisson_ratios(count).tolist():
             if nu not in kept[name]:
                 tasks.append((columns, (map_column, (name, nu, count))))
-    for index, result in run_tasks([task for _, task in tasks], progress=progress):
+    for index, result in run_tasks([task for _, task in tasks], progress=progress, client=client):
         destination = tasks[index][0]
         destination += result
         if destination is columns:

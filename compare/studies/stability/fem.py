@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from compare.figures.saving import save_figure
 from compare.output.files import write_text
 from compare.studies.accuracy.fem import errors_of
-from compare.surveys.workers import Progress, counted
+from compare.surveys.workers import Progress, run_tasks
 from semianalytic import Scene, Tractions, solve
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES
@@ -109,7 +109,7 @@ class Outcome:
 
 
 def fem_stability(
-    output: Path, quick: bool = False, progress: Progress | None = None
+    output: Path, quick: bool = False, progress: Progress | None = None, client: Any = None
 ) -> tuple[Outcome, ...]:
     """Run all trials; write `fem-stability.csv` and `fem-stability.png` into a folder.
 
@@ -134,7 +134,8 @@ def fem_stability(
         If meshes have to be built and gmsh cannot be loaded.
     """
     planned = tuple(trials(quick))
-    outcomes = tuple(counted(map(run_trial, planned), len(planned), progress))
+    done = dict(run_tasks([(run_trial, (trial,)) for trial in planned], 1, progress, client))
+    outcomes = tuple(done[index] for index in range(len(planned)))
     write_text(output / CSV_NAME, csv_text(outcomes))
     save_figure(stability_figure(outcomes), output / FIGURE_NAME)
     return outcomes

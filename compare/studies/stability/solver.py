@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from compare.output.tables import write_rows
 from compare.studies.stability.figures import save_figures
@@ -37,11 +38,12 @@ _DEEPEST = 9
 
 
 def write_solver_stability(
-    output: Path, quick: bool = False, progress: Progress | None = None
+    output: Path, quick: bool = False, progress: Progress | None = None, client: Any = None
 ) -> None:
     """Study limits, thresholds, grids and rules; write figures and stability-solver.csv.
 
-    Small grids and few points, within a minute, if quick; otherwise some minutes.
+    Small grids and few points, within a minute, if quick; otherwise some minutes.  A `client` of a
+    Dask cluster lets that do it.
 
     Raises
     ------
@@ -52,7 +54,7 @@ def write_solver_stability(
     """
     output.mkdir(parents=True, exist_ok=True)
     rows: list[StudyRow] = []
-    for _, part in run_tasks(study_tasks(quick), progress=progress):
+    for _, part in run_tasks(study_tasks(quick), progress=progress, client=client):
         rows += part
     rows.sort(key=_order)
     write_rows(output / "stability-solver.csv", rows)

@@ -1,6 +1,7 @@
 """Surveys and studies on a Dask cluster: workers die, are old, or are not there."""
 
 import os
+import pickle
 import signal
 import sys
 from importlib.metadata import PackageNotFoundError
@@ -20,16 +21,20 @@ SCENE = sf.find_scene("preloaded")
 VALUES = {"friction": [0.1, 0.2, 0.3, 0.5, 0.7, 0.9], "poisson_ratio": [0.1, 0.2, 0.45]}
 
 
-@pytest.fixture(scope="module")
-def two_workers():
-    """A cluster of two processes on this machine."""
-    with LocalCluster(
-        n_workers=2,
+def local_cluster(workers):
+    """A cluster of processes on this machine."""
+    return LocalCluster(
+        n_workers=workers,
         threads_per_worker=1,
         processes=True,
         host="127.0.0.1",
         dashboard_address="127.0.0.1:0",
-    ) as local:
+    )
+
+
+@pytest.fixture(scope="module")
+def two_workers():
+    with local_cluster(2) as local:
         yield local
 
 
@@ -90,9 +95,7 @@ def test_workers_of_another_version_are_refused(there, said, client, monkeypatch
 
 def test_a_cluster_without_workers_is_refused():
     with (
-        LocalCluster(
-            n_workers=0, processes=False, host="127.0.0.1", dashboard_address="127.0.0.1:0"
-        ) as bare,
+        local_cluster(0) as bare,
         Client(bare, set_as_default=False) as one,
         pytest.raises(ComputationError, match="has no workers"),
     ):
@@ -101,7 +104,7 @@ def test_a_cluster_without_workers_is_refused():
 
 def test_an_address_nobody_answers_at_is_refused(two_workers):
     with (
-        pytest.raises(ComputationError, match="No Dask scheduler answers at tcp://127.0.0.1:1 "),
+        pytest.raises(ComputationError, match="No Dask scheduler answers at tcp:"),
         connected("tcp://127.0.0.1:1", patience=0.3),
     ):
         pass
@@ -119,3 +122,45 @@ def test_the_command_line_works_on_a_cluster(two_workers, tmp_path, capsys):
     assert main([*line.split(), "--output", str(path), "--scheduler", address]) == 0
     assert path.is_dir()
     assert "converged" in capsys.readouterr().out
+
+
+class Asked(Exception):
+    """That tasks were handed to a cluster."""
+
+
+STUDIES = {
+    "regimes --quick": "regimes.study",
+    "stability --quick --solver": "stability.solver",
+    "stability --quick --fem": "stability.fem",
+    "stability --quick --space-time": "stability.spacetime",
+    "stability --quick --judge": "judge.trials",
+    "chart preloaded --quick": "chart.study",
+}
+
+
+@pytest.mark.parametrize("line", STUDIES)
+def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, monkeypatch):
+    def run_tasks(tasks, workers=None, progress=None, client=None):
+        assert client.scheduler.address == two_workers.scheduler_address
+        for function, arguments in tasks:
+            pickle.loads(pickle.dumps((function, arguments)))
+        raise Asked(len(tasks))
+
+    monkeypatch.setattr(f"compare.studies.{STUDIES[line]}.run_tasks", run_tasks)
+    options = ["--scheduler", two_workers.scheduler_address, "--output", str(tmp_path), "--quiet"]
+    with pytest.raises(Asked, match=r"[1-9]"):
+        main([*line.split(), *options])
+
+
+@pytest.mark.slow
+def test_a_chart_and_a_map_made_by_a_cluster(two_workers, tmp_path):
+    scheduler = ["--scheduler", two_workers.scheduler_address, "--quiet"]
+    for folder, options in (("here", ["--quiet"]), ("there", scheduler)):
+        to = ["--output", str(tmp_path / folder)]
+        assert main(["regimes", "--loading", "remote", "--quick", *to, *options]) == 0
+    for name in ("regimes-remote.csv", "boundaries.csv", "front-speeds.csv", "openings.csv"):
+        here, there = ((tmp_path / folder / name).read_text() for folder in ("here", "there"))
+        assert here == there
+    to = ["--output", str(tmp_path / "chart")]
+    assert main(["chart", "preloaded", "--quick", *to, *scheduler]) == 0
+    assert (tmp_path / "chart" / "data" / "chart.csv").read_text().count("preloaded") > 3
