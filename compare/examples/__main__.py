@@ -19,6 +19,7 @@ EXAMPLES = (
     "fit_friction",
     "sensitivity",
     "sweep_friction",
+    "survey_map",
     "custom_history",
     "friction_law",
     "paraview_snapshots",

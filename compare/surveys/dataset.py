@@ -199,6 +199,9 @@ def write_zarr(folder: Path, plan: Plan, chunks: Chunks, command: str) -> None:
     for name, speeds in wave_speeds(plan).items():
         arrays[name][...] = speeds
     used = {along for one in variables.values() for along in one.along}
+    apart = [name for name, (along, *_) in coordinates(plan).items() if along != (name,)]
+    if apart:  # which xarray would take for variables
+        group.attrs["coordinates"] = " ".join(apart)
     for name, (along, values, attrs) in coordinates(plan).items():
         if used.issuperset(along):
             text = values.dtype.kind == "U"

@@ -44,7 +44,8 @@ def run_tasks(
 ) -> Iterator[tuple[int, Any]]:
     """Call module-level functions in processes; yield (index of task, result) as each is done.
 
-    The program that calls this is not run again in them: it needs no ``if __name__ ==``.
+    A program that calls this is not run again in them, and needs no ``if __name__ ==``, unless
+    functions are its own.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def _in_processes(tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Any]
     finished = False
     try:
         # also from workers that are still starting
-        with _interrupts_held_back(), _without_main():
+        with _interrupts_held_back(), _without_main(tasks):
             futures = {
                 pool.submit(function, *arguments): index
                 for index, (function, arguments) in enumerate(tasks)
@@ -125,10 +126,12 @@ def _interrupts_held_back() -> Iterator[None]:
 
 
 @contextmanager
-def _without_main() -> Iterator[None]:
-    """Let processes started meanwhile not run the program again that starts them."""
+def _without_main(tasks: Sequence[Task]) -> Iterator[None]:
+    """Let processes started meanwhile not run the program again that starts them, unless it is
+    there that they find functions."""
     main = sys.modules["__main__"]
-    sys.modules["__main__"] = ModuleType("__main__")
+    if all(function.__module__ != main.__name__ for function, _ in tasks):
+        sys.modules["__main__"] = ModuleType("__main__")
     try:
         yield
     finally:

@@ -70,6 +70,17 @@ def test_files_hold_the_survey_with_units_and_statuses(name, tmp_path, known):
 
 
 @pytest.mark.parametrize("name", ["a.nc", "a.zarr"])
+def test_lists_and_single_numbers_stay_coordinates(name, tmp_path):
+    values = {"friction": [0.1, 0.2, -1.0], "poisson_ratio": [0.3, 0.4, 0.1], "load_shear": 0.9}
+    known = plain(survey(SCENE, together=True, workers=1, **values))
+    survey(SCENE, together=True, workers=1, path=tmp_path / name, **values)
+    engine = {"a.nc": "h5netcdf", "a.zarr": "zarr"}[name]
+    with xarray.open_dataset(tmp_path / name, engine=engine) as found:
+        assert plain(found).identical(known)
+        assert {"friction", "poisson_ratio", "load_shear"} <= set(found.coords)
+
+
+@pytest.mark.parametrize("name", ["a.nc", "a.zarr"])
 def test_an_interrupted_survey_goes_on(name, tmp_path, known, monkeypatch):
     path = tmp_path / name
     with pytest.raises(Stop):
