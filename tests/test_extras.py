@@ -65,6 +65,10 @@ REFUSED = [
     (FEM, "compare --from somewhere", "fem"),
     (FEM, "stability --fem", "fem"),
     (FEM, "evidence --quick", "fem"),
+    (CLUSTER, "survey preloaded --friction 0.1,0.2 --scheduler tcp://127.0.0.1:1", "cluster"),
+    (CLUSTER, "stability --space-time --scheduler tcp://127.0.0.1:1", "cluster"),
+    (ALL, "survey preloaded --friction 0.1,0.2", "xarray"),
+    (ALL, "regimes --scheduler tcp://127.0.0.1:1", "plot"),
     (ALL, "compare", "fem,plot"),
     (ALL, "article", "fem,plot"),
     (ALL, "chart", "fem,plot"),
@@ -86,7 +90,7 @@ def run_without(blocked, code, folder):
 def commands(tmp_path_factory):
     """Exit code, output and errors of every command by (what is missing, its line)."""
     found = {}
-    for blocked in (PLOT, FEM, ALL):
+    for blocked in (PLOT, FEM, CLUSTER, ALL):
         lines = [line for missing, line, _ in REFUSED if missing == blocked]
         lines += FINE if blocked == ALL else []
         folder = tmp_path_factory.mktemp("empty")

@@ -244,7 +244,11 @@ def plan() -> list[PlanRow]:
         ("solving", f"{wall:.0f} s", "over the cores, all of them busy"),
         ("last tasks", f"{slowest:.0f} s more", "one task: the cores end at different times"),
         ("scheduler and client", f"{scheduling:.0f} s", f"{task.scheduling:.1f} ms a task"),
-        ("share of the scheduler", f"{100 * scheduling / wall:.0f} %", "of its own core, while solving"),
+        (
+            "share of the scheduler",
+            f"{100 * scheduling / wall:.0f} %",
+            "of its own core, while solving",
+        ),
         ("results", f"{cost.packed * cost.chunk / 1e3:.0f} kB a task", "measured, packed"),
         ("traffic to the client", f"{traffic / 1e3:.1f} GB", f"{traffic / wall:.0f} MB/s"),
         ("chunks on the disk", f"{tasks:,} files", "beside the path, until the end"),

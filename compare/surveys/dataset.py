@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from compare.comparison.documents import SCENE_DIMENSIONS
 from compare.surveys.parameters import MATERIAL, Array, parameters_of
 from compare.surveys.plan import Plan
-from compare.surveys.points import DEFAULT_RTOL, unpacked
+from compare.surveys.points import DEFAULT_RTOL, held, unpacked
 from compare.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.scene.scene import scene_document
@@ -42,10 +42,8 @@ def variables_of(plan: Plan, chunks: Chunks) -> dict[str, Variable]:
     zones = 1
     names: set[str] = set()
     for _, data in chunks():
-        columns = unpacked(data)
-        names |= columns.keys()
-        if "sense" in columns:
-            zones = max(zones, columns["sense"].shape[1])
+        some, most = held(data)
+        names, zones = names | some, max(zones, most)
     question = plan.question
     lengths = {**plan.sizes, "zone": zones, "edge": 2, "mode": 2}
     lengths |= {"t": len(question.t), "x": len(question.x)}

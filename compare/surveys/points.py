@@ -231,6 +231,13 @@ def packed(columns: Columns) -> bytes:
     return stream.getvalue()
 
 
+def held(data: bytes) -> tuple[set[str], int]:
+    """Names of what was packed, and the number of zones."""
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        zones = arrays["sense"].shape[1] if "sense" in arrays else 0
+        return set(arrays.files), zones
+
+
 def unpacked(data: bytes) -> Columns:
     """What was packed."""
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
