@@ -215,6 +215,22 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "address": Key("of the page, served until the command is ended", TEXT),
         },
     ),
+    "survey": (
+        {
+            "file": Key("that holds everything", TEXT),
+            "points": Key("scenes that were asked for", WHOLE),
+            "dimensions": Key("their lengths", _of(WHOLE)),
+            "parameters": Key(
+                "what varies, from where to where",
+                _of(_object(least=NUMBER, largest=NUMBER, count=WHOLE)),
+            ),
+            "statuses": Key("how many scenes ended in each", _of(WHOLE)),
+            "methods": Key("how many were solved by each", _of(WHOLE)),
+            "largest_error_estimate": Key("of all scenes", NUMBER),
+            "seconds": Key("of processor time", NUMBER),
+            "variables": Key("in the file; their units are in units.variables", _list(TEXT)),
+        },
+    ),
     "compare": (
         {
             "scene": _LABEL,

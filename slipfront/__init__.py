@@ -2,9 +2,10 @@
 
 ``import slipfront as sf``: everything under the name it is installed by.  Nothing is made here:
 scenes and semi-analytic solvers come from `semianalytic`, finite elements from `fem`, which needs
-the extra ``slipfront[fem]``, the judge of other codes' results from `compare.validation`, readers
-of gauges and samples of posteriors from `compare.inversion`.  What a plain solution does without is
-imported when one of its names is first used.
+the extra ``slipfront[fem]``, the judge of other codes' results from `compare.validation`, many
+scenes at once from `compare.surveys`, readers of gauges and samples of posteriors from
+`compare.inversion`.  What a plain solution does without is imported when one of its names is first
+used.
 """
 
 from importlib.metadata import version
@@ -37,6 +38,7 @@ __all__ = [
     "prepare",
     "read_gauges",
     "simulate",
+    "survey",
     "validate",
     "with_companions",
 ]
@@ -47,6 +49,7 @@ _INVERSION = ("Posterior", "posterior", "read_gauges")
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from compare.inversion import Posterior, posterior, read_gauges
+    from compare.surveys import survey
     from compare.validation import Conventions, Validation, validate
     from fem import (
         BACKWARD,
@@ -71,7 +74,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
 else:
 
     def __getattr__(name: str) -> Any:
-        """A name of `semianalytic`, of `compare.validation` or `.inversion`, or of `fem`.
+        """A name of `semianalytic`, `compare.validation`, `.surveys` or `.inversion`, or `fem`.
 
         Raises
         ------
@@ -90,6 +93,10 @@ else:
             from compare import validation
 
             return getattr(validation, name)
+        if name == "survey":
+            from compare.surveys import survey
+
+            return survey
         import fem
 
         return getattr(fem, name)

@@ -12,9 +12,19 @@ import pytest
 import fem
 import semianalytic
 import slipfront
-from compare import inversion, validation
+from compare import inversion, surveys, validation
 from semianalytic import MissingLibraryError
-from semianalytic.scene.extras import BAYES, FEM, HDF5, PLOT, needing, require
+from semianalytic.scene.extras import (
+    BAYES,
+    CLUSTER,
+    EXPLORE,
+    FEM,
+    HDF5,
+    PLOT,
+    XARRAY,
+    needing,
+    require,
+)
 
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
@@ -41,9 +51,9 @@ for line in {lines}:
         code = main(line.split())
     print(json.dumps([code, out.getvalue(), err.getvalue()]))
 """
-SOURCES = (fem, validation, inversion, semianalytic)
+SOURCES = (fem, validation, inversion, surveys, semianalytic)
 """Of the public names of slipfront."""
-ALL = (*FEM, *PLOT, *BAYES, "xarray")
+ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *BAYES)
 FINE = [
     "--help",
     "scenes",
@@ -69,7 +79,12 @@ REFUSED = [
     (FEM, "stability --fem", "fem"),
     (FEM, "evidence --quick", "fem"),
     (PLOT, "fit a.csv --scene preloaded --parameters friction --plot a.png", "plot"),
+    (EXPLORE, "explore", "explore"),
     (BAYES, "fit a.csv --scene preloaded --parameters friction --posterior", "bayes"),
+    (CLUSTER, "survey preloaded --friction 0.1,0.2 --scheduler tcp://127.0.0.1:1", "cluster"),
+    (CLUSTER, "stability --space-time --scheduler tcp://127.0.0.1:1", "cluster"),
+    (ALL, "survey preloaded --friction 0.1,0.2", "xarray"),
+    (ALL, "regimes --scheduler tcp://127.0.0.1:1", "plot"),
     (ALL, "compare", "fem,plot"),
     (ALL, "article", "fem,plot"),
     (ALL, "chart", "fem,plot"),
@@ -91,7 +106,7 @@ def run_without(blocked, code, folder):
 def commands(tmp_path_factory):
     """Exit code, output and errors of every command by (what is missing, its line)."""
     found = {}
-    for blocked in (PLOT, FEM, BAYES, ALL):
+    for blocked in (PLOT, FEM, EXPLORE, CLUSTER, BAYES, ALL):
         lines = [line for missing, line, _ in REFUSED if missing == blocked]
         lines += FINE if blocked == ALL else []
         folder = tmp_path_factory.mktemp("empty")
@@ -169,10 +184,19 @@ def test_other_missing_modules_stay_what_they_are():
 def test_extras_hold_what_they_are_said_to():
     extras = PROJECT["project"]["optional-dependencies"]
     names = {"skfem": "scikit-fem", "PIL": "pillow"}
-    for extra, modules in {"fem": FEM, "plot": PLOT, "xarray": ("xarray",), "bayes": BAYES}.items():
+    brought = {
+        "fem": FEM,
+        "plot": PLOT,
+        "explore": EXPLORE,
+        "xarray": XARRAY,
+        "cluster": CLUSTER,
+        "bayes": BAYES,
+    }
+    for extra, modules in brought.items():
         listed = {requirement.split(">")[0] for requirement in extras[extra]}
-        assert listed == {names.get(module, module) for module in modules}
-    assert extras["all"] == ["slipfront[fem,plot,xarray,bayes]"]
+        assert listed - {"slipfront[plot]"} == {names.get(module, module) for module in modules}
+    assert "slipfront[plot]" in extras["explore"]
+    assert extras["all"] == ["slipfront[fem,plot,xarray,explore,cluster,bayes]"]
     assert "slipfront[all]" in extras["test"]
     needed = {requirement.split(">")[0] for requirement in PROJECT["project"]["dependencies"]}
     assert needed == {"numpy", "scipy", "rich", "typer"}

@@ -33,10 +33,12 @@ ARROWS = {
         "figures": "comparison output",
         "validation": "records comparison figures output",
         "benchmarks": "records comparison figures output",
-        "studies": "comparison figures output",
+        "surveys": "comparison output",
+        "studies": "comparison figures output surveys",
         "inversion": "records comparison figures output",
         "explore": "comparison figures output studies",
-        "cli": "records validation benchmarks inversion explore comparison figures output studies",
+        "cli": "records validation benchmarks inversion explore comparison figures output surveys "
+        "studies",
     },
 }
 """What each folder of a package may import of the others of that package, at any depth."""

@@ -94,7 +94,7 @@ def test_versions_agree():
 def test_reference_holds_every_public_name():
     page = (ROOT / "docs" / "api" / "slipfront.md").read_text()
     held = re.findall(
-        r"^::: (?:semianalytic|fem|compare\.validation|compare\.inversion)\.(\w+)$",
+        r"^::: (?:semianalytic|fem|compare\.(?:validation|surveys|inversion))\.(\w+)$",
         page,
         re.MULTILINE,
     )

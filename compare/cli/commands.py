@@ -23,6 +23,7 @@ from compare.cli.refusals import in_options, printable
 from compare.cli.scenes.commands import init, scenes
 from compare.cli.simulate_command import simulate_command
 from compare.cli.solve_command import solve_command
+from compare.cli.survey_command import survey_command
 from semianalytic.scene.errors import DataFileError, SlipfrontError
 from semianalytic.scene.extras import needing
 
@@ -58,6 +59,7 @@ app.command("explore")(explore_command)
 app.add_typer(benchmark_app, name="benchmark")
 app.command("validate")(validate_command)
 app.command("fit")(fit_command)
+app.command("survey")(survey_command)
 
 
 for command in (

@@ -18,13 +18,22 @@ from compare.comparison.rows import DIFFERS
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.extras import FEM, PLOT, require
+from semianalytic.scene.extras import CLUSTER, FEM, PLOT, require
 
 Output = Annotated[
     Path | None,
     typer.Option(metavar="DIR", help="Folder to write to, results/COMMAND if not given."),
 ]
 Quick = Annotated[bool, typer.Option("--quick", help="Coarser and smaller: a look at everything.")]
+
+
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Work on the Dask cluster of this scheduler, as tcp://127.0.0.1:8786.",
+    ),
+]
 
 
 def regimes(
@@ -39,6 +48,7 @@ def regimes(
     output: Output = None,
     figures: FiguresForm = "png",
     quick: Quick = False,
+    scheduler: Scheduler = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -51,8 +61,9 @@ def regimes(
     from compare.studies.regimes.study import write_regimes
 
     directory = output or Path("results", "regimes")
-    with working_folder(directory) as files, _progress(quiet, "mapping") as progress:
-        results = write_regimes(directory, size, loading, quick, progress, figures)
+    bar = _progress(quiet, "mapping")
+    with on_scheduler(scheduler) as client, working_folder(directory) as files, bar as progress:
+        results = write_regimes(directory, size, loading, quick, progress, figures, client)
     if as_json:
         print_json("regimes", regimes_document(results), files=files)
     else:
@@ -76,6 +87,7 @@ def stability(
     output: Output = None,
     figures: FiguresForm = "png",
     quick: Quick = False,
+    scheduler: Scheduler = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -107,10 +119,10 @@ def stability(
 
         chosen["judge"] = write_judge
     tables = {}
-    with working_folder(directory) as files:
+    with on_scheduler(scheduler) as client, working_folder(directory) as files:
         for name, study in chosen.items():
             with _progress(quiet, "studying") as progress:
-                rows = study(directory, quick, progress, figures)
+                rows = study(directory, quick, progress, figures, client)
             tables[name] = rows if isinstance(rows, dict) else {"rows": rows}
     if as_json:
         print_json("stability", stability_document(tables), files=files)
@@ -153,6 +165,7 @@ def chart(
     figures: FiguresForm = "png",
     quick: Quick = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is there.")] = False,
+    scheduler: Scheduler = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
@@ -167,7 +180,7 @@ def chart(
 
     directory = output or Path("results", "chart-quick" if quick else "chart")
     notes = Console(stderr=True)
-    with working_folder(directory) as files:
+    with on_scheduler(scheduler) as client, working_folder(directory) as files:
         with progress_bar(notes, quiet, "measuring") as progress:
             points = measure_all(
                 directory / FILE_NAME,
@@ -176,6 +189,7 @@ def chart(
                 fresh=fresh,
                 progress=progress,
                 tell=_teller(notes, quiet),
+                client=client,
             )
         text = write_chart(directory, points, figures)
     if as_json:
@@ -250,6 +264,15 @@ def evidence(
     else:
         _written(path)
     raise typer.Exit(1 if found.verdict == DIFFERS else 0)
+
+
+def on_scheduler(address: str | None) -> AbstractContextManager[Any]:
+    """A client of the scheduler at an address; None without an address."""
+    from compare.surveys.cluster import connected
+
+    if address is not None:
+        require("--scheduler", *CLUSTER)
+    return connected(address)
 
 
 def _progress(quiet: bool, doing: str) -> AbstractContextManager[Callable[[int, int], None]]:

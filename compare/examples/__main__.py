@@ -21,6 +21,7 @@ EXAMPLES = (
     "fit_gauges",
     "bent_posterior",
     "sweep_friction",
+    "survey_map",
     "custom_history",
     "friction_law",
     "paraview_snapshots",

@@ -7,6 +7,7 @@
   let record = "replace"; // what becomes of the address with the next scene that stands still
   const times = (window.slipfrontTimes = []); // from move to picture [ms]
   const STILL = 250; // after which a slider has stopped [ms]
+  const LOST = 5000; // after which an answer is not waited for any more [ms]
 
   function show(values) {
     fixed = values;
@@ -55,7 +56,7 @@
   function ask(moving) {
     label();
     waiting = { values: values(), moving, since: performance.now() };
-    if (performance.now() - busy > 3000) next();
+    if (!busy || performance.now() - busy > LOST) next();
   }
   function next() {
     busy = waiting ? performance.now() : 0;

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -27,7 +28,7 @@ from compare.studies.judge.tables import (
 )
 from compare.studies.judge.trials import JudgedRow, SpoiltRow, run_trials
 from compare.studies.tables import Study, run_studies
-from compare.studies.workers import Progress
+from compare.surveys.workers import Progress
 
 FOLDER = Path("results", "stability")
 """Where the command leaves its trials unless told otherwise, and the tables of docs look."""
@@ -38,8 +39,11 @@ def write_judge(
     quick: bool = False,
     progress: Progress | None = None,
     form: str = "png",
+    client: Any = None,
 ) -> dict[str, Sequence[object]]:
     """Run what is missing of the trials; write their tables and the figure into a folder.
+
+    A `client` of a Dask cluster lets that run them.
 
     Returns
     -------
@@ -51,7 +55,7 @@ def write_judge(
     DataFileError
         If a file cannot be written.
     """
-    judged, spoilt = run_trials(directory, quick, progress)
+    judged, spoilt = run_trials(directory, quick, progress, client)
     tables: dict[str, Sequence[object]] = {
         "alarms": alarm_rows(judged),
         "bars": bar_rows(judged),

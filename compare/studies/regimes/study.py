@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 
@@ -38,7 +38,7 @@ from compare.studies.regimes.points import (
     sorted_points,
     trace,
 )
-from compare.studies.workers import Progress, Task, run_tasks
+from compare.surveys.workers import Progress, Task, run_tasks
 from semianalytic.regimes import Loading, reverse_threshold, stuck_threshold
 from semianalytic.scene.checks import checked_count
 from semianalytic.scene.errors import SceneError
@@ -74,6 +74,7 @@ def write_regimes(
     quick: bool = False,
     progress: Progress | None = None,
     form: str = "png",
+    client: Any = None,
 ) -> RegimeResults:
     """Map regimes on size x size points, trace their boundaries, and write figures and CSV files.
 
@@ -98,7 +99,7 @@ def write_regimes(
     count = min(size, _QUICK_SIZE) if quick else size
     loadings: list[Loading] = [name for name in known if loading in (name, "both")]
     output.mkdir(parents=True, exist_ok=True)
-    results = _computed(output, loadings, count, quick, progress)
+    results = _computed(output, loadings, count, quick, progress, client)
     for name in loadings:
         write_rows(output / f"regimes-{name}.csv", results.points[name])
         save_figure(regimes_figure(name, results), output / f"regimes-{name}.{form}")
@@ -109,19 +110,19 @@ def write_regimes(
     if "preload" in loadings:
         write_rows(output / "reverse-slip.csv", results.reverse)
         save_figure(reverse_figure(results), output / f"reverse-slip.{form}")
-    columns, speeds = _openings(quick)
+    columns, speeds = _openings(quick, client)
     write_rows(output / "openings.csv", [*columns, *speeds])
     save_figure(openings_figure(columns, speeds), output / f"openings.{form}")
     return results
 
 
-def _openings(quick: bool) -> tuple[list[OpeningPoint], list[OpeningPoint]]:
+def _openings(quick: bool, client: Any) -> tuple[list[OpeningPoint], list[OpeningPoint]]:
     """What opens under a step of pressure: points of the map, and of the panels of speeds."""
     size, count = _OPENING_COUNTS[quick]
     columns = [(opening_column, (nu, size)) for nu in poisson_ratios(size).tolist()]
     speeds = [(opening_speeds, (nu, count)) for nu in FRONT_POISSON_RATIOS]
     parts: tuple[list[OpeningPoint], list[OpeningPoint]] = ([], [])
-    for index, points in run_tasks([*columns, *speeds], progress=None):
+    for index, points in run_tasks([*columns, *speeds], client=client):
         parts[index >= size].extend(points)
     return sorted_openings(parts[0]), sorted_openings(parts[1])
 
@@ -137,7 +138,12 @@ def _traced_ratios(count: int) -> list[float]:
 
 
 def _computed(
-    output: Path, loadings: Sequence[Loading], count: int, quick: bool, progress: Progress | None
+    output: Path,
+    loadings: Sequence[Loading],
+    count: int,
+    quick: bool,
+    progress: Progress | None,
+    client: Any,
 ) -> RegimeResults:
     traced, shown, within = _COUNTS[quick]
     kept = {name: kept_columns(_part(output, name, count), name, count) for name in loadings}
@@ -157,7 +163,7 @@ def _computed(
         for nu in poisson_ratios(count).tolist():
             if nu not in kept[name]:
                 tasks.append((columns, (map_column, (name, nu, count))))
-    for index, result in run_tasks([task for _, task in tasks], progress=progress):
+    for index, result in run_tasks([task for _, task in tasks], progress=progress, client=client):
         destination = tasks[index][0]
         destination += result
         if destination is columns:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +18,7 @@ from compare.figures.saving import save_figure
 from compare.figures.style import describe, new_figure, scene_words, styled
 from compare.output.files import write_text
 from compare.studies.accuracy.fem import errors_of
-from compare.studies.workers import Progress, counted
+from compare.surveys.workers import Progress, run_tasks
 from semianalytic import Scene, Tractions, solve
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES
@@ -113,6 +113,7 @@ def fem_stability(
     quick: bool = False,
     progress: Progress | None = None,
     form: str = "png",
+    client: Any = None,
 ) -> tuple[Outcome, ...]:
     """Run all trials; write `fem-stability.csv` and `fem-stability.png` into a folder.
 
@@ -139,7 +140,8 @@ def fem_stability(
         If meshes have to be built and gmsh cannot be loaded.
     """
     planned = tuple(trials(quick))
-    outcomes = tuple(counted(map(run_trial, planned), len(planned), progress))
+    done = dict(run_tasks([(run_trial, (trial,)) for trial in planned], 1, progress, client))
+    outcomes = tuple(done[index] for index in range(len(planned)))
     write_text(output / CSV_NAME, csv_text(outcomes))
     save_figure(stability_figure(outcomes), output / f"fem-stability.{form}")
     return outcomes

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
@@ -16,7 +17,7 @@ from compare.figures.style import cycle, describe, new_figure, styled
 from compare.output.tables import write_rows
 from compare.studies.accuracy.spacetime import last_march, step_error
 from compare.studies.stability.sweeps import StudyRow
-from compare.studies.workers import Progress, counted
+from compare.surveys.workers import Progress, run_tasks
 from semianalytic import Marched, Material, Scene, march
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES
@@ -58,14 +59,23 @@ def trials(quick: bool) -> Iterator[Trial]:
         yield "end time", "preloaded", end, preloaded, run
 
 
-def stability_rows(quick: bool) -> Iterator[StudyRow]:
+def stability_rows(
+    quick: bool, progress: Progress | None = None, client: Any = None
+) -> list[StudyRow]:
     """Relative L1 error of the slip rate of every march; NaN, and why, where one was refused."""
-    for study, case, value, scene, run in trials(quick):
-        try:
-            error, status = step_error(scene, run()), RAN
-        except SlipfrontError as refusal:
-            error, status = math.nan, str(refusal)
-        yield StudyRow(study, case, "space-time", value, "slip rate error", error, status)
+    tasks = [(trial_row, (trial,)) for trial in trials(quick)]
+    done = dict(run_tasks(tasks, 1, progress, client))
+    return [done[index] for index in range(len(tasks))]
+
+
+def trial_row(trial: Trial) -> StudyRow:
+    """The row of one march."""
+    study, case, value, scene, run = trial
+    try:
+        error, status = step_error(scene, run()), RAN
+    except SlipfrontError as refusal:
+        error, status = math.nan, str(refusal)
+    return StudyRow(study, case, "space-time", value, "slip rate error", error, status)
 
 
 def write_stability(
@@ -73,8 +83,11 @@ def write_stability(
     quick: bool = False,
     progress: Progress | None = None,
     form: str = "png",
+    client: Any = None,
 ) -> list[StudyRow]:
     """Run the study; write stability-space-time.csv and .png into a folder.
+
+    A `client` of a Dask cluster lets that do it.
 
     Raises
     ------
@@ -82,7 +95,7 @@ def write_stability(
         If a file cannot be written.
     """
     output.mkdir(parents=True, exist_ok=True)
-    rows = list(counted(stability_rows(quick), len(list(trials(quick))), progress))
+    rows = stability_rows(quick, progress, client)
     write_rows(output / "stability-space-time.csv", rows)
     save_figure(stability_figure(rows), output / f"stability-space-time.{form}")
     return rows

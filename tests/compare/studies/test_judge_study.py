@@ -298,7 +298,7 @@ def fake_spoilt(name, index, resolution, bisect):
 def test_trials_go_on_where_they_were_stopped(tmp_path, monkeypatch):
     done = []
 
-    def in_order(tasks, workers, progress):
+    def in_order(tasks, workers, progress, client):
         for number, (function, arguments) in enumerate(tasks):
             done.append(arguments)
             yield number, function(*arguments)
