@@ -12,6 +12,7 @@ from semianalytic.scene.errors import (
     ComputationError,
     DataFileError,
     MissingLibraryError,
+    PluginError,
     SceneError,
     SlipfrontError,
     TensionError,
@@ -19,6 +20,7 @@ from semianalytic.scene.errors import (
 from semianalytic.scene.friction import (
     CoulombFriction,
     FrictionLaw,
+    RateFriction,
     RateWeakening,
     SlipWeakening,
     ViscousFriction,
@@ -42,17 +44,22 @@ __all__ = [
     "Harmonic",
     "InterfaceHistory",
     "LoadHistory",
+    "LogNormal",
     "Marched",
     "Material",
     "MissingLibraryError",
+    "Normal",
     "OpenDerivative",
     "OpenInterval",
     "OpenZone",
+    "PluginError",
     "Pulse",
     "Ramp",
+    "RateFriction",
     "RateWeakening",
     "Scene",
     "SceneError",
+    "Setup",
     "SlipInterval",
     "SlipWeakening",
     "SlipZone",
@@ -64,6 +71,7 @@ __all__ = [
     "Tabulated",
     "TensionError",
     "Tractions",
+    "Uniform",
     "ViscousFriction",
     "ZoneDerivative",
     "find_scene",
@@ -80,7 +88,10 @@ __all__ = [
 
 _LATER = {
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
-    "semianalytic.fitting": ("Fit", "Gauge", "fit"),
+    "semianalytic.inversion.fitting": ("Fit", "fit"),
+    "semianalytic.inversion.gauges": ("Gauge",),
+    "semianalytic.inversion.priors": ("LogNormal", "Normal", "Uniform"),
+    "semianalytic.inversion.unknowns": ("Setup",),
     "semianalytic.prediction": ("predict",),
     "semianalytic.selfsimilar.derivative": ("Derivative", "OpenDerivative", "ZoneDerivative"),
     "semianalytic.spacetime.march": ("march", "march_on"),
@@ -91,7 +102,10 @@ _LATER = {
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.field.derived import fringe_order, fringes, strain
-    from semianalytic.fitting import Fit, Gauge, fit
+    from semianalytic.inversion.fitting import Fit, fit
+    from semianalytic.inversion.gauges import Gauge
+    from semianalytic.inversion.priors import LogNormal, Normal, Uniform
+    from semianalytic.inversion.unknowns import Setup
     from semianalytic.prediction import predict
     from semianalytic.selfsimilar.derivative import Derivative, OpenDerivative, ZoneDerivative
     from semianalytic.spacetime.march import march, march_on

@@ -2,8 +2,10 @@
 
 ``import slipfront as sf``: everything under the name it is installed by.  Nothing is made here:
 scenes and semi-analytic solvers come from `semianalytic`, finite elements from `fem`, which needs
-the extra ``slipfront[fem]``, the judge of other codes' results from `compare.validation`.  What a
-plain solution does without is imported when one of its names is first used.
+the extra ``slipfront[fem]``, the judge of other codes' results from `compare.validation`, many
+scenes at once from `compare.surveys`, readers of gauges and samples of posteriors from
+`compare.inversion`.  What a plain solution does without is imported when one of its names is first
+used.
 """
 
 from importlib.metadata import version
@@ -23,6 +25,7 @@ __all__ = [
     "EnergyHistory",
     "Model",
     "Opening",
+    "Posterior",
     "Settings",
     "Simulation",
     "SlotHistory",
@@ -31,16 +34,22 @@ __all__ = [
     "cost",
     "load_simulation",
     "opening_sentence",
+    "posterior",
     "prepare",
+    "read_gauges",
     "simulate",
+    "survey",
     "validate",
     "with_companions",
 ]
 __all__ += semianalytic.__all__
 _VALIDATION = ("Conventions", "Validation", "validate")
+_INVERSION = ("Posterior", "posterior", "read_gauges")
 
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
+    from compare.inversion import Posterior, posterior, read_gauges
+    from compare.surveys import survey
     from compare.validation import Conventions, Validation, validate
     from fem import (
         BACKWARD,
@@ -65,7 +74,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
 else:
 
     def __getattr__(name: str) -> Any:
-        """A name of `semianalytic`, of `compare.validation`, or of `fem`.
+        """A name of `semianalytic`, `compare.validation`, `.surveys` or `.inversion`, or `fem`.
 
         Raises
         ------
@@ -76,10 +85,18 @@ else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         if name in semianalytic.__all__:
             return getattr(semianalytic, name)
+        if name in _INVERSION:
+            from compare import inversion
+
+            return getattr(inversion, name)
         if name in _VALIDATION:
             from compare import validation
 
             return getattr(validation, name)
+        if name == "survey":
+            from compare.surveys import survey
+
+            return survey
         import fem
 
         return getattr(fem, name)

@@ -1,8 +1,11 @@
 """What all tests share."""
 
 import os
+from collections import Counter
 
 import pytest
+
+from compare.explore.chromium import CHROMIUM, Browser
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # as many processes as cores: one thread each
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -23,3 +26,26 @@ def undrawn(monkeypatch):
     For tests that look at other results; those of figures are in compare/figures/test_figures.py.
     """
     monkeypatch.setattr("compare.figures.saving.save_figure", lambda figure, path: path.touch())
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    if CHROMIUM is None:
+        pytest.skip("no chromium: apt install chromium")
+    browser = Browser(tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.close()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Of the cases of a test `thinned(n)` every n-th is for the default run, the others slow."""
+    cases = Counter()
+    for item in items:
+        thinned = item.get_closest_marker("thinned")
+        if thinned is None:
+            continue
+        test = item.nodeid.partition("[")[0]
+        if cases[test] % thinned.args[0]:
+            item.add_marker(pytest.mark.slow)
+        cases[test] += 1

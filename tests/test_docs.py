@@ -232,6 +232,16 @@ def test_every_named_scene_has_its_section():
     assert sections == list(NAMED_SCENES)
 
 
+def test_pictures_are_said_in_words():
+    seen = [
+        (path.name, words)
+        for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+        for words in re.findall(r"!\[([^\]]*)\]\(", path.read_text())
+    ]
+    assert len(seen) > 40
+    assert [pair for pair in seen if len(pair[1].split()) < 6] == []
+
+
 def test_figures_are_small():
     for path in (ROOT / "docs" / "figures").glob("scene_*.png"):
         assert path.stat().st_size < 150_000

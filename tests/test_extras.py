@@ -12,9 +12,19 @@ import pytest
 import fem
 import semianalytic
 import slipfront
-from compare import validation
+from compare import inversion, surveys, validation
 from semianalytic import MissingLibraryError
-from semianalytic.scene.extras import FEM, HDF5, PLOT, needing, require
+from semianalytic.scene.extras import (
+    BAYES,
+    CLUSTER,
+    EXPLORE,
+    FEM,
+    HDF5,
+    PLOT,
+    XARRAY,
+    needing,
+    require,
+)
 
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
@@ -41,7 +51,9 @@ for line in {lines}:
         code = main(line.split())
     print(json.dumps([code, out.getvalue(), err.getvalue()]))
 """
-ALL = (*FEM, *PLOT, "xarray")
+SOURCES = (fem, validation, inversion, surveys, semianalytic)
+"""Of the public names of slipfront."""
+ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *BAYES)
 FINE = [
     "--help",
     "scenes",
@@ -50,6 +62,7 @@ FINE = [
     "solve ramp --nodes 100 --quiet",
     "compare --help",
     "evidence --help",
+    "fit --help",
 ]
 REFUSED = [
     (PLOT, "solve preloaded --plot a.png", "plot"),
@@ -65,6 +78,13 @@ REFUSED = [
     (FEM, "compare --from somewhere", "fem"),
     (FEM, "stability --fem", "fem"),
     (FEM, "evidence --quick", "fem"),
+    (PLOT, "fit a.csv --scene preloaded --parameters friction --plot a.png", "plot"),
+    (EXPLORE, "explore", "explore"),
+    (BAYES, "fit a.csv --scene preloaded --parameters friction --posterior", "bayes"),
+    (CLUSTER, "survey preloaded --friction 0.1,0.2 --scheduler tcp://127.0.0.1:1", "cluster"),
+    (CLUSTER, "stability --space-time --scheduler tcp://127.0.0.1:1", "cluster"),
+    (ALL, "survey preloaded --friction 0.1,0.2", "xarray"),
+    (ALL, "regimes --scheduler tcp://127.0.0.1:1", "plot"),
     (ALL, "compare", "fem,plot"),
     (ALL, "article", "fem,plot"),
     (ALL, "chart", "fem,plot"),
@@ -86,7 +106,7 @@ def run_without(blocked, code, folder):
 def commands(tmp_path_factory):
     """Exit code, output and errors of every command by (what is missing, its line)."""
     found = {}
-    for blocked in (PLOT, FEM, ALL):
+    for blocked in (PLOT, FEM, EXPLORE, CLUSTER, BAYES, ALL):
         lines = [line for missing, line, _ in REFUSED if missing == blocked]
         lines += FINE if blocked == ALL else []
         folder = tmp_path_factory.mktemp("empty")
@@ -164,10 +184,19 @@ def test_other_missing_modules_stay_what_they_are():
 def test_extras_hold_what_they_are_said_to():
     extras = PROJECT["project"]["optional-dependencies"]
     names = {"skfem": "scikit-fem", "PIL": "pillow"}
-    for extra, modules in {"fem": FEM, "plot": PLOT, "xarray": ("xarray",)}.items():
+    brought = {
+        "fem": FEM,
+        "plot": PLOT,
+        "explore": EXPLORE,
+        "xarray": XARRAY,
+        "cluster": CLUSTER,
+        "bayes": BAYES,
+    }
+    for extra, modules in brought.items():
         listed = {requirement.split(">")[0] for requirement in extras[extra]}
-        assert listed == {names.get(module, module) for module in modules}
-    assert extras["all"] == ["slipfront[fem,plot,xarray]"]
+        assert listed - {"slipfront[plot]"} == {names.get(module, module) for module in modules}
+    assert "slipfront[plot]" in extras["explore"]
+    assert extras["all"] == ["slipfront[fem,plot,xarray,explore,cluster,bayes]"]
     assert "slipfront[all]" in extras["test"]
     needed = {requirement.split(">")[0] for requirement in PROJECT["project"]["dependencies"]}
     assert needed == {"numpy", "scipy", "rich", "typer"}
@@ -175,10 +204,10 @@ def test_extras_hold_what_they_are_said_to():
 
 def test_slipfront_holds_all_public_names_and_nothing_of_its_own():
     public = [name for name in slipfront.__all__ if name != "__version__"]
-    assert sorted(public) == sorted([*semianalytic.__all__, *fem.__all__, *validation.__all__])
+    assert sorted(public) == sorted([name for source in SOURCES for name in source.__all__])
     assert len(set(public)) == len(public)
     for name in public:
-        source = next(one for one in (fem, validation, semianalytic) if name in one.__all__)
+        source = next(one for one in SOURCES if name in one.__all__)
         assert getattr(slipfront, name) is getattr(source, name)
     assert slipfront.__version__ == PROJECT["project"]["version"]
     assert dir(slipfront) == sorted(slipfront.__all__)

@@ -24,6 +24,7 @@ ARROWS = {
         "reference": "scene halfplane",
         "sweeps": "scene results halfplane cut selfsimilar",
         "regimes": "scene halfplane cut selfsimilar",
+        "inversion": "scene halfplane field selfsimilar sweeps",
     },
     "compare": {
         "output": "",
@@ -32,8 +33,12 @@ ARROWS = {
         "figures": "comparison output",
         "validation": "records comparison figures output",
         "benchmarks": "records comparison figures output",
-        "studies": "comparison figures output",
-        "cli": "records validation benchmarks comparison figures output studies",
+        "surveys": "comparison output",
+        "studies": "comparison figures output surveys",
+        "inversion": "records comparison figures output",
+        "explore": "comparison figures output studies",
+        "cli": "records validation benchmarks inversion explore comparison figures output surveys "
+        "studies",
     },
 }
 """What each folder of a package may import of the others of that package, at any depth."""
@@ -139,7 +144,7 @@ _DERIVATIVES = (
     "selfsimilar.variation",
     "selfsimilar.varied",
 )
-LATER = ("fitting", "prediction", "reference", "regimes", *_DERIVATIVES, "spacetime", "sweeps")
+LATER = ("inversion", "prediction", "reference", "regimes", *_DERIVATIVES, "spacetime", "sweeps")
 """What a plain solution does without."""
 
 
@@ -149,7 +154,7 @@ LATER = ("fitting", "prediction", "reference", "regimes", *_DERIVATIVES, "spacet
         ("", ()),
         ("solution.slip_rate(0.3, 1.0)", ()),
         ("solution.derivative('friction')", _DERIVATIVES),
-        ("slipfront.fit", ("fitting", *_DERIVATIVES)),
+        ("slipfront.fit", ("inversion", *_DERIVATIVES)),
         ("slipfront.march", ("spacetime",)),
         ("slipfront.sweep", ("sweeps",)),
     ],

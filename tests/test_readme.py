@@ -47,6 +47,16 @@ def test_fringes_of_the_readme_are_ten_lines():
     assert order[0] == pytest.approx(sheared, rel=1e-3)
 
 
+def test_fit_of_the_readme_is_ten_lines():
+    code = README.split("```python\n")[3].split("```")[0]
+    assert sum(bool(line.strip()) for line in code.splitlines()) <= 10
+    shown, names = io.StringIO(), {}
+    with contextlib.redirect_stdout(shown), contextlib.chdir(ROOT):
+        exec(code, names)
+    assert shown.getvalue().endswith(" converged\n")
+    assert "t0: " in shown.getvalue()
+
+
 def test_readme_names_every_command_and_extra():
     assert set(re.findall(r"^\| `slipfront ([a-z]+)", README, re.MULTILINE)) == COMMANDS
     extras = set(re.findall(r"^\| `'\.\[(\w+)\]'`", README, re.MULTILINE))
@@ -83,7 +93,11 @@ def test_versions_agree():
 
 def test_reference_holds_every_public_name():
     page = (ROOT / "docs" / "api" / "slipfront.md").read_text()
-    held = re.findall(r"^::: (?:semianalytic|fem|compare\.validation)\.(\w+)$", page, re.MULTILINE)
+    held = re.findall(
+        r"^::: (?:semianalytic|fem|compare\.(?:validation|surveys|inversion))\.(\w+)$",
+        page,
+        re.MULTILINE,
+    )
     assert sorted(held) == sorted(set(PUBLIC) - {"__version__"})
 
 

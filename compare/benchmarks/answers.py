@@ -34,6 +34,7 @@ from compare.benchmarks.sheets import (
     TIMES,
     Sheet,
 )
+from compare.comparison.measures import first_above
 from compare.comparison.scales import stress_scale
 from compare.output.files import write_text
 from compare.records.record import QUANTITIES
@@ -75,15 +76,8 @@ def first_crossing(sheet: Sheet, t: Array, values: Mapping[str, Array]) -> float
     """When a record (n,) first passes `arrival_level`, linear between samples; inf if never."""
     excess = _excess(sheet, values)
     known = np.isfinite(excess)
-    t, excess = t[known], excess[known]
-    above = np.flatnonzero(excess > 0)
-    if not above.size:
-        return math.inf
-    at = int(above[0])
-    if at == 0:
-        return float(t[0])
-    share = -excess[at - 1] / (excess[at] - excess[at - 1])
-    return float(t[at - 1] + share * (t[at] - t[at - 1]))
+    time = first_above(t[known], excess[known], 0.0)
+    return math.inf if time is None else time
 
 
 def _excess(sheet: Sheet, values: Mapping[str, Array]) -> Array:

@@ -105,7 +105,7 @@ def _readme(sheets: Sequence[Sheet]) -> list[Block]:
     ]
 
 
-def export(folder: Path, sheets: Sequence[Sheet], *, overwrite: bool = False) -> None:
+def export(folder: Path, sheets: Sequence[Sheet], *, overwrite: bool = False) -> list[Path]:
     """Write sheets into a folder: all of them, or none.
 
     Parameters
@@ -114,6 +114,11 @@ def export(folder: Path, sheets: Sequence[Sheet], *, overwrite: bool = False) ->
     sheets : sequence of Sheet
     overwrite : bool
         Whether files that are there may be replaced.
+
+    Returns
+    -------
+    list of Path
+        What was written.
 
     Raises
     ------
@@ -141,3 +146,4 @@ def export(folder: Path, sheets: Sequence[Sheet], *, overwrite: bool = False) ->
             for place in sorted(places, key=lambda one: -len(one.parts)):
                 remove_empty([place])
             raise
+    return [folder / name for name in contents]

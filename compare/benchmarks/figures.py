@@ -14,7 +14,7 @@ from compare.benchmarks.scores import GRADED, Score
 from compare.benchmarks.sheets import SHEETS, Sheet
 from compare.figures.histories import march_figure
 from compare.figures.interface import prediction_figure
-from compare.figures.style import CYCLE, SMALL, STICK_SHADE, marker_handle, new_figure
+from compare.figures.style import cycle, ink, marker_handle, new_figure, styled
 from semianalytic import Marched
 
 MARKERS = "osD^vPX<>*"
@@ -28,12 +28,14 @@ def sheet_figure(sheet: Sheet) -> Figure:
     return march_figure(answer) if isinstance(answer, Marched) else prediction_figure(answer)
 
 
+@styled
 def score_figure(scores: Sequence[Score]) -> Figure:
     """Errors of runs, a dot each on a line per quantity; a panel per sheet, classes shaded."""
     sheets = [name for name in SHEETS if any(one.sheet == name for one in scores)]
     labels = list(dict.fromkeys(one.label for one in scores))
+    colours = cycle()
     looks = {
-        label: (CYCLE[at % len(CYCLE)], MARKERS[at % len(MARKERS)])
+        label: (colours[at % len(colours)], MARKERS[at % len(MARKERS)])
         for at, label in enumerate(labels)
     }
     lines = [sum(name in _asked(scores, sheet) for name in GRADED) for sheet in sheets]
@@ -44,7 +46,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         _draw_sheet(panel, SHEETS[sheet], [one for one in scores if one.sheet == sheet], looks)
     panels[-1].set_xlabel(r"error: of arrivals $/\ T$, of all else relative $L_1$")
     handles = [marker_handle(label, *look) for label, look in looks.items()]
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=SMALL)
+    figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
 
 
@@ -62,20 +64,22 @@ def _draw_sheet(
         bounds = tolerances().get((sheet.name, name))
         for class_name in CLASSES if bounds else ():
             bound = max(getattr(bounds, class_name), LEAST_SHOWN)
-            panel.plot([bound, bound], [row - 0.35, row + 0.35], color="0.6", linewidth=1)
-            panel.annotate(class_name, (bound, row + 0.35), fontsize=6, ha="right", color="0.4")
-        panel.axhline(row, color=STICK_SHADE, zorder=0)
+            panel.plot([bound, bound], [row - 0.35, row + 0.35], color=ink(0.5), linewidth=1)
+            panel.annotate(
+                class_name, (bound, row + 0.35), fontsize="x-small", ha="right", color=ink(0.65)
+            )
         for one in scores:
             if one.quantity == name and math.isfinite(one.error):
                 colour, marker = looks[one.label]
                 at = max(one.error, LEAST_SHOWN)
-                panel.plot(at, row, marker, color=colour, markersize=5, alpha=0.85)
+                panel.plot(at, row, marker, color=colour, markersize=5)
     scene = sheet.scene
     panel.set_title(
         f"{sheet.name}: ν = {scene.material.poisson_ratio:.3g}, f = {scene.friction:.3g}",
-        fontsize=9,
         loc="left",
     )
     panel.set_xscale("log")
+    panel.grid(axis="y", color=ink(0.1))
+    panel.set_axisbelow(True)
     panel.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     panel.set_ylim(len(names) - 0.4, -0.6)

@@ -16,8 +16,8 @@ from compare.output.tables import write_rows
 COMMAND = "slipfront benchmark score"
 
 
-def write_scores(folder: Path, scores: Sequence[Score]) -> None:
-    """Write scores.csv, scores.json and scores.png.
+def write_scores(folder: Path, scores: Sequence[Score], form: str = "png") -> None:
+    """Write scores.csv, scores.json and scores.png, or a figure of another format.
 
     Raises
     ------
@@ -26,4 +26,4 @@ def write_scores(folder: Path, scores: Sequence[Score]) -> None:
     """
     write_rows(folder / "scores.csv", scores, command=COMMAND)
     write_text(folder / "scores.json", json_text({"scores": [asdict(one) for one in scores]}))
-    save_figure(score_figure(scores), folder / "scores.png")
+    save_figure(score_figure(scores), folder / f"scores.{form}")

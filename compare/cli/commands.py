@@ -10,22 +10,24 @@ from io import TextIOWrapper
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
 from compare.cli import study_commands as studies
-from compare.cli import terminal
-from compare.cli.benchmark_command import app as benchmark_app
 from compare.cli.compare_command import compare_command
+from compare.cli.explore_command import explore_command
 from compare.cli.field_command import field_command
 from compare.cli.interruption import INTERRUPTED, INTERRUPTION
+from compare.cli.measured.benchmark_command import app as benchmark_app
+from compare.cli.measured.fit_command import fit_command
+from compare.cli.measured.validate_command import validate_command
 from compare.cli.refusals import in_options, printable
+from compare.cli.scenes.commands import init, scenes
 from compare.cli.simulate_command import simulate_command
 from compare.cli.solve_command import solve_command
-from compare.cli.validate_command import validate_command
+from compare.cli.survey_command import survey_command
 from semianalytic.scene.errors import DataFileError, SlipfrontError
 from semianalytic.scene.extras import needing
 
-app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
 
 def _show_version(asked: bool) -> None:
@@ -53,17 +55,16 @@ app.command("compare")(compare_command)
 app.command("solve")(solve_command)
 app.command("simulate")(simulate_command)
 app.command("field")(field_command)
+app.command("explore")(explore_command)
 app.add_typer(benchmark_app, name="benchmark")
 app.command("validate")(validate_command)
+app.command("fit")(fit_command)
+app.command("survey")(survey_command)
 
 
-@app.command()
-def scenes() -> None:
-    """List the scenes that come with the package."""
-    Console().print(terminal.scenes_table())
-
-
-for study in (
+for command in (
+    scenes,
+    init,
     studies.regimes,
     studies.stability,
     studies.article,
@@ -71,7 +72,7 @@ for study in (
     studies.wear,
     studies.evidence,
 ):
-    app.command()(study)
+    app.command()(command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -87,7 +88,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         0 if all went well, 1 if two answers differ by more than their error bars allow, 2 for a
         usage or scene error, 3 for a damaged file, 4 for a failed computation, 5 for a missing
-        library, 130 when interrupted (the program itself returns 143 if that was by SIGTERM).
+        or broken package, 130 when interrupted (the program itself returns 143 if that was by
+        SIGTERM).
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     _make_streams_lenient()

@@ -13,7 +13,9 @@ from compare.cli import terminal
 from compare.cli.options import (
     MESH_OPTIONS,
     SCENE_OPTIONS,
+    AsJson,
     Budget,
+    FiguresForm,
     Method,
     NoSnapshots,
     Output,
@@ -23,13 +25,14 @@ from compare.cli.options import (
     option_name,
     with_options,
 )
+from compare.cli.scenes.completion import scene_names
 from compare.cli.simulate_command import simulate_into, with_error_bars
 from compare.cli.solve_command import check_converged
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
 from compare.comparison.prediction import check_predictable, predict_before, predict_like
-from compare.comparison.report import write_report
+from compare.comparison.report import report_document, write_report
 from compare.comparison.rows import DIFFERS
 from compare.comparison.snapshots import last_snapshot
 from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
@@ -61,6 +64,7 @@ def compare_command(
         typer.Argument(
             metavar="[SCENE]",
             help=f"Name of a scene, or a TOML file; {DEFAULT_SCENE} unless given.",
+            autocompletion=scene_names,
         ),
     ] = None,
     from_: Annotated[
@@ -72,7 +76,9 @@ def compare_command(
     method: Method = "auto",
     budget: Budget = None,
     output: Output = None,
+    figures: FiguresForm = "png",
     no_snapshots: NoSnapshots = False,
+    as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Solve and simulate a scene; write figures and a judgement on whether the two agree.
@@ -96,7 +102,7 @@ def compare_command(
         directory = output or scene_folder(scene_name, overrides)
         scene = override_scene(find_scene(scene_name), **overrides)
         check_predictable(scene, method)
-    with working_folder(directory):
+    with working_folder(directory) as files:
         if from_ is None:
             prediction = predict_before(scene, method)
             choice = _mesh(prediction, scene, seconds, settings, snapshots=snapshots)
@@ -122,8 +128,12 @@ def compare_command(
             with progress_bar(Console(stderr=True), quiet, "fields") as progress:
                 fields = field_errors(prediction, simulation, frames, progress)
         judgement = judge(prediction, simulation, snapshot, fields)
-        write_comparison(judgement, label, directory)
-    _show(judgement, label, directory)
+        write_comparison(judgement, label, directory, figures)
+    if as_json:
+        document = report_document(judgement, label)
+        terminal.print_json("compare", document, judgement.verdict, files)
+    else:
+        _show(judgement, label, directory)
     if isinstance(prediction, Solution):
         check_converged(prediction, label)
     raise typer.Exit(1 if judgement.verdict == DIFFERS else 0)
@@ -142,19 +152,20 @@ def _mesh(
     return choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **options)
 
 
-def write_comparison(judgement: Judgement, label: str, directory: Path) -> None:
-    """Draw the figures of a judgement into a folder and write it there as JSON; fields as CSV."""
+def write_comparison(judgement: Judgement, label: str, directory: Path, form: str = "png") -> None:
+    """Draw the figures of a judgement into a folder, in a format; write JSON, and fields as CSV."""
     from compare.figures.histories import comparison_figures
     from compare.figures.saving import save_figure
     from compare.figures.snapshots import snapshot_figure
 
     drawn, fields = comparison_figures(judgement.case), judgement.fields
     if fields is not None:
-        drawn["fields.png"] = lambda case: snapshot_figure(fields, case.simulation)
+        drawn["fields"] = lambda case: snapshot_figure(fields, case.simulation)
         write_rows(directory / FIELDS, fields.rows)
     for name, draw in drawn.items():
-        save_figure(draw(judgement.case), directory / name)
-    forget_figures(directory, drawn if fields is None else {*drawn, FIELDS})
+        save_figure(draw(judgement.case), directory / f"{name}.{form}")
+    kept = {f"{name}.{form}" for name in drawn}
+    forget_figures(directory, kept if fields is None else {*kept, FIELDS})
     write_report(judgement, label, directory / REPORT)
 
 

@@ -16,6 +16,8 @@ from compare.cli.marching import check_rtol
 from compare.cli.options import (
     MARCH_OPTIONS,
     SCENE_OPTIONS,
+    AsJson,
+    FiguresForm,
     Method,
     Output,
     Quiet,
@@ -24,7 +26,11 @@ from compare.cli.options import (
     option_name,
     with_options,
 )
+from compare.cli.scenes.completion import FORMATS, QUANTITIES, one_of
 from compare.cli.solve_command import check_converged
+from compare.cli.terminal import print_json
+from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
+from compare.comparison.prediction import method_of
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic import Marched, Scene, Solution, march, solve
@@ -34,16 +40,24 @@ from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
+from semianalytic.scene.scene import scene_document
 
 if TYPE_CHECKING:
     from compare.figures.quantities import Quantity
 
-FORMATS = ("gif", "mp4")
 MARCHED_OPTIONS = {name: MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")}
 GRID = (200, 200)
 """Cells of a grid unless they are given."""
 MOST_POINTS, MOST_FRAMES, MOST_SAMPLES = 4000, 10_000, 1_000_000
 """What is refused as a slip of the finger: points and cells along an axis, frames, times."""
+
+_DIMENSIONS: Dimensions = {
+    "scene": SCENE_DIMENSIONS,
+    "error_estimate": "1",
+    "time": "time",
+    "window": "length",
+    "gauges": "length",
+}
 
 _PICTURE, _FILM, _GRID, _GAUGE = "Picture", "Animation", "Grid for ParaView", "Gauges"
 
@@ -78,6 +92,7 @@ class Request:
     grid : (int, int), cells for ParaView, or None for no such files
     gauges : places, [length]
     samples : int, of a record
+    figures : str, format of pictures
     """
 
     time: float
@@ -88,6 +103,7 @@ class Request:
     grid: tuple[int, int] | None
     gauges: tuple[tuple[float, float], ...]
     samples: int
+    figures: str
 
     @property
     def times(self) -> list[float]:
@@ -106,6 +122,7 @@ def field_command(
         typer.Option(
             help="speed, pressure, max-shear, fringes, vx, vy, ux, uy, sxx, syy or sxy; in "
             "antiplane shear also vz, uz, sxz or syz.",
+            autocompletion=one_of(*QUANTITIES),
             rich_help_panel=_PICTURE,
         ),
     ] = "speed",
@@ -133,7 +150,13 @@ def field_command(
         ),
     ] = 0,
     form: Annotated[
-        str, typer.Option("--format", help="gif or mp4.", rich_help_panel=_FILM)
+        str,
+        typer.Option(
+            "--format",
+            help="gif or mp4.",
+            rich_help_panel=_FILM,
+            autocompletion=one_of(*FORMATS),
+        ),
     ] = "gif",
     vtu: Annotated[
         bool,
@@ -153,6 +176,8 @@ def field_command(
     samples: Annotated[int, typer.Option(help="Times of a record.", rich_help_panel=_GAUGE)] = 1000,
     method: Method = "auto",
     output: Output = None,
+    figures: FiguresForm = "png",
+    as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Draw what happens inside the bodies, with all fronts named; film it, grid it, record it.
@@ -187,22 +212,50 @@ def field_command(
         (_grid(grid) if grid else GRID) if vtu else None,
         tuple(_place(one) for one in gauge or ()),
         _count("samples", samples, 2, MOST_SAMPLES),
+        figures,
     )
     if request.frames:
         check_format(form)
     directory = output or scene_folder(scene_name, overrides) / "field"
     words = [scene_name, *(f"{option_name(k)}={v}" for k, v in overrides.items())]
-    with working_folder(directory):
+    with working_folder(directory) as files:
         answer = _marched(scene, request.time, march_options, quiet) if marched else solve(scene)
         _draw(directory, f"{label}_{of}", answer, quantity, request, quiet)
         if request.grid is not None:
             _write_grid(directory, answer, request, quiet)
         _record(directory, label, answer, request, words)
-    Console().print(f"Written to {directory}/", highlight=False)
+    if as_json:
+        print_json("field", _document(answer, of, request), answer.status, files)
+    else:
+        Console().print(f"Written to {directory}/", highlight=False)
     if isinstance(answer, Solution):
         check_converged(answer, label)
     else:
         check_rtol(answer, label)
+
+
+def _document(answer: Solution | Marched, of: str, request: Request) -> dict[str, Any]:
+    """What was drawn and recorded, as plain dictionaries, each number with its unit."""
+    window = request.window or _reach(answer, request)
+    document: dict[str, Any] = {
+        "scene": scene_document(answer.scene),
+        "method": method_of(answer),
+        "error_estimate": answer.error_estimate,
+        "of": of,
+        "time": request.time,
+        "window": dict(zip(("x0", "x1", "y0", "y1"), window, strict=True)),
+        "frames": request.frames,
+        "gauges": [{"x": x, "y": y} for x, y in request.gauges],
+    }
+    document["units"] = units_document(document, _DIMENSIONS, answer.scene)
+    return document
+
+
+def _reach(fields: WholeFields, request: Request) -> tuple[float, float, float, float]:
+    """All that waves can have come to."""
+    from compare.figures.fronts import reach
+
+    return reach(fields, request.time)
 
 
 def _marched(scene: Scene, time: float, options: Mapping[str, Any], quiet: bool) -> Marched:
@@ -222,12 +275,11 @@ def _draw(
     """The picture, and the animation if one is asked for."""
     from compare.figures.animation import write_animation
     from compare.figures.fields import FieldPicture
-    from compare.figures.fronts import reach
     from compare.figures.saving import save_figure
 
-    window = request.window or reach(fields, request.time)
+    window = request.window or _reach(fields, request)
     picture = FieldPicture(fields, quantity, window, request.points, request.time)
-    save_figure(picture.figure, directory / f"{name}.png")
+    save_figure(picture.figure, directory / f"{name}.{request.figures}")
     if request.frames:
         path = directory / f"{name}.{request.form}"
         with progress_bar(Console(stderr=True), quiet, "drawing") as progress:
@@ -235,11 +287,10 @@ def _draw(
 
 
 def _write_grid(directory: Path, fields: WholeFields, request: Request, quiet: bool) -> None:
-    from compare.figures.fronts import reach
     from compare.output.field_files import write_frames
 
     assert request.grid is not None
-    window = request.window or reach(fields, request.time)
+    window = request.window or _reach(fields, request)
     with progress_bar(Console(stderr=True), quiet, "writing") as progress:
         write_frames(directory, fields, request.times, window, request.grid, progress)
 
@@ -258,7 +309,7 @@ def _record(
         asked = [f"--gauge={x!r},{y!r}", f"--time={request.time!r}", f"--samples={len(t)}"]
         command = shlex.join(["slipfront", "field", *words, *asked])
         write_record(path, record, scene.units, command)
-        save_figure(record_figure(record, scene), path.with_suffix(".png"))
+        save_figure(record_figure(record, scene), path.with_suffix(f".{request.figures}"))
 
 
 def _fringe_stress(of: str, thickness: float | None, stress_optical: float | None) -> float | None:

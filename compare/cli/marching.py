@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.console import Console
@@ -13,13 +12,16 @@ from rich.console import Console
 from compare.cli import terminal
 from compare.cli.interruption import INTERRUPTED
 from compare.cli.options import in_bytes, option_name
-from compare.comparison.documents import json_text, march_document
+from compare.comparison.documents import march_document
 from compare.output.places import check_file, save_somewhere
 from compare.output.progress import progress_bar
 from semianalytic import Marched, Scene, march, march_on
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import HDF5, require
+
+if TYPE_CHECKING:
+    from compare.figures.named import Draw
 
 
 def march_command(
@@ -29,6 +31,7 @@ def march_command(
     options: Mapping[str, Any],
     *,
     as_json: bool,
+    draw: Draw | None,
     plot: Path | None,
     quiet: bool,
 ) -> None:
@@ -74,7 +77,7 @@ def march_command(
             f"Every {marched.every}th level is stored: more would not have fitted into the memory.",
             highlight=False,
         )
-    _show(marched, label, as_json=as_json, save=save, plot=plot)
+    _show(marched, label, as_json=as_json, save=save, draw=draw, plot=plot)
     check_rtol(marched, label)
 
 
@@ -106,16 +109,22 @@ def _gone_on(
 
 
 def _show(
-    marched: Marched, label: str, *, as_json: bool, save: Path | None, plot: Path | None
+    marched: Marched,
+    label: str,
+    *,
+    as_json: bool,
+    save: Path | None,
+    draw: Draw | None,
+    plot: Path | None,
 ) -> None:
     """Draw a march if asked for, and print it."""
-    if plot is not None:
-        from compare.figures.histories import march_figure
+    if draw is not None and plot is not None:
         from compare.figures.saving import save_figure
 
-        save_figure(march_figure(marched), plot)
+        save_figure(draw(marched), plot)
     if as_json:
-        sys.stdout.write(json_text(march_document(marched)))
+        files = [path for path in (save, plot) if path is not None]
+        terminal.print_json("solve", march_document(marched), files=files)
         return
     Console().print(terminal.march_table(marched, label))
     for done, path in (("Saved", save), ("Drawn", plot)):

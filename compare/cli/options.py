@@ -13,6 +13,13 @@ from typing import Annotated, Any
 import typer
 from rich.markup import escape
 
+from compare.cli.scenes.completion import (
+    MESH_NAMES,
+    METHODS,
+    MODES,
+    one_of,
+    scene_names,
+)
 from semianalytic.results.memory import GIGABYTE
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
@@ -21,9 +28,13 @@ SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
 """Units of time as they are typed."""
 
 SceneArgument = Annotated[
-    str, typer.Argument(metavar="SCENE", help="Name of a scene, or a TOML file.")
+    str,
+    typer.Argument(
+        metavar="SCENE", help="Name of a scene, or a TOML file.", autocompletion=scene_names
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results only, no progress.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 NoSnapshots = Annotated[bool, typer.Option("--no-snapshots", help="Write no field snapshots.")]
 Budget = Annotated[
     str | None,
@@ -44,20 +55,44 @@ Output = Annotated[
         help="Folder to write to; results/SCENE unless given, as in results/SCENE-friction-0.2.",
     ),
 ]
+FORMS = ("png", "pdf", "svg")
+
+
+def _known_form(form: str) -> str:
+    if form not in FORMS:
+        raise SceneError(f"--figures must be one of {', '.join(FORMS)}, got {shown(form)}.")
+    return form
+
+
+FiguresForm = Annotated[
+    str,
+    typer.Option(
+        "--figures",
+        metavar="FORMAT",
+        callback=_known_form,
+        help=f"Format of figures: {', '.join(FORMS[:-1])} or {FORMS[-1]}.",
+    ),
+]
 Method = Annotated[
-    str, typer.Option(help="self-similar, space-time, or auto: the one the scene calls for.")
+    str,
+    typer.Option(
+        help="self-similar, space-time, or auto: the one the scene calls for.",
+        autocompletion=one_of(*METHODS),
+    ),
 ]
 
 
-def _option(type_: type, panel: str, text: str) -> Any:
+def _option(type_: type, panel: str, text: str, *names: str) -> Any:
     # units are in brackets, which would be taken for markup
-    return Annotated[type_ | None, typer.Option(help=escape(text), rich_help_panel=panel)]
+    named = one_of(*names) if names else None
+    option = typer.Option(help=escape(text), rich_help_panel=panel, autocompletion=named)
+    return Annotated[type_ | None, option]
 
 
 _SCENE_PANEL = "Scene (in place of the scene's own values)"
 
 SCENE_OPTIONS: Mapping[str, Any] = {
-    "mode": _option(str, _SCENE_PANEL, "Which way shear acts: in-plane or antiplane."),
+    "mode": _option(str, _SCENE_PANEL, "Which way shear acts: in-plane or antiplane.", *MODES),
 } | {
     name: _option(float, _SCENE_PANEL, text)
     for name, text in {
@@ -84,7 +119,7 @@ LOWER_OPTIONS: Mapping[str, Any] = {
 """Where both blocks are not alike; what is not given is that of the upper block."""
 
 MESH_OPTIONS: Mapping[str, Any] = {
-    name: _option(type_, "Finite elements", text)
+    name: _option(type_, "Finite elements", text, *MESH_NAMES.get(name, ()))
     for name, (type_, text) in {
         "end_time": (float, "Time T at which the simulation ends [time]; 1 / c_t unless given."),
         "resolution": (int, "Elements per c_t T, 100 unless given; compare can choose it."),

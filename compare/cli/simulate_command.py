@@ -16,6 +16,7 @@ from compare.cli.options import (
     LOWER_OPTIONS,
     MESH_OPTIONS,
     SCENE_OPTIONS,
+    AsJson,
     NoCompanions,
     NoSnapshots,
     Output,
@@ -24,6 +25,7 @@ from compare.cli.options import (
     in_bytes,
     with_options,
 )
+from compare.comparison.report import simulation_document
 from compare.output.leftovers import SNAPSHOTS, forget_other_runs
 from compare.output.places import save_somewhere, working_folder
 from compare.output.progress import progress_bar
@@ -58,6 +60,7 @@ def simulate_command(
     output: Output = None,
     no_snapshots: NoSnapshots = False,
     no_companions: NoCompanions = False,
+    as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Simulate a scene with finite elements; write the interface history and field snapshots.
@@ -81,8 +84,8 @@ def simulate_command(
             **settings,
             "lower_material": replace(lower_material or scene.material, **changes),
         }
-    with working_folder(directory):
-        simulate_into(
+    with working_folder(directory) as files:
+        simulation = simulate_into(
             directory,
             scene,
             label,
@@ -92,6 +95,9 @@ def simulate_command(
             companions=not no_companions,
             quiet=quiet,
         )
+    if as_json:
+        terminal.print_json("simulate", simulation_document(simulation), files=files)
+        return
     Console().print(f"Written to {directory}/", highlight=False)
 
 

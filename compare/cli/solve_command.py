@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
@@ -15,13 +14,15 @@ from compare.cli.marching import march_command
 from compare.cli.options import (
     MARCH_OPTIONS,
     SCENE_OPTIONS,
+    AsJson,
     Method,
     Quiet,
     SceneArgument,
     option_name,
     with_options,
 )
-from compare.comparison.documents import json_text, solution_document
+from compare.cli.scenes.completion import figure_names
+from compare.comparison.documents import solution_document
 from compare.output.places import check_file
 from semianalytic import Scene, Solution, solve
 from semianalytic.prediction import chosen_method
@@ -29,6 +30,9 @@ from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.named import find_scene, override_scene, scene_label
+
+if TYPE_CHECKING:
+    from compare.figures.named import Draw
 
 
 @with_options(overrides=SCENE_OPTIONS, march_options=MARCH_OPTIONS)
@@ -43,9 +47,17 @@ def solve_command(
             help="Time T until which to say what happens; where a march ends, 1 / c_t then."
         ),
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")] = False,
+    as_json: AsJson = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw slip rate and tractions (.png, .pdf).")
+    ] = None,
+    figure: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="What --plot draws: interface, or what packages of yours bring.",
+            autocompletion=figure_names,
+        ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:
@@ -56,15 +68,17 @@ def solve_command(
     answer is printed all the same.
     """
     scene, label = override_scene(find_scene(scene_name), **overrides), scene_label(scene_name)
-    if plot is not None:
-        require("slipfront solve --plot", *PLOT)
-        from compare.figures.saving import figure_format
-
-        figure_format(plot)
-        check_file(plot)
+    draw = _drawing(plot, figure)
     if chosen_method(scene, method) == "space-time":
         march_command(
-            scene, label, end_time, march_options, as_json=as_json, plot=plot, quiet=quiet
+            scene,
+            label,
+            end_time,
+            march_options,
+            as_json=as_json,
+            draw=draw,
+            plot=plot,
+            quiet=quiet,
         )
         return
     if march_options:
@@ -72,23 +86,44 @@ def solve_command(
             f"{option_name(next(iter(march_options)))} is for the space-time solver; "
             "add --method space-time."
         )
-    _solve_exactly(scene, label, end_time, as_json=as_json, plot=plot)
+    _solve_exactly(scene, label, end_time, as_json=as_json, draw=draw, plot=plot)
+
+
+def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
+    """What draws the figure asked for, looked at before anything is computed."""
+    if plot is None:
+        if figure is not None:
+            raise SceneError("--figure is what --plot draws; give both.")
+        return None
+    require("slipfront solve --plot", *PLOT)
+    from compare.figures.named import DEFAULT_FIGURE, find_figure
+    from compare.figures.saving import figure_format
+
+    figure_format(plot)
+    check_file(plot)
+    return find_figure(DEFAULT_FIGURE if figure is None else figure)
 
 
 def _solve_exactly(
-    scene: Scene, label: str, end_time: float | None, *, as_json: bool, plot: Path | None
+    scene: Scene,
+    label: str,
+    end_time: float | None,
+    *,
+    as_json: bool,
+    draw: Draw | None,
+    plot: Path | None,
 ) -> None:
     """Solve a self-similar scene and say what was found."""
     if end_time is not None:
         checked_size("solve: end_time", end_time)
     solution = solve(scene)
-    if plot is not None:
-        from compare.figures.interface import prediction_figure
+    if draw is not None and plot is not None:
         from compare.figures.saving import save_figure
 
-        save_figure(prediction_figure(solution), plot)
+        save_figure(draw(solution), plot)
     if as_json:
-        sys.stdout.write(json_text(solution_document(solution, end_time)))
+        document = solution_document(solution, end_time)
+        terminal.print_json("solve", document, files=[] if plot is None else [plot])
     else:
         console = Console()
         console.print(terminal.zones_table(solution, label))

@@ -1,11 +1,13 @@
-"""What the terminal shows: tables."""
+"""What the terminal shows: tables, or JSON and nothing else."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Collection, Iterator
-from typing import TYPE_CHECKING
+import sys
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.markup import escape
@@ -17,6 +19,8 @@ from compare.comparison.documents import (
     END_DIMENSIONS,
     edge_state,
     end_document,
+    envelope,
+    json_text,
     march_document,
     units_document,
 )
@@ -26,7 +30,6 @@ from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
 from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
-from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:
@@ -37,12 +40,11 @@ TOTALS = ("accumulated_slip", "frictional_work")
 DIGITS = 4
 
 
-def scenes_table() -> Table:
-    """Names and one-line summaries of the scenes that come with the package."""
-    table = Table("scene", "what it shows", title="Scenes")
-    for name, named in NAMED_SCENES.items():
-        table.add_row(name, named.summary)
-    return table
+def print_json(
+    command: str, document: Mapping[str, Any], status: str = "done", files: Iterable[Path] = ()
+) -> None:
+    """Print the `envelope` of a document."""
+    sys.stdout.write(json_text(envelope(command, document, status, files)))
 
 
 def zones_table(solution: Solution, title: str) -> Table:

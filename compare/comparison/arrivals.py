@@ -6,9 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
-from scipy.optimize import minimize_scalar
 
 Array = NDArray[np.float64]
 Waveform = Callable[[Array], Array]
@@ -74,7 +73,7 @@ def smeared(table: Table, width: float) -> Waveform:
     velocity, expected = table
     if width > 0:
         spacing = velocity[1] - velocity[0]
-        expected = gaussian_filter1d(expected, width / spacing, mode="nearest")
+        expected = scipy.ndimage.gaussian_filter1d(expected, width / spacing, mode="nearest")
     return lambda at: np.interp(at, velocity, expected)
 
 
@@ -134,7 +133,7 @@ def aligned_speed(
     if best in (0, TRIALS - 1):
         return None
     bounds = trials[best - 1], trials[best + 1]
-    found = minimize_scalar(unexplained, bounds=bounds, method="bounded")
+    found = scipy.optimize.minimize_scalar(unexplained, bounds=bounds, method="bounded")
     if found.fun > misfit * roughness(seen, seen_at):
         return None
     return float(found.x) * window.front

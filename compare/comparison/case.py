@@ -10,8 +10,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import binary_opening
 
 from compare.comparison.bars import OPENING, OPENING_KINDS, error_bar, observed_order
 from compare.comparison.measures import NOTHING, is_nothing, norm, worn
@@ -146,7 +146,7 @@ class Case:
         narrow = np.zeros(beyond.shape, dtype=bool)
         for sense in (1, -1):
             slips = sense * beyond > NOTHING * self.rate
-            narrow |= slips & ~binary_opening(slips, np.ones((1, NARROW), dtype=bool))
+            narrow |= slips & ~scipy.ndimage.binary_opening(slips, np.ones((1, NARROW), dtype=bool))
         return narrow
 
     @property

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
 from types import NoneType
 from typing import Any
 
@@ -16,6 +18,7 @@ from compare.comparison.history_rows import PROBES, SENSE_THRESHOLD
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.halfplane.stuck_histories import intensity_history
+from semianalytic.scene.parameters import MATERIAL, TRACTIONS, part_parameters
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
 
@@ -24,26 +27,25 @@ _WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 Dimensions = Mapping[str, Any]
 """Dimension of each number of a document, under the same names; one for all that is below."""
 
-_HISTORY: Dimensions = {
-    "rise_time": "time",
-    "duration": "time",
-    "frequency": "1 / time",
-    "t": "time",
-    "value_at_t": "1",
-}
-_TRACTIONS: Dimensions = {"pressure": "stress", "shear": "stress"}
+
+def _dimensions_of(name: str) -> Callable[[Scene], Dimensions]:
+    """Dimensions of the history or law that a scene has."""
+
+    def dimensions(scene: Scene) -> Dimensions:
+        parameters = part_parameters(type(getattr(scene, name)))
+        return {key: one.dimension for key, one in parameters.items() if one.dimension}
+
+    return dimensions
+
+
+_TRACTIONS: Dimensions = {name: one.dimension for name, one in TRACTIONS.items()}
 SCENE_DIMENSIONS: Dimensions = {
     "friction": "1",
-    "material": {"shear_modulus": "stress", "density": "mass / length^3", "poisson_ratio": "1"},
+    "material": {name: one.dimension for name, one in MATERIAL.items()},
     "base": _TRACTIONS,
     "load": _TRACTIONS,
-    "pressure_history": _HISTORY,
-    "shear_history": _HISTORY,
-    "friction_law": {
-        "viscosity": "stress time / length",
-        "reduction": "1",
-        "rate": "length / time",
-        "distance": "length",
+    **{
+        name: _dimensions_of(name) for name in ("pressure_history", "shear_history", "friction_law")
     },
 }
 END_DIMENSIONS: Dimensions = {
@@ -91,10 +93,13 @@ def units_document(document: Any, dimensions: Any, scene: Scene) -> Any:
     Parameters
     ----------
     document : dict, list or number
-    dimensions : Dimensions or str
+    dimensions : Dimensions, str or callable
+        A callable is asked for them with the scene.
     scene : Scene
         Whose units they are.
     """
+    if callable(dimensions):
+        dimensions = dimensions(scene)
     if isinstance(dimensions, str):
         return unit(dimensions, scene.units)
     if document is None:
@@ -225,14 +230,40 @@ def edge_state(solution: Solution) -> str:
     return "slipping" if solution.zones and solution.zones[0].inner == 0 else "stuck"
 
 
-def json_text(document: dict[str, Any]) -> str:
+def envelope(
+    command: str, document: Mapping[str, Any], status: str = "done", files: Iterable[Path] = ()
+) -> dict[str, Any]:
+    """What a command prints with ``--json``: its own document between what all have in common.
+
+    Parameters
+    ----------
+    command : str
+        As it is typed behind ``slipfront``.
+    document : mapping
+        Its own keys go in as they are, its "status" and "units" in place of those of all.
+    status : str
+        How it ended: "done", or the verdict.
+    files : paths
+        That were written.
+    """
+    return {
+        "command": command,
+        "version": version("slipfront"),
+        "status": status,
+        **document,
+        "units": document.get("units", {}),
+        "files": [str(path) for path in files],
+    }
+
+
+def json_text(document: Mapping[str, Any]) -> str:
     """JSON of a document, numbers of numpy included; null for what is not a finite number."""
     return json.dumps(_finite(document), indent=2, allow_nan=False) + "\n"
 
 
 def _finite(part: Any) -> Any:
     """Part of a document with None in place of infinities and what is not a number."""
-    if isinstance(part, dict):
+    if isinstance(part, Mapping):
         return {key: _finite(value) for key, value in part.items()}
     if isinstance(part, (list, tuple)):
         return [_finite(value) for value in part]

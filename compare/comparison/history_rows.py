@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, binary_opening
 
 from compare.comparison.bars import error_bar, observed_order
 from compare.comparison.case import EDGE_CELLS, LEAST_ERROR, NARROW, Case
@@ -66,7 +66,7 @@ def beside_edges(sense: Senses) -> NDArray[np.bool_]:
     changes = np.zeros(sense.shape, dtype=bool)
     changes[:-1] |= np.diff(sense, axis=0) != 0
     changes[:, :-1] |= np.diff(sense, axis=1) != 0
-    return np.asarray(binary_dilation(changes), dtype=bool)
+    return np.asarray(scipy.ndimage.binary_dilation(changes), dtype=bool)
 
 
 def rate_row(case: Case) -> Row:
@@ -80,7 +80,7 @@ def rate_row(case: Case) -> Row:
 def gap_row(case: Case) -> Row:
     """The same of the gap."""
     opens = case.at_nodes.gap > 0
-    narrow = opens & ~binary_opening(opens, np.ones((1, NARROW), dtype=bool))
+    narrow = opens & ~scipy.ndimage.binary_opening(opens, np.ones((1, NARROW), dtype=bool))
     unseen = np.where(narrow, case.at_nodes.gap, 0.0)
     return _map_row(case, "gap", case.rate * case.end_time, ("V₀ T", "V₀ c_t T³"), unseen)
 

@@ -101,15 +101,19 @@ def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:
     float or None
         The time [time], linear between the two samples around it; None if it never comes.
     """
-    speed = np.abs(slip_rate)
-    late = np.flatnonzero(speed > threshold)
+    return first_above(time, np.abs(slip_rate), threshold)
+
+
+def first_above(time: Array, values: Array, level: float) -> float | None:
+    """First time at which values (m,) are above a level, linear between samples; None if never."""
+    late = np.flatnonzero(values > level)
     if not len(late):
         return None
     first = late[0]
     if first == 0:
         return float(time[0])
     pair = slice(first - 1, first + 1)
-    return float(np.interp(threshold, speed[pair], time[pair]))
+    return float(np.interp(level, values[pair], time[pair]))
 
 
 def worn(history: InterfaceHistory) -> tuple[Array, Array]:

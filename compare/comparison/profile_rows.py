@@ -9,8 +9,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import binary_closing, binary_opening
 
 from compare.comparison.bars import error_bar, observed_order
 from compare.comparison.case import EDGE_CELLS, NARROW, Case, own_wear, worn_by
@@ -45,7 +45,7 @@ def gap_rows(case: Case) -> Iterator[Row]:
         return
     scale, reach = case.rate * case.end_time, _disturbed(case)
     opens = case.at_nodes.gap[-1] > 0
-    narrow = opens & ~binary_opening(opens, np.ones(NARROW, dtype=bool))
+    narrow = opens & ~scipy.ndimage.binary_opening(opens, np.ones(NARROW, dtype=bool))
     yield case.profile_row(
         "gap",
         "gap",
@@ -227,7 +227,9 @@ def _unseen_stick(case: Case) -> Array:
     """How far the shear traction of the prediction leaves that of slip on either side at the end,
     in gaps between zones that too few nodes lie in, (n,)."""
     slips = np.abs(case.at_nodes.slip_rate[-1]) > NOTHING * case.rate
-    gaps = binary_closing(np.pad(slips, NARROW), np.ones(NARROW, dtype=bool))[NARROW:-NARROW]
+    gaps = scipy.ndimage.binary_closing(np.pad(slips, NARROW), np.ones(NARROW, dtype=bool))[
+        NARROW:-NARROW
+    ]
     gaps &= ~slips
     traction, x = case.at_nodes.shear_traction[-1], case.seen.x
     if not gaps.any():

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from compare.comparison.case import Case
 from compare.comparison.documents import (
     SCENE_DIMENSIONS,
     Dimensions,
@@ -15,24 +16,33 @@ from compare.comparison.documents import (
     units_document,
 )
 from compare.comparison.fields.errors import BAND
-from compare.comparison.judgement import Judgement
+from compare.comparison.judgement import Judgement, own_bars, side_by_side
 from compare.comparison.prediction import method_of
 from compare.output.files import write_text
 from semianalytic import Solution
 from semianalytic.scene.scene import scene_document
 
+if TYPE_CHECKING:
+    from fem import Simulation
+
+_RUN_DIMENSIONS: Dimensions = {
+    "end_time": "time",
+    "element_size": "length",
+    "damping": "element_size / c_t",
+    "time_step": "time",
+    "critical_step": "time",
+    "opened": {"time": "time", "x": "length", "gap": "length", "length": "length"},
+    "seconds": "s",
+}
 REPORT_DIMENSIONS: Dimensions = {
     "parameters": SCENE_DIMENSIONS,
     "fields": {"band": "element_size", "frames": {"time": "time"}},
-    "finite_elements": {
-        "end_time": "time",
-        "element_size": "length",
-        "damping": "element_size / c_t",
-        "time_step": "time",
-        "critical_step": "time",
-        "opened": {"time": "time", "x": "length", "gap": "length", "length": "length"},
-        "seconds": "s",
-    },
+    "finite_elements": _RUN_DIMENSIONS,
+}
+SIMULATION_DIMENSIONS: Dimensions = {
+    "scene": SCENE_DIMENSIONS,
+    "lower_material": SCENE_DIMENSIONS["material"],
+    "finite_elements": _RUN_DIMENSIONS,
 }
 
 
@@ -53,22 +63,7 @@ def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
         "semianalytic": (
             solution_document(prediction) if isinstance(prediction, Solution) else None
         ),
-        "finite_elements": {
-            "run": simulation.run,
-            "end_time": simulation.end_time,
-            "resolution": simulation.resolution,
-            "companions": [run.resolution for run in judgement.case.coarser],
-            "element_size": simulation.element_size,
-            "model": simulation.model,
-            "damping": simulation.damping,
-            "time_step": simulation.time_step,
-            "critical_step": simulation.critical_step,
-            "steps": simulation.steps,
-            "unknowns": simulation.unknowns,
-            "caution": simulation.caution,
-            "opened": simulation.opened and asdict(simulation.opened),
-            "seconds": dict(simulation.seconds),
-        },
+        "finite_elements": _run(judgement.case),
         "rows": [
             {**asdict(row), "verdict": row.verdict, "remedy": judgement.remedy(row)}
             for row in judgement.rows
@@ -79,6 +74,47 @@ def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
     document["units"] = units_document(document, REPORT_DIMENSIONS, simulation.scene)
     document["units"]["rows"] = row_units(simulation.scene, simulation.end_time)
     return document
+
+
+def simulation_document(simulation: Simulation) -> dict[str, Any]:
+    """A simulation as plain dictionaries, lists, strings and finite numbers, for JSON.
+
+    "own_bars" are how far it may be off by its coarser meshes, relative or in "unit".
+    """
+    bars = () if simulation.companion is None else own_bars(simulation)
+    document: dict[str, Any] = {
+        "scene": scene_document(simulation.scene),
+        "lower_material": simulation.lower_material and asdict(simulation.lower_material),
+        "finite_elements": _run(side_by_side(simulation, simulation)),
+        "own_bars": [
+            {"name": row.name, "bar": row.bar, "unit": "relative" if row.relative else row.unit}
+            for row in bars
+        ],
+    }
+    document["units"] = units_document(document, SIMULATION_DIMENSIONS, simulation.scene)
+    document["units"]["own_bars"] = row_units(simulation.scene, simulation.end_time)
+    return document
+
+
+def _run(case: Case) -> dict[str, Any]:
+    """How a simulation was made, and what it cost."""
+    simulation = case.simulation
+    return {
+        "run": simulation.run,
+        "end_time": simulation.end_time,
+        "resolution": simulation.resolution,
+        "companions": [run.resolution for run in case.coarser],
+        "element_size": simulation.element_size,
+        "model": simulation.model,
+        "damping": simulation.damping,
+        "time_step": simulation.time_step,
+        "critical_step": simulation.critical_step,
+        "steps": simulation.steps,
+        "unknowns": simulation.unknowns,
+        "caution": simulation.caution,
+        "opened": simulation.opened and asdict(simulation.opened),
+        "seconds": dict(simulation.seconds),
+    }
 
 
 def write_report(judgement: Judgement, label: str, path: Path) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import slipfront as sf
+from compare.figures.style import describe, look
 from fem import simulate
 from semianalytic.reference import antiplane_traction
 
@@ -27,11 +28,12 @@ def slip_rate(xi: np.ndarray) -> np.ndarray:
     return np.asarray(4 / np.pi * np.arctan(np.sqrt(np.maximum(EDGE - xi, 0) / (1 + xi))))
 
 
+@look()
 def main(folder: Path = Path(".")) -> sf.Solution:
     """Draw the closed form under the answers of the three solvers; return the exact one."""
     solution, marched = sf.solve(SCENE, rtol=1e-11), sf.march(SCENE, nodes=400).interface
     simulated, xi = simulate(SCENE, resolution=100).interface, np.linspace(1e-3, 1.1, 2000)
-    figure, points = Figure(figsize=(6, 4.6), layout="constrained"), xi[20::60]
+    figure, points = describe(Figure(figsize=(6, 4.6), layout="constrained"), SCENE), xi[20::60]
     upper, lower = figure.subplots(2, 1, sharex=True)
     upper.plot(xi, slip_rate(xi), "k", linewidth=1, label="closed form")
     upper.plot(xi, antiplane_traction(SOLID, 1.0, CHI, xi), "k--", linewidth=1)

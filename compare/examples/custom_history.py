@@ -12,10 +12,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import slipfront as sf
+from compare.figures.style import describe, look
 
 ALUMINIUM = sf.Material(shear_modulus=26e9, density=2700.0, poisson_ratio=0.34)
 
 
+@look()
 def main(folder: Path = Path(".")) -> float:
     """March under a signal, save, go on; return the slip beside the edge [m]."""
     t = np.linspace(0, 60e-6, 121)  # [s]; stands for a file: np.loadtxt("signal.csv").T
@@ -34,7 +36,7 @@ def main(folder: Path = Path(".")) -> float:
     x, slip = float(history.x[0]), float(history.slip[-1, 0])
     part = float((history.slip_rate < 0).mean())
 
-    figure = Figure(figsize=(6, 3.4), layout="constrained")
+    figure = describe(Figure(figsize=(6, 3.4), layout="constrained"), scene)
     axes = figure.subplots()
     largest = float(np.quantile(np.abs(history.slip_rate), 0.995))
     shown = axes.pcolormesh(

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import slipfront as sf
+from compare.figures.style import describe, look
 
 STEEL = sf.Material(shear_modulus=80e9, density=7800.0, poisson_ratio=0.29)  # Pa, kg/m3
 SCENE = sf.Scene(
@@ -23,11 +24,12 @@ SCENE = sf.Scene(
 TIME = 1e-4  # [s]
 
 
+@look()
 def main(folder: Path = Path(".")) -> sf.Solution:
     """Solve the scene and draw its slip rate after 0.1 ms; return the solution."""
     solution = sf.solve(SCENE)
     x = np.linspace(1e-3, 1.25 * STEEL.shear_speed * TIME, 2000)  # [m]
-    figure = Figure(figsize=(6, 3.4), layout="constrained")
+    figure = describe(Figure(figsize=(6, 3.4), layout="constrained"), SCENE)
     axes = figure.subplots()
     axes.plot(1e3 * x, solution.slip_rate(x, TIME))
     for zone in solution.zones:

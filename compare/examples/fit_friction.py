@@ -14,12 +14,14 @@ from matplotlib.figure import Figure
 from scipy.optimize import least_squares
 
 import slipfront as sf
+from compare.figures.style import describe, look
 
 STEEL = sf.Material(shear_modulus=80e9, density=7800.0, poisson_ratio=0.29)
 SCENE = sf.Scene(STEEL, 0.5, base=sf.Tractions(5e6, 0.0), load=sf.Tractions(0.0, 5e6))
 PLACE, TRUE, NOISE = 0.05, 0.43, 0.05  # [m], friction to be found, part of the largest slip rate
 
 
+@look()
 def main(folder: Path = Path(".")) -> float:
     """Make a record, fit friction to it, and return what was found."""
     t = np.linspace(2e-6, 8e-5, 120)  # [s]
@@ -38,7 +40,9 @@ def main(folder: Path = Path(".")) -> float:
     head = "time [s],recorded slip rate [m/s],fitted slip rate [m/s]"
     columns = np.column_stack([t, record, fitted])
     np.savetxt(folder / "fit_friction.csv", columns, delimiter=",", header=head, comments="")
-    figure = Figure(figsize=(6, 3.4), layout="constrained")
+    figure = describe(
+        Figure(figsize=(6, 3.4), layout="constrained"), f"ν = 0.29, f = {TRUE:g}, steel"
+    )
     axes = figure.subplots()
     axes.plot(1e6 * t, record, ".", color="0.5", label="record at 50 mm")
     axes.plot(1e6 * t, fitted, label=f"fit, friction {fit.x[0]:.3f} ± {error:.3f}")

@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import slipfront as sf
+from compare.figures.style import describe, look
 
 MATERIAL = sf.Material(1.0, 1.0, 1 / 3)
 LOAD = sf.Tractions(0.0, 1.0)
@@ -20,6 +21,7 @@ SCENE = sf.Scene(MATERIAL, 0.3, sf.Tractions(1.0, 0.0), LOAD, shear_history=sf.R
 LAWS = (sf.CoulombFriction(), sf.RateWeakening(0.4, 1.0), sf.SlipWeakening(0.6, 0.05))
 
 
+@look()
 def main(folder: Path = Path(".")) -> list[float]:
     """Write slip at the end along the interface by law; return the largest slip of each."""
     marches = [sf.march(replace(SCENE, friction_law=law), nodes=400) for law in LAWS]
@@ -28,7 +30,7 @@ def main(folder: Path = Path(".")) -> list[float]:
     head = ",".join(["x", *names])
     table = np.column_stack([x, *slips])
     np.savetxt(folder / "friction_law.csv", table, delimiter=",", header=head, comments="")
-    figure = Figure(figsize=(6, 3.4), layout="constrained")
+    figure = describe(Figure(figsize=(6, 3.4), layout="constrained"), SCENE)
     axes = figure.subplots()
     for name, slip, style in zip(names, slips, ("-", "--", ":"), strict=True):
         axes.plot(x, slip, style, label=name)

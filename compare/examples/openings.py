@@ -12,14 +12,17 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import slipfront as sf
+from compare.figures.style import describe, look
 
 SOLID = sf.Material(shear_modulus=1.0, density=1.0, poisson_ratio=1 / 3)  # c_t = 1
 BASE, TAP = sf.Tractions(pressure=0.02, shear=0.0), sf.Tractions(pressure=1.0, shear=0.5)
 
 
+@look()
 def main(folder: Path = Path(".")) -> list[sf.Solution]:
     """Draw gap and pressure, shear traction and slip rate under weak to strong friction."""
     figure, xi = Figure(figsize=(6.4, 6.8), layout="constrained"), np.linspace(5e-3, 2.05, 1200)
+    describe(figure, "ν = 1/3, f = 0.1 to 10; step of pressure P₀ = 1, slip rate over P₀ / ρcₜ")
     normal, shear, rate = figure.subplots(3, 1, sharex=True)
     solutions = [sf.solve(sf.Scene(SOLID, friction, BASE, TAP)) for friction in (0.1, 1.0, 10.0)]
     for solution in solutions:
@@ -35,7 +38,7 @@ def main(folder: Path = Path(".")) -> list[sf.Solution]:
     rate.set(ylim=(0, 0.5), ylabel="slip rate", xlabel="x / (c_t t)", xlim=(0, 2.05))
     (opening,) = solution.openings
     for panel in (normal, shear, rate):
-        panel.axvspan(opening.inner, opening.outer, color="0.92", zorder=0)
+        panel.axvspan(opening.inner, opening.outer, color="0.95", zorder=0)
     normal.legend(frameon=False)
     shear.legend(frameon=False)
     figure.savefig(folder / "openings.png", dpi=90)

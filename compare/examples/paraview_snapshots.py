@@ -15,8 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 import slipfront as sf
+from compare.figures.style import describe, look
 
 
+@look()
 def main(folder: Path = Path(".")) -> int:
     """Simulate a remote shock with ten pictures; return the number of pictures."""
     snapshots = folder / "snapshots"
@@ -28,7 +30,7 @@ def main(folder: Path = Path(".")) -> int:
 
     squares = last.cells_dict["quad"]
     triangles = np.concatenate([squares[:, :3], squares[:, [0, 2, 3]]])
-    figure = Figure(figsize=(6, 3.4), layout="constrained")
+    figure = describe(Figure(figsize=(6, 3.4), layout="constrained"), scene)
     axes = figure.subplots()
     x, y, _ = last.points.T
     across = last.point_data["velocity"][:, 0]  # along the interface, per node

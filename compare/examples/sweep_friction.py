@@ -12,12 +12,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import slipfront as sf
+from compare.figures.style import describe, look
 from semianalytic.reference import edge_speed_under_shear_step
 
 MATERIAL = sf.Material(1.0, 1.0, 1 / 3)
 SCENE = sf.Scene(MATERIAL, 0.3, base=sf.Tractions(1.0, 0.0), load=sf.Tractions(0.0, 1.0))
 
 
+@look()
 def main(folder: Path = Path(".")) -> float:
     """Draw the edges of all zones; return the largest difference from the closed form."""
     friction = np.linspace(0.1, 1.0, 91)
@@ -27,7 +29,10 @@ def main(folder: Path = Path(".")) -> float:
     one = np.array([len(solution.zones) == 1 for solution in swept.solutions])
     difference = float(np.abs(edges[one, 0, 1] / closed[one] - 1).max())
 
-    figure = Figure(figsize=(6, 3.4), layout="constrained")
+    figure = describe(
+        Figure(figsize=(6, 3.4), layout="constrained"),
+        "ν = 1/3, a step of shear Q₀ on pressure P_b",
+    )
     axes = figure.subplots()
     axes.plot(friction, edges.reshape(len(friction), -1), ".", color="C0", markersize=3)
     axes.plot(friction[one], closed[one], "k--", linewidth=1, label="closed form, one zone")

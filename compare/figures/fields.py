@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 
 from compare.comparison.scales import scene_fronts
 from compare.figures.fronts import Front, Window, fronts, moving_parts, reach
@@ -18,9 +19,13 @@ from compare.figures.style import (
     ORANGE,
     SENSE_COLOURS,
     SMALL,
+    describe,
+    ink,
     line_handle,
+    look,
     marker_handle,
     new_figure,
+    outline,
     scene_words,
 )
 from semianalytic.results.answer import WholeFields
@@ -31,8 +36,8 @@ SHOWN = 0.995
 WIDE = 4.0
 """Height of a picture [inch] below which its colour bar lies under it."""
 COLOURS = {"size": "viridis", "sign": "RdBu_r", "light": "gray"}
-INK = {"size": "white", "sign": "0.25", "light": ORANGE}
-"""Colour of the fronts over each kind of quantity."""
+INK = {"size": ("white", "#333333"), "sign": ("#333333", "white"), "light": (ORANGE, "#333333")}
+"""Colour of the fronts over each kind of quantity, and of what is around them."""
 
 
 def field_figure(
@@ -70,6 +75,7 @@ class FieldPicture:
         The one shown first, from whose values the range of colours comes [time].
     """
 
+    @look()
     def __init__(
         self, fields: WholeFields, quantity: Quantity, window: Window, points: int, time: float
     ) -> None:
@@ -96,6 +102,7 @@ class FieldPicture:
             self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")  # so that it stays where it is, whatever the time
 
+    @look()
     def show(self, time: float) -> None:
         """Draw another time [time]."""
         self.panel.clear()
@@ -111,7 +118,7 @@ class FieldPicture:
         return float(self.quantity.at(self.fields, np.ones(1), np.ones(1), 0.0)[0])
 
     def _draw(self, values: Array, time: float) -> AxesImage:
-        panel, scene, ink = self.panel, self.fields.scene, INK[self.quantity.kind]
+        panel, scene = self.panel, self.fields.scene
         image = panel.imshow(
             np.clip(values, self._norm.vmin, self._norm.vmax),  # also what is infinite
             extent=self.window,
@@ -121,17 +128,14 @@ class FieldPicture:
             interpolation="nearest",
         )
         for front in fronts(self.fields, time):
-            _draw_front(panel, front, self.window, ink)
+            _draw_front(panel, front, self.window, *INK[self.quantity.kind])
         handles = _draw_interface(panel, self.fields, time)
-        self.figure.legend(
-            handles=handles, loc="outside lower center", ncols=len(handles), fontsize=SMALL
-        )
+        self.figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
         length = unit("length", scene.units)
         panel.set(xlabel=f"x [{length}]", ylabel=f"y [{length}]")
         panel.set(xlim=self.window[:2], ylim=self.window[2:])
         moment = f"t = {time:.4g} {unit('time', scene.units) if scene.units else ''}"
-        words = f"{scene_words(scene)},  {moment}"
-        self.figure.suptitle(words, fontsize=9, color="0.25", wrap=True)
+        describe(self.figure, f"{scene_words(scene)},  {moment}")
         return image
 
 
@@ -158,10 +162,11 @@ def _range(values: Array, quantity: Quantity, rest: float) -> tuple[float, float
     return rest - away, rest + away
 
 
-def _draw_front(panel: Axes, front: Front, window: Window, ink: str) -> None:
+def _draw_front(panel: Axes, front: Front, window: Window, colour: str, around: str) -> None:
     """A front and its mirror image; its name where the upper one can be seen."""
+    line: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 0.8}
     for side in (1, -1):
-        panel.plot(front.x, side * front.y, color=ink, linestyle="--", linewidth=0.8)
+        panel.plot(front.x, side * front.y, **line, path_effects=outline(around, 1.6))
     x0, x1, y0, y1 = window
     at = min(int(front.share * len(front.x)), len(front.x) - 1)
     x, y = front.x[at], front.y[at]
@@ -172,41 +177,32 @@ def _draw_front(panel: Axes, front: Front, window: Window, ink: str) -> None:
             (x, y),
             (4, 5) if beside else (0, 0),
             textcoords="offset points",
-            color=ink,
+            color=colour,
             fontsize=SMALL,
             ha="left" if beside else "center",
             va="bottom" if beside else "center",
-            path_effects=[withStroke(linewidth=2.5, foreground=_ground(ink))],
+            path_effects=outline(around),
         )
-
-
-def _ground(ink: str) -> str:
-    """What makes an ink readable on any colour."""
-    return "white" if ink == "0.25" else "0.2"
 
 
 def _draw_interface(panel: Axes, fields: WholeFields, time: float) -> list[Line2D]:
     """The slot, what slips and what is open on y = 0, and Rayleigh fronts; entries of a legend."""
     scene, speeds = fields.scene, scene_fronts(fields.scene)
     far = 1e3 * scene.fastest_speed * time
-    panel.plot([-far, 0], [0, 0], color=BLACK, linewidth=2.5, solid_capstyle="butt")
-    handles: dict[str, Line2D] = {"slot": line_handle("slot", BLACK)}
+    bar: dict[str, Any] = {"linewidth": 2.5, "solid_capstyle": "butt"}
+    slot = bar | {"color": BLACK, "path_effects": outline("white", 4.0)}
+    panel.plot([-far, 0], [0, 0], **slot)
+    handles = {"slot": Line2D([], [], label="slot", **slot)}
     parts = moving_parts(fields, time)
     for part in parts:
-        colour = SENSE_COLOURS[part.kind]
-        panel.plot(
-            [part.start, min(part.end, far)],
-            [0, 0],
-            color=colour,
-            linewidth=3.5,
-            solid_capstyle="butt",
-            path_effects=[withStroke(linewidth=5, foreground="white")],
-        )
-        handles[part.kind] = line_handle(part.kind, colour)
+        moving = bar | {"color": SENSE_COLOURS[part.kind], "path_effects": outline(BLACK, 4.0)}
+        panel.plot([part.start, min(part.end, far)], [0, 0], **moving)
+        handles[part.kind] = Line2D([], [], label=part.kind, **moving)
     if "Rayleigh" in speeds:
         place = speeds["Rayleigh"] * time
         places = [-place, *([place] if any(part.covers(place) for part in parts) else [])]
         at = np.zeros(len(places))
         panel.plot(places, at, "D", color=ORANGE, markersize=5, markeredgecolor=BLACK, zorder=3)
         handles["Rayleigh"] = marker_handle("Rayleigh front", ORANGE, "D", 5)
-    return [*handles.values(), line_handle("wave fronts", "0.4", "--")]
+        handles["Rayleigh"].set_markeredgecolor(BLACK)
+    return [*handles.values(), line_handle("wave fronts", ink(0.65), "--")]

@@ -21,8 +21,8 @@ from compare.figures.interface import (
     tractions_figure,
 )
 from compare.figures.style import (
+    BLACK,
     GAP_LABEL,
-    OPEN_SHADE,
     PATH_LABEL,
     PLACE_LABEL,
     PREDICTION,
@@ -30,13 +30,15 @@ from compare.figures.style import (
     RATE_LABEL,
     SENSE_COLOURS,
     SIMULATION,
-    SMALL,
     TIME_LABEL,
     WORK_LABEL,
     describe,
+    ink,
     mark_waves,
     method_handles,
     new_figure,
+    shade,
+    styled,
     waves_handle,
 )
 from semianalytic import Marched, Solution
@@ -48,24 +50,25 @@ LEVELS = 400
 
 
 def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
-    """The figures that a comparison has, by file name."""
+    """The figures that a comparison has, by file name without its suffix."""
     figures: dict[str, Callable[[Case], Figure]] = {}
     solution = case.prediction
     if isinstance(solution, Solution):
         figures = {
-            "slip_rate.png": lambda one: slip_rate_figure(solution, one.seen),
-            "tractions.png": lambda one: tractions_figure(solution, one.seen),
-            "fronts.png": lambda one: fronts_figure(solution, one.seen),
+            "slip_rate": lambda one: slip_rate_figure(solution, one.seen),
+            "tractions": lambda one: tractions_figure(solution, one.seen),
+            "fronts": lambda one: fronts_figure(solution, one.seen),
         }
     if case.slips or case.opens:
-        figures |= {"sense.png": sense_figure}
+        figures |= {"sense": sense_figure}
     if case.slips:
-        figures |= {"history.png": history_figure, "wear.png": wear_figure}
+        figures |= {"history": history_figure, "wear": wear_figure}
     if case.opens:
-        figures |= {"gap.png": gap_figure}
+        figures |= {"gap": gap_figure}
     return figures
 
 
+@styled
 def sense_figure(case: Case) -> Figure:
     """Maps of slip sense and of what is open over (x, t): predicted, simulated, and where the two
     differ."""
@@ -97,17 +100,18 @@ def sense_figure(case: Case) -> Figure:
         )
         panel.set(xlabel=PLACE_LABEL, xlim=(0, right), ylim=(0, 1))
         panel.set_title(title, pad=16)
-        mark_waves(panel, scene_fronts(case.scene), material.shear_speed, "rays")
+        speeds = scene_fronts(case.scene)
+        mark_waves(panel, speeds, material.shear_speed, "rays", colour=BLACK, outlined="white")
     panels[0].set_ylabel(TIME_LABEL)
     handles = [Patch(color=colour, label=kind) for kind, colour in shown]
     panels[1].legend(
-        handles=[*handles, waves_handle(scene_fronts(case.scene))],
+        handles=[*handles, waves_handle(scene_fronts(case.scene), BLACK)],
         loc="lower right",
-        fontsize=SMALL,
     )
     return figure
 
 
+@styled
 def history_figure(case: Case) -> Figure:
     """Slip rate along the interface at four moments, by both methods."""
     seen, scene, end = case.seen, case.scene, case.end_time
@@ -118,18 +122,19 @@ def history_figure(case: Case) -> Figure:
     for panel, moment in zip(panels, MOMENTS, strict=True):
         level = int(np.argmin(np.abs(seen.t - moment * end)))
         x, slip_rate = curve(case.prediction, float(seen.x[-1]), float(seen.t[level]))
-        panel.axhline(0, color="0.6", linewidth=0.6)
+        panel.axhline(0, color=ink(0.5), linewidth=0.6)
         panel.plot(
             seen.x / length, seen.slip_rate[level] / scale, ".", color=SIMULATION, markersize=2.5
         )
         panel.plot(x / length, slip_rate / scale, color=PREDICTION, linewidth=1.2)
         panel.annotate(f"t = {moment:g} T", (0.98, 0.85), xycoords="axes fraction", ha="right")
-    panels[0].legend(handles=method_handles(), loc="upper center", fontsize=SMALL)
+    panels[0].legend(handles=method_handles(), loc="upper center")
     panels[-1].set(xlabel=PLACE_LABEL, xlim=(0, 1.05 * seen.x[reach] / length))
     figure.supylabel(RATE_LABEL)
     return figure
 
 
+@styled
 def wear_figure(case: Case) -> Figure:
     """Accumulated |slip| and frictional work along the interface at the end, by both methods."""
     simulation, x, length = case.simulation, case.seen.x, case.length
@@ -146,11 +151,12 @@ def wear_figure(case: Case) -> Figure:
         panel.set_ylabel(label)
         panel.set_ylim(bottom=0)
     reach = np.flatnonzero(path > 0)[-1]
-    panels[0].legend(handles=method_handles(), loc="upper right", fontsize=SMALL)
+    panels[0].legend(handles=method_handles(), loc="upper right")
     panels[1].set(xlabel=PLACE_LABEL, xlim=(0, 1.05 * x[reach] / length))
     return figure
 
 
+@styled
 def gap_figure(case: Case) -> Figure:
     """The gap at four moments, and the pressure at the end, by both methods."""
     seen, length, end = case.seen, case.length, case.end_time
@@ -171,8 +177,8 @@ def gap_figure(case: Case) -> Figure:
     lower.plot(x / length, case.prediction.pressure(x, end) / case.stress, color=PREDICTION)
     lower.plot(seen.x / length, seen.pressure[-1] / case.stress, ".", color=SIMULATION, ms=2.5)
     upper.set_ylabel(GAP_LABEL)
-    upper.set_title("gap at t = T/4, T/2, 3 T/4 and T, pressure at T", fontsize=SMALL)
-    upper.legend(handles=method_handles(), loc="upper right", fontsize=SMALL)
+    upper.set_title("gap at t = T/4, T/2, 3 T/4 and T, pressure at T")
+    upper.legend(handles=method_handles(), loc="upper right")
     opened = np.flatnonzero((case.at_nodes.gap + seen.gap).max(axis=0))
     right = min(2 * seen.x[opened[-1]], seen.x[-1]) / length
     calm = 2 * case.scene.base.pressure / case.stress
@@ -180,7 +186,7 @@ def gap_figure(case: Case) -> Figure:
     for opening in case.prediction.openings_at(end):
         for panel in (upper, lower):
             place = opening.start / length, opening.end / length
-            panel.axvspan(*place, color=OPEN_SHADE, linewidth=0, zorder=0)
+            panel.axvspan(*place, color=shade("open"), linewidth=0, zorder=0)
     return figure
 
 
@@ -192,6 +198,7 @@ def curve(prediction: Answer, reach: float, time: float) -> tuple[Array, Array]:
     return x, prediction.slip_rate(x, time)
 
 
+@styled
 def march_figure(marched: Marched) -> Figure:
     """Slip rate over space and time, and accumulated |slip| along the interface at the end."""
     scene, fields = marched.scene, marched.interface
@@ -214,7 +221,8 @@ def march_figure(marched: Marched) -> Figure:
     )
     figure.colorbar(image, ax=upper, label=RATE_LABEL)
     upper.set(ylabel=TIME_LABEL, xlim=(0, fields.x[-1] / length), ylim=(0, 1))
-    mark_waves(upper, scene_fronts(scene), scene.material.shear_speed, "rays")
+    speed = scene.material.shear_speed
+    mark_waves(upper, scene_fronts(scene), speed, "rays", colour=BLACK, outlined="white")
     lower.plot(fields.x / length, marched.final_path / (scale * marched.end_time), color=PREDICTION)
     lower.set(xlabel=PLACE_LABEL, ylabel=PATH_LABEL)
     return figure

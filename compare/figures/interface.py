@@ -21,26 +21,26 @@ from compare.comparison.scales import scene_fronts, slip_rate_scale, stress_scal
 from compare.figures.style import (
     BLACK,
     GAP_LABEL,
-    OPEN_SHADE,
     ORANGE,
     PLACE_LABEL,
     PREDICTION,
     RATE_LABEL,
-    REVERSE_SHADE,
     SIMULATION,
-    SLIP_SHADE,
-    SMALL,
     SPEED_LABEL,
-    STICK_SHADE,
     TIME_LABEL,
     TRACTION_LABEL,
+    VIOLET,
     LineStyle,
     describe,
+    ink,
     line_handle,
     mark_waves,
     marker_handle,
     method_handles,
     new_figure,
+    outline,
+    shade,
+    styled,
     waves_handle,
 )
 from semianalytic import OpenZone, Scene, SlipZone, Solution
@@ -48,15 +48,10 @@ from semianalytic.results.interface_history import InterfaceHistory
 
 Array = NDArray[np.float64]
 
-ZONE_COLOURS = {
-    "slip": SLIP_SHADE,
-    "stick": STICK_SHADE,
-    "reverse slip": REVERSE_SHADE,
-    "open": OPEN_SHADE,
-}
 POINTS = 1500
 
 
+@styled
 def slip_rate_figure(
     solution: Solution, history: InterfaceHistory, *, axes: tuple[Axes, Axes] | None = None
 ) -> Figure:
@@ -84,6 +79,7 @@ def slip_rate_figure(
     return _figure(upper)
 
 
+@styled
 def tractions_figure(
     solution: Solution, history: InterfaceHistory, *, axes: Axes | None = None
 ) -> Figure:
@@ -100,7 +96,7 @@ def tractions_figure(
     predicted = _draw_predicted_tractions(panel, solution, time)
     panel.plot(velocity, shear, ".", color=SIMULATION, markersize=3)
     for sign in (1, -1):
-        panel.plot(velocity, sign * bound, "_", color=SIMULATION, markersize=3, alpha=0.6)
+        panel.plot(velocity, sign * bound, "_", color=SIMULATION, markersize=3)
     mark_waves(panel, scene_fronts(scene), unit)
     handles = (
         line_handle("shear traction, semi-analytic", PREDICTION),
@@ -114,6 +110,7 @@ def tractions_figure(
     return _figure(panel)
 
 
+@styled
 def fronts_figure(
     solution: Solution, history: InterfaceHistory, *, axes: Axes | None = None
 ) -> Figure:
@@ -137,10 +134,11 @@ def fronts_figure(
         rasterized=True,
     )
     _figure(panel).colorbar(image, ax=panel, label=RATE_LABEL + ", finite elements")
-    panel.set(xlabel=PLACE_LABEL, ylabel=TIME_LABEL, facecolor="0.9")
+    panel.set(xlabel=PLACE_LABEL, ylabel=TIME_LABEL, facecolor=ink(0.1))
     panel.set(xlim=(0, _right_end(scene)), ylim=(0, 1))
-    waves, edges = ("0.35", BLACK) if signed else ("white", ORANGE)
-    mark_waves(panel, scene_fronts(scene), scene.material.shear_speed, "rays", colour=waves)
+    waves, edges, around = (BLACK, VIOLET, "white") if signed else ("white", ORANGE, BLACK)
+    speed = scene.material.shear_speed
+    mark_waves(panel, scene_fronts(scene), speed, "rays", colour=waves, outlined=around)
     handles = [waves_handle(scene_fronts(scene), waves)]
     lines: tuple[tuple[Iterable[SlipZone | OpenZone], str, LineStyle], ...] = (
         (solution.zones, "predicted zone edges", "-"),
@@ -148,16 +146,17 @@ def fronts_figure(
     )
     for parts, words, line in lines:
         for edge in _finite_edges(parts):
-            slope = edge / scene.material.shear_speed
-            panel.plot([0, slope], [0, 1], line, color=edges, linewidth=1.1)
+            ends = [0, edge / speed], [0, 1]
+            panel.plot(*ends, line, color=edges, linewidth=1.1, path_effects=outline(around))
         if parts:
             handles.append(line_handle(words, edges, line))
-    panel.legend(
-        handles=handles, loc="lower right", fontsize=SMALL, facecolor="0.85" if signed else "0.45"
-    )
+    for handle in handles:
+        handle.set_path_effects(outline(around))
+    panel.legend(handles=handles, loc="lower right")
     return _figure(panel)
 
 
+@styled
 def prediction_figure(solution: Solution, *, axes: tuple[Axes, ...] | None = None) -> Figure:
     """The semi-analytic answer alone: slip rate above, tractions and friction bound below.
 
@@ -177,7 +176,7 @@ def prediction_figure(solution: Solution, *, axes: tuple[Axes, ...] | None = Non
     shear = _draw_predicted_tractions(lower, solution, 1.0)
     bound = line_handle(r"bound $\pm f p$", PREDICTION, ":")
     handles = [line_handle("shear traction", PREDICTION), bound]
-    lower.legend(handles=handles, loc="best", fontsize=SMALL)
+    lower.legend(handles=handles, loc="best")
     lower.set(ylabel=TRACTION_LABEL, xlim=(0, _right_end(scene)))
     lower.set_ylim(_traction_limits(shear))
     for panel in panels[2:]:
@@ -241,7 +240,7 @@ def _shade_zones(panel: Axes, solution: Solution) -> None:
     ends = [0.0, *(min(e, limit) for zone in zones for e in (zone.inner, zone.outer)), limit]
     for number, (start, stop) in enumerate(pairwise(ends)):
         kind = _zone_kind(zones[number // 2]) if number % 2 else "stick"
-        panel.axvspan(start / unit, stop / unit, color=ZONE_COLOURS[kind], linewidth=0, zorder=0)
+        panel.axvspan(start / unit, stop / unit, color=shade(kind), linewidth=0, zorder=0)
 
 
 def _draw_predicted_tractions(panel: Axes, solution: Solution, time: float) -> Array:
@@ -275,5 +274,5 @@ def _widen(panel: Axes, least: float) -> None:
 def _legend(panel: Axes, solution: Solution, *handles: Artist) -> None:
     """A legend of these entries and of the shades of the zones."""
     kinds = dict.fromkeys(["stick", *(_zone_kind(zone) for zone in _parts(solution))])
-    shades = [Patch(color=ZONE_COLOURS[kind], label=kind) for kind in kinds]
-    panel.legend(handles=[*handles, *shades], loc="best", fontsize=SMALL)
+    shades = [Patch(color=shade(kind), label=kind) for kind in kinds]
+    panel.legend(handles=[*handles, *shades], loc="best")

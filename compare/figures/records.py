@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from compare.comparison.scales import scene_fronts
-from compare.figures.style import CYCLE, SMALL, SYMBOLS, describe, new_figure
+from compare.figures.style import SMALL, SYMBOLS, cycle, describe, ink, new_figure, styled
 from compare.output.field_files import FieldRecord
 from semianalytic import Scene
 from semianalytic.scene.units import unit
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 _AXES = ("xx", "yy", "xy", "xz", "yz")
 
 
+@styled
 def record_figure(record: FieldRecord, scene: Scene) -> Figure:
     """Velocity, displacement, stress and strain over time, with the arrivals of waves marked."""
     figure = describe(new_figure(7.5, 8.5), scene)
@@ -29,14 +30,14 @@ def record_figure(record: FieldRecord, scene: Scene) -> Figure:
         (panels[2], r"\sigma", record.stress, "stress", _AXES, "stress"),
         (panels[3], r"\varepsilon", record.strain, "1", _AXES, "strain"),
     ):
-        for row, axis, colour in zip(rows, axes, CYCLE, strict=False):
+        for row, axis, colour in zip(rows, axes, cycle(), strict=False):
             shown = np.where(np.isfinite(row), row, np.nan)
             panel.plot(record.t, shown, color=colour, label=f"${symbol}_{{{axis}}}$", linewidth=1.2)
         panel.set_ylabel(f"{words} [{unit(dimension, scene.units)}]")
-        panel.legend(loc="upper left", fontsize=SMALL)
+        panel.legend(loc="upper left")
         _mark_arrivals(panel, record, scene, labels=panel is panels[0])
     length = unit("length", scene.units)
-    panels[0].set_title(f"x = {record.x:.4g}, y = {record.y:.4g} [{length}]", pad=16, fontsize=9)
+    panels[0].set_title(f"x = {record.x:.4g}, y = {record.y:.4g} [{length}]", pad=16)
     panels[-1].set(xlabel=f"t [{unit('time', scene.units)}]", xlim=(0, record.t[-1]))
     return figure
 
@@ -48,7 +49,7 @@ def _mark_arrivals(panel: Axes, record: FieldRecord, scene: Scene, *, labels: bo
         time = distance / speed
         if name == "Rayleigh" or not 0 < time < record.t[-1]:
             continue
-        panel.axvline(time, color="0.35", linestyle="--", linewidth=0.8, zorder=1)
+        panel.axvline(time, color=ink(0.65), linestyle="--", linewidth=0.8, zorder=1)
         if labels:
             panel.annotate(
                 f"{name}, {SYMBOLS[name]}",

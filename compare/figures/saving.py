@@ -1,4 +1,4 @@
-"""Figures as files, and as pictures within a page."""
+"""Figures as files, and as pictures within a page; text in them stays text, bytes are the same."""
 
 from __future__ import annotations
 
@@ -9,8 +9,12 @@ from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.figure import Figure
 from PIL import Image
 
+from compare.figures.style import look
 from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import SceneError
+
+NO_DATE = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+"""Metadata of formats that would have the time of writing."""
 
 
 def figure_format(path: str | Path) -> str:
@@ -40,15 +44,17 @@ def save_figure(figure: Figure, path: str | Path) -> None:
     DataFileError
         If the file cannot be written.
     """
-    drawn = BytesIO()
-    figure.savefig(drawn, format=figure_format(path), dpi=200)
+    drawn, form = BytesIO(), figure_format(path)
+    with look():
+        figure.savefig(drawn, format=form, metadata=NO_DATE.get(form))
     write_bytes(path, drawn.getbuffer())
 
 
 def figure_png(figure: Figure, dpi: int = 110, colours: int = 256) -> bytes:
     """A figure as PNG of few colours, which takes a third of the space; rare ones are kept."""
     drawn, packed = BytesIO(), BytesIO()
-    figure.savefig(drawn, format="png", dpi=dpi)
+    with look():
+        figure.savefig(drawn, format="png", dpi=dpi)
     picture = Image.open(drawn).convert("RGB")
     few = picture.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     few.save(packed, format="png", optimize=True)

@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 from compare.comparison.fields.errors import FieldErrors
 from compare.comparison.fields.frames import Places
 from compare.comparison.scales import slip_rate_scale
-from compare.figures.style import PLACE_LABEL, describe, new_figure
+from compare.figures.style import BLACK, PLACE_LABEL, describe, new_figure, outline, styled
 
 if TYPE_CHECKING:
     from fem import Simulation
@@ -26,6 +26,7 @@ COVERED = 0.995
 """Part of a picture that the colours cover; beside points where speeds are infinite they end."""
 
 
+@styled
 def snapshot_figure(errors: FieldErrors, simulation: Simulation) -> Figure:
     """Particle speed in both bodies in the last frame: exact, by finite elements, the difference.
 
@@ -63,8 +64,10 @@ def snapshot_figure(errors: FieldErrors, simulation: Simulation) -> Figure:
             vmax=high,
             interpolation="nearest",
         )
-        panel.plot([0, side], [0, 0], color="0.6", linewidth=0.6)
-        panel.plot([-side, 0], [0, 0], color="white" if low == 0 else "black", linewidth=1.2)
+        panel.plot(
+            [0, side], [0, 0], color=BLACK, linewidth=0.6, path_effects=outline("white", 1.4)
+        )
+        panel.plot([-side, 0], [0, 0], color=BLACK, linewidth=1.2, path_effects=outline())
         panel.set(title=title, xlabel=PLACE_LABEL)
         if panel is not panels[0]:
             label = SPEED_LABEL if panel is panels[1] else DIFFERENCE_LABEL

@@ -1,32 +1,51 @@
-"""How all figures look: one palette, the words on axes, what they are scaled by, wave fronts."""
+"""How all figures look: style and palette, the words on axes, what they are scaled by, wave fronts.
+
+`slipfront.mplstyle` holds what is a matter of taste; settings of the user's own win (`look`).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Literal
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache, wraps
+from importlib.resources import as_file, files
+from itertools import chain
+from typing import Any, Literal, ParamSpec
 
+import numpy as np
+from matplotlib import RcParams, rc_context, rc_params_from_file, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from compare.comparison.scales import WAVE_SYMBOLS, stress_scale
 from semianalytic import CoulombFriction, Scene
 
 LineStyle = Literal["-", "--", "-.", ":"]
+P = ParamSpec("P")
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 """The palette of Okabe and Ito, told apart by the colour-blind as well."""
+BROWN, VIOLET = "#7A3B0A", "#7A2FE0"
+"""For lines in place of orange and sky blue, which are too light for them on white."""
 
-CYCLE = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY, BLACK)
-"""Colours of curves that are nothing in particular, in this order."""
+PREDICTION, SIMULATION, MARCH, PUBLISHED = "C0", "C1", "C2", "C3"
+"""Self-similar answer, finite elements, march, published algorithm: by the cycle of colours."""
 
-PREDICTION, SIMULATION, MARCH, PUBLISHED = BLUE, VERMILLION, GREEN, PURPLE
-"""Colours of the self-similar answer, finite elements, a march and the published algorithm."""
-
-STICK_SHADE, SLIP_SHADE, REVERSE_SHADE, OPEN_SHADE = "#efefef", "#cfe5f3", "#f7d5b5", "#f6f0b2"
+STICK_SHADE, SLIP_SHADE = "#efefef", "#cfe5f3"
+"""Of maps."""
 SENSE_COLOURS = {"reverse slip": VERMILLION, "stick": STICK_SHADE, "slip": SKY, "open": YELLOW}
 """In the order of the numbers that stand for them in maps of senses, from -1 on."""
+SHADES = {
+    "slip": (SKY, 0.3),
+    "stick": ("", 0.06),
+    "reverse slip": (VERMILLION, 0.18),
+    "open": (YELLOW, 0.45),
+}
+"""Of zones behind curves: a colour, or that of text, and how much of it is in the background."""
 
 SYMBOLS = {name: f"${symbol}$" for name, symbol in WAVE_SYMBOLS.items()}
 PLACE_LABEL, TIME_LABEL = r"$x/(c_t T)$", r"$t/T$"
@@ -35,8 +54,74 @@ RATE_LABEL = r"slip rate $/\ V_0$"
 PATH_LABEL = r"$\int |V|\,dt\ /\ (V_0 T)$"
 GAP_LABEL, PRESSURE_LABEL = r"gap $/\ (V_0 T)$", r"pressure $/\ \tau_0$"
 TRACTION_LABEL, WORK_LABEL = r"traction $/\ \tau_0$", r"frictional work $/\ (\tau_0 V_0 T)$"
-SMALL = 8
-"""Size of legends and notes [points]."""
+SMALL = "small"
+"""Size of notes, relative to the size of text."""
+
+
+@cache
+def style_sheet() -> RcParams:
+    """Our settings of matplotlib."""
+    with as_file(files("compare.figures") / "slipfront.mplstyle") as path:
+        return rc_params_from_file(path, use_default_template=False)
+
+
+@contextmanager
+def look() -> Iterator[None]:
+    """Our style within, but for what the user has set to anything else than matplotlib's own."""
+    free = {k: v for k, v in style_sheet().items() if rcParams[k] == rcParamsDefault[k]}
+    with rc_context(free):
+        yield
+
+
+def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """A function that draws a figure in our `look`; axes of the user's own may be `axes`."""
+
+    @wraps(draw)
+    def drawn(*args: P.args, **options: P.kwargs) -> Figure:
+        own: Any = options.get("axes")
+        before = [line for panel in np.ravel(own) for line in panel.lines] if own else []
+        with look():
+            figure = draw(*args, **options)
+            for line in _lines(figure):
+                if line not in before:  # "C0" is that of now, not of when it is saved
+                    line.set_color(to_hex(line.get_color()))
+        return figure
+
+    return drawn
+
+
+def _lines(figure: Figure) -> Iterator[Line2D]:
+    """Curves and those of legends."""
+    legends = [*figure.legends, *(one for p in figure.axes if (one := p.get_legend()) is not None)]
+    yield from chain(*(panel.lines for panel in figure.axes), *(one.get_lines() for one in legends))
+
+
+def cycle() -> list[str]:
+    """Colours of curves that are nothing in particular, in this order."""
+    return list(rcParams["axes.prop_cycle"].by_key().get("color", [ink()]))
+
+
+def ink(strength: float = 1.0) -> str:
+    """Colour of words and of lines that are no curves: that of text, faded to the background."""
+    return _mixed(rcParams["text.color"], strength)
+
+
+def shade(kind: str) -> str:
+    """Colour behind the curves of a zone of `SHADES`."""
+    colour, part = SHADES[kind]
+    return _mixed(colour or rcParams["text.color"], part)
+
+
+def _mixed(colour: str, part: float) -> str:
+    """So much of a colour in that of the background."""
+    pairs = zip(to_rgb(colour), to_rgb(rcParams["axes.facecolor"]), strict=True)
+    red, green, blue = (part * one + (1 - part) * ground for one, ground in pairs)
+    return to_hex((red, green, blue))
+
+
+def outline(colour: str = "white", width: float = 2.5) -> list[AbstractPathEffect]:
+    """Path effects that let lines and words be seen on any map; of a width [points]."""
+    return [withStroke(linewidth=width, foreground=colour)]
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -64,9 +149,10 @@ def _unit_name(scene: Scene) -> str:
     return "unit"
 
 
-def describe(figure: Figure, scene: Scene) -> Figure:
-    """The figure, with `scene_words` above it."""
-    figure.suptitle(scene_words(scene), fontsize=9, color="0.25", wrap=True)
+def describe(figure: Figure, what: Scene | str) -> Figure:
+    """The figure, with `scene_words` above it, or with words on many scenes."""
+    words = scene_words(what) if isinstance(what, Scene) else what
+    figure.suptitle(words, color=ink(0.75), wrap=True)
     return figure
 
 
@@ -77,7 +163,8 @@ def mark_waves(
     kind: Literal["vertical", "horizontal", "rays"] = "vertical",
     *,
     labels: bool = True,
-    colour: str = "0.35",
+    colour: str | None = None,
+    outlined: str | None = None,
 ) -> None:
     """Dashed lines for wave fronts, with their symbols at the rim of the panel.
 
@@ -92,9 +179,13 @@ def mark_waves(
         Lines of x, lines of y, or rays from the origin over x and t.
     labels : bool
         Whether to write the symbols.
-    colour : str
+    colour : str, optional
+    outlined : str, optional
+        Colour around lines over a map.
     """
-    style: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 0.8}
+    style: dict[str, Any] = {"color": colour or ink(0.65), "linestyle": "--", "linewidth": 0.8}
+    if outlined is not None:
+        style |= {"path_effects": outline(outlined, 2.0)}
     sides = {"Rayleigh": "right", "S": "left", "P": "center"}  # c_R and c_t are neighbours
     for name, speed in speeds.items():
         at, side = speed / unit, sides[name]
@@ -138,10 +229,11 @@ def marker_handle(label: str, colour: str, marker: str = ".", size: float = 6.0)
     )
 
 
-def waves_handle(speeds: Mapping[str, float], colour: str = "0.35") -> Line2D:
+def waves_handle(speeds: Mapping[str, float], colour: str | None = None) -> Line2D:
     """Legend entry of what `mark_waves` draws."""
     words = "waves" if len(speeds) > 1 else "wave"
-    return line_handle(f"{words} {', '.join(SYMBOLS[name] for name in speeds)}", colour, "--")
+    names = ", ".join(SYMBOLS[name] for name in speeds)
+    return line_handle(f"{words} {names}", colour or ink(0.65), "--")
 
 
 def method_handles() -> list[Line2D]:

@@ -15,10 +15,11 @@ SNAPSHOTS = "snapshots"
 REPORT = "report.json"
 FIELDS = "fields.csv"
 FIGURES = tuple(
-    f"{name}.png"
+    f"{name}.{form}"
     for name in ("slip_rate", "tractions", "fronts", "sense", "history", "wear", "gap", "fields")
+    for form in ("png", "pdf", "svg")
 )
-"""Names that `compare.figures.histories.comparison_figures` gives, and that of whole fields."""
+"""By the names of `compare.figures.histories.comparison_figures`, and that of whole fields."""
 
 
 def forget_other_runs(directory: Path, run: str) -> None:

@@ -35,11 +35,16 @@ def check_file(path: Path) -> None:
 
 
 @contextmanager
-def working_folder(directory: Path) -> Iterator[None]:
+def working_folder(directory: Path) -> Iterator[list[Path]]:
     """A folder to write to, made if it is not there, which no other run may write to meanwhile.
 
     The lock ends with the process, however that ends.  A folder made here goes again if nothing
     has been put into it.
+
+    Yields
+    ------
+    list of Path
+        Empty; at the end it holds what is new or changed in the folder, other folders as such.
 
     Raises
     ------
@@ -53,14 +58,26 @@ def working_folder(directory: Path) -> Iterator[None]:
         made, lock = _locked(directory)
     except OSError as error:
         raise _refused(directory, error) from error
+    before, written = _marks(directory), list[Path]()
     try:
-        yield
+        yield written
+        written += [path for path, mark in _marks(directory).items() if before.get(path) != mark]
     finally:
         with suppress(OSError):
             if _is_still_there(lock, directory):
                 (directory / LOCK).unlink()
         os.close(lock)
         remove_empty(made)
+
+
+def _marks(directory: Path) -> dict[Path, tuple[int, int, int]]:
+    """What tells each visible entry of a folder from what it was before, by path, in order."""
+    marks = {}
+    with suppress(OSError):  # a folder may be written to that cannot be listed
+        for path in sorted(directory.glob("[!.]*")):
+            seen = path.lstat()
+            marks[path] = (seen.st_ino, seen.st_mtime_ns, seen.st_size)
+    return marks
 
 
 def _locked(directory: Path) -> tuple[list[Path], int]:

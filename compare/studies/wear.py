@@ -16,15 +16,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from compare.figures.saving import save_figure
-from compare.figures.style import CYCLE, SMALL, new_figure
+from compare.figures.style import cycle, describe, new_figure, styled
 from compare.output.tables import write_rows
 from compare.studies.tables import run_studies
-from compare.studies.workers import Progress, counted
+from compare.surveys.workers import Progress, counted
 from semianalytic import LoadHistory, Material, Pulse, Ramp, Scene, Step, Tractions, march
 
 LOADS: dict[str, LoadHistory] = {"step": Step(), "ramp": Ramp(0.5), "pulse": Pulse(0.4)}
 POISSON_RATIOS = (1 / 3, 0.2)
-COLOURS = dict(zip(LOADS, CYCLE, strict=False))
 LENGTH = 2.0
 NODES = 600
 SUMS = ("accumulated_slip", "frictional_work")
@@ -88,7 +87,10 @@ def frictions(count: int) -> list[float]:
 
 
 def write_wear(
-    output: Path, quick: bool = False, progress: Progress | None = None
+    output: Path,
+    quick: bool = False,
+    progress: Progress | None = None,
+    form: str = "png",
 ) -> list[WearRow]:
     """Sweep friction, coarsely if quick; write wear.csv and wear.png into a folder.
 
@@ -102,7 +104,7 @@ def write_wear(
     count = len(chis) * len(LOADS) * len(POISSON_RATIOS)
     rows = list(counted(swept_rows(chis, 150 if quick else NODES), count, progress))
     write_rows(output / "wear.csv", rows)
-    save_figure(sweep_figure(rows), output / "wear.png")
+    save_figure(sweep_figure(rows), output / f"wear.{form}")
     return rows
 
 
@@ -116,15 +118,15 @@ def most_wear(rows: Sequence[WearRow], load: str, poisson_ratio: float) -> tuple
     return worst.chi, worst.frictional_work
 
 
+@styled
 def sweep_figure(rows: Sequence[WearRow]) -> Figure:
     """Accumulated |slip| above, frictional work below, against chi."""
     figure = new_figure(7, 6.7)
-    figure.suptitle(
-        "until T, shear $Q_0$ under constant pressure $P_b$;  $V_0 = 2 Q_0/(\\rho c_t)$", fontsize=9
-    )
+    words = "shear Q₀ under constant pressure $P_b$ until T,  f = χ Q₀/$P_b$,  V₀ = 2 Q₀/ρcₜ"
+    describe(figure, words)
     upper, lower = figure.subplots(2, 1, sharex=True)
     for poisson_ratio, style in zip(POISSON_RATIOS, ("-", "--"), strict=True):
-        for load, colour in COLOURS.items():
+        for load, colour in zip(LOADS, cycle(), strict=False):
             part = _part(rows, load, poisson_ratio)
             chi, label = [row.chi for row in part], rf"{load}, $\nu$ = {poisson_ratio:.2g}"
             slip, work = ([getattr(row, name) for row in part] for name in SUMS)
@@ -133,7 +135,7 @@ def sweep_figure(rows: Sequence[WearRow]) -> Figure:
     upper.set_ylabel(r"$\int\!\!\int |V|\,dt\,dx\ /\ V_0 c_t T^2$")
     lower.set_ylabel(r"frictional work $/\ Q_0 V_0 c_t T^2$")
     lower.set(xlabel=r"$\chi = f P_b / Q_0$", xlim=(0, 2))
-    upper.legend(fontsize=SMALL, ncols=2)
+    upper.legend(ncols=2)
     for panel in (upper, lower):
         panel.set_ylim(bottom=0)
     return figure
@@ -149,12 +151,16 @@ class MostRow:
     frictional_work: float
 
 
-def most_rows() -> list[MostRow]:
+def most_of(rows: Sequence[WearRow]) -> list[MostRow]:
     """`most_wear` of all loads and Poisson ratios."""
-    rows = list(swept_rows(frictions(40), NODES))
     return [
         MostRow(load, nu, *most_wear(rows, load, nu)) for nu in POISSON_RATIOS for load in LOADS
     ]
+
+
+def most_rows() -> list[MostRow]:
+    """The same of the whole sweep."""
+    return most_of(list(swept_rows(frictions(40), NODES)))
 
 
 if __name__ == "__main__":

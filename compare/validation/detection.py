@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from compare.records.record import Record, Records
 from compare.validation.conventions import Conventions
@@ -353,7 +353,9 @@ def _shift(run: Records, exact: Exact) -> tuple[str, ...]:
     shifts = np.linspace(-most, most, SHIFTS)
     nearest = float(shifts[np.argmin([error(float(shift)) for shift in shifts])])
     room = 2 * most / (SHIFTS - 1)
-    best = minimize_scalar(error, bounds=(nearest - room, nearest + room), method="bounded")
+    best = scipy.optimize.minimize_scalar(
+        error, bounds=(nearest - room, nearest + room), method="bounded"
+    )
     if best.fun > min(SMALL, norm.L1 / CLEAR):
         return ()
     return (

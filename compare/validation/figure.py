@@ -8,15 +8,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from compare.figures.style import (
-    BLACK,
-    CYCLE,
     RATE_LABEL,
-    SMALL,
     TIME_LABEL,
+    cycle,
     describe,
+    ink,
     line_handle,
     marker_handle,
     new_figure,
+    styled,
 )
 from compare.records.record import QUANTITIES, Record
 from compare.validation.rows import chosen_stations
@@ -36,6 +36,7 @@ DOTS = 60
 FINE = 600
 
 
+@styled
 def validation_figure(validation: Validation) -> Figure:
     """A column for each quantity: records above, what they differ by below."""
     stations = validation.grids.finest.stations
@@ -46,21 +47,21 @@ def validation_figure(validation: Validation) -> Figure:
     )
     places = chosen_stations([record.x for record in stations], validation.exact)
     for column, name in enumerate(names):
-        for place, colour in zip(places, CYCLE, strict=False):
+        for place, colour in zip(places, cycle(), strict=False):
             if name in stations[place].values:
                 _draw(panels[:, column], validation, stations[place], name, colour)
-        panels[0, column].set_title(LABELS[name], fontsize=9)
-        panels[1, column].axhline(0, color=BLACK, linewidth=0.6)
+        panels[0, column].set_title(LABELS[name])
+        panels[1, column].axhline(0, color=ink(), linewidth=0.6)
         panels[1, column].set_xlabel(TIME_LABEL)
     panels[0, 0].set(xlim=(0, 1))
     panels[1, 0].set_ylabel("recorded less exact")
     length = validation.scene.material.shear_speed * validation.exact.end_time
-    handles = [line_handle("exact", BLACK), marker_handle("recorded", BLACK)]
+    handles = [line_handle("exact", ink()), marker_handle("recorded", ink())]
     handles += [
         line_handle(rf"$x = {stations[place].x / length:.3g}\,c_t T$", colour)
-        for place, colour in zip(places, CYCLE, strict=False)
+        for place, colour in zip(places, cycle(), strict=False)
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=SMALL)
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
 
 
@@ -75,8 +76,6 @@ def _draw(
     fine = np.linspace(0.0, end, FINE + 1)[1:]
     upper.plot(fine / end, exact.record(name, record.x, fine) / unit, color=colour, linewidth=1.0)
     values, every = record.values[name] / unit, max(len(record.t) // DOTS, 1)
-    upper.plot(
-        record.t[::every] / end, values[::every], ".", color=colour, markersize=3.5, alpha=0.8
-    )
+    upper.plot(record.t[::every] / end, values[::every], ".", color=colour, markersize=3.5)
     expected = exact.record(name, record.x, record.t, mean) / unit
     lower.plot(record.t / end, values - expected, color=colour, linewidth=0.8)

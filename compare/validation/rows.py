@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import uniform_filter1d
 
 from compare.comparison.measures import NOTHING, onset_time
 from compare.comparison.rows import TELLING, Row
@@ -223,7 +223,9 @@ class Onset:
 
     def _smoothed(self, width: float) -> Array:
         samples = round(width / float(self.t[1] - self.t[0]))
-        return np.asarray(uniform_filter1d(self.rate, max(samples, 1), mode="nearest"))
+        return np.asarray(
+            scipy.ndimage.uniform_filter1d(self.rate, max(samples, 1), mode="nearest")
+        )
 
 
 def _arrivals(run: Records, threshold: float) -> dict[float, float | None]:

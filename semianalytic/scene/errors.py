@@ -31,6 +31,12 @@ class ComputationError(SlipfrontError):
     exit_code = 4
 
 
+class PluginError(SlipfrontError):
+    """A package that brings scenes, laws, histories or figures is broken, or one of two alike."""
+
+    exit_code = 5
+
+
 class MissingLibraryError(SlipfrontError, ImportError):
     """A package of an extra, or a system library that one needs, is not installed."""
 

@@ -14,9 +14,25 @@ HDF5 = ("h5py",)
 """What saved results import."""
 PLOT = ("matplotlib", "PIL")
 """What figures import."""
+EXPLORE = ("bokeh",)
+"""What the page in the browser imports, beside figures."""
+XARRAY = ("xarray", "h5netcdf", "h5py", "zarr")
+"""What datasets, and their files, import."""
+CLUSTER = ("dask", "distributed")
+"""What runs on several machines imports."""
+BAYES = ("emcee",)
+"""What samples of posteriors import."""
 
 _DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
-_EXTRAS = {**dict.fromkeys(FEM, "fem"), **dict.fromkeys(PLOT, "plot"), "xarray": "xarray"}
+_EXTRAS = {
+    "fem": FEM,
+    "plot": PLOT,
+    "explore": EXPLORE,
+    "xarray": XARRAY,
+    "cluster": CLUSTER,
+    "bayes": BAYES,
+}
+"""What each extra brings; what two bring is asked for by the first, unless more is missing."""
 
 
 def require(what: str, *modules: str) -> None:
@@ -52,7 +68,7 @@ def needing(what: str) -> Iterator[None]:
         yield
     except ModuleNotFoundError as error:
         module = (error.name or "").split(".")[0]
-        if module not in _EXTRAS:
+        if not any(module in modules for modules in _EXTRAS.values()):
             raise
         raise MissingLibraryError(_sentence(what, [module])) from error
 
@@ -61,8 +77,19 @@ def _sentence(what: str, missing: list[str]) -> str:
     """What is missing and how to install it, in one sentence."""
     names = [_DISTRIBUTIONS.get(module, module) for module in missing]
     listed = " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
-    extras = ",".join(dict.fromkeys(_EXTRAS[module] for module in missing))
+    extras = ",".join(_extras_of(missing))
     return (
         f"{what} needs {listed}, which {'is' if len(names) == 1 else 'are'} not installed; "
         f"run `pip install 'slipfront[{extras}]'`."
     )
+
+
+def _extras_of(missing: list[str]) -> list[str]:
+    """One extra that brings all that is missing, or several."""
+    for extra, modules in _EXTRAS.items():
+        if set(missing) <= set(modules):
+            return [extra]
+    first = (
+        next(extra for extra, modules in _EXTRAS.items() if module in modules) for module in missing
+    )
+    return list(dict.fromkeys(first))

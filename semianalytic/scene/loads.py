@@ -7,6 +7,7 @@ worked out by the solvers.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -87,9 +88,14 @@ class Pieces(NamedTuple):
         return tuple(sorted(set(starts)))
 
 
-class _Summed:
-    """What all histories share: f is the sum of its pieces."""
+class LoadHistory(ABC):
+    """How a load rises and falls: f(t), the sum of its pieces.
 
+    All that solvers ask of it follows from `pieces` and `turn`; a history of your own is a frozen
+    dataclass that has both (docs/extending.md).
+    """
+
+    @abstractmethod
     def turn(self, width: float, until: float) -> float:
         """How far f goes up and down again (or down and up) within `width`, over its largest value.
 
@@ -102,11 +108,11 @@ class _Summed:
         until : float
             Time up to which f matters [time].
         """
-        raise NotImplementedError
 
-    @cached_property
+    @property
+    @abstractmethod
     def pieces(self) -> Pieces:
-        raise NotImplementedError
+        """Jumps, kinks and waves whose sum it is."""
 
     def value(self, t: ArrayLike) -> Array:
         """f(t) at times t [time], any shape; at a jump the value before it."""
@@ -123,7 +129,7 @@ class _Summed:
 
 
 @dataclass(frozen=True)
-class Step(_Summed):
+class Step(LoadHistory):
     """Shock load: f = H(t)."""
 
     @cached_property
@@ -137,7 +143,7 @@ class Step(_Summed):
 
 
 @dataclass(frozen=True)
-class Ramp(_Summed):
+class Ramp(LoadHistory):
     """Load rising linearly from 0 to 1 over `rise_time` [time], then constant; a step if it is 0.
 
     Raises
@@ -186,7 +192,7 @@ class Ramp(_Summed):
 
 
 @dataclass(frozen=True)
-class Pulse(_Summed):
+class Pulse(LoadHistory):
     """Load that comes and goes within `duration` [time], with largest value 1.
 
     Parameters
@@ -242,7 +248,7 @@ class Pulse(_Summed):
 
 
 @dataclass(frozen=True)
-class Harmonic(_Summed):
+class Harmonic(LoadHistory):
     """f = sin(2 pi frequency t) for t > 0, `frequency` in cycles per time.
 
     Raises
@@ -288,7 +294,7 @@ def _samples(given: Iterable[float]) -> Array:
 
 
 @dataclass(frozen=True)
-class Tabulated(_Summed):
+class Tabulated(LoadHistory):
     """Load interpolated linearly between samples, 0 before the first and constant after the last.
 
     Parameters
@@ -418,6 +424,3 @@ class _Least:
             if lag:
                 least = np.minimum(least, np.interp(times + lag, times, values))
         return least
-
-
-LoadHistory = Step | Ramp | Pulse | Harmonic | Tabulated

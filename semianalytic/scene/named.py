@@ -13,6 +13,7 @@ from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
+from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_document
 
 TABLES = {
@@ -105,13 +106,16 @@ def find_scene(source: str) -> Scene:
     Parameters
     ----------
     source : str
-        A key of `NAMED_SCENES`, or a path (anything that ends in .toml or exists as a file).
+        A key of `NAMED_SCENES`, a path (anything that ends in .toml or exists as a file), or the
+        name of a scene that a package brings (docs/extending.md).
 
     Raises
     ------
     SceneError
         If there is no such scene or file, or the file does not describe a scene, or one of two
         materials.
+    PluginError
+        If the package that brings the scene is broken, or not the only one.
     """
     return _identical(source, *find_blocks(source))
 
@@ -120,17 +124,48 @@ def find_blocks(source: str) -> tuple[Scene, Material | None]:
     """Scene as by `find_scene`, and the lower material of its file; None if there is none."""
     if source in NAMED_SCENES:
         return NAMED_SCENES[source].scene, None
-    path = Path(source)
-    if path.suffix == ".toml" or path.is_file():
-        return read_blocks(path)
-    close = difflib.get_close_matches(source, NAMED_SCENES, n=1, cutoff=0.5)
-    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(NAMED_SCENES)}"
+    if _is_file(source):
+        return read_blocks(source)
+    plugin = find_plugin(SCENES, source)
+    if plugin is not None:
+        return brought_scene(plugin), None
+    names = [*NAMED_SCENES, *plugin_names(SCENES, NAMED_SCENES)]
+    close = difflib.get_close_matches(source, names, n=1, cutoff=0.5)
+    hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}"
     raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
+
+
+def _is_file(source: str) -> bool:
+    path = Path(source)
+    return path.suffix == ".toml" or path.is_file()
+
+
+def brought_scene(plugin: Plugin) -> Scene:
+    """The scene that a package brings, as such or by a function without arguments.
+
+    Raises
+    ------
+    PluginError
+        If it is neither, or the function fails.
+    """
+    brought = plugin.load()
+    scene = plugin.guarded("cannot be made", brought) if callable(brought) else brought
+    if not isinstance(scene, Scene):
+        raise plugin.error(f"must be a Scene, or a function that returns one, not {shown(scene)}")
+    return scene
+
+
+def brought_summary(plugin: Plugin) -> str:
+    """One line saying what the scene of a package shows: the first of its function's docstring."""
+    brought = plugin.load()
+    lines = (brought.__doc__ or "").strip().splitlines() if callable(brought) else []
+    return lines[0] if lines else ""
 
 
 def scene_label(source: str) -> str:
     """Short name of a scene for titles: its name, or the stem of its file."""
-    return source if source in NAMED_SCENES else Path(source).stem
+    named = source in NAMED_SCENES or not _is_file(source)
+    return source if named else Path(source).stem
 
 
 def scene_folder(source: str, overrides: Mapping[str, float | str]) -> Path:

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import MISSING, asdict, dataclass, field, fields
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -28,9 +28,10 @@ from semianalytic.scene.friction import (
     ViscousFriction,
 )
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.plugins import HISTORIES, LAWS, kind_of, known_class, plugin_names
 from semianalytic.scene.units import SI
 
-HISTORY_KINDS: Mapping[str, type] = {
+HISTORY_KINDS: Mapping[str, type[LoadHistory]] = {
     "step": Step,
     "ramp": Ramp,
     "pulse": Pulse,
@@ -47,6 +48,24 @@ FRICTION_LAWS: Mapping[str, type[FrictionLaw]] = {
     "rate-weakening": RateWeakening,
     "slip-weakening": SlipWeakening,
 }
+
+
+class _Part(NamedTuple):
+    """What goes by its kind in a scene: entry points, what its classes inherit, ours, the usual."""
+
+    group: str
+    base: type
+    own: Mapping[str, type]
+    default: LoadHistory | FrictionLaw
+
+
+_HISTORY = _Part(HISTORIES, LoadHistory, HISTORY_KINDS, Step())
+_PARTS: Mapping[str, _Part] = {
+    "pressure_history": _HISTORY,
+    "shear_history": _HISTORY,
+    "friction_law": _Part(LAWS, FrictionLaw, FRICTION_LAWS, CoulombFriction()),
+}
+"""By name of the field of a scene."""
 
 
 @dataclass(frozen=True)
@@ -183,15 +202,14 @@ class Scene:
                     f"scene: {name} must be a {kind.__name__}, got {shown(getattr(self, name))}."
                 )
         object.__setattr__(self, "friction", checked_number("scene: friction", self.friction))
-        for name, kinds in (
-            ("pressure_history", HISTORY_KINDS),
-            ("shear_history", HISTORY_KINDS),
-            ("friction_law", FRICTION_LAWS),
-        ):
+        for name, (group, base, own, _) in _PARTS.items():
             part = getattr(self, name)
-            if type(part) not in kinds.values():
-                known = ", ".join(kind.__name__ for kind in kinds.values())
-                raise SceneError(f"scene: {name} must be one of {known}, got {shown(part)}.")
+            if kind_of(group, base, own, type(part)) is None:
+                known = ", ".join(kind.__name__ for kind in own.values())
+                raise SceneError(
+                    f"scene: {name} must be one of {known}, or of a package that brings it "
+                    f"(docs/extending.md), got {shown(part)}."
+                )
         if self.mode not in MODES:
             raise SceneError(f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)}.")
         if self.units not in ("", SI):
@@ -325,21 +343,21 @@ def scene_document(scene: Scene) -> dict[str, Any]:
         "base": asdict(scene.base),
         "load": asdict(scene.load),
     }
-    parts = (
-        ("pressure_history", HISTORY_KINDS, Step()),
-        ("shear_history", HISTORY_KINDS, Step()),
-        ("friction_law", FRICTION_LAWS, CoulombFriction()),
-    )
-    for name, kinds, default in parts:
+    for name, known in _PARTS.items():
         part = getattr(scene, name)
-        if part != default:
-            kind = next(key for key, value in kinds.items() if value is type(part))
-            document[name] = {"kind": kind, **asdict(part)}
+        if part != known.default:
+            document[name] = part_document(part)
     if scene.antiplane:
         document["mode"] = scene.mode
     if scene.units:
         document["units"] = scene.units
     return document
+
+
+def part_document(part: Any) -> dict[str, Any]:
+    """A history or friction law by its kind and parameters."""
+    known = _PARTS["friction_law" if isinstance(part, FrictionLaw) else "shear_history"]
+    return {"kind": kind_of(*known[:3], type(part)), **asdict(part)}
 
 
 def scene_from_document(document: Mapping[str, Any]) -> Scene:
@@ -352,12 +370,8 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
         out of range.
     """
     parts = {
-        name: _named(name, kinds, document[name])
-        for name, kinds in (
-            ("pressure_history", HISTORY_KINDS),
-            ("shear_history", HISTORY_KINDS),
-            ("friction_law", FRICTION_LAWS),
-        )
+        name: _named(name, part, document[name])
+        for name, part in _PARTS.items()
         if name in document
     }
     return Scene(
@@ -371,12 +385,15 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
     )
 
 
-def _named(name: str, kinds: Mapping[str, type], table: Any) -> Any:
+def _named(name: str, part: _Part, table: Any) -> Any:
     """The history or friction law that a table with a kind and parameters describes."""
     kind = table.get("kind") if isinstance(table, Mapping) else None
-    if not isinstance(kind, str) or kind not in kinds:
-        raise SceneError(f"{name}: kind must be one of {', '.join(kinds)}, got {shown(kind)}.")
-    description = kinds[kind]
+    description: Any = None
+    if isinstance(kind, str):
+        description = known_class(part.group, part.base, part.own, kind)
+    if description is None:
+        kinds = ", ".join((*part.own, *plugin_names(part.group, part.own)))
+        raise SceneError(f"{name}: kind must be one of {kinds}, got {shown(kind)}.")
     given = {key: value for key, value in table.items() if key != "kind"}
     known = [part.name for part in fields(description)]
     unknown = [key for key in given if key not in known]

@@ -17,6 +17,7 @@ _SI_UNITS: Mapping[str, str] = {
     "length / time": "m/s",
     "mass / length^3": "kg/m^3",
     "stress": "Pa",
+    "stress time / length": "Pa s/m",
     "stress sqrt(length)": "Pa sqrt(m)",
     "stress length": "J/m^2",
     "stress length^2": "J/m",

@@ -21,7 +21,12 @@ from semianalytic.halfplane.rayleigh import RayleighFactors, rayleigh_factors
 from semianalytic.halfplane.rules import Rule, rule_for
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.friction import CoulombFriction, RateWeakening
+from semianalytic.scene.friction import (
+    CoulombFriction,
+    FrictionLaw,
+    RateFriction,
+    ViscousFriction,
+)
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.corrections import corrected, rearranged
@@ -72,12 +77,13 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
     )
     check_pressure(scene)
-    if contact_opens(scene) and isinstance(scene.friction_law, RateWeakening):
+    rated = _is_rated(scene.friction_law)
+    if rated and contact_opens(scene):
         raise SceneError(
             "solve: where the contact opens friction that falls with slip rate is not known; make "
             "base pressure larger, or simulate the scene with finite elements (docs/limits.md)."
         )
-    if isinstance(scene.friction_law, RateWeakening):
+    if rated:
         return _solve_rated(scene, rtol)
     load, stress = scaled_load(scene)
     if load.resistance is not None and load.resistance > tuning.STRONGEST_RESISTANCE:
@@ -111,6 +117,11 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     status = _status(best, estimate, wanted)
     zones = slip_zones(best.profile, scene.material)
     return Solution(scene, zones, status, estimate, statistics, best.profile, stress, normal)
+
+
+def _is_rated(law: FrictionLaw) -> bool:
+    """Whether strength is not linear in slip rate: any law of it but a viscous film."""
+    return isinstance(law, RateFriction) and not isinstance(law, ViscousFriction)
 
 
 def _strongest_viscosity(scene: Scene) -> float:

@@ -166,6 +166,7 @@ def test_result_leaves_out_the_edge_node_alone():
     assert sim.final_path.shape == sim.final_work_density.shape == (nodes,)
 
 
+@pytest.mark.slow
 def test_largest_slip_rate_converges_to_that_of_the_march():
     """At the edge node it does not: it overshoots after jumps of load, to -1.65 against -0.93."""
     rate = march(BACK_AND_FORTH, 1.0, 500).interface.slip_rate

@@ -103,6 +103,7 @@ def test_slip_converges_to_the_closed_form():
     np.testing.assert_allclose(stored, energy.external, atol=1e-10 * energy.external.max())
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("scene", "name"),
     [

@@ -76,6 +76,7 @@ def wait_until_stepping(process, path):
         time.sleep(0.001)
 
 
+@pytest.mark.slow
 def test_killed_runs_resume_to_the_last_bit(tmp_path):
     seed = random.SystemRandom().randrange(10**6)
     print(f"moments drawn with seed {seed}")

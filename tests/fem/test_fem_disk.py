@@ -250,6 +250,7 @@ def test_frame_put_in_from_another_run_is_refused(tmp_path):
         last_snapshot(tmp_path / "one", one.run)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_report_and_figures_go_with_the_simulation_they_belong_to(tmp_path):
     main(["compare", "preloaded", "--resolution", "16", "--output", str(tmp_path), "--quiet"])

@@ -143,6 +143,7 @@ def test_stuck_tractions_follow_the_history(history, most):
         assert error.sum() < most * np.abs(expected).sum()
 
 
+@pytest.mark.thinned(5)
 @any_history
 @any_law
 @pytest.mark.parametrize("scene", [sheared, mixed])
@@ -245,6 +246,7 @@ def test_shorter_steps_let_nodes_radiate_more():
 # --- sums over all steps ----------------------------------------------------------------------
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("every", [1, 50])
 @any_law
 def test_path_and_friction_work_count_every_step(law, every):

@@ -165,6 +165,7 @@ def weakening(friction=0.6, residual=0.2, distance=0.05, shear=(0.4, 0.4), nu=0.
     )
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("scene", "end_time"),
     [

@@ -57,6 +57,7 @@ def test_traction_stops_the_pair_or_reaches_the_strength():
     np.testing.assert_allclose(left, [0, 0, 2.0, -1.6], atol=1e-15)
 
 
+@pytest.mark.thinned(5)
 @any_scene
 @pytest.mark.parametrize("damping", [0.0, 0.02])
 def test_coulomb_law_holds_at_every_node_and_step(scene, damping):
@@ -129,6 +130,7 @@ def one_zone_slip_rate(xi):
     return quad(integrand, 0, reach, epsabs=1e-8)[0] / (np.sqrt(end) * np.pi * kappa * m0)
 
 
+@pytest.mark.slow
 def test_slip_rate_converges_to_the_closed_form():
     assert one_zone_slip_rate(1e-9) == pytest.approx(0.293203, abs=1e-6)  # the test's own formula
     grid = np.linspace(1e-9, 0.375, 120)
@@ -236,6 +238,7 @@ def test_reclosing_does_not_chatter():
 # --- one model against another ----------------------------------------------------------------
 
 
+@pytest.mark.thinned(3)
 @any_scene
 def test_half_block_equals_two_blocks(scene):
     half, two = run(scene), run(scene, model="two-blocks")

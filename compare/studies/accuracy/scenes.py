@@ -113,19 +113,19 @@ COMPARED = tuple(NAMED_SCENES)
 """Scenes of the tables."""
 
 FIGURES = {
-    "remote-shock": "slip_rate.png",
-    "stuck": "tractions.png",
-    "auxetic": "sense.png",
-    "ramp": "sense.png",
-    "unload": "sense.png",
-    "pulse": "sense.png",
-    "harmonic": "sense.png",
-    "pressure-drop": "sense.png",
-    "viscous": "slip_rate.png",
-    "antiplane": "slip_rate.png",
-    "lift-off": "gap.png",
-    "lift-off-shear": "slip_rate.png",
-    "tap": "gap.png",
+    "remote-shock": "slip_rate",
+    "stuck": "tractions",
+    "auxetic": "sense",
+    "ramp": "sense",
+    "unload": "sense",
+    "pulse": "sense",
+    "harmonic": "sense",
+    "pressure-drop": "sense",
+    "viscous": "slip_rate",
+    "antiplane": "slip_rate",
+    "lift-off": "gap",
+    "lift-off-shear": "slip_rate",
+    "tap": "gap",
 }
 """Which figure of `slipfront compare SCENE` docs/scenes.md shows."""
 

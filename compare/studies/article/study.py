@@ -20,14 +20,16 @@ from numpy.typing import NDArray
 from compare.comparison.scales import wave_speeds
 from compare.figures.saving import save_figure
 from compare.figures.style import (
-    CYCLE,
-    ORANGE,
+    BROWN,
     PREDICTION,
     RATE_LABEL,
     SIMULATION,
-    SMALL,
+    cycle,
+    describe,
+    ink,
     mark_waves,
     new_figure,
+    styled,
 )
 from compare.output.files import write_text
 from compare.output.tables import markdown_table
@@ -136,10 +138,15 @@ def slot_table(checks: Sequence[SlotCheck]) -> str:
     return markdown_table(["", "slot face free", "slot face held, (4.31), (4.37)"], rows)
 
 
-def write_article(output: Path, quick: bool = False, progress: Progress | None = None) -> Article:
+def write_article(
+    output: Path,
+    quick: bool = False,
+    progress: Progress | None = None,
+    form: str = "png",
+) -> Article:
     """Redraw figures 2, 5 and 6, on coarser meshes if quick, and judge the claims.
 
-    Writes figure2.png, figure5.png, figure6.png, slot.png and article.md into a folder; `progress`
+    Writes figure2, figure5, figure6 and slot (of a `form`) and article.md into a folder; `progress`
     is called with one line before each piece of work.
 
     Raises
@@ -162,13 +169,13 @@ def write_article(output: Path, quick: bool = False, progress: Progress | None =
     claims = judge_claims(cases)
     disagreement = cases.disagreement()
     figures = {
-        "figure2.png": figure_2(cases),
-        "figure5.png": figure_5(cases),
-        "figure6.png": figure_6(cases),
-        "slot.png": slot_figure(checks),
+        "figure2": figure_2(cases),
+        "figure5": figure_5(cases),
+        "figure6": figure_6(cases),
+        "slot": slot_figure(checks),
     }
     for name, figure in figures.items():
-        save_figure(figure, output / name)
+        save_figure(figure, output / f"{name}.{form}")
     text = "\n".join(
         [
             "# The article's claims\n",
@@ -183,19 +190,19 @@ def write_article(output: Path, quick: bool = False, progress: Progress | None =
         ]
     )
     write_text(output / "article.md", text)
-    files = tuple(output / name for name in (*figures, "article.md"))
+    files = tuple(output / name for name in (*(f"{one}.{form}" for one in figures), "article.md"))
     return Article(claims, readings, disagreement, files)
 
 
 def _panels(
     columns: int, width: float, rows: int = 1, title: str = UNITS
 ) -> tuple[Figure, list[list[Axes]]]:
-    figure = new_figure(width, 3.6 * rows + 0.2)
-    figure.suptitle(title, fontsize=9)
+    figure = describe(new_figure(width, 3.6 * rows + 0.2), title)
     axes = figure.subplots(rows, columns, squeeze=False)
     return figure, [list(row) for row in axes]
 
 
+@styled
 def figure_2(cases: Cases) -> Figure:
     """Stuck pressure p* and shear q* at three times: (3.10), (3.14) and finite elements.
 
@@ -212,13 +219,13 @@ def figure_2(cases: Cases) -> Figure:
         (stuck_shear, (history.shear_traction - base.shear) * case.chi, 1.0, "$q^*/Q_0$"),
     )
     for panel, (predict, seen, amplitude, label) in zip(panels, fields, strict=True):
-        for row, colour in zip(rows, CYCLE, strict=False):
+        for row, colour in zip(rows, cycle(), strict=False):
             time = history.t[row]
             value = predict(Step(), amplitude, material, x, time).value
             panel.plot(x, value, color=colour, label=f"t = {time:.4f}")
             panel.plot(history.x, seen[row], ".", color=colour, markersize=2.5)
         panel.set(xlabel="x", ylabel=label, ylim=(-0.12, 0.6), xlim=(0, 0.11))
-        panel.legend(fontsize=SMALL, title="lines exact, dots FEM", title_fontsize=SMALL)
+        panel.legend(title="lines exact, dots FEM")
     return figure
 
 
@@ -247,7 +254,7 @@ def _slip_curves(case: Case, method: str) -> tuple[Array, Array]:
 
 
 def _draw(panel: Axes, cases: Sequence[Case], method: str, curves: Curves) -> None:
-    for case, colour in zip(cases, CYCLE, strict=False):
+    for case, colour in zip(cases, cycle(), strict=False):
         velocity, value = curves(case, method)
         label = rf"$\chi$ = {case.chi:g}" + (", preloaded" if case.base == "preloaded" else "")
         panel.plot(
@@ -262,9 +269,10 @@ def _draw(panel: Axes, cases: Sequence[Case], method: str, curves: Curves) -> No
     panel.set(xlabel="x", xlim=(0, 0.105))
     panel.set_title(_title(method), pad=14)
     mark_waves(panel, wave_speeds(cases[0].solution.scene.material), 1 / END_TIME)
-    panel.legend(fontsize=SMALL)
+    panel.legend()
 
 
+@styled
 def figure_5(cases: Cases) -> Figure:
     """Slip rate for chi > 1 at t = 0.01: published algorithm, exact solution, finite elements."""
     chosen = [*(cases.remote[chi] for chi in _ABOVE), cases.preloaded[2.0]]
@@ -276,6 +284,7 @@ def figure_5(cases: Cases) -> Figure:
     return figure
 
 
+@styled
 def figure_6(cases: Cases) -> Figure:
     """Slip rate (above) and slip (below) for chi < 1 at t = 0.01, by the three methods."""
     remote = [cases.remote[chi] for chi in _BELOW]
@@ -296,19 +305,20 @@ def _title(method: str) -> str:
     return f"published, {DEFAULT_READING.signs}" if method == "published" else method
 
 
+@styled
 def slot_figure(checks: Sequence[SlotCheck]) -> Figure:
     """Traction under a prescribed pulse of slip: simulation against both kernels, both modes."""
-    title = r"a smooth pulse of slip near the edge, $\nu$ = 1/3, $c_t$ = $\mu$ = $t$ = 1"
+    title = r"smooth pulse of slip, $\nu$ = 1/3, $f$ without effect, units $c_t$ = $\mu$ = $t$ = 1"
     figure, [panels] = _panels(len(checks), 4.8 * len(checks), title=title)
     for panel, check in zip(panels, checks, strict=True):
         edge = int(np.searchsorted(check.x, 0.0))
         x, free, held = (np.insert(v, edge, np.nan) for v in (check.x, check.free, check.held))
         panel.plot(x, free, color=PREDICTION, label="kernel, slot face free")
-        panel.plot(x, held, color=ORANGE, label="kernel, slot face held, (4.31), (4.37)")
+        panel.plot(x, held, color=BROWN, label="kernel, slot face held, (4.31), (4.37)")
         panel.plot(check.x, check.simulated, ".", color=SIMULATION, markersize=3, label="FEM")
-        panel.axvline(0, color="0.6", linewidth=0.8)
+        panel.axvline(0, color=ink(0.5), linewidth=0.8)
         panel.set(xlabel="x", ylabel="traction", title=f"mode {check.mode}")
-        panel.legend(fontsize=SMALL)
+        panel.legend()
     return figure
 
 

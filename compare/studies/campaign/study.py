@@ -28,7 +28,8 @@ from compare.output.progress import progress_bar
 from compare.output.tables import append_rows, started_rows, write_rows
 from compare.studies.campaign.scenes import drawn, random_history_scene, random_step_scene
 from compare.studies.tables import shown_rows
-from compare.studies.workers import Progress, run_tasks
+from compare.surveys.cluster import connected
+from compare.surveys.workers import Progress, run_tasks
 from semianalytic import (
     Marched,
     Scene,
@@ -249,8 +250,11 @@ def run_campaign(
     histories: int = HISTORIES,
     seed: int = SEED,
     progress: Progress | None = None,
+    client: Any = None,
 ) -> tuple[list[SolvedRow], list[MarchedRow]]:
     """All rows, those of an earlier run with the same seed included; tables in a folder.
+
+    A `client` of a Dask cluster lets that do it.
 
     Raises
     ------
@@ -272,7 +276,7 @@ def run_campaign(
         for start in range(0, len(left), _PER_TASK):
             tasks.append((_several, (function, seed, left[start : start + _PER_TASK])))
             owners.append(owner)
-    for task, rows in run_tasks(tasks, None, progress):
+    for task, rows in run_tasks(tasks, None, progress, client):
         owner = owners[task]
         append_rows(tables[owner], rows)
         results[owner].update({row.index: row for row in rows})
@@ -348,9 +352,12 @@ def main() -> None:
     parser.add_argument(
         "--csv", type=Path, metavar="DIR", help="folder for campaign.csv; docs/data"
     )
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster that is to work")
     chosen = parser.parse_args()
-    with progress_bar(Console(stderr=True), False, "campaign") as progress:
-        rows = run_campaign(chosen.output, chosen.scenes, chosen.histories, chosen.seed, progress)
+    asked = chosen.output, chosen.scenes, chosen.histories, chosen.seed
+    bar = progress_bar(Console(stderr=True), False, "campaign")
+    with connected(chosen.scheduler) as client, bar as progress:
+        rows = run_campaign(*asked, progress, client)
     lines = [SummaryRow(*line) for line in summary(*rows)]
     Console().print(shown_rows(f"{len(rows[0])} scenes, {len(rows[1])} histories", lines))
     if chosen.csv is not None:

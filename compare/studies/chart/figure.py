@@ -17,17 +17,17 @@ from rich.table import Table
 from compare.figures.saving import save_figure
 from compare.figures.style import (
     BLACK,
+    BROWN,
     MARCH,
-    ORANGE,
     PREDICTION,
     PUBLISHED,
     SIMULATION,
-    SKY,
-    SMALL,
-    YELLOW,
+    VIOLET,
+    ink,
     marker_handle,
     new_figure,
     scene_words,
+    styled,
 )
 from compare.output.files import filled_template, write_text
 from compare.output.tables import markdown_table
@@ -40,18 +40,18 @@ LEVEL_NAMES = ("10 %", "1 %", "0.1 %", "1e-8")
 
 STYLES = {
     "self-similar": (PREDICTION, "o"),
-    "self-similar-cold": (SKY, "o"),
-    "first-stage": (YELLOW, "s"),
+    "self-similar-cold": (VIOLET, "o"),
+    "first-stage": (BROWN, "s"),
     "published": (PUBLISHED, "X"),
     "space-time": (MARCH, "D"),
     "fem": (SIMULATION, "^"),
-    "fem-p1": (ORANGE, "v"),
-    "fem-triangles": (ORANGE, "<"),
+    "fem-p1": (BROWN, "v"),
+    "fem-triangles": (BROWN, "<"),
     "fem-q2": (SIMULATION, ">"),
     "fem-graded": (BLACK, "P"),
     "fem-two-blocks": (BLACK, "h"),
     "fem-undamped": (SIMULATION, "p"),
-    "fem-whole": (ORANGE, "*"),
+    "fem-whole": (BROWN, "*"),
 }
 """Colour and marker of every method."""
 
@@ -95,6 +95,7 @@ def _bars(point: Point) -> tuple[float, float]:
     return max(bars[0], FINEST), max(float(np.nan_to_num(bars[1])), FINEST)
 
 
+@styled
 def chart_figure(points: Sequence[Point], scene_name: str) -> Figure:
     """Errors of slip rate and of zone edges against time, one line per method.
 
@@ -123,11 +124,11 @@ def chart_figure(points: Sequence[Point], scene_name: str) -> Figure:
         panel.set(xlabel="set-up and solving [s]", title=title)
     for memory in (100, 1000):
         size, label = math.sqrt(_AREA * memory), f"peak memory {memory:,} MB"
-        handles.append(marker_handle(label, "0.6", "o", size))
+        handles.append(marker_handle(label, ink(0.45), "o", size))
     named = NAMED_SCENES[scene_name]
     title = f"{scene_name}: {named.summary}\n{scene_words(named.scene)}"
-    figure.suptitle(title, x=0.02, ha="left", fontsize=10)
-    figure.legend(handles=handles, loc="outside right upper", fontsize=SMALL, frameon=False)
+    figure.suptitle(title, x=0.02, ha="left", color=ink(0.75))
+    figure.legend(handles=handles, loc="outside right upper", frameon=False)
     return figure
 
 
@@ -146,21 +147,21 @@ def _finish(panel: Axes, bar: float) -> None:
     panel.set(xscale="log", yscale="log")
     panel.xaxis.set_minor_formatter(NullFormatter())
     panel.yaxis.set_minor_formatter(NullFormatter())
-    panel.grid(True, which="major", color="0.85", linewidth=0.6)
+    panel.grid(True, which="major", color=ink(0.15), linewidth=0.6)
     panel.set_axisbelow(True)
     if not math.isfinite(bar) or bar <= 0:
         return
     low, high = panel.get_ylim()
     low = min(low, bar / 10)
-    panel.axhspan(low, bar, color="0.5", alpha=0.2, linewidth=0, zorder=1)
+    panel.axhspan(low, bar, facecolor="none", edgecolor=ink(0.2), hatch="//", linewidth=0, zorder=1)
     panel.annotate(
         "reference uncertain",
         (0.01, low),
         (0, 3),
         xycoords=panel.get_yaxis_transform(),
         textcoords="offset points",
-        fontsize=7,
-        color="0.35",
+        fontsize="x-small",
+        color=ink(0.65),
     )
     panel.set_ylim(low, high)
 
@@ -169,6 +170,14 @@ def charted(points: Sequence[Point]) -> list[str]:
     """Names of the scenes that have points, in the order of the chart."""
     present = {point.scene_name for point in points}
     return [name for name in SCENES if name in present]
+
+
+def slopes(points: Sequence[Point]) -> dict[str, dict[str, float]]:
+    """Slope of error against time by scene and method; nan where there is none."""
+    return {
+        name: {method: slope(group) for method, group in by_method(points, name)}
+        for name in charted(points)
+    }
 
 
 def slopes_table(points: Sequence[Point]) -> Table:
@@ -195,14 +204,15 @@ def cheapest(points: Sequence[Point], level: float) -> Point | None:
     return min(good, key=lambda point: point.seconds, default=None)
 
 
-def chart_text(points: Sequence[Point]) -> str:
+def chart_text(points: Sequence[Point], form: str = "png") -> str:
     """Markdown beside the figures: which method for which error, what it costs, what fails where.
 
     Links are those of the folder docs/.
     """
     names, one = charted(points), points[0]
     dates = sorted({point.date for point in points})
-    sections = (_scene_lines([p for p in points if p.scene_name == name], name) for name in names)
+    groups = {name: [p for p in points if p.scene_name == name] for name in names}
+    sections = (_scene_lines(group, name, form) for name, group in groups.items())
     slopes = ([label, *powers] for label, powers in _slopes(points, names))
     return filled_template(
         "compare.studies.chart",
@@ -238,7 +248,7 @@ def _unknown(point: Point, level: float) -> str:
     return "—" if point.reference_error < level else "reference not known that well"
 
 
-def _scene_lines(points: Sequence[Point], scene_name: str) -> Iterator[str]:
+def _scene_lines(points: Sequence[Point], scene_name: str, form: str) -> Iterator[str]:
     described, one = NAMED_SCENES[scene_name], points[0]
     yield f"## {scene_name}"
     yield ""
@@ -251,7 +261,8 @@ def _scene_lines(points: Sequence[Point], scene_name: str) -> Iterator[str]:
         + ")."
     )
     yield ""
-    yield f"![{scene_name}](figures/chart_{scene_name}.png)"
+    seen = f"Errors of slip rate and zone edges of {scene_name} against time, a line a method"
+    yield f"![{seen}](figures/chart_{scene_name}.{form})"
     yield ""
     best = [cheapest(points, level) for level in LEVELS]
     rows = []
@@ -330,8 +341,8 @@ def _failures(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[s
         yield f"- {label} on {point.scene_name}, {point.name}: {point.status.rstrip('.')}."
 
 
-def write_chart(directory: Path, points: Sequence[Point]) -> str:
-    """Draw all figures and write `chart.md` beside them; the text is returned.
+def write_chart(directory: Path, points: Sequence[Point], form: str = "png") -> str:
+    """Draw all figures, in a format, and write `chart.md` beside them; the text is returned.
 
     Raises
     ------
@@ -341,7 +352,7 @@ def write_chart(directory: Path, points: Sequence[Point]) -> str:
     for name in charted(points):
         folder = directory / "figures"
         folder.mkdir(parents=True, exist_ok=True)
-        save_figure(chart_figure(points, name), folder / f"chart_{name}.png")
-    text = chart_text(points)
+        save_figure(chart_figure(points, name), folder / f"chart_{name}.{form}")
+    text = chart_text(points, form)
     write_text(directory / "chart.md", text)
     return text

@@ -14,7 +14,7 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import date
 from importlib.metadata import version
@@ -27,7 +27,8 @@ from numpy.typing import NDArray
 from compare.comparison.measures import relative_error
 from compare.output.tables import read_rows, write_rows
 from compare.studies.chart.methods import METHODS, PLACES, scaled_zones
-from compare.studies.workers import LIFELINE, ONE_THREAD, Progress, lifeline
+from compare.surveys.cluster import check_workers
+from compare.surveys.workers import LIFELINE, ONE_THREAD, Progress, lifeline, run_tasks
 from semianalytic import Scene, SlipZone, solve
 from semianalytic.reference.known_answers import closed_form
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
@@ -324,14 +325,16 @@ def read_points(path: Path) -> list[Point]:
     return points
 
 
-def same_machine(point: Point) -> bool:
-    """Whether a point was measured on this machine with the versions of now."""
-    return all(getattr(point, name) == value for name, value in stamp().items())
+def same_machine(point: Point, machine: Mapping[str, Any] | None = None) -> bool:
+    """Whether a point was measured on this machine with the versions of now, or as stamped."""
+    return all(getattr(point, name) == value for name, value in (machine or stamp()).items())
 
 
-def missing(planned: Sequence[Task], points: Sequence[Point]) -> list[Task]:
-    """Points that are yet to be measured here."""
-    done = {_task(point) for point in points if same_machine(point)}
+def missing(
+    planned: Sequence[Task], points: Sequence[Point], machine: Mapping[str, Any] | None = None
+) -> list[Task]:
+    """Points that are yet to be measured here, or on the machine of a stamp."""
+    done = {_task(point) for point in points if same_machine(point, machine)}
     return [task for task in planned if task not in done]
 
 
@@ -362,11 +365,13 @@ def measure_all(
     fresh: bool = False,
     progress: Progress | None = None,
     tell: Callable[[str], None] | None = None,
+    client: Any = None,
 ) -> list[Point]:
     """Measure what is missing and keep every point in a CSV file as soon as it is there.
 
     Few and cheap points if quick, and those that are there again if fresh; `tell` is called with
-    a line that says how long it will take.  Returns all points of the file, in order.
+    a line that says how long it will take.  A `client` of a Dask cluster lets its workers measure,
+    as many points at once as there are.  Returns all points of the file, in order.
 
     Raises
     ------
@@ -382,14 +387,17 @@ def measure_all(
     if fresh:
         points = [point for point in points if point.scene_name not in scene_names]
     _check_references(path, points, scene_names, quick)
-    todo = missing(planned, points)
+    machine = stamp() if client is None else _stamp_of(client)
+    todo = missing(planned, points, machine)
     if not todo:
         return points
     if tell is not None:
         seconds, there = estimated_seconds(todo, stored, quick), len(planned) - len(todo)
         tell(f"{len(todo)} points to measure, {there} are there: about {_spoken(seconds)}.")
-    points = [point for point in points if same_machine(point)]
-    for done, point in enumerate(_measured(todo, quick), start=len(planned) - len(todo) + 1):
+    points = [point for point in points if same_machine(point, machine)]
+    for done, point in enumerate(
+        _measured(todo, quick, client), start=len(planned) - len(todo) + 1
+    ):
         points = _ordered([*points, point])
         write_rows(path, points, checked=True, command=COMMAND)
         if progress is not None:
@@ -410,13 +418,31 @@ def _check_references(
             )
 
 
-def _measured(todo: Sequence[Task], quick: bool) -> Iterator[Point]:
-    """Points as they are done, scene by scene."""
+def _measured(todo: Sequence[Task], quick: bool, client: Any) -> Iterator[Point]:
+    """Points as they are done, scene by scene; here one at a time, each alone on the machine."""
     for scene_name in dict.fromkeys(task.scene_name for task in todo):
         reference = reference_of(scene_name, quick)
-        for task in todo:
-            if task.scene_name == scene_name:
-                yield measure(task, reference, quick)
+        some = [task for task in todo if task.scene_name == scene_name]
+        tasks = [(measure, (task, reference, quick)) for task in some]
+        yield from (point for _, point in run_tasks(tasks, 1, client=client))
+
+
+def _stamp_of(client: Any) -> dict[str, Any]:
+    """The stamp of the workers of a cluster.
+
+    Raises
+    ------
+    ComputationError
+        If they have several.
+    """
+    check_workers(client)
+    stamps = list(client.run(stamp).values())
+    if any(one != stamps[0] for one in stamps):
+        raise ComputationError(
+            "The workers of the cluster run on machines or versions of several kinds, and a chart "
+            "is of one; start it with workers of one kind."
+        )
+    return dict(stamps[0])
 
 
 def _ordered(points: Sequence[Point]) -> list[Point]:

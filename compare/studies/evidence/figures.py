@@ -16,23 +16,24 @@ from compare.comparison.scales import WAVE_SYMBOLS, scene_fronts, slip_rate_scal
 from compare.figures.style import (
     BLACK,
     BLUE,
+    BROWN,
     GREEN,
     MARCH,
-    ORANGE,
     PLACE_LABEL,
     PREDICTION,
     RATE_LABEL,
     SIMULATION,
-    SMALL,
     TIME_LABEL,
     TRACTION_LABEL,
     VERMILLION,
     LineStyle,
     describe,
+    ink,
     line_handle,
     mark_waves,
     marker_handle,
     new_figure,
+    styled,
 )
 from compare.figures.style import PUBLISHED as PUBLISHED_COLOUR
 from compare.studies.evidence.study import FEM, PUBLISHED, SceneEvidence
@@ -54,6 +55,7 @@ NEAR_EDGE = 0.05
 """Part of the waves' reach, next to the edge, that may leave the panel: singular tractions."""
 
 
+@styled
 def rates_figure(evidence: SceneEvidence) -> Figure:
     """Slip rate at T by all methods, and differences from the first of them."""
     scale = slip_rate_scale(evidence.scene)
@@ -66,11 +68,12 @@ def rates_figure(evidence: SceneEvidence) -> Figure:
         _draw(upper, name, place, values)
     upper.set_ylim(*_panel_limits([values[EDGE_CELLS:] for values in rates.values()]))
     upper.set_ylabel(RATE_LABEL)
-    upper.legend(handles=_handles([*rates, *unjudged]), loc="best", fontsize=SMALL)
+    upper.legend(handles=_handles([*rates, *unjudged]), loc="best")
     _draw_differences(lower, place, rates)
     return figure
 
 
+@styled
 def tractions_figure(evidence: SceneEvidence) -> Figure:
     """Shear traction and friction bound ± f p at T by all methods; differences in shear."""
     scale = stress_scale(evidence.scene)
@@ -84,31 +87,33 @@ def tractions_figure(evidence: SceneEvidence) -> Figure:
             upper.plot(place, sign * bound, ":", color=COLOURS[name], linewidth=1)
     upper.set_ylim(*_panel_limits([values[_ahead(place)] for values in shear.values()]))
     upper.set_ylabel(TRACTION_LABEL)
-    handles = [*_handles(shear), line_handle(r"bound $\pm f p$", "0.3", ":")]
-    upper.legend(handles=handles, loc="best", fontsize=SMALL)
+    handles = [*_handles(shear), line_handle(r"bound $\pm f p$", ink(0.7), ":")]
+    upper.legend(handles=handles, loc="best")
     _draw_differences(lower, place, shear)
     return figure
 
 
+@styled
 def energy_figure(evidence: SceneEvidence) -> Figure:
     """Where the work of the loads goes in the finite-element model, over time."""
     energy, unit = evidence.simulation.energy, energy_unit(evidence)
     figure = describe(new_figure(7, 3.8), evidence.scene)
     panel = figure.subplots()
     for name, values, colour in (
-        ("work of the loads", energy.external, BLACK),
+        ("work of the loads", energy.external, ink()),
         ("kinetic", energy.kinetic, BLUE),
         ("strain", energy.strain, GREEN),
         ("friction", energy.friction, VERMILLION),
-        ("damping", energy.damping, ORANGE),
+        ("damping", energy.damping, BROWN),
     ):
         time = energy.t / evidence.simulation.end_time
         panel.plot(time, values / unit, color=colour, label=name)
-    panel.legend(fontsize=SMALL)
+    panel.legend()
     panel.set(xlabel=TIME_LABEL, ylabel=r"energy $/\ \tau_0 V_0 c_t T^2$", xlim=(0, 1))
     return figure
 
 
+@styled
 def opening_figure(evidence: SceneEvidence) -> Figure:
     """Where the contact is open over space and time in the finite-element model."""
     simulation, speed = evidence.simulation, evidence.scene.material.shear_speed
@@ -121,7 +126,8 @@ def opening_figure(evidence: SceneEvidence) -> Figure:
     )
     panel.set(xlabel=PLACE_LABEL, ylabel=TIME_LABEL, xlim=(0, place[-1]), ylim=(0, 1))
     panel.set_title("open (dark) or closed", pad=16)
-    mark_waves(panel, scene_fronts(evidence.scene), speed, "rays")
+    fronts = scene_fronts(evidence.scene)
+    mark_waves(panel, fronts, speed, "rays", colour=BLACK, outlined="white")
     return figure
 
 
@@ -215,7 +221,7 @@ def _pair(evidence: SceneEvidence) -> tuple[Figure, tuple[Axes, Axes], Array]:
     figure = describe(new_figure(7, 5.2), evidence.scene)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     for panel in (upper, lower):
-        panel.axhline(0, color="0.6", linewidth=0.6)
+        panel.axhline(0, color=ink(0.5), linewidth=0.6)
         mark_waves(panel, scene_fronts(evidence.scene), material.shear_speed, labels=panel is upper)
     lower.set(xlabel=PLACE_LABEL, xlim=(0, place[-1]))
     return figure, (upper, lower), place
@@ -236,7 +242,7 @@ def _draw_differences(panel: Axes, place: Array, fields: dict[str, Array]) -> No
         panel.plot(place, values, color=COLOURS[name], linewidth=1)
     if differences:
         panel.set_ylim(*_panel_limits([values[_ahead(place)] for values in differences.values()]))
-    panel.set_ylabel(f"less {first}", fontsize=SMALL)
+    panel.set_ylabel(f"less {first}")
 
 
 def _handles(names: Iterable[str]) -> list[Line2D]:

@@ -9,7 +9,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from compare.comparison.rows import ALARM, DIFFERS
-from compare.figures.style import BLUE, CYCLE, SMALL, VERMILLION, marker_handle, new_figure
+from compare.figures.style import (
+    BLUE,
+    SMALL,
+    VERMILLION,
+    cycle,
+    describe,
+    ink,
+    marker_handle,
+    new_figure,
+    styled,
+)
 from compare.studies.judge.spoils import SPOILS
 from compare.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 
@@ -21,9 +31,11 @@ _LEAST_EFFECT, _LARGEST_EFFECT = 0.1, 100.0
 """Limits of the axis of effects over bars; what is beyond is drawn there."""
 
 
+@styled
 def judge_figure(judged: Sequence[JudgedRow], spoilt: Sequence[SpoiltRow]) -> Figure:
     """Differences of right answers over their bars, by kind; mistakes caught and missed."""
-    figure = new_figure(10, 4.6)
+    words = "random step loads, ν = −0.9 to 0.49,  f = 0 to 2;  rows in the units of the judgement"
+    figure = describe(new_figure(10, 4.8), words)
     right, wrong = figure.subplots(1, 2, width_ratios=(1, 1.25))
     _draw_bars(right, judged)
     _draw_mistakes(wrong, spoilt)
@@ -34,7 +46,7 @@ def _draw_bars(panel: Axes, judged: Sequence[JudgedRow]) -> None:
     """Part of the rows of a kind whose difference is at most a part of the bar."""
     barred = [row for row in judged if row.group == STEPS and row.tells]
     kinds = dict.fromkeys(row.kind for row in barred)
-    styles = [(colour, style) for style in ("-", "--") for colour in CYCLE]
+    styles = [(colour, style) for style in ("-", "--") for colour in cycle()]
     for kind, (colour, style) in zip(kinds, styles, strict=False):
         ratios = np.sort([row.over_bar for row in barred if row.kind == kind])
         if len(ratios) < _LEAST_ROWS:
@@ -56,8 +68,7 @@ def _draw_bars(panel: Axes, judged: Sequence[JudgedRow]) -> None:
         ylim=(0, 100.5),
         title="right answers: alarm beyond the dashed line",
     )
-    panel.title.set_fontsize(9)
-    panel.legend(fontsize=SMALL, loc="lower right")
+    panel.legend(loc="lower right")
 
 
 def _draw_mistakes(panel: Axes, spoilt: Sequence[SpoiltRow]) -> None:
@@ -71,7 +82,6 @@ def _draw_mistakes(panel: Axes, spoilt: Sequence[SpoiltRow]) -> None:
             "o" if caught else "x",
             color=colour,
             markersize=4,
-            alpha=0.7,
         )
     _mark_bars(panel)
     panel.set(
@@ -79,19 +89,18 @@ def _draw_mistakes(panel: Axes, spoilt: Sequence[SpoiltRow]) -> None:
         xscale="log",
         xlim=(0.8 * _LEAST_EFFECT, 1.25 * _LARGEST_EFFECT),
         ylim=(len(names) - 0.4, -0.6),
-        title="wrong answers, made a quarter to eight times as wrong as usual",
+        title="wrong answers, a quarter to eight times the usual",
     )
-    panel.title.set_fontsize(9)
     panel.set_yticks(range(len(names)), names, fontsize=SMALL)
-    panel.grid(axis="y", color="0.9")
+    panel.grid(axis="y", color=ink(0.1))
     handles = [
         marker_handle("caught", BLUE, "o", 4),
         marker_handle("not caught", VERMILLION, "x", 4),
     ]
-    panel.legend(handles=handles, fontsize=SMALL, loc="lower left")
+    panel.legend(handles=handles, loc="lower left")
 
 
 def _mark_bars(panel: Axes) -> None:
     """Where a difference is a bar, and where it is one that counts."""
-    panel.axvline(1, color="0.35", linewidth=0.8)
-    panel.axvline(ALARM, color="0.35", linewidth=0.8, linestyle="--")
+    panel.axvline(1, color=ink(0.65), linewidth=0.8)
+    panel.axvline(ALARM, color=ink(0.65), linewidth=0.8, linestyle="--")

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -27,24 +28,34 @@ from compare.studies.judge.tables import (
 )
 from compare.studies.judge.trials import JudgedRow, SpoiltRow, run_trials
 from compare.studies.tables import Study, run_studies
-from compare.studies.workers import Progress
+from compare.surveys.workers import Progress
 
-FIGURE_NAME = "judge.png"
 FOLDER = Path("results", "stability")
 """Where the command leaves its trials unless told otherwise, and the tables of docs look."""
 
 
 def write_judge(
-    directory: Path, quick: bool = False, progress: Progress | None = None
-) -> tuple[list[JudgedRow], list[SpoiltRow]]:
+    directory: Path,
+    quick: bool = False,
+    progress: Progress | None = None,
+    form: str = "png",
+    client: Any = None,
+) -> dict[str, Sequence[object]]:
     """Run what is missing of the trials; write their tables and the figure into a folder.
+
+    A `client` of a Dask cluster lets that run them.
+
+    Returns
+    -------
+    dict
+        Rows of the tables "alarms", "bars" and "power".
 
     Raises
     ------
     DataFileError
         If a file cannot be written.
     """
-    judged, spoilt = run_trials(directory, quick, progress)
+    judged, spoilt = run_trials(directory, quick, progress, client)
     tables: dict[str, Sequence[object]] = {
         "alarms": alarm_rows(judged),
         "bars": bar_rows(judged),
@@ -52,8 +63,8 @@ def write_judge(
     }
     for name, rows in tables.items():
         write_rows(directory / f"judge-{name}.csv", rows)
-    save_figure(judge_figure(judged, spoilt), directory / FIGURE_NAME)
-    return judged, spoilt
+    save_figure(judge_figure(judged, spoilt), directory / f"judge.{form}")
+    return tables
 
 
 @cache

@@ -24,8 +24,8 @@ from compare.studies.judge.scenes import (
     power_scenes,
 )
 from compare.studies.judge.spoils import SPOILS, Spoil, Window, effect, spoilt
-from compare.studies.workers import Progress, run_tasks
-from compare.studies.workers import Task as WorkerTask
+from compare.surveys.workers import Progress, run_tasks
+from compare.surveys.workers import Task as WorkerTask
 from semianalytic import Answer, Scene, SceneError
 
 if TYPE_CHECKING:
@@ -290,7 +290,7 @@ def flawless(judgement: Judgement) -> Simulation:
 
 
 def run_trials(
-    directory: Path, quick: bool = False, progress: Progress | None = None
+    directory: Path, quick: bool = False, progress: Progress | None = None, client: Any = None
 ) -> tuple[list[JudgedRow], list[SpoiltRow]]:
     """All rows, those of an earlier run included; two tables in a folder.
 
@@ -320,7 +320,7 @@ def run_trials(
     kept = {kind: _whole(started_rows(table, kind)) for kind, table in tables.items()}
     known = {_trial_of(row) for rows in kept.values() for row in rows}
     left = [key for key in tasks if key not in known]
-    for _, rows in run_tasks([tasks[key] for key in left], None, progress):
+    for _, rows in run_tasks([tasks[key] for key in left], None, progress, client):
         append_rows(tables[type(rows[0])], rows)
         kept[type(rows[0])] += rows
     judged, spoiled = (

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from pathlib import Path
+from typing import get_args
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -17,25 +17,27 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from compare.comparison.scales import wave_speeds
-from compare.figures.saving import save_figure
 from compare.figures.style import (
     BLACK,
     BLUE,
-    CYCLE,
     ORANGE,
     PREDICTION,
     PURPLE,
-    REVERSE_SHADE,
     SIMULATION,
     SKY,
     SLIP_SHADE,
-    SMALL,
     STICK_SHADE,
     VERMILLION,
     LineStyle,
+    cycle,
+    describe,
+    ink,
     line_handle,
     mark_waves,
     new_figure,
+    outline,
+    shade,
+    styled,
 )
 from compare.studies.regimes.points import (
     POISSON_RATIOS,
@@ -66,9 +68,14 @@ CURVES: dict[str, tuple[str, LineStyle, str]] = {
     "edge": ("edge sticks above", "-", BLACK),
     "nucleation": ("slip at the shear front below", "--", PURPLE),
     "gap": ("stick gap at $c_R$ under 1e-14 below", "-.", BLACK),
-    "everywhere": ("slip everywhere below", ":", "0.3"),
+    "everywhere": ("slip everywhere below", ":", BLACK),
     "reverse": ("reverse slip below", "-", VERMILLION),
 }
+FRICTION = {
+    "preload": r"a step of shear $Q_0$ on base pressure $P_b$,  $f = \chi_b\,Q_0/P_b$",
+    "remote": r"sudden remote pressure $P_0$ and shear $Q_0$,  $f = \chi\,Q_0/P_0$",
+}
+"""What a loading is, and friction in it."""
 CHI = {"preload": r"$\chi_b = f P_b/Q_0$", "remote": r"$\chi = f P_0/Q_0$"}
 PUBLISHED_THRESHOLD = (1 / 3, 0.0575)
 
@@ -83,7 +90,8 @@ class RegimeResults:
     reverse: list[MapPoint]
 
 
-def save_regimes(path: Path, loading: Loading, results: RegimeResults) -> None:
+@styled
+def regimes_figure(loading: Loading, results: RegimeResults) -> Figure:
     """Map of one loading; a remote one also over the share of the way to full stick."""
     points, curves = results.points[loading], _by_curve(results, loading)
     if loading == "preload":
@@ -97,6 +105,7 @@ def save_regimes(path: Path, loading: Loading, results: RegimeResults) -> None:
         panels[0].axhspan(0, 1, color=COLOURS["everywhere"], linewidth=0, zorder=0)
         panels[0].set_ylim(0.97, 1.85)
         panels[1].set_ylim(-0.09, 1.09)
+    describe(figure, FRICTION[loading])
     share_label = r"$(\chi - 1)/(\chi_\mathrm{stuck}(\nu) - 1)$"
     for panel, share in zip(panels, (False, True), strict=False):
         _draw_map(panel, loading, points, share)
@@ -104,19 +113,17 @@ def save_regimes(path: Path, loading: Loading, results: RegimeResults) -> None:
             if name in curves:
                 nu, chi = curves[name][:, 0], 10 ** curves[name][:, 1]
                 height = _share(nu, chi) if share else chi
-                panel.plot(nu, height, style, color=colour, label=label)
+                panel.plot(nu, height, style, color=colour, label=label, path_effects=outline())
         panel.set(xlabel=r"Poisson ratio $\nu$", ylabel=share_label if share else CHI[loading])
         panel.set_xlim(*POISSON_RATIOS)
     present = [name for name in REGIMES if any(p.regime == name for p in points)]
     patches = [Patch(color=COLOURS[name], label=REGIMES[name]) for name in present]
     _legend_below(figure, [*patches, *panels[0].get_lines()], 3)
-    save_figure(figure, path)
+    return figure
 
 
 def _legend_below(figure: Figure, handles: Sequence[Artist], columns: int) -> None:
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=columns, fontsize=SMALL, frameon=False
-    )
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns, frameon=False)
 
 
 def _by_curve(results: RegimeResults, loading: Loading) -> dict[str, Array]:
@@ -151,11 +158,15 @@ def _draw_map(panel: Axes, loading: Loading, points: Sequence[MapPoint], share: 
     )
 
 
-def save_fronts(path: Path, results: RegimeResults) -> None:
+@styled
+def front_speeds_figure(results: RegimeResults) -> Figure:
     """Speeds of all zone edges against friction, a row per loading, a column per Poisson ratio."""
-    loadings = sorted({p.loading for p in results.fronts})
+    loadings: list[Loading] = [
+        one for one in get_args(Loading) if any(p.loading == one for p in results.fronts)
+    ]
     ratios = sorted({p.poisson_ratio for p in results.fronts})
     figure = new_figure(3.7 * len(ratios), 3.3 * len(loadings) + 0.4)
+    describe(figure, ";  ".join(FRICTION[one] for one in loadings))
     panels = figure.subplots(len(loadings), len(ratios), squeeze=False)
     for row, loading in zip(panels, loadings, strict=True):
         for panel, nu in zip(row, ratios, strict=True):
@@ -163,14 +174,14 @@ def save_fronts(path: Path, results: RegimeResults) -> None:
             _draw_fronts(panel, loading, nu, points)
         row[0].set_ylabel(r"speed of zone edges $/\ c_t$")
     handles = [
-        Patch(color=SLIP_SHADE, label="slips"),
-        Patch(color=REVERSE_SHADE, label="slips backward"),
+        Patch(color=shade("slip"), label="slips"),
+        Patch(color=shade("reverse slip"), label="slips backward"),
         line_handle("edges of slip zones", PREDICTION),
         line_handle(r"one slow zone: $1/((1-\nu)(1+\chi_b)^2)$", SIMULATION, "--"),
-        line_handle(r"waves $c_R$, $c_t$, $c_l$", "0.35", "--"),
+        line_handle(r"waves $c_R$, $c_t$, $c_l$", ink(0.65), "--"),
     ]
     _legend_below(figure, handles, 5)
-    save_figure(figure, path)
+    return figure
 
 
 def _draw_fronts(panel: Axes, loading: str, nu: float, points: Sequence[MapPoint]) -> None:
@@ -184,7 +195,7 @@ def _draw_fronts(panel: Axes, loading: str, nu: float, points: Sequence[MapPoint
         zones = np.minimum(np.array([zone_speeds(p) for p in part]).reshape(len(part), -1, 3), top)
         for index, sense in enumerate(count):
             inner, outer = zones[:, index, 0], zones[:, index, 1]
-            colour = SLIP_SHADE if sense > 0 else REVERSE_SHADE
+            colour = shade("slip" if sense > 0 else "reverse slip")
             _shade(panel, [borders[x] for x in chi], inner, outer, colour)
             for edge in (inner, outer):
                 panel.plot(chi, np.where((edge > 0) & (edge < top), edge, np.nan), color=PREDICTION)
@@ -231,9 +242,10 @@ def _senses(point: MapPoint) -> tuple[int, ...]:
     return tuple(sense for _, _, sense in zone_speeds(point))
 
 
-def save_reverse(path: Path, results: RegimeResults) -> None:
+@styled
+def reverse_figure(results: RegimeResults) -> Figure:
     """Threshold and width of reverse slip over nu, and how the width closes with friction."""
-    figure = new_figure(11, 4.6)
+    figure = describe(new_figure(11, 4.8), FRICTION["preload"])
     left, right = figure.subplots(1, 2)
     curves = _by_curve(results, "preload")
     threshold, width = curves["reverse"], curves["reverse-width"]
@@ -243,22 +255,22 @@ def save_reverse(path: Path, results: RegimeResults) -> None:
         threshold[narrow, 0],
         [log_narrow_reverse_threshold(nu) / math.log(10) for nu in threshold[narrow, 0]],
         ":",
-        color=BLACK,
+        color=ink(),
         label="the same, narrow strip",
     )
     left.plot(
         width[:, 0], width[:, 1], "--", color=PREDICTION, label="half-width $/c_R$, no friction"
     )
     nu, published = PUBLISHED_THRESHOLD
-    left.plot(nu, math.log10(published), "x", color=BLACK, label="published threshold")
+    left.plot(nu, math.log10(published), "x", color=ink(), label="published threshold")
     left.set(
         xlabel=r"Poisson ratio $\nu$",
         ylabel=r"$\log_{10}$ of $\chi_b$, of half-width",
         xlim=(threshold[0, 0], threshold[-1, 0]),
     )
-    left.legend(fontsize=SMALL, loc="lower left")
+    left.legend(loc="lower left")
     groups = groupby(_solved(results.reverse), key=lambda p: p.poisson_ratio)
-    for (ratio, group), colour in zip(groups, CYCLE, strict=False):
+    for (ratio, group), colour in zip(groups, cycle(), strict=False):
         points = list(group)
         speed = Material(1.0, 1.0, ratio).rayleigh_speed
         share = [
@@ -270,5 +282,5 @@ def save_reverse(path: Path, results: RegimeResults) -> None:
         )
     right.set(xlabel=CHI["preload"], ylabel="half-width of the reversed strip $/c_R$")
     right.set_ylim(bottom=0)
-    right.legend(fontsize=SMALL)
-    save_figure(figure, path)
+    right.legend()
+    return figure

@@ -10,26 +10,28 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from compare.comparison.scales import wave_speeds
-from compare.figures.saving import save_figure
 from compare.figures.style import (
-    OPEN_SHADE,
     PREDICTION,
     SIMULATION,
-    SMALL,
     STICK_SHADE,
+    describe,
+    ink,
     line_handle,
     mark_waves,
     new_figure,
+    outline,
+    shade,
+    styled,
 )
 from compare.studies.regimes.points import POISSON_RATIOS, poisson_ratios
 from semianalytic import Material, Scene, Tractions, solve
@@ -94,12 +96,12 @@ def sorted_openings(points: Sequence[OpeningPoint]) -> list[OpeningPoint]:
     return sorted(points, key=lambda point: (point.poisson_ratio, point.sign, point.ratio))
 
 
-def save_openings(
-    path: Path, columns: Sequence[OpeningPoint], speeds: Sequence[OpeningPoint]
-) -> None:
+@styled
+def openings_figure(columns: Sequence[OpeningPoint], speeds: Sequence[OpeningPoint]) -> Figure:
     """Map of what a sudden pressure opens, and speeds of the ends of openings of both signs."""
     panels_of = {nu: list(part) for nu, part in groupby(speeds, lambda p: p.poisson_ratio)}
-    figure = new_figure(4.4 + 2.7 * len(panels_of), 4.4)
+    words = "a step of pressure $P_0$ on base pressure $P_b$;  the same for any friction $f$"
+    figure = describe(new_figure(4.4 + 2.7 * len(panels_of), 4.6), words)
     ratios = (1.6, *(1 for _ in panels_of))
     first, *rest = figure.subplots(1, len(ratios), width_ratios=ratios)
     figure.colorbar(
@@ -112,16 +114,15 @@ def save_openings(
         handles=[
             Patch(color=STICK_SHADE, label="stays closed"),
             line_handle(r"opens ahead below $P_b/P_0 = -p^*(c)$", PREDICTION),
-            Patch(color=OPEN_SHADE, label=r"open under a sudden pressure, $P_0 > 0$"),
+            Patch(color=shade("open"), label=r"open under a sudden pressure, $P_0 > 0$"),
             line_handle(r"open up to, pressure put on the slot, $P_0 < 0$", SIMULATION, "-."),
-            line_handle(r"waves $c_R$, $c_t$, $c_l$", "0.35", "--"),
+            line_handle(r"waves $c_R$, $c_t$, $c_l$", ink(0.65), "--"),
         ],
         loc="outside lower center",
         ncols=3,
-        fontsize=SMALL,
         frameon=False,
     )
-    save_figure(figure, path)
+    return figure
 
 
 def _ratios(count: int, corners: bool = False) -> NDArray[np.float64]:
@@ -145,7 +146,12 @@ def _draw_map(panel: Axes, points: Sequence[OpeningPoint]) -> QuadMesh:
         rasterized=True,
     )
     nu = np.linspace(*POISSON_RATIOS, 300)
-    panel.plot(nu, [opening_threshold(float(value)) for value in nu], color=PREDICTION)
+    panel.plot(
+        nu,
+        [opening_threshold(float(value)) for value in nu],
+        color=PREDICTION,
+        path_effects=outline(),
+    )
     panel.set(xlabel=r"Poisson ratio $\nu$", ylabel=r"$P_b/P_0$", yscale="log")
     panel.set(xlim=POISSON_RATIOS, ylim=tuple(10.0**end for end in RATIOS))
     return image
@@ -157,7 +163,7 @@ def _draw_speeds(panel: Axes, nu: float, points: Sequence[OpeningPoint]) -> None
     ratio, inner, outer = (
         np.array([getattr(p, name) for p in ahead]) for name in ("ratio", "inner", "outer")
     )
-    panel.fill_between(ratio, inner, outer, color=OPEN_SHADE, linewidth=0)
+    panel.fill_between(ratio, inner, outer, color=shade("open"), linewidth=0)
     for end in (inner, outer):
         panel.plot(ratio, end, color=PREDICTION)
     panel.plot([p.ratio for p in edge], [p.outer for p in edge], "-.", color=SIMULATION)

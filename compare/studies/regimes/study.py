@@ -8,17 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 
+from compare.figures.saving import save_figure
 from compare.output.tables import append_rows, write_rows
-from compare.studies.regimes.figures import RegimeResults, save_fronts, save_regimes, save_reverse
+from compare.studies.regimes.figures import (
+    RegimeResults,
+    front_speeds_figure,
+    regimes_figure,
+    reverse_figure,
+)
 from compare.studies.regimes.openings import (
     OpeningPoint,
     opening_column,
     opening_speeds,
-    save_openings,
+    openings_figure,
     sorted_openings,
 )
 from compare.studies.regimes.points import (
@@ -32,7 +38,7 @@ from compare.studies.regimes.points import (
     sorted_points,
     trace,
 )
-from compare.studies.workers import Progress, Task, run_tasks
+from compare.surveys.workers import Progress, Task, run_tasks
 from semianalytic.regimes import Loading, reverse_threshold, stuck_threshold
 from semianalytic.scene.checks import checked_count
 from semianalytic.scene.errors import SceneError
@@ -67,13 +73,15 @@ def write_regimes(
     loading: str = "both",
     quick: bool = False,
     progress: Progress | None = None,
-) -> None:
+    form: str = "png",
+    client: Any = None,
+) -> RegimeResults:
     """Map regimes on size x size points, trace their boundaries, and write figures and CSV files.
 
-    regimes-LOADING.csv and .png, boundaries.csv, front-speeds.csv and .png, for the preload
-    reverse-slip.csv and .png, and openings.csv and .png; few points if quick.  Columns of a map
-    are kept in a hidden file as they are done, so that an interrupted run continues when started
-    again with the same size.
+    regimes-LOADING.csv and .png (or of another `form`), boundaries.csv, front-speeds.csv and .png,
+    for the preload reverse-slip.csv and .png, and openings.csv and .png; few points if quick.
+    Columns of a map are kept in a hidden file as they are done, so that an interrupted run
+    continues when started again with the same size.
 
     Raises
     ------
@@ -91,29 +99,30 @@ def write_regimes(
     count = min(size, _QUICK_SIZE) if quick else size
     loadings: list[Loading] = [name for name in known if loading in (name, "both")]
     output.mkdir(parents=True, exist_ok=True)
-    results = _computed(output, loadings, count, quick, progress)
+    results = _computed(output, loadings, count, quick, progress, client)
     for name in loadings:
         write_rows(output / f"regimes-{name}.csv", results.points[name])
-        save_regimes(output / f"regimes-{name}.png", name, results)
+        save_figure(regimes_figure(name, results), output / f"regimes-{name}.{form}")
         _part(output, name, count).unlink(missing_ok=True)
     write_rows(output / "boundaries.csv", results.curves)
     write_rows(output / "front-speeds.csv", results.fronts)
-    save_fronts(output / "front-speeds.png", results)
+    save_figure(front_speeds_figure(results), output / f"front-speeds.{form}")
     if "preload" in loadings:
         write_rows(output / "reverse-slip.csv", results.reverse)
-        save_reverse(output / "reverse-slip.png", results)
-    columns, speeds = _openings(quick)
+        save_figure(reverse_figure(results), output / f"reverse-slip.{form}")
+    columns, speeds = _openings(quick, client)
     write_rows(output / "openings.csv", [*columns, *speeds])
-    save_openings(output / "openings.png", columns, speeds)
+    save_figure(openings_figure(columns, speeds), output / f"openings.{form}")
+    return results
 
 
-def _openings(quick: bool) -> tuple[list[OpeningPoint], list[OpeningPoint]]:
+def _openings(quick: bool, client: Any) -> tuple[list[OpeningPoint], list[OpeningPoint]]:
     """What opens under a step of pressure: points of the map, and of the panels of speeds."""
     size, count = _OPENING_COUNTS[quick]
     columns = [(opening_column, (nu, size)) for nu in poisson_ratios(size).tolist()]
     speeds = [(opening_speeds, (nu, count)) for nu in FRONT_POISSON_RATIOS]
     parts: tuple[list[OpeningPoint], list[OpeningPoint]] = ([], [])
-    for index, points in run_tasks([*columns, *speeds], progress=None):
+    for index, points in run_tasks([*columns, *speeds], client=client):
         parts[index >= size].extend(points)
     return sorted_openings(parts[0]), sorted_openings(parts[1])
 
@@ -129,7 +138,12 @@ def _traced_ratios(count: int) -> list[float]:
 
 
 def _computed(
-    output: Path, loadings: Sequence[Loading], count: int, quick: bool, progress: Progress | None
+    output: Path,
+    loadings: Sequence[Loading],
+    count: int,
+    quick: bool,
+    progress: Progress | None,
+    client: Any,
 ) -> RegimeResults:
     traced, shown, within = _COUNTS[quick]
     kept = {name: kept_columns(_part(output, name, count), name, count) for name in loadings}
@@ -149,7 +163,7 @@ def _computed(
         for nu in poisson_ratios(count).tolist():
             if nu not in kept[name]:
                 tasks.append((columns, (map_column, (name, nu, count))))
-    for index, result in run_tasks([task for _, task in tasks], progress=progress):
+    for index, result in run_tasks([task for _, task in tasks], progress=progress, client=client):
         destination = tasks[index][0]
         destination += result
         if destination is columns:

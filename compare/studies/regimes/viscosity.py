@@ -8,17 +8,18 @@ checks it.
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from compare.figures.saving import save_figure
-from compare.figures.style import BLACK, CYCLE, PURPLE, SMALL, new_figure
-from compare.studies.regimes.figures import CHI, COLOURS
+from compare.figures.style import BLACK, PURPLE, cycle, describe, new_figure, outline, styled
+from compare.studies.regimes.figures import CHI, COLOURS, FRICTION
 from compare.studies.regimes.points import REGIMES
 from semianalytic import ViscousFriction, solve
 from semianalytic.regimes import (
@@ -79,9 +80,18 @@ def solved_regimes(size: int) -> list[list[str]]:
     ]
 
 
-def save_viscosity(path: Path, regimes: Sequence[Sequence[str]], count: int) -> None:
+def viscosity_curves(count: int) -> dict[float, list[ViscosityRow]]:
+    """Thresholds over viscosity of all Poisson ratios of the figure."""
+    viscosities = np.logspace(*DECADES, count).tolist()
+    return {nu: [viscosity_row(nu, one) for one in viscosities] for nu in POISSON_RATIOS}
+
+
+@styled
+def viscosity_figure(
+    regimes: Sequence[Sequence[str]], curves: Mapping[float, Sequence[ViscosityRow]]
+) -> Figure:
     """The map with its thresholds, and where the gap closes at several Poisson ratios."""
-    figure = new_figure(11, 4.8)
+    figure = describe(new_figure(11, 5.0), FRICTION["preload"])
     left, right = figure.subplots(1, 2)
     names = list(REGIMES)
     borders = np.linspace(0, 1, len(regimes) + 1)
@@ -93,10 +103,10 @@ def save_viscosity(path: Path, regimes: Sequence[Sequence[str]], count: int) -> 
         norm=BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)),
         rasterized=True,
     )
-    viscosities = np.logspace(*DECADES, count).tolist()
-    rows = [viscosity_row(MAP_POISSON_RATIO, one) for one in viscosities]
-    left.plot(viscosities, [row.nucleation for row in rows], "--", color=PURPLE)
-    left.plot(viscosities, [row.closing for row in rows], color=BLACK)
+    rows = curves[MAP_POISSON_RATIO]
+    for name, line, colour in (("nucleation", "--", PURPLE), ("closing", "-", BLACK)):
+        x, y = zip(*((row.viscosity, getattr(row, name)) for row in rows), strict=True)
+        left.plot(x, y, line, color=colour, path_effects=outline())
     labels = {
         "slow": REGIMES["slow"],
         "two": REGIMES["two"],
@@ -105,21 +115,22 @@ def save_viscosity(path: Path, regimes: Sequence[Sequence[str]], count: int) -> 
     }
     present = {name for row in regimes for name in row}
     patches = [Patch(color=COLOURS[name], label=labels[name]) for name in labels if name in present]
-    left.legend(handles=patches, fontsize=SMALL, loc="upper right")
+    left.legend(handles=patches, loc="upper right")
     left.set_title(rf"$\nu = {MAP_POISSON_RATIO:.3g}$")
-    for nu, colour in zip(POISSON_RATIOS, CYCLE, strict=False):
-        closing = [viscosity_row(nu, one).closing for one in viscosities]
+    for (nu, rows), colour in zip(curves.items(), cycle(), strict=False):
+        viscosities, closing = zip(*((row.viscosity, row.closing) for row in rows), strict=True)
         right.plot(viscosities, closing, color=colour, label=rf"$\nu = {nu:.3g}$")
         right.axhline(closing_limit(nu), linestyle=":", color=colour, linewidth=1)
     right.set_title("slip covers $c_R$ below; dotted: $q^*(c)$")
-    right.legend(fontsize=SMALL)
+    right.legend()
     for panel in (left, right):
         panel.set(xscale="log", xlim=[10**end for end in DECADES], ylim=(0, MOST_FRICTION))
         panel.set(xlabel=r"viscosity $/\ (\rho c_t / 2)$", ylabel=CHI["preload"])
-    save_figure(figure, path)
+    return figure
 
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/regimes")
     folder.mkdir(parents=True, exist_ok=True)
-    save_viscosity(folder / "regimes_viscosity.png", solved_regimes(MAP_SIZE), CURVE_SIZE)
+    figure = viscosity_figure(solved_regimes(MAP_SIZE), viscosity_curves(CURVE_SIZE))
+    save_figure(figure, folder / "regimes_viscosity.png")

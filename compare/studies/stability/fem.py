@@ -8,16 +8,17 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from compare.figures.saving import save_figure
+from compare.figures.style import describe, new_figure, scene_words, styled
 from compare.output.files import write_text
 from compare.studies.accuracy.fem import errors_of
-from compare.studies.workers import Progress, counted
+from compare.surveys.workers import Progress, run_tasks
 from semianalytic import Scene, Tractions, solve
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 CSV_NAME = "fem-stability.csv"
-FIGURE_NAME = "fem-stability.png"
 
 STEP_RATIOS = (0.5, 0.7, 0.9, 0.95, 1.0, 1.01, 1.02, 1.05)
 DAMPINGS = (0.0, 0.02, 0.1, 0.2)
@@ -109,7 +109,11 @@ class Outcome:
 
 
 def fem_stability(
-    output: Path, quick: bool = False, progress: Progress | None = None
+    output: Path,
+    quick: bool = False,
+    progress: Progress | None = None,
+    form: str = "png",
+    client: Any = None,
 ) -> tuple[Outcome, ...]:
     """Run all trials; write `fem-stability.csv` and `fem-stability.png` into a folder.
 
@@ -121,6 +125,8 @@ def fem_stability(
         Coarse meshes and fewer trials, for a look.
     progress : callable, optional
         Called with the number of trials done and the number of all trials.
+    form : str
+        Of the figure.
 
     Returns
     -------
@@ -134,9 +140,10 @@ def fem_stability(
         If meshes have to be built and gmsh cannot be loaded.
     """
     planned = tuple(trials(quick))
-    outcomes = tuple(counted(map(run_trial, planned), len(planned), progress))
+    done = dict(run_tasks([(run_trial, (trial,)) for trial in planned], 1, progress, client))
+    outcomes = tuple(done[index] for index in range(len(planned)))
     write_text(output / CSV_NAME, csv_text(outcomes))
-    save_figure(stability_figure(outcomes), output / FIGURE_NAME)
+    save_figure(stability_figure(outcomes), output / f"fem-stability.{form}")
     return outcomes
 
 
@@ -212,9 +219,12 @@ def csv_text(outcomes: Sequence[Outcome]) -> str:
     return text.getvalue()
 
 
+@styled
 def stability_figure(outcomes: Sequence[Outcome]) -> Figure:
     """Where runs above the critical step stop; error over damping, mesh size and Poisson ratio."""
-    figure = Figure(figsize=(10, 7), layout="constrained")
+    figure = describe(
+        new_figure(10, 7), f"preloaded but for what varies: {scene_words(_PRELOADED)}"
+    )
     (steps, dampings), (aspects, locking) = figure.subplots(2, 2)
 
     tried = [o for o in outcomes if o.study == "step"]
@@ -239,7 +249,7 @@ def stability_figure(outcomes: Sequence[Outcome]) -> Figure:
     locking.set(xlabel="Poisson ratio", ylabel="relative L1 error", yscale="log")
     for panel in (steps, dampings, aspects, locking):
         if panel.lines:
-            panel.legend(fontsize="x-small")
+            panel.legend()
     return figure
 
 
@@ -251,9 +261,12 @@ def _draw(
     by: str,
 ) -> None:
     """One line per value of the field `by`, in the order of the outcomes."""
-    for key in dict.fromkeys(getattr(o, by) for o in outcomes):
+    keys = dict.fromkeys(getattr(o, by) for o in outcomes)
+    for key, marker in zip(keys, "osD^v", strict=False):
         line = [o for o in outcomes if getattr(o, by) == key]
-        panel.plot([getattr(o, over) for o in line], [value(o) for o in line], "o-", label=key)
+        panel.plot(
+            [getattr(o, over) for o in line], [value(o) for o in line], f"{marker}-", label=key
+        )
 
 
 def _error(simulation: Simulation) -> float:

@@ -14,7 +14,18 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator, ScalarFormatter
 
 from compare.figures.saving import save_figure
-from compare.figures.style import BLUE, GREEN, SMALL, VERMILLION, new_figure
+from compare.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    SMALL,
+    VERMILLION,
+    describe,
+    ink,
+    new_figure,
+    outline,
+    styled,
+)
 from compare.studies.stability.sweeps import StudyRow
 
 PLACEMENT_STYLE = {
@@ -24,19 +35,24 @@ PLACEMENT_STYLE = {
 }
 FLOOR = 1e-17
 
-
-def save_figures(output: Path, rows: Sequence[StudyRow]) -> None:
-    """Write all figures of the study into a folder."""
-    save_figure(limits_figure(rows), output / "stability-limits.png")
-    save_figure(thresholds_figure(rows), output / "stability-thresholds.png")
-    save_figure(grids_figure(rows), output / "stability-grids.png")
-    save_figure(rules_figure(rows), output / "stability-rules.png")
+SCENES = r"$f = \chi\,Q_0/P_b$ (preload), $\chi\,Q_0/P_0$ (remote)"
+"""What friction is in all figures."""
 
 
+def save_figures(output: Path, rows: Sequence[StudyRow], form: str = "png") -> None:
+    """Write all figures of the study into a folder, in a format."""
+    save_figure(limits_figure(rows), output / f"stability-limits.{form}")
+    save_figure(thresholds_figure(rows), output / f"stability-thresholds.{form}")
+    save_figure(grids_figure(rows), output / f"stability-grids.{form}")
+    save_figure(rules_figure(rows), output / f"stability-rules.{form}")
+
+
+@styled
 def limits_figure(rows: Sequence[StudyRow]) -> Figure:
     """Errors and estimates as the Poisson ratio approaches 0.5, 0 and -1."""
     studies = sorted({row.study for row in rows if row.study.startswith("nu to")})
-    figure = new_figure(3.4 * len(studies), 4.4)
+    words = f"edges over $c_t$, slip rates relative;  {SCENES}"
+    figure = describe(new_figure(3.4 * len(studies), 4.6), words)
     panels = figure.subplots(1, len(studies), sharey=True, squeeze=False)[0]
     for panel, study in zip(panels, studies, strict=True):
         for (case, quantity), part in _curves(rows, study, ("case", "quantity")):
@@ -48,9 +64,7 @@ def limits_figure(rows: Sequence[StudyRow]) -> Figure:
         panel.set(title=_limit_title(study), xlabel=r"distance of $\nu$ from the limit")
     panels[0].set_ylabel("error, error estimate")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="outside lower center", ncols=3, fontsize=SMALL, frameon=False
-    )
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
     return figure
 
 
@@ -59,27 +73,37 @@ def _limit_title(study: str) -> str:
     return rf"$\nu \to {limit}$" + {"+": ", from above", "-": ", from below"}.get(side, "")
 
 
+@styled
 def thresholds_figure(rows: Sequence[StudyRow]) -> Figure:
     """Error estimates and numbers of zones next to thresholds; crosses where not converged."""
     estimates = [row for row in rows if row.study == "threshold"]
     cases = sorted({row.case for row in estimates})
     distances = sorted({row.parameter for row in estimates})
     values = np.full((len(cases), len(distances)), np.nan)
-    figure = new_figure(11, 0.42 * len(cases) + 1.9)
+    words = f"numbers of zones; errors over $c_t$ and $V_0$;  {SCENES}"
+    figure = describe(new_figure(11, 0.42 * len(cases) + 2.1), words)
     panel = figure.subplots()
     for row in estimates:
         i, j = cases.index(row.case), distances.index(row.parameter)
         if row.quantity == "error estimate" and math.isfinite(row.value):
             values[i, j] = row.value
         if row.quantity == "zones" and row.status == "converged":
-            panel.text(j, i, f"{row.value:.0f}", ha="center", va="center", color="white")
+            panel.text(
+                j,
+                i,
+                f"{row.value:.0f}",
+                ha="center",
+                va="center",
+                color="white",
+                path_effects=outline(BLACK),
+            )
         elif row.quantity == "zones":
-            panel.plot(j, i, "x", color=VERMILLION, markersize=8, markeredgewidth=2)
+            panel.plot(j, i, "x", color=VERMILLION, markersize=8, path_effects=outline())
     image = panel.imshow(
         np.maximum(values, 1e-15), norm=LogNorm(1e-15, 1e-7), cmap="viridis", aspect="auto"
     )
     panel.set_yticks(range(len(cases)), cases, fontsize=SMALL)
-    panel.set_xticks(range(len(distances)), [_distance(d) for d in distances], fontsize=7)
+    panel.set_xticks(range(len(distances)), [_distance(d) for d in distances], fontsize="x-small")
     panel.set_xlabel("relative distance of friction from the threshold")
     figure.colorbar(image, ax=panel, label="error estimate at rtol 1e-8")
     return figure
@@ -93,9 +117,10 @@ def _distance(value: float) -> str:
     return f"${sign}10^{{{exponent:g}}}$"
 
 
+@styled
 def grids_figure(rows: Sequence[StudyRow]) -> Figure:
     """First stage over the number of nodes: error, odd-even mode, condition, rounds."""
-    figure = new_figure(10, 7.6)
+    figure = describe(new_figure(10, 7.8), f"slip rates relative;  {SCENES}")
     panels = figure.subplots(2, 2).ravel()
     cases = sorted({row.case for row in rows if row.study == "grid"})
     styles = dict(zip(cases, ("-", "--", ":", "-."), strict=False))
@@ -120,11 +145,9 @@ def grids_figure(rows: Sequence[StudyRow]) -> Figure:
     for colour, label in PLACEMENT_STYLE.values():
         panels[0].plot([], [], color=colour, label=label)
     for case, style in styles.items():
-        panels[0].plot([], [], style, color="0.3", label=case)
+        panels[0].plot([], [], style, color=ink(0.7), label=case)
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="outside lower center", ncols=3, fontsize=SMALL, frameon=False
-    )
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
     return figure
 
 
@@ -134,12 +157,14 @@ def _draw_rounds(panel: Axes, part: Sequence[StudyRow], colour: str, style: str,
         panel.loglog(*_xy(solved), ".", linestyle=style, color=colour)
         return
     panel.loglog(*_xy(solved), "o", color=colour, markersize=5, fillstyle="none")
-    panel.loglog(*_xy([row for row in part if row not in solved]), "x", color=colour, alpha=0.7)
+    panel.loglog(*_xy([row for row in part if row not in solved]), "x", color=colour)
 
 
+@styled
 def rules_figure(rows: Sequence[StudyRow]) -> Figure:
     """Quadrature nodes against error, estimate against true error, digits lost near c_R."""
-    figure = new_figure(12, 4.4)
+    words = f"relative errors of edges, slip rates, impedance;  {SCENES}"
+    figure = describe(new_figure(12, 4.6), words)
     left, middle, right = figure.subplots(1, 3)
     for (case,), part in _curves(
         [row for row in rows if row.quantity == "slip rate error"], "rule", ("case",)
@@ -152,7 +177,7 @@ def rules_figure(rows: Sequence[StudyRow]) -> Figure:
             by_rtol.setdefault(row.parameter, {})[row.quantity] = row.value
         pairs = [(max(p["true error"], FLOOR), p["error estimate"]) for p in by_rtol.values()]
         middle.loglog(*np.array(sorted(pairs)).T, ".-", label=case, linewidth=0.8)
-    middle.loglog([1e-15, 1e-2], [1e-15, 1e-2], ":", color="black")
+    middle.loglog([1e-15, 1e-2], [1e-15, 1e-2], ":", color=ink())
     middle.set(xlabel="true error", ylabel="error estimate")
     for (case, method), part in _curves(rows, "near c_R", ("case", "method")):
         right.loglog(*_xy(part), ".-", label=f"impedance {method}, {case}", linewidth=0.8)
@@ -160,7 +185,7 @@ def rules_figure(rows: Sequence[StudyRow]) -> Figure:
         right.loglog(*_xy(part), "s-", label=f"gap of the solver, {case}", markersize=4)
     right.set(xlabel="distance from $c$, width of the gap", ylabel="relative error")
     for panel in (left, middle, right):
-        panel.legend(fontsize=7)
+        panel.legend()
     return figure
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from compare.output.tables import write_rows
 from compare.studies.stability.figures import save_figures
@@ -18,7 +19,7 @@ from compare.studies.stability.sweeps import (
     threshold_rows,
     thresholds,
 )
-from compare.studies.workers import Progress, Task, run_tasks
+from compare.surveys.workers import Progress, Task, run_tasks
 from semianalytic.regimes import Loading
 
 GRID_SCENES = (("preload", 1 / 3, 0.2), ("preload", 0.0, 0.1), ("remote", 1 / 3, 1.1))
@@ -37,11 +38,16 @@ _DEEPEST = 9
 
 
 def write_solver_stability(
-    output: Path, quick: bool = False, progress: Progress | None = None
-) -> None:
+    output: Path,
+    quick: bool = False,
+    progress: Progress | None = None,
+    form: str = "png",
+    client: Any = None,
+) -> list[StudyRow]:
     """Study limits, thresholds, grids and rules; write figures and stability-solver.csv.
 
-    Small grids and few points, within a minute, if quick; otherwise some minutes.
+    Small grids and few points, within a minute, if quick; otherwise some minutes.  A `client` of a
+    Dask cluster lets that do it.
 
     Raises
     ------
@@ -52,11 +58,12 @@ def write_solver_stability(
     """
     output.mkdir(parents=True, exist_ok=True)
     rows: list[StudyRow] = []
-    for _, part in run_tasks(study_tasks(quick), progress=progress):
+    for _, part in run_tasks(study_tasks(quick), progress=progress, client=client):
         rows += part
     rows.sort(key=_order)
     write_rows(output / "stability-solver.csv", rows)
-    save_figures(output, rows)
+    save_figures(output, rows, form)
+    return rows
 
 
 def _order(row: StudyRow) -> tuple[str, str, str, str, float]:

@@ -7,16 +7,17 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from compare.figures.saving import save_figure
-from compare.figures.style import CYCLE, SMALL, new_figure
+from compare.figures.style import cycle, describe, new_figure, styled
 from compare.output.tables import write_rows
 from compare.studies.accuracy.spacetime import last_march, step_error
 from compare.studies.stability.sweeps import StudyRow
-from compare.studies.workers import Progress, counted
+from compare.surveys.workers import Progress, run_tasks
 from semianalytic import Marched, Material, Scene, march
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES
@@ -58,18 +59,35 @@ def trials(quick: bool) -> Iterator[Trial]:
         yield "end time", "preloaded", end, preloaded, run
 
 
-def stability_rows(quick: bool) -> Iterator[StudyRow]:
+def stability_rows(
+    quick: bool, progress: Progress | None = None, client: Any = None
+) -> list[StudyRow]:
     """Relative L1 error of the slip rate of every march; NaN, and why, where one was refused."""
-    for study, case, value, scene, run in trials(quick):
-        try:
-            error, status = step_error(scene, run()), RAN
-        except SlipfrontError as refusal:
-            error, status = math.nan, str(refusal)
-        yield StudyRow(study, case, "space-time", value, "slip rate error", error, status)
+    tasks = [(trial_row, (trial,)) for trial in trials(quick)]
+    done = dict(run_tasks(tasks, 1, progress, client))
+    return [done[index] for index in range(len(tasks))]
 
 
-def write_stability(output: Path, quick: bool = False, progress: Progress | None = None) -> None:
+def trial_row(trial: Trial) -> StudyRow:
+    """The row of one march."""
+    study, case, value, scene, run = trial
+    try:
+        error, status = step_error(scene, run()), RAN
+    except SlipfrontError as refusal:
+        error, status = math.nan, str(refusal)
+    return StudyRow(study, case, "space-time", value, "slip rate error", error, status)
+
+
+def write_stability(
+    output: Path,
+    quick: bool = False,
+    progress: Progress | None = None,
+    form: str = "png",
+    client: Any = None,
+) -> list[StudyRow]:
     """Run the study; write stability-space-time.csv and .png into a folder.
+
+    A `client` of a Dask cluster lets that do it.
 
     Raises
     ------
@@ -77,11 +95,13 @@ def write_stability(output: Path, quick: bool = False, progress: Progress | None
         If a file cannot be written.
     """
     output.mkdir(parents=True, exist_ok=True)
-    rows = list(counted(stability_rows(quick), len(list(trials(quick))), progress))
+    rows = stability_rows(quick, progress, client)
     write_rows(output / "stability-space-time.csv", rows)
-    save_figure(stability_figure(rows), output / "stability-space-time.png")
+    save_figure(stability_figure(rows), output / f"stability-space-time.{form}")
+    return rows
 
 
+@styled
 def stability_figure(rows: Sequence[StudyRow]) -> Figure:
     """Errors of the study's four parts; crosses at the bottom where a run was refused."""
     labels = {
@@ -91,11 +111,13 @@ def stability_figure(rows: Sequence[StudyRow]) -> Figure:
         "end time": r"end time, at constant $h$",
     }
     figure = new_figure(9, 6.5)
-    title = "space-time march of preloaded and remote-shock, one thing varied at a time"
-    figure.suptitle(title, fontsize=9)
+    named = (NAMED_SCENES[name].scene for name in FRICTIONS)
+    kept = zip(FRICTIONS, named, strict=True)
+    scenes = (f"{k} (ν = {s.material.poisson_ratio:.3g}, f = {s.friction:g})" for k, s in kept)
+    describe(figure, f"marches of {' and '.join(scenes)}, one thing varied at a time")
     for panel, (study, label) in zip(figure.subplots(2, 2).ravel(), labels.items(), strict=True):
         part = [row for row in rows if row.study == study]
-        for case, colour in zip(dict.fromkeys(row.case for row in part), CYCLE, strict=False):
+        for case, colour in zip(dict.fromkeys(row.case for row in part), cycle(), strict=False):
             own = [row for row in part if row.case == case]
             ran = [(row.parameter, 100 * row.value) for row in own if row.status == RAN]
             refused = [(row.parameter, FLOOR) for row in own if row.status != RAN]
@@ -105,5 +127,5 @@ def stability_figure(rows: Sequence[StudyRow]) -> Figure:
         if study in ("friction", "end time"):
             panel.set_xscale("log")
             panel.xaxis.set_minor_formatter(NullFormatter())
-        panel.legend(fontsize=SMALL)
+        panel.legend()
     return figure

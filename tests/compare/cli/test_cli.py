@@ -242,6 +242,7 @@ def test_names_that_cannot_be_printed_are_escaped(capsys):
     assert run.stderr.startswith(r"There is no scene called '\xdf'")
 
 
+@pytest.mark.slow
 def test_a_drawing_library_set_up_for_windows_that_do_not_exist_draws(tmp_path):
     path = tmp_path / "plot.png"
     run = run_apart("solve", "stuck", "--plot", str(path), MPLBACKEND="nonsense")
@@ -317,6 +318,7 @@ def test_compare_with_an_earlier_simulation(simulated, tmp_path, capsys):
     assert f"Verdict: {document['verdict']} (" in out
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_compare_reads_the_snapshots_too(simulated, tmp_path, capsys):
     command = ["compare", "--from", str(simulated), "--output", str(tmp_path)]
@@ -423,6 +425,7 @@ def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(t
     assert "(resolution 7498, h = 0.00013: " in told
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("columns", ["80", "100"])
 def test_a_table_shows_all_columns_in_a_narrow_terminal(columns, simulated, monkeypatch, capsys):

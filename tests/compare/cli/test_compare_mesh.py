@@ -161,6 +161,7 @@ def test_an_interruption_of_companions_loses_nothing_of_the_simulation(
     assert companions(tmp_path / "out") == [32]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_error_bars_that_are_missing_are_made_and_kept(tmp_path, capsys, unrepeatable):
     arguments = ["simulate", "preloaded", *COARSE, "--no-companions", "--output", "out"]

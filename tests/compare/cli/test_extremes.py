@@ -80,6 +80,7 @@ def test_a_run_without_error_agrees(name):
     assert len(document["rows"]) == len(judgement.rows)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", ["frictionless", "no load", "most friction"])
 def test_figures_of_next_to_nothing_have_finite_limits(name):
     solution = solve(scene_of(name))
@@ -114,6 +115,7 @@ LARGEST = {
 }
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", ["frictionless", "frictionless in SI", "no load", "most friction"])
 def test_what_is_simulated_where_nothing_is_predicted_differs(name):
     """Wrong by 2e-3 of the units: each of the rows that replace relative errors says so."""
@@ -144,6 +146,7 @@ def test_what_is_less_than_nothing_agrees_with_nothing(share, verdict):
     assert row.simulated == row.difference == pytest.approx(share)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("name", "words"), [("more friction", "elements"), ("frictionless", "elements")]
 )

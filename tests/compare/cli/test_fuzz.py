@@ -57,6 +57,7 @@ def check(seeds, tmp_path):
     assert found == {}
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("first", range(0, QUICK, SHARE))
 def test_random_files_and_command_lines(first, tmp_path):
     check(range(first, first + SHARE), tmp_path)

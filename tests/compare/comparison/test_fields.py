@@ -76,6 +76,7 @@ def test_exact_fields_are_met_more_closely_by_a_finer_mesh(right):
     assert fine["v_x"].band < 0.65 * coarse["v_x"].band  # half the width, and a smaller mesh
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", ["antiplane", "auxetic", "lift-off"])
 def test_frames_of_other_scenes_come_closer_with_time(name, tmp_path):
     # By similarity the frame at T / 2 is that of a mesh of elements twice as large at T.

@@ -35,6 +35,7 @@ from semianalytic.scene.scene import scene_document, scene_from_document
 HISTORIES = ["ramp", "unload", "pulse", "harmonic"]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", HISTORIES)
 def test_both_methods_agree_within_the_bars(name, tmp_path, capsys):
     """At half the default resolution; at the default one the numbers in docs/spacetime.md."""
@@ -99,6 +100,7 @@ def test_two_predictions_of_one_scene_agree():
     assert np.abs(marched_path - path).sum() < 0.03 * path.sum()
 
 
+@pytest.mark.slow
 def test_onset_comes_earlier_when_speeds_are_larger():
     exact = solve(find_scene("preloaded"))
     run = sampled_run(exact, times=100, stretch=1.05)

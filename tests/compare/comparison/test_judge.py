@@ -55,6 +55,7 @@ def fair(solution, coarse):
 # --- what is right agrees -------------------------------------------------------------------
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", SELF_SIMILAR)
 def test_a_run_without_error_agrees_with_nothing_but_rounding(name):
     solution = solve(NAMED_SCENES[name].scene)
@@ -86,6 +87,7 @@ def check_ordinary(name, resolution):
     return rows
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", ORDINARY)
 def test_ordinary_scenes_agree_and_narrow_gaps_are_unresolved(name):
     check_ordinary(name, 40)
@@ -127,6 +129,7 @@ def test_a_coarse_mesh_is_unresolved_and_says_which_would_do(solution):
     assert any(row.resolution == 28 for row in judgement.rows)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("resolution", [8, 11, 14])
 def test_without_companions_nothing_agrees_and_nothing_differs(solution, resolution):
     """Not even of a sampled run without any error, or of one with a large one."""

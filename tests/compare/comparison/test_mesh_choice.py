@@ -70,6 +70,7 @@ def gap_width(solution):
     return (second.inner - first.outer) / solution.scene.material.shear_speed
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", SELF_SIMILAR)
 def test_named_scenes_get_the_usual_mesh_and_leave_nothing_unresolved(name):
     scene = find_scene(name)
@@ -122,6 +123,7 @@ def test_a_gap_that_no_mesh_reaches_does_not_set_it_unasked():
     assert gap.memory == pytest.approx(8**2 * coarser.memory, rel=0.05)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("friction", [0.15, 0.24, 0.3])
 def test_a_budget_is_kept_and_used(friction):
     solution, scene = gap_scene(friction)
@@ -243,6 +245,7 @@ def test_what_cannot_be_is_refused(options, sentence):
     assert sentence in str(caught.value)
 
 
+@pytest.mark.thinned(3)
 @over("exact")
 def test_every_exact_scene_gets_a_mesh(problem):
     choice = choose_mesh(solve(problem.scene), problem.scene)

@@ -82,6 +82,7 @@ def test_moving_parts_are_those_of_the_interface():
     assert second.covers(1.0)
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("name", ["speed", "pressure", "fringes"])
 def test_every_kind_of_quantity_has_a_picture_in_its_range(name, solution):
     quantity = find_quantity(name, solution.scene)

@@ -44,6 +44,7 @@ def marked_fronts(panel):
     return {text.get_text() for text in panel.texts}
 
 
+@pytest.mark.thinned(3)
 def test_slip_rate_figure_shows_both_answers_and_their_difference(case):
     solution, history = case
     upper, lower = slip_rate_figure(solution, history).axes
@@ -91,6 +92,7 @@ def test_prediction_figure_needs_no_simulation(case):
         assert_finite(panel)
 
 
+@pytest.mark.thinned(3)
 def test_figures_draw_into_axes_of_others(case):
     solution, history = case
     figure = Figure()
@@ -119,17 +121,17 @@ def test_what_is_open_is_shaded_named_and_drawn():
     assert [text.get_text() for text in upper.get_legend().get_texts()][-1] == "open"
     case = side_by_side(solution, run)
     figures = comparison_figures(case)
-    gap, pressure = figures["gap.png"](case).axes
+    gap, pressure = figures["gap"](case).axes
     assert (gap.get_ylabel()[:3], pressure.get_ylabel()[:8]) == ("gap", "pressure")
     predicted, seen = gap.get_lines()[-2:]  # at the end
     assert predicted.get_ydata().max() > 0.1
     np.testing.assert_allclose(
         np.interp(seen.get_xdata(), *predicted.get_data()), seen.get_ydata(), atol=1e-3
     )
-    sense, *_ = figures["sense.png"](case).axes
+    sense, *_ = figures["sense"](case).axes
     assert sense.collections[0].get_array().max() == 2
     closed = solve(NAMED_SCENES["preloaded"].scene)
-    assert "gap.png" not in comparison_figures(side_by_side(closed, sampled_run(closed, 50)))
+    assert "gap" not in comparison_figures(side_by_side(closed, sampled_run(closed, 50)))
 
 
 @pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
@@ -211,11 +213,11 @@ def test_a_prediction_that_is_no_solution_has_the_figures_that_need_none():
         method: set(comparison_figures(side_by_side(predict_like(run, method), run)))
         for method in ("self-similar", "space-time")
     }
-    assert by_method["space-time"] == {"sense.png", "history.png", "wear.png"}
+    assert by_method["space-time"] == {"sense", "history", "wear"}
     assert by_method["self-similar"] - by_method["space-time"] == {
-        "slip_rate.png",
-        "tractions.png",
-        "fronts.png",
+        "slip_rate",
+        "tractions",
+        "fronts",
     }
 
 

@@ -16,7 +16,7 @@ import compare.cli.commands
 from compare.cli.commands import main
 from compare.cli.interruption import INTERRUPTION
 from compare.output.places import working_folder
-from compare.studies.workers import run_tasks
+from compare.surveys.workers import run_tasks
 from semianalytic import InterfaceHistory, Marched
 from semianalytic.scene.errors import ComputationError
 
@@ -40,7 +40,7 @@ with working_folder(path.parent):
 POOL = """
 import os, sys, time
 sys.path.insert(0, "tests")
-from compare.studies.workers import run_tasks
+from compare.surveys.workers import run_tasks
 if __name__ == "__main__":
     from fault_tasks import say_and_sleep
     for _ in run_tasks([(say_and_sleep, (600,))] * 2, 2):
@@ -124,6 +124,7 @@ def test_a_worker_that_is_killed_is_one_sentence():
         dict(run_tasks([(kill_me, ()), (kill_me, ())], 2))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("module", "number", "code"),
     [

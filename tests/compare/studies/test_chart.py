@@ -246,6 +246,7 @@ def test_quick_and_full_charts_do_not_mix(points, tmp_path):
         measure_all(path, ["ramp"])
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("damage", ["", "scene_name,method\n", "cut", "number", "method"])
 def test_damaged_file_is_refused(points, tmp_path, damage, capsys):
     path = tmp_path / "data" / "chart.csv"
@@ -315,6 +316,7 @@ def test_links_lead_to_headings():
             assert not anchor or anchor in [heading.replace(" ", "-") for heading in headings]
 
 
+@pytest.mark.slow
 def test_chart_from_the_command_line(tmp_path, monkeypatch, capsys):
     """The points in processes of their own, as always."""
     few = {"self-similar": (1e-2,), "first-stage": (20.0,)}

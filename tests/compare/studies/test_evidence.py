@@ -79,6 +79,7 @@ def picture_of(source):
     return np.asarray(Image.open(BytesIO(data)).convert("RGB")).astype(int)
 
 
+@pytest.mark.slow
 def test_frames_of_the_film_are_those_of_its_times(film, text):
     assert film["captions"] == [
         "t = 0.333 T = 0.3333 [time]",
@@ -206,6 +207,7 @@ def test_methods_are_those_that_apply(found):
         pulse.published_rate()
 
 
+@pytest.mark.slow
 def test_a_step_that_opens_the_contact_is_judged_without_a_march():
     (opens,) = collect(("lift-off",), quick=True, resolution=40).scenes
     assert opens.methods == ("self-similar", FEM)
@@ -388,6 +390,7 @@ def test_interruption_leaves_nothing_half_written(stage, found, tmp_path, monkey
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["pressure-drop", "auxetic"])
 def test_all_of_the_contact_takes_more_than_a_part_of_it(name):
     scene = collect_scene(name, resolution=20)

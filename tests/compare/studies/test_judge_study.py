@@ -77,6 +77,7 @@ def test_histories_weaken_with_slip_if_at_all():
 # --- spoilt answers -----------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(3)
 @over("exact", without="thin")
 def test_a_profile_is_told_from_its_solution_by_digits_only(problem):
     right = solve(problem.scene)
@@ -182,6 +183,7 @@ def test_mistakes_that_make_no_sense_are_not_made():
     assert wrong("ν +0.01", solve(unit_scene(nu=0.495))) is None
 
 
+@pytest.mark.thinned(3)
 @over("witness", "exact", without="stuck")
 def test_spoilt_answers_answer_all_questions(problem, monkeypatch):
     monkeypatch.setattr(spoils, "_HELD_NODES", 40)
@@ -223,6 +225,7 @@ class Searched(judge_trials._Trial):
         return judge_trials._Outcome(share, 0.0, share, verdict, "")
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("least", [0.1, *SHARES, 10.0])
 def test_the_least_mistake_is_bisected(least):
     outcomes = Searched(least).searched(NAMED["friction +3 %"], SHARES)
@@ -295,7 +298,7 @@ def fake_spoilt(name, index, resolution, bisect):
 def test_trials_go_on_where_they_were_stopped(tmp_path, monkeypatch):
     done = []
 
-    def in_order(tasks, workers, progress):
+    def in_order(tasks, workers, progress, client):
         for number, (function, arguments) in enumerate(tasks):
             done.append(arguments)
             yield number, function(*arguments)

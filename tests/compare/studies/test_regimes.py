@@ -21,7 +21,7 @@ from compare.studies.regimes.points import (
     zone_speeds,
 )
 from compare.studies.regimes.study import write_regimes
-from compare.studies.workers import run_tasks
+from compare.surveys.workers import run_tasks
 from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.reference import edge_speed_of_opening, edge_speed_under_shear_step
@@ -75,6 +75,7 @@ def test_edge_threshold_is_the_closed_form_unless_the_shear_front_breaks_first()
     assert edge_threshold(-0.5) > edge_threshold_alone(-0.5)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("share", [-1e-6, 0.0, 1e-9, 1e-6])
 def test_a_zone_at_the_front_alone_makes_the_edge_slip(share):
     """Zones of 6e-8 c_t at the edge and 1e-3 c_t around the shear front, not one up to c_l."""
@@ -219,6 +220,7 @@ def test_the_contact_opens_below_its_threshold_and_from_the_edge(poisson_ratio):
     assert edge.outer == pytest.approx(edge_speed_of_opening(material, 0.7), rel=1e-8)
 
 
+@pytest.mark.slow
 def test_an_interrupted_map_continues(tmp_path, monkeypatch):
     quickly(monkeypatch)
     monkeypatch.setattr(regimes, "_COUNTS", {True: (2, 6, 2)})

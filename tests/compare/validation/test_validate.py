@@ -76,6 +76,7 @@ def changed(data, **factors):
     return {**data, **{name: factor * data[name] for name, factor in factors.items()}}
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("factors", "words"),
     [

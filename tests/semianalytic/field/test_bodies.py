@@ -67,6 +67,7 @@ def interface_positions(solution):
     return x[gaps.min(axis=1) > 0.02 * material.shear_speed]
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(("rtol", "within"), [(1e-8, 1e-8), (1e-11, 1e-10)])
 @every
 def test_faces_move_and_carry_what_the_interface_does(problem, rtol, within):
@@ -93,6 +94,7 @@ def test_faces_move_and_carry_what_the_interface_does(problem, rtol, within):
         np.testing.assert_allclose(got, wanted, atol=within * unit, rtol=within)
 
 
+@pytest.mark.thinned(5)
 @every
 def test_slot_faces_carry_the_load_alone_and_move_as_the_other_formula_says(problem):
     scene, solution = problem.scene, solve(problem.scene)
@@ -313,6 +315,7 @@ def energy(solution, time, radius):
     return total
 
 
+@pytest.mark.slow
 def test_energy_flows_in_through_a_circle_and_the_faces_and_out_as_heat():
     solution, radius = solve(PRELOADED), 0.8
     scene = solution.scene

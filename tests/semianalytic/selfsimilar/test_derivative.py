@@ -159,6 +159,7 @@ def test_slip_rate_of_the_only_zone_changes_as_its_closed_form():
     )
 
 
+@pytest.mark.thinned(3)
 @over("exact", without="stuck slides")
 def test_differences_of_solutions_agree(problem):
     solution = solve(problem.scene, rtol=1e-11)
@@ -190,6 +191,7 @@ def check_random_scenes(count, names_of):
     return compared
 
 
+@pytest.mark.slow
 def test_differences_of_solutions_agree_in_random_scenes():
     assert check_random_scenes(25, lambda index: [NAMES[index % len(NAMES)]]) >= 12
 
@@ -238,6 +240,7 @@ EDGE_OPENS = unit_scene(0.5, (1.0, 0.1), (-1.0, 1.0))
 TAPPED = unit_scene(0.3, (0.02, 0.002), (1.0, 0.5))
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(
     ("scene", "name"),
     [
@@ -267,6 +270,7 @@ def test_an_opening_from_the_edge_moves_as_its_closed_form():
     assert "one-sided: with any shear" in solution.derivative("load_shear").status
 
 
+@pytest.mark.thinned(3)
 @over("exact", without="stuck")
 def test_shear_is_homogeneous_in_tractions(problem):
     """Of degree 1 in all tractions, and a function of friction times pressure."""
@@ -335,6 +339,7 @@ def test_a_zone_at_the_edge_far_slower_than_all_waves():
     assert max(found.values()) < 1e-8, found
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(
     "scene",
     [
@@ -474,6 +479,7 @@ def error_over_size(derivative, exact, right):
     return max(worst)
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("rtol", [1e-5, 1e-8])
 @pytest.mark.parametrize("name", ["friction", "load_shear", "poisson_ratio"])
 def test_error_estimates_bound_errors(name, rtol):

@@ -112,6 +112,7 @@ def test_slip_may_change_sense_across_an_opening():
     assert (behind.sense, ahead.sense) == (-1, 1)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "scene",
     [tapped(), tapped(3.0), tapped(1.0, -1.0, held=0.018), lifted(), tapped(mode="antiplane")],
@@ -237,6 +238,7 @@ def test_estimates_bound_errors():
     check_estimates(range(12))
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("seed", [1058, 1074, 1121, 1258])
 def test_estimates_bound_work_on_narrow_slip_ahead_of_an_opening(seed):
     """Pressure is small there, and friction works nowhere else."""

@@ -174,6 +174,7 @@ def test_reversed_strip_just_below_its_threshold_is_not_missed(nu):
         assert [zone.sense for zone in solution.zones] == senses
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-6, 1e-8, 1e-10])
 def test_zone_that_shrinks_to_nothing_ends_in_a_status(rtol):
     """8e-6 below the threshold of the edge, where Newton walks into a zone without width."""

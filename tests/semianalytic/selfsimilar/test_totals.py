@@ -48,6 +48,7 @@ def power_density(solution):
     return lambda x: solution.shear_traction(x, 1.0) * solution.slip_rate(x, 1.0)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", ["preloaded", "remote-shock", "auxetic", "pressure-drop"])
 def test_frictional_power_of_named_scenes_against_quad(name):
     solution = solve(NAMED_SCENES[name].scene, rtol=1e-10)
@@ -107,6 +108,7 @@ def check_integrals(exact):
     )
 
 
+@pytest.mark.slow
 def test_integrals_of_random_scenes():
     for exact in random_scenes(3, rtol=1e-10):
         check_integrals(exact)

@@ -37,6 +37,7 @@ HELD = film(0.5, (0.04, 0.01), (1.0, -0.5), 2.0)
 EVERY = [LIFTED, TAPPED, STRONG, HELD, film(2.0, (0.1, 0.02), (-3.0, -1.0))]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 @pytest.mark.parametrize("scene", EVERY)
 def test_laws_hold(scene, mode):
@@ -138,6 +139,7 @@ def test_little_viscosity_is_nearly_none():
         assert errors[1] < 0.02 * errors[0] < 2e-3
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("scene", EVERY)
 def test_estimates_bound_errors(scene):
     exact = solve(scene, rtol=1e-10)
@@ -156,6 +158,7 @@ def test_estimates_bound_errors(scene):
             assert value == pytest.approx(known, rel=bound), name
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("scene", [STRONG, TAPPED, HELD])
 def test_power_of_the_whole_is_that_of_its_parts(scene):
     solution = solve(scene)

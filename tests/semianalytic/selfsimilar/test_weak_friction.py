@@ -94,6 +94,7 @@ def test_weak_friction_converges_and_its_estimates_are_honest(count):
         assert error <= rough.error_estimate + fine.error_estimate, one
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-11])
 @pytest.mark.parametrize(
     ("nu", "friction", "base_shear", "load"),

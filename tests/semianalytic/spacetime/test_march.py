@@ -101,6 +101,7 @@ def test_edge_of_the_grid():
 # --- step loads: the self-similar solver ----------------------------------------------------
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("name", "finest", "order"), [("preloaded", 2e-4, 1.2), ("remote-shock", 1e-3, 0.8)]
 )
@@ -121,6 +122,7 @@ def test_step_at_other_poisson_ratios(nu, error):
     assert relative_l1(found, solve(scene).slip_rate(x, 1.0)) < error
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("step_ratio", [0.1, 0.5])
 def test_short_waves_are_damped(step_ratio):
     """Undamped, odd-even waves stay: the smaller the step, the more (0.24 % against 0.027 %)."""
@@ -204,6 +206,7 @@ HISTORIES = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(HISTORIES)
 def test_stuck_traction_of_any_history(history):
@@ -267,6 +270,7 @@ def test_jump_within_the_run_falls_on_a_time_level():
     assert relative_l1(pulse.interface.slip_rate[end, seen], wanted) < 4e-3
 
 
+@pytest.mark.slow
 def test_second_order_for_smooth_loads():
     """Against a grid 16 times finer, the errors of a smooth pulse fall fast."""
     scene = preloaded(shear_history=Pulse(0.8, "haversine"))

@@ -57,6 +57,7 @@ def test_error_of_steps_is_honest(scene):
     check_honest(march(scene, 1.0, 128), solve(scene))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "parts",
     [
@@ -183,6 +184,7 @@ def test_companion_is_the_march_at_half_the_nodes(nodes):
     np.testing.assert_allclose(found, wanted, rtol=1e-3, atol=1e-4)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("history", [Ramp(0.4), Harmonic(1.3), Pulse(0.5)])
 def test_continued_companion_equals_one_run(history, tmp_path):
     scene = unit_scene(0.2, shear_history=history)
@@ -237,6 +239,7 @@ def test_companion_is_counted_in_the_memory():
 # --- nodes by an rtol -----------------------------------------------------------------------
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("rtol", [2e-2, 5e-3])
 @pytest.mark.parametrize("name", ["preloaded", "remote-shock", "pulse"])
 def test_march_within_an_rtol(name, rtol):

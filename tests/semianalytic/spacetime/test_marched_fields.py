@@ -55,6 +55,7 @@ def errors(scene, nodes, count=60):
     ]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "scene",
     [
@@ -174,6 +175,7 @@ def test_far_behind_the_edge_the_slot_sends_plane_waves():
     np.testing.assert_allclose(marched.stress(-50.0, y, 0.9)[1], pressed - 3.0, atol=1e-12)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 def test_fields_obey_hookes_law_and_move_as_they_say(mode):
     scene = unit_scene(
@@ -229,6 +231,7 @@ def test_before_the_load_there_is_the_base():
     assert marched.velocity(0.3, np.zeros((4, 1)), np.zeros(5)).shape == (2, 4, 5)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("name", "nodes"), [("preloaded", 64), ("remote-shock", 256)])
 def test_error_of_fields_is_bounded_by_its_estimate(name, nodes):
     scene = find_scene(name)

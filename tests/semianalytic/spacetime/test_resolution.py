@@ -206,6 +206,7 @@ def test_pressure_of_tables_is_that_of_the_exact_sum(monkeypatch):
     assert np.abs(found - exact).mean() < 2e-6
 
 
+@pytest.mark.slow
 def test_tabulated_pressure_costs_what_shear_does():
     """It took 140 times as long; now twice."""
     random = np.random.default_rng(1)
@@ -256,6 +257,7 @@ def random_history(random):
     ][random.integers(5)]
 
 
+@pytest.mark.slow
 def test_no_slip_is_only_said_where_the_first_node_holds():
     """Of 3,260 such scenes none was missed; here 120, against the exact stuck tractions."""
     random, said = np.random.default_rng(7), 0
@@ -310,6 +312,7 @@ def test_named_scenes_are_resolved(name):
 # --- summaries ----------------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", ["pulse", "harmonic", "remote-shock"])
 def test_summary_does_not_depend_on_what_is_stored(name, tmp_path):
     scene = find_scene(name)

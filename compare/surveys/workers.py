@@ -5,12 +5,14 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing.connection import wait
+from types import ModuleType
 from typing import Any, TypeVar
 
 from semianalytic.scene.errors import ComputationError
@@ -35,9 +37,15 @@ def counted(items: Iterable[Item], count: int, progress: Progress | None) -> Ite
 
 
 def run_tasks(
-    tasks: Sequence[Task], workers: int | None = None, progress: Progress | None = None
+    tasks: Sequence[Task],
+    workers: int | None = None,
+    progress: Progress | None = None,
+    client: Any = None,
 ) -> Iterator[tuple[int, Any]]:
     """Call module-level functions in processes; yield (index of task, result) as each is done.
+
+    A program that calls this is not run again in them, and needs no ``if __name__ ==``, unless
+    functions are its own.
 
     Parameters
     ----------
@@ -46,14 +54,21 @@ def run_tasks(
         Number of processes; the number of cores unless given.  1 runs here, in order.
     progress : callable, optional
         Called with the number of tasks done and the number of all tasks.
+    client : distributed.Client, optional
+        Of a Dask cluster whose workers are to do it instead.
 
     Raises
     ------
     ComputationError
-        If a process is killed.
+        If a process is killed, more than once on a cluster, or that does not answer.
     """
     count = min(workers or os.cpu_count() or 1, len(tasks))
-    results = _in_order(tasks) if count <= 1 else _in_processes(tasks, count)
+    if client is not None:
+        from compare.surveys.cluster import on_cluster
+
+        results = on_cluster(tasks, client)
+    else:
+        results = _in_order(tasks) if count <= 1 else _in_processes(tasks, count)
     yield from counted(results, len(tasks), progress)
 
 
@@ -71,7 +86,8 @@ def _in_processes(tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Any]
     )
     finished = False
     try:
-        with _interrupts_held_back():  # also from workers that are still starting
+        # also from workers that are still starting
+        with _interrupts_held_back(), _without_main(tasks):
             futures = {
                 pool.submit(function, *arguments): index
                 for index, (function, arguments) in enumerate(tasks)
@@ -107,6 +123,19 @@ def _interrupts_held_back() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _without_main(tasks: Sequence[Task]) -> Iterator[None]:
+    """Let processes started meanwhile not run the program again that starts them, unless it is
+    there that they find functions."""
+    main = sys.modules["__main__"]
+    if all(function.__module__ != main.__name__ for function, _ in tasks):
+        sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 def _serve_parent() -> None:

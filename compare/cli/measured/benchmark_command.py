@@ -12,7 +12,11 @@ from rich.console import Console
 from rich.table import Table
 
 from compare.benchmarks.sheets import SHEETS, Sheet, find_sheet
+from compare.cli.options import AsJson, FiguresForm
+from compare.cli.scenes.completion import CODES, one_of, sheet_names
+from compare.cli.terminal import print_json
 from compare.output.places import check_file, working_folder
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 
 if TYPE_CHECKING:
@@ -23,13 +27,23 @@ app = typer.Typer(
     invoke_without_command=True,
 )
 
-SheetName = Annotated[str, typer.Argument(metavar="NAME", help="Name of a sheet.")]
+SheetName = Annotated[
+    str, typer.Argument(metavar="NAME", help="Name of a sheet.", autocompletion=sheet_names)
+]
 
 
 @app.callback()
-def benchmark(context: typer.Context) -> None:
+def benchmark(context: typer.Context, as_json: AsJson = False) -> None:
     """List the problem sheets; show, export and score with the commands below."""
-    if context.invoked_subcommand is None:
+    if context.invoked_subcommand is not None:
+        if as_json:
+            name = context.invoked_subcommand
+            raise SceneError(f"--json goes behind the command: slipfront benchmark {name} --json.")
+    elif as_json:
+        from compare.benchmarks.documents import sheets_document
+
+        print_json("benchmark", sheets_document())
+    else:
         table = Table("sheet", "problem", "to report", title="Benchmarks")
         for name, sheet in SHEETS.items():
             table.add_row(name, sheet.title, ", ".join(sheet.report).replace("_", " "))
@@ -37,8 +51,13 @@ def benchmark(context: typer.Context) -> None:
 
 
 @app.command()
-def show(name: SheetName) -> None:
+def show(name: SheetName, as_json: AsJson = False) -> None:
     """Show a sheet: problem, what to report, answer, tolerance classes."""
+    if as_json:
+        from compare.benchmarks.documents import sheet_document
+
+        print_json("benchmark show", sheet_document(find_sheet(name)))
+        return
     from compare.benchmarks.pages import as_markdown, sheet_blocks
 
     typer.echo(as_markdown(list(sheet_blocks(find_sheet(name)))))
@@ -49,17 +68,25 @@ def export(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write to.")],
     names: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[NAME...]", help="Sheets, all unless given."),
+        typer.Argument(
+            metavar="[NAME...]", help="Sheets, all unless given.", autocompletion=sheet_names
+        ),
     ] = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace files that are there.")
     ] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Write sheets, figures, answers with checksums and inputs for UGUCA and SEM2DPACK."""
     require("slipfront benchmark export", *PLOT)
     from compare.benchmarks.export import export as export_sheets
 
-    export_sheets(directory, _sheets(names), overwrite=overwrite)
+    sheets = _sheets(names)
+    files = export_sheets(directory, sheets, overwrite=overwrite)
+    if as_json:
+        document = {"sheets": [sheet.name for sheet in sheets]}
+        print_json("benchmark export", document, files=files)
+        return
     Console().print(f"Written to {directory}/", highlight=False)
 
 
@@ -68,12 +95,18 @@ def score(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Records of runs, CSV.")],
     sheet: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="The sheet, unless the files say which."),
+        typer.Option(
+            metavar="NAME",
+            help="The sheet, unless the files say which.",
+            autocompletion=sheet_names,
+        ),
     ] = None,
     output: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Folder for scores.csv, scores.json and scores.png."),
     ] = None,
+    figures: FiguresForm = "png",
+    as_json: AsJson = False,
 ) -> None:
     """Score runs: arrivals, slip, slip rate and tractions over all stations."""
     if output is not None:
@@ -84,24 +117,34 @@ def score(
     given = None if sheet is None else find_sheet(sheet)
     runs = told_apart([read_run(path, given) for path in files])
     scores = [one for run in runs for one in score_run(run)]
-    Console().print(_score_table(scores))
+    written: list[Path] = []
     if output is not None:
         from compare.benchmarks.reports import write_scores
 
-        with working_folder(output):
-            write_scores(output, scores)
+        with working_folder(output) as written:
+            write_scores(output, scores, figures)
+    if as_json:
+        from compare.benchmarks.documents import scores_document
+
+        print_json("benchmark score", scores_document(scores), files=written)
+        return
+    Console().print(_score_table(scores))
+    if output is not None:
         Console().print(f"Written to {output}/", highlight=False)
 
 
 @app.command()
 def enter(
-    code: Annotated[str, typer.Argument(metavar="CODE", help="fem or march.")],
+    code: Annotated[
+        str, typer.Argument(metavar="CODE", help="fem or march.", autocompletion=one_of(*CODES))
+    ],
     name: SheetName,
     cells: Annotated[int, typer.Option(help="Cells over c_t T.")] = 100,
     output: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="CODE-NAME-CELLS.csv unless given."),
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Run one of our own codes on a sheet and write its records as others hand them in."""
     from compare.benchmarks.entries import enter as enter_run
@@ -112,7 +155,13 @@ def enter(
         require("slipfront benchmark enter fem", *FEM)
     path = output or Path(f"{code}-{name}-{cells}.csv")
     check_file(path)
-    write_run(path, enter_run(code, sheet, cells))
+    run = enter_run(code, sheet, cells)
+    write_run(path, run)
+    if as_json:
+        from compare.benchmarks.documents import run_document
+
+        print_json("benchmark enter", run_document(run), files=[path])
+        return
     Console().print(f"Written to {path}", highlight=False)
 
 

@@ -8,6 +8,7 @@ from catalogue import PRELOADED, STEEL, unit_scene
 from scipy.stats import binom, chi2
 
 from semianalytic import Gauge, Material, Scene, SceneError, Tractions, fit, solve
+from semianalytic.inversion.search import descend
 from semianalytic.selfsimilar.derivative import parameter
 
 NOISE = 0.02
@@ -27,27 +28,10 @@ def records(solution, seed, noise=NOISE, places=(0.4, 0.9)):
         yield Gauge(x, t, rate + random.normal(scale=noise, size=len(t)), noise)
 
 
-def errors_at(solution, gauges, names):
-    """Standard errors by the derivatives of a solution, over the size of the parameters."""
-    columns, sizes = [], []
-    for name in names:
-        derivative = solution.derivative(name)
-        rows = [gauge.sensitivity(solution, derivative) for gauge in gauges]
-        columns.append(np.concatenate(rows))
-        sizes.append(parameter(solution.scene, name))
-    jacobian = np.stack(columns, axis=1) * sizes
-    return np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
-
-
 def coverage(solution, trials, start, names, noise):
-    """How many fits have the truth within their ellipse of 90 %, and all sums of squares.
-
-    The data constrain the parameters to a tenth at least, and ten times that is what
-    `Fit.unconstrained` asks for: no fit may say that they do not.
-    """
+    """How many fits have the truth within their ellipse of 90 %, and all sums of squares."""
     inside, squares = 0, []
     true = np.array([parameter(solution.scene, name) for name in names])
-    assert np.all(errors_at(solution, tuple(records(solution, 0, noise)), names) < 0.1)
     for seed in range(trials):
         found = fit(tuple(records(solution, seed, noise)), start, names, rtol=1e-6)
         assert found.status == "converged"
@@ -67,29 +51,40 @@ def check_coverage(solution, trials, start, names, noise=NOISE):
     assert np.mean(squares) == pytest.approx(1, abs=4 * spread)
 
 
-def test_truth_is_within_the_error_bars_at_the_stated_rate(truth):
-    check_coverage(truth, 20, START, ("friction", "load_shear"))
+FAR = replace(START, load=PRELOADED.load, material=Material(1.0, 1.0, 0.25))
 
 
 @pytest.mark.slow
-def test_truth_is_within_the_error_bars_in_two_hundred_trials(truth):
-    check_coverage(truth, 200, START, ("friction", "load_shear"))
+@pytest.mark.parametrize(
+    ("start", "names", "noise"),
+    [
+        (START, ("friction", "load_shear"), NOISE),
+        (FAR, ("friction", "poisson_ratio"), 0.005),
+        (replace(START, friction=0.3), ("base_pressure", "load_shear"), NOISE),
+    ],
+)
+def test_truth_is_within_the_error_bars_in_two_hundred_trials(truth, start, names, noise):
+    """Sums of squares as well: of (friction, Poisson ratio) at small noise one search of three
+    ended in a minimum of its own, before there was a scan."""
+    check_coverage(truth, 200, start, names, noise)
 
 
-@pytest.mark.slow
-def test_friction_and_poisson_ratio_are_recovered_together(truth):
-    """From small noise.  Squares are a tenth above it: they have minima of their own where an edge
-    lies between two samples, and the truth between two others."""
-    start = replace(START, load=PRELOADED.load, material=Material(1.0, 1.0, 0.25))
-    inside, _ = coverage(truth, 60, start, ("friction", "poisson_ratio"), 0.005)
-    low, high = binom.ppf([5e-4, 1 - 5e-4], 60, 0.9)
-    assert low <= inside <= high
+def test_a_minimum_beside_the_least_is_left(truth):
+    """The search from the first guess alone ends at 150.57, 42 above what the truth itself has."""
+    gauges, names = tuple(records(truth, 0, 0.005)), ("friction", "poisson_ratio")
+    found = fit(gauges, FAR, names, rtol=1e-6)
+    alone = descend(found.trials, found.trials.start)
+    at_truth = np.array([0.3, 1 / 3]) / found.trials.sizes
+    assert alone.chi2 > np.sum(found.trials.misfit(at_truth) ** 2) + 20
+    assert found.chi2 <= descend(found.trials, at_truth).chi2 + 1e-3
+    np.testing.assert_array_less(found.chi2_of_minima[0] - 1e-9, found.chi2_of_minima)
+    assert found.next_minimum == pytest.approx(found.chi2_of_minima[1] - found.chi2)
 
 
 def test_without_noise_the_truth_is_met(truth):
     (gauge,) = records(truth, 0, noise=1e-9, places=(0.4,))
-    found = fit([gauge], START, ("friction", "load_shear"), rtol=1e-9)
-    np.testing.assert_allclose(found.values, [0.3, 1.0], rtol=1e-6)
+    found = fit([gauge], replace(START, load=PRELOADED.load), ("friction",), rtol=1e-9)
+    np.testing.assert_allclose(found.values, [0.3], rtol=1e-6)
     assert found.scene.friction == pytest.approx(0.3, rel=1e-6)
 
 
@@ -140,7 +135,8 @@ def test_units_and_residuals():
     [
         ((), "at least one parameter"),
         (("friction", "friction"), "each of them once"),
-        (("density",), "parameters must be among"),
+        (("youngs_modulus",), "parameters must be among"),
+        (("gain:left",), "is of no gauge"),
         (("viscosity",), "needs ViscousFriction"),
     ],
 )

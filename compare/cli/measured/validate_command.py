@@ -10,20 +10,28 @@ import typer
 from rich.console import Console
 
 from compare.cli import terminal
-from compare.cli.options import SCENE_OPTIONS, Output, option_name, with_options
+from compare.cli.options import (
+    SCENE_OPTIONS,
+    AsJson,
+    FiguresForm,
+    Output,
+    option_name,
+    with_options,
+)
+from compare.cli.scenes.completion import scene_names
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import REPORT
 from compare.output.places import working_folder
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
 from compare.validation.conventions import Conventions, named_scale
-from compare.validation.report import write_validation
+from compare.validation.report import validation_document, write_validation
 from compare.validation.validation import Validation, validate
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
 
-FIGURE = "validation.png"
+FIGURE = "validation"
 _UNITS = "Units and conventions of the file (detected and said unless given)"
 
 
@@ -71,7 +79,13 @@ def validate_command(
         typer.Argument(metavar="RESULT...", help="What another code wrote; coarse to fine."),
     ],
     scene_name: Annotated[
-        str, typer.Option("--scene", metavar="SCENE", help="Name of a scene, or a TOML file.")
+        str,
+        typer.Option(
+            "--scene",
+            metavar="SCENE",
+            help="Name of a scene, or a TOML file.",
+            autocompletion=scene_names,
+        ),
     ],
     spacing: Annotated[
         list[float] | None,
@@ -88,6 +102,8 @@ def validate_command(
         typer.Option(help="Slip rate at which slip has begun; a hundredth of load / (ρ c_t)."),
     ] = None,
     output: Output = None,
+    figures: FiguresForm = "png",
+    as_json: AsJson = False,
 ) -> None:
     """Hold what another code recorded on the interface against the exact answer.
 
@@ -114,18 +130,22 @@ def validate_command(
         validation = validate(records, scene, spacing=spacing, conventions=said)
     except DataFileError as error:
         raise UnreadableError(str(error)) from error
-    with working_folder(directory):
-        write_files(validation, label, directory)
-    _show(validation, label, directory)
+    with working_folder(directory) as files:
+        write_files(validation, label, directory, figures)
+    if as_json:
+        document = validation_document(validation, label)
+        terminal.print_json("validate", document, validation.verdict, files)
+    else:
+        _show(validation, label, directory)
     raise typer.Exit(1 if validation.verdict == DIFFERS else 0)
 
 
-def write_files(validation: Validation, label: str, directory: Path) -> None:
-    """Write a validation into a folder, as JSON and as a figure."""
+def write_files(validation: Validation, label: str, directory: Path, form: str = "png") -> None:
+    """Write a validation into a folder, as JSON and as a figure of a format."""
     from compare.figures.saving import save_figure
     from compare.validation.figure import validation_figure
 
-    save_figure(validation_figure(validation), directory / FIGURE)
+    save_figure(validation_figure(validation), directory / f"{FIGURE}.{form}")
     write_validation(validation, label, directory / REPORT)
 
 

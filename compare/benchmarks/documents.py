@@ -1,0 +1,75 @@
+"""Sheets, runs and scores as plain dictionaries, each number with its unit, for JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from compare.benchmarks.answers import written_document
+from compare.benchmarks.classes import tolerances
+from compare.benchmarks.entries import Run
+from compare.benchmarks.scores import Score
+from compare.benchmarks.sheets import SHEETS, Sheet
+from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
+from semianalytic.scene.scene import scene_document
+
+_RATES = dict.fromkeys(("edge_slip_rate", "slip_rate"), "length / time")
+_STRESSES = dict.fromkeys(("shear_traction", "pressure"), "stress")
+ANSWER_DIMENSIONS: Dimensions = {
+    "zones": "length / time",
+    "openings": "length / time",
+    **dict.fromkeys(("K_I", "K_II", "K_III"), "stress sqrt(length)"),
+    "arrivals": "time",
+    **dict.fromkeys(("slip", "max_slip"), "length"),
+    "accumulated_slip": "length^2",
+    "frictional_work": "stress length^2",
+    **_RATES,
+    **_STRESSES,
+}
+SHEET_DIMENSIONS: Dimensions = {
+    "scene": SCENE_DIMENSIONS,
+    "stations": "length",
+    "times": "time",
+    "answers": ANSWER_DIMENSIONS,
+    "errors": ANSWER_DIMENSIONS,
+}
+
+
+def sheets_document() -> dict[str, Any]:
+    """What each sheet asks for."""
+    sheets = [
+        {**asdict(sheet), "marched": sheet.is_marched, "scene": scene_document(sheet.scene)}
+        for sheet in SHEETS.values()
+    ]
+    units = units_document(sheets, {"scene": SCENE_DIMENSIONS}, SHEETS["preloaded"].scene)
+    return {"sheets": sheets, "units": {"sheets": units}}
+
+
+def sheet_document(sheet: Sheet) -> dict[str, Any]:
+    """A sheet with its answer and tolerance classes, in units mu = rho = c_t = T = 1."""
+    written = written_document(sheet)
+    document = {
+        **written,
+        "system": written["units"],
+        "tolerances": [asdict(one) for one in tolerances().values() if one.sheet == sheet.name],
+    }
+    return {**document, "units": units_document(document, SHEET_DIMENSIONS, sheet.scene)}
+
+
+def run_document(run: Run) -> dict[str, Any]:
+    """What a run is of, and what it cost."""
+    return {
+        "sheet": run.sheet.name,
+        "code": run.code,
+        "cells": run.cells,
+        "stations": [station.x for station in run.records.stations],
+        "seconds": run.seconds,
+        "units": {"stations": "c_t T", "seconds": "s"},
+    }
+
+
+def scores_document(scores: Sequence[Score]) -> dict[str, Any]:
+    """Scores: `error` of arrivals over T and `second` in cells; of all else both are relative."""
+    units = {"seconds": "s", "error": "1", "second": "1"}
+    return {"scores": [asdict(one) for one in scores], "units": {"scores": units}}

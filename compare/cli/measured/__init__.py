@@ -1,0 +1,1 @@
+"""Commands on what others measured or computed: fits, validation, benchmarks."""

@@ -1,0 +1,1 @@
+"""Scenes on the command line: a list of them, a file to start from, names as they are typed."""

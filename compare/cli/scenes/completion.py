@@ -1,0 +1,70 @@
+"""What the shell completes: names of scenes, figures, quantities, methods, sheets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+FIGURES = ("interface",)
+METHODS = ("auto", "self-similar", "space-time")
+MODES = ("in-plane", "antiplane")
+QUANTITIES = (
+    *("speed", "pressure", "max-shear", "fringes"),
+    *("vx", "vy", "vz", "ux", "uy", "uz", "sxx", "syy", "sxy", "sxz", "syz"),
+)
+MESH_NAMES = {
+    "model": ("auto", "two-blocks"),
+    "element": ("P1", "Q1", "Q2"),
+    "mesh": ("squares", "graded", "triangles"),
+}
+CHARTED = ("preloaded", "remote-shock", "auxetic", "ramp")
+CODES = ("fem", "march")
+LOADINGS = ("both", "preload", "remote")
+FORMATS = ("gif", "mp4")
+"""As the functions have them that take them; written out here, for those import numpy."""
+
+Completer = Callable[[str], list[str]]
+
+
+def one_of(*names: str) -> Completer:
+    """A completer of fixed names."""
+    return lambda incomplete: _starting(names, incomplete)
+
+
+def scene_names(incomplete: str) -> list[str]:
+    """Scenes of ours and of installed packages, and TOML files."""
+    from semianalytic.scene.named import NAMED_SCENES
+    from semianalytic.scene.plugins import SCENES, plugin_names
+
+    names = _starting([*NAMED_SCENES, *plugin_names(SCENES, NAMED_SCENES)], incomplete)
+    return names + _starting(_toml_files(incomplete), incomplete)
+
+
+def figure_names(incomplete: str) -> list[str]:
+    """Figures of ours and of installed packages."""
+    from semianalytic.scene.plugins import FIGURES as GROUP
+    from semianalytic.scene.plugins import plugin_names
+
+    return _starting([*FIGURES, *plugin_names(GROUP, FIGURES)], incomplete)
+
+
+def sheet_names(incomplete: str) -> list[str]:
+    """Sheets of the benchmark."""
+    from compare.benchmarks.sheets import SHEETS
+
+    return _starting(SHEETS, incomplete)
+
+
+def _toml_files(incomplete: str) -> list[str]:
+    """TOML files of the folder that is being typed, and folders to go into."""
+    folder = incomplete.rpartition("/")[0]
+    try:
+        entries = sorted(Path(folder or ("/" if incomplete.startswith("/") else ".")).iterdir())
+    except OSError:
+        return []
+    prefix = incomplete[: incomplete.rfind("/") + 1]
+    return [prefix + entry.name for entry in entries if entry.suffix == ".toml"]
+
+
+def _starting(names: Iterable[str], incomplete: str) -> list[str]:
+    return [name for name in names if name.startswith(incomplete)]

@@ -1,0 +1,83 @@
+"""How long the page of `slipfront explore` takes from a move to its picture, in Chromium.
+
+``python -m compare.explore.latency`` moves the friction slider of some scenes step by step and
+writes docs/data/explore-latency.csv and docs/figures/explore.png, what the page then looks like.
+"""
+
+from __future__ import annotations
+
+import base64
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from compare.explore.chromium import CHROMIUM, Browser
+from compare.explore.controls import defaults, query_of
+from semianalytic.scene.named import find_scene
+
+DOCS = Path(__file__).parents[2] / "docs"
+SCENES = ("preloaded", "remote-shock", "auxetic", "viscous", "antiplane", "lift-off-shear", "tap")
+MOVES = 40
+MOVE = """
+slider = document.getElementById('friction');
+slider.value = +slider.value + (%d %% 2 ? 1 : 3) * slider.step;
+slider.dispatchEvent(new Event('input', {bubbles: true}));
+"""
+
+
+def main() -> None:
+    """Measure, and write table and picture."""
+    if CHROMIUM is None:
+        raise SystemExit("There is no Chromium to measure in; apt install chromium.")
+    command = "import sys; from compare.cli.entry import main; sys.exit(main())"
+    arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
+    rows = ["# python -m compare.explore.latency", "scene,moves,median_ms,most_ms,load"]
+    with (
+        tempfile.TemporaryDirectory() as profile,
+        subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server,
+    ):
+        assert server.stdout is not None
+        address = server.stdout.readline().split()[1]
+        browser = Browser(Path(profile))
+        for name in SCENES:
+            browser.open(address + query_of(defaults(find_scene(name))), 1280)
+            _wait(browser, 1)
+            _quiet(browser)
+            seen = int(browser.value("slipfrontTimes.length"))
+            for move in range(MOVES):
+                browser.value(MOVE % move)
+                _wait(browser, seen + move + 1)
+            times = np.array(browser.value(f"slipfrontTimes.slice({seen}, {seen + MOVES})"))
+            load = os.getloadavg()[0]
+            rows.append(f"{name},{MOVES},{np.median(times):.0f},{times.max():.0f},{load:.1f}")
+            print(rows[-1])
+            if name == SCENES[0]:
+                _quiet(browser)
+                picture = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
+                (DOCS / "figures" / "explore.png").write_bytes(base64.b64decode(picture["data"]))
+        browser.close()
+        server.terminate()
+    (DOCS / "data" / "explore-latency.csv").write_text("\n".join(rows) + "\n")
+
+
+def _wait(browser: Browser, count: int) -> None:
+    while browser.value("window.slipfrontTimes ? slipfrontTimes.length : 0") < count:
+        time.sleep(0.005)
+
+
+def _quiet(browser: Browser) -> None:
+    """Wait until field and map are there."""
+    pictures = "document.getElementById('pictures').classList.contains('late')"
+    there = "document.querySelectorAll('#regimes span').length"
+    while browser.value(pictures) or not browser.value(there):
+        time.sleep(0.2)
+    time.sleep(1.0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,116 @@
+"""The map of regimes around a scene: how it slips at other Poisson ratios and frictions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.scales import stress_scale
+from semianalytic import CoulombFriction, Scene, Solution, TensionError, solve
+from semianalytic.regimes import regime
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import override_scene
+from semianalytic.sweeps.sweep import sweep
+
+REGIMES = {
+    "stuck": "stuck",
+    "slow": "slower than c_R",
+    "front": "at the shear wave",
+    "two": "two zones",
+    "one": "one zone past c_R",
+    "everywhere": "everywhere",
+    "reverse": "some reverse slip",
+    "open": "opens",
+    "failed": "no answer",
+}
+"""By name, in the order of the numbers that stand for them."""
+
+SIZE, SIZE_ONE_BY_ONE = 24, 12
+"""Cells along each side; the smaller where each is solved by itself."""
+POISSON_RATIOS = (-0.9, 0.48)
+RTOL = 1e-4
+
+Progress = Callable[[int, int], object]
+
+
+@dataclass(frozen=True, eq=False)
+class RegimeMap:
+    """Numbers of `REGIMES` (ratios, frictions), and from where to where both go."""
+
+    image: NDArray[np.float64]
+    poisson_ratio: tuple[float, float]
+    friction: tuple[float, float]
+
+
+def map_key(scene: Scene) -> tuple[object, ...]:
+    """What maps depend on: all but Poisson ratio and friction, in units of the scene."""
+    stress = stress_scale(scene)
+    tractions = (scene.base.pressure, scene.base.shear, scene.load.pressure, scene.load.shear)
+    shares = tuple(round(one / stress, 9) for one in tractions)
+    return (*shares, scene.mode, scene.friction_law, _highest(scene))
+
+
+def _highest(scene: Scene) -> float:
+    """The largest friction of the map."""
+    return float(max(1, math.ceil(1.5 * scene.friction)))
+
+
+def can_map(scene: Scene) -> bool:
+    """Whether a map takes seconds, not minutes."""
+    return scene.is_self_similar and scene.friction_law.fall_with_rate == 0
+
+
+def regime_map(scene: Scene, progress: Progress) -> RegimeMap:
+    """Map the regimes of a scene over Poisson ratio and friction, a column at a time.
+
+    Parameters
+    ----------
+    scene : Scene
+        Self-similar; its own Poisson ratio and friction play no part.
+    progress : callable
+        Called with columns done and all of them.
+    """
+    swept = isinstance(scene.friction_law, CoulombFriction)
+    size = SIZE if swept else SIZE_ONE_BY_ONE
+    friction, ratios = _middles((0.0, _highest(scene)), size), _middles(POISSON_RATIOS, size)
+    names = list(REGIMES)
+    image = np.full((size, size), float(names.index("failed")))
+    for row, ratio in enumerate(ratios):
+        at = override_scene(scene, poisson_ratio=float(ratio))
+        there = [i for i, one in enumerate(friction) if _exists(at, float(one))]
+        for i, word in zip(there, _words(at, friction[there], swept), strict=True):
+            image[row, i] = names.index(word)
+        progress(row + 1, size)
+    return RegimeMap(image, POISSON_RATIOS, (0.0, _highest(scene)))
+
+
+def _middles(ends: tuple[float, float], count: int) -> NDArray[np.float64]:
+    return ends[0] + (ends[1] - ends[0]) * (np.arange(count) + 0.5) / count
+
+
+def _exists(scene: Scene, friction: float) -> bool:
+    try:
+        replace(scene, friction=friction)
+    except SceneError:
+        return False
+    return True
+
+
+def _words(scene: Scene, friction: NDArray[np.float64], swept: bool) -> list[str]:
+    """Names of regimes at some frictions."""
+    try:
+        if swept:
+            return [_word(one) for one in sweep(scene, friction, RTOL)]
+        return [_word(solve(replace(scene, friction=float(one)), rtol=RTOL)) for one in friction]
+    except TensionError:
+        return ["failed"] * len(friction)
+
+
+def _word(solution: Solution) -> str:
+    if solution.status == "converged" and solution.openings:
+        return "open"
+    return regime(solution)

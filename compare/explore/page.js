@@ -1,0 +1,162 @@
+"use strict";
+(() => {
+  const given = JSON.parse(document.getElementById("given").textContent);
+  const by = (id) => document.getElementById(id);
+  const form = by("controls");
+  let fixed = {}, asked = null, told = null, busy = 0, waiting = null, pause = 0;
+  let record = "replace"; // what becomes of the address with the next scene that stands still
+  const times = (window.slipfrontTimes = []); // from move to picture [ms]
+  const STILL = 250; // after which a slider has stopped [ms]
+  const LOST = 5000; // after which an answer is not waited for any more [ms]
+
+  function show(values) {
+    fixed = values;
+    for (const [name, value] of Object.entries(values)) {
+      const control = by(name);
+      if (!control || !form.contains(control)) continue;
+      if (control.type === "range") {
+        if (value < +control.min) control.min = value;
+        if (value > +control.max) control.max = value;
+      }
+      control.value = value;
+    }
+    label();
+  }
+
+  // values of controls; a number that the slider cannot hit stays as it was given
+  function values() {
+    const all = { ...fixed };
+    for (const control of form.elements) {
+      if (!control.name) continue;
+      if (control.type !== "range") all[control.name] = control.value;
+      else if (Math.abs(+control.value - fixed[control.name]) > 0.51 * control.step)
+        all[control.name] = +control.value;
+    }
+    return all;
+  }
+
+  function label() {
+    const all = values();
+    for (const control of form.querySelectorAll("input[type=range]")) {
+      const text = String(+(+all[control.name]).toPrecision(4));
+      by(control.name + "-value").value = text;
+      control.setAttribute("aria-valuetext", text);
+    }
+    const shown = {};
+    for (const [choice, kinds] of Object.entries(given.shown))
+      for (const [kind, names] of Object.entries(kinds))
+        for (const name of names) shown[name] = shown[name] || all[choice] === kind;
+    for (const [name, is] of Object.entries(shown))
+      form.querySelector(`[data-name=${name}]`).toggleAttribute("data-hidden", !is);
+  }
+
+  function send(message) { asked.value = JSON.stringify({ ...message, at: performance.now() }); }
+
+  // one question at a time: what moves meanwhile is asked together when the answer is there
+  function ask(moving) {
+    label();
+    waiting = { values: values(), moving, since: performance.now() };
+    if (!busy || performance.now() - busy > LOST) next();
+  }
+  function next() {
+    busy = waiting ? performance.now() : 0;
+    if (waiting) send(waiting);
+    waiting = null;
+  }
+
+  function words(news) {
+    if ("message" in news) by("message").textContent = news.message;
+    if ("status" in news) {
+      const error = "error" in news ? `, error estimate ${news.error}` : "";
+      const time = "solved" in news ? `, solved in ${news.solved.toFixed(0)} ms` : "";
+      by("status").textContent = news.status + error + time;
+    }
+    if ("stale" in news || "status" in news)
+      by("pictures").classList.toggle("stale", Boolean(news.stale));
+    if ("progress" in news || "since" in news) {
+      by("progress").value = news.progress || 0;
+      by("progress").hidden = !("progress" in news) || news.progress >= 1;
+    }
+    if ("program" in news) by("program").textContent = news.program;
+    if ("readings" in news)
+      by("readings").replaceChildren(...news.readings.flatMap(([name, value]) => {
+        const [term, text] = [document.createElement("dt"), document.createElement("dd")];
+        term.textContent = name; text.textContent = value;
+        return [term, text];
+      }));
+    if ("since" in news || "field" in news)
+      by("pictures").classList.toggle("late", !news.field);
+    if ("map" in news) by("map-words").textContent = news.map;
+    if ("regimes" in news)
+      by("regimes").replaceChildren(...news.regimes.map(({ name, colour }) => {
+        const one = document.createElement("span");
+        one.textContent = name; one.style.setProperty("--colour", colour);
+        return one;
+      }));
+  }
+
+  function save({ name, mime, content }) {
+    const bytes = Uint8Array.from(atob(content), (c) => c.charCodeAt(0));
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([bytes], { type: mime }));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
+  }
+
+  // a slider that moves leaves the address alone; where it stops is a step of the history
+  function keep(query) {
+    if (query === location.search) return;
+    if (record === "push") history.pushState(null, "", query);
+    else history.replaceState(null, "", query);
+    record = "push";
+  }
+
+  function hear() {
+    const news = JSON.parse(told.value);
+    words(news);
+    if ("values" in news) { show(news.values); ask(false); }
+    if ("file" in news) save(news.file);
+    if ("query" in news && !news.moving) keep(news.query);
+    if ("since" in news) {
+      requestAnimationFrame(() => setTimeout(() => times.push(performance.now() - news.since)));
+      next();
+    }
+  }
+
+  function moved(event) {
+    if (event.target.id === "scenes") return;
+    clearTimeout(pause);
+    by("message").textContent = "";
+    if (event.target.type === "range") ask(true);
+    pause = setTimeout(() => ask(false), event.target.type === "range" ? STILL : 0);
+  }
+
+  function start(documents) {
+    [asked, told] = ["asked", "told"].map((name) => documents[0].get_model_by_name(name));
+    told.properties.value.change.connect(hear);
+    form.addEventListener("input", moved);
+    form.addEventListener("submit", (event) => event.preventDefault());
+    by("scenes").addEventListener("change", (event) => {
+      if (event.target.value) send({ query: event.target.value });
+      event.target.value = "";
+    });
+    for (const button of form.querySelectorAll("[data-file]"))
+      button.addEventListener("click", () => send({ file: button.dataset.file }));
+    by("link").addEventListener("click", () => navigator.clipboard.writeText(location.href));
+    addEventListener("popstate", () => {
+      record = "replace";
+      send({ query: location.search });
+    });
+    show(given.values);
+    ask(false);
+  }
+
+  const wait = setInterval(() => {
+    const documents = window.Bokeh ? Bokeh.documents : [];
+    if (documents.length && documents[0].get_model_by_name("told")) {
+      clearInterval(wait);
+      start(documents);
+    }
+  }, 20);
+})();

@@ -1,0 +1,191 @@
+"""What the pictures of the page show of an answer, as plain arrays over the units of its axes.
+
+Positions over c_t T, times over T, tractions over τ₀, slip rates over V₀; T is the end time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.scales import scene_fronts, slip_rate_scale, stress_scale
+from compare.figures.fronts import fronts, moving_parts, reach
+from compare.figures.quantities import find_quantity
+from semianalytic import Marched, OpenZone, Scene, SlipZone, Solution
+from semianalytic.results.answer import WholeFields
+
+Array = NDArray[np.float64]
+
+KINDS = ("stick", "slip", "reverse slip", "open")
+"""What a part of the contact does, by the number that stands for it."""
+NODES = 300
+"""Of curves over x, evenly spread; more are added beside edges and fronts."""
+BESIDE = np.outer([-1, 1], np.geomspace(1e-6, 3e-2, 9)).ravel()
+"""Where those are, relative to what they are beside."""
+BEYOND = 1.05
+"""How far pictures go, over what waves have come to."""
+MOST = 240
+"""Rows and columns of a picture of a march over space and time."""
+
+
+def end_time(scene: Scene) -> float:
+    """T: what a shear wave takes over a length of 1 [time]."""
+    return 1.0 / scene.material.shear_speed
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceView:
+    """Along the contact at T.
+
+    Attributes
+    ----------
+    x : (n,) array, over c_t T
+    slip_rate : (n,) array, over V₀
+    shear, bound, pressure : (n,) arrays, over τ₀; the bound is f p
+    """
+
+    x: Array
+    slip_rate: Array
+    shear: Array
+    bound: Array
+    pressure: Array
+
+    @property
+    def rate_limits(self) -> tuple[float, float]:
+        """Of an axis for the slip rate, without its few largest values."""
+        return _limits(self.slip_rate, 0.05)
+
+    @property
+    def traction_limits(self) -> tuple[float, float]:
+        """Of an axis for tractions, without what grows beside the edge."""
+        inner = self.x > 0.05 * self.x[-1]
+        parts = (self.shear, self.bound, -self.bound, self.pressure)
+        return _limits(np.concatenate([part[inner] for part in parts]), 0.1)
+
+
+def interface_view(answer: Solution | Marched) -> InterfaceView:
+    """Slip rate and tractions along the contact at T."""
+    scene = answer.scene
+    time, stress = end_time(scene), stress_scale(scene)
+    x = _march_places(answer) if isinstance(answer, Marched) else _places(answer)
+    pressure = answer.pressure(x, time) / stress
+    return InterfaceView(
+        x=x / (scene.material.shear_speed * time),
+        slip_rate=answer.slip_rate(x, time) / slip_rate_scale(scene),
+        shear=answer.shear_traction(x, time) / stress,
+        bound=scene.friction * pressure,
+        pressure=pressure,
+    )
+
+
+def _places(solution: Solution) -> Array:
+    """Positions [length] at T for smooth curves, more beside edges and fronts."""
+    scene = solution.scene
+    far = BEYOND * scene.fastest_speed
+    parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
+    edges = [one for part in parts for one in (part.inner, part.outer) if 0 < one < np.inf]
+    near = np.array([*scene_fronts(scene).values(), *edges])
+    even = np.linspace(far / NODES, far, NODES)
+    speeds = np.concatenate([even, (near[:, None] * (1 + BESIDE)).ravel()])
+    return np.unique(speeds[(speeds > 0) & (speeds <= far)]) * end_time(scene)
+
+
+def _march_places(marched: Marched) -> Array:
+    x = marched.interface.x
+    return np.asarray(x[:: max(1, len(x) // (2 * NODES))])
+
+
+def _limits(values: Array, margin: float) -> tuple[float, float]:
+    low, high = (float(one) for one in np.nanquantile(values, [0.005, 0.995]))
+    room = margin * max(high - low, 1e-3)
+    return low - room, high + room
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceTimeView:
+    """What the contact does over space and time.
+
+    Attributes
+    ----------
+    wedges : tuple of (kind, inner, outer), edges of zones at T over c_t T; of a march none
+    image : (m, n) array of numbers of `KINDS` over 0 < x < reach, 0 < t < T; of a solution None
+    reach : float, over c_t T
+    waves : dict, x at T over c_t T by the name of the wave
+    """
+
+    wedges: tuple[tuple[str, float, float], ...]
+    image: Array | None
+    reach: float
+    waves: Mapping[str, float]
+
+
+def space_time_view(answer: Solution | Marched) -> SpaceTimeView:
+    """Zones as wedges where they are self-similar, as an image of senses else."""
+    scene = answer.scene
+    speed = scene.material.shear_speed
+    far = BEYOND * scene.fastest_speed / speed
+    waves = {name: one / speed for name, one in scene_fronts(scene).items()}
+    if isinstance(answer, Marched):
+        reach = float(answer.interface.x[-1]) / (speed * end_time(scene))
+        return SpaceTimeView((), _senses(answer), reach, waves)
+    length = speed * end_time(scene)
+    wedges = tuple(
+        (part.kind, part.start / length, min(part.end / length, far))
+        for part in moving_parts(answer, end_time(scene))
+    )
+    return SpaceTimeView(wedges, None, far, waves)
+
+
+def _senses(marched: Marched) -> Array:
+    """Numbers of `KINDS` at levels and nodes of a march; slip below a thousandth sticks."""
+    history = marched.interface
+    rows = slice(None, None, max(1, len(history.t) // MOST))
+    columns = slice(None, None, max(1, len(history.x) // MOST))
+    rate = history.slip_rate[rows, columns]
+    least = 1e-3 * slip_rate_scale(marched.scene)
+    return np.select([rate > least, rate < -least], [1.0, 2.0], 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class FieldView:
+    """Particle speed in both bodies at T.
+
+    Attributes
+    ----------
+    speed : (m, n) array, over V₀, clipped
+    reach : float, |x| and |y| up to it, over c_t T
+    largest : float, where colours end
+    lines : list of (x, y), fronts in both bodies
+    parts : list of (kind, start, end), what moves on the interface
+    """
+
+    speed: Array
+    reach: float
+    largest: float
+    lines: list[tuple[Array, Array]]
+    parts: list[tuple[str, float, float]]
+
+
+def field_view(fields: WholeFields, points: int) -> FieldView:
+    """Particle speed on points x points square cells around the contact edge."""
+    scene, time = fields.scene, end_time(fields.scene)
+    length, far = scene.material.shear_speed * time, reach(fields, time)[1]
+    middles = far * (2 * (np.arange(points) + 0.5) / points - 1)
+    x, y = np.meshgrid(middles, middles)
+    quantity = find_quantity("speed", scene)
+    speed = quantity.at(fields, x.ravel(), y.ravel(), time).reshape(x.shape)
+    speed /= slip_rate_scale(scene)
+    largest = float(np.quantile(speed[np.isfinite(speed)], 0.995)) or 1.0
+    lines = []
+    for front in fronts(fields, time):
+        inside = (np.abs(front.x) <= 2 * far) & (np.abs(front.y) <= 2 * far)
+        along, across = front.x[inside] / length, front.y[inside] / length
+        lines += [(along, across), (along, -across)]
+    parts = [
+        (part.kind, part.start / length, min(part.end, far) / length)
+        for part in moving_parts(fields, time)
+    ]
+    return FieldView(np.minimum(speed, largest), far / length, largest, lines, parts)

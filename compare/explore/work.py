@@ -1,0 +1,91 @@
+"""What takes seconds, in a process beside the page: one job at a time, the newest alone counts."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from typing import Any, Literal, NamedTuple
+
+from semianalytic.scene.errors import SlipfrontError
+
+
+class News(NamedTuple):
+    """What a process has sent: shares done (done, all), the result, or a sentence."""
+
+    kind: Literal["progress", "result", "refusal"]
+    content: Any
+
+
+class Worker:
+    """A process that calls module-level functions, each with its arguments and a callable that is
+    told (done, all) meanwhile.
+
+    A new job ends the one before it, by ending the process if need be.
+    """
+
+    def __init__(self) -> None:
+        self._process: multiprocessing.process.BaseProcess | None = None
+        self._pipe: Connection | None = None
+        self.busy = False
+
+    def start(self, function: Callable[..., Any], *arguments: Any) -> None:
+        """Begin a job; what the one before has not sent yet is lost."""
+        if self.busy:
+            self.stop()
+        if self._pipe is None:
+            context = multiprocessing.get_context("spawn")
+            self._pipe, theirs = context.Pipe()
+            self._process = context.Process(target=_serve, args=(theirs,), daemon=True)
+            self._process.start()
+            theirs.close()
+        self._pipe.send((function, arguments))
+        self.busy = True
+
+    def news(self) -> News | None:
+        """The newest that has come since the last call; None if nothing has."""
+        newest = None
+        while self.busy and self._pipe is not None and newest_or_more(newest):
+            try:
+                if not self._pipe.poll():
+                    break
+                newest = News(*self._pipe.recv())
+            except (EOFError, OSError):
+                newest = News("refusal", "The process that computes it has ended; move a slider.")
+                self.stop()
+            if newest.kind != "progress":
+                self.busy = False
+        return newest
+
+    def stop(self) -> None:
+        """End the process, whatever it does."""
+        if self._process is not None:
+            self._process.terminate()
+            self._process.join()
+        if self._pipe is not None:
+            self._pipe.close()
+        self._process, self._pipe, self.busy = None, None, False
+
+
+def newest_or_more(newest: News | None) -> bool:
+    """Whether more may come after it."""
+    return newest is None or newest.kind == "progress"
+
+
+def _serve(pipe: Connection) -> None:
+    """In the process: jobs until the page is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    while True:
+        try:
+            function, arguments = pipe.recv()
+        except EOFError:
+            return
+
+        def progress(done: int, steps: int) -> None:
+            pipe.send(("progress", (done, steps)))
+
+        try:
+            pipe.send(("result", function(*arguments, progress)))
+        except SlipfrontError as error:
+            pipe.send(("refusal", str(error)))

@@ -1,0 +1,61 @@
+"""Figures of an answer by name: ours, or one that an installed package brings."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Mapping
+
+from matplotlib.figure import Figure
+
+from compare.figures.histories import march_figure
+from compare.figures.interface import prediction_figure
+from semianalytic import Marched, Solution
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.plugins import FIGURES, Plugin, find_plugin, plugin_names
+
+Draw = Callable[[Solution | Marched], Figure]
+
+DEFAULT_FIGURE = "interface"
+
+
+def _interface(answer: Solution | Marched) -> Figure:
+    """Slip rate and tractions."""
+    return prediction_figure(answer) if isinstance(answer, Solution) else march_figure(answer)
+
+
+OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: _interface}
+
+
+def find_figure(name: str) -> Draw:
+    """What draws the figure of a name, from a solution or a march.
+
+    Raises
+    ------
+    SceneError
+        If there is none.
+    PluginError
+        If the package that brings it is broken, or not the only one; of what it draws, too.
+    """
+    if name in OWN_FIGURES:
+        return OWN_FIGURES[name]
+    plugin = find_plugin(FIGURES, name)
+    if plugin is None:
+        names = [*OWN_FIGURES, *plugin_names(FIGURES, OWN_FIGURES)]
+        close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+        hint = f"did you mean {close[0]}?" if close else f"choose {', '.join(names)}."
+        raise SceneError(f"There is no figure called {name!r}; {hint}")
+    draw = plugin.load()
+    if not callable(draw):
+        raise plugin.error(f"must be a function of an answer, not {shown(draw)}")
+    return _drawn_by(plugin, draw)
+
+
+def _drawn_by(plugin: Plugin, draw: Callable[[Solution | Marched], object]) -> Draw:
+    def drawn(answer: Solution | Marched) -> Figure:
+        figure = plugin.guarded("cannot be drawn", lambda: draw(answer))
+        if not isinstance(figure, Figure):
+            raise plugin.error(f"must return a matplotlib Figure, not {shown(figure)}")
+        return figure
+
+    return drawn

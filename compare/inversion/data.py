@@ -1,0 +1,237 @@
+"""Files of gauges, of image correlation along a line, and of other codes as gauges of a fit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from compare.records.names import ALIASES, UNITS
+from compare.records.options import ReadingOptions
+from compare.records.read import ARRAYS, HDF5, MESHES, read_records
+from compare.records.record import Array
+from compare.records.text import Table, read_table
+from semianalytic.inversion.gauges import FIELDS, INTERFACE, QUANTITIES, Gauge
+from semianalytic.scene.errors import DataFileError, SceneError
+
+NOISE = "noise"
+PARTS_OF_ONE: Mapping[str, float] = {
+    **{"": 1.0, "1": 1.0, "-": 1.0, "%": 1e-2, "1e-3": 1e-3, "1e-6": 1e-6},
+    **{"mstrain": 1e-3, "ustrain": 1e-6, "µstrain": 1e-6, "microstrain": 1e-6},
+}
+"""Units of strain."""
+
+_LONG = {
+    "v": ("v_", "velocity_"),
+    "u": ("u_", "displacement_"),
+    "s": ("s_", "sigma_", "stress_"),
+    "e": ("e_", "eps_", "epsilon_", "strain_"),
+}
+_OF_FIELDS = {
+    alias: name
+    for name in FIELDS
+    for alias in (name, *(stem + name[1:] for stem in _LONG[name[0]]))
+}
+_OF_INTERFACE = {alias: name for name, all_of in ALIASES.items() for alias in all_of.split()}
+_Made = tuple[Callable[[str], Gauge], str]
+"""What makes a gauge of its name, and its quantity."""
+_UNIT = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]$")
+
+
+@dataclass(frozen=True)
+class _Column:
+    """What a column holds: "t", "x", "y" or a quantity; or the noise of one, "" for all.
+
+    Numbers times `scale` are in the units of the scene; None for noise in that of its quantity.
+    """
+
+    kind: str
+    scale: float | None
+    is_noise: bool = False
+
+
+def read_gauges(
+    paths: Sequence[str | Path], noise: Mapping[str, float] | None = None
+) -> tuple[Gauge, ...]:
+    """Gauges from files.
+
+    A table has the columns t, x, for what is off the interface y, and quantities by the names of
+    `Gauge` (or sigma_xx, eps_xy, v_x, ...), with units in brackets where they are not those of
+    the scene; `noise`, or NAME_noise, holds standard deviations in the same unit.  A gauge is what
+    has one x and y; rows without y are of the interface.  Whatever `slipfront validate` reads is
+    taken as well.
+
+    Parameters
+    ----------
+    paths : sequence of path
+    noise : mapping from quantity to number, optional
+        Standard deviation where no column says it; "" for all other quantities.
+
+    Returns
+    -------
+    tuple of Gauge
+        In the order of the files, by place, named as exy-1, exy-2, vx-1.
+
+    Raises
+    ------
+    DataFileError
+        If a file cannot be read, or does not say what is needed; the message names it.
+    """
+    given = dict(noise or {})
+    parts: list[_Made] = []
+    for path in map(Path, paths):
+        table = _table(path)
+        if table is None:
+            parts += list(_of_records(path, given))
+        else:
+            parts += list(_of_table(table, given))
+    if not parts:
+        raise DataFileError("There is no file to read; name one at least.")
+    counts: dict[str, int] = {}
+    gauges = []
+    for make, quantity in parts:
+        counts[quantity] = counts.get(quantity, 0) + 1
+        gauges.append(make(f"{quantity}-{counts[quantity]}"))
+    return tuple(gauges)
+
+
+def _table(path: Path) -> Table | None:
+    """A text table with times and positions; None for all that other readers know."""
+    if path.is_dir() or path.suffix.lower() in (*MESHES, *ARRAYS, *HDF5, ".info"):
+        return None
+    if not path.exists():
+        raise DataFileError(f"{path} does not exist; give a file that does.")
+    table = read_table(path)
+    kinds = {column.kind for column in _columns(table).values()}
+    return table if {"t", "x"} <= kinds else None
+
+
+def _columns(table: Table) -> dict[int, _Column]:
+    """What the columns hold, by their place; those of unknown names are left out."""
+    split = [_split(name) for name in table.names]
+    names = {**_OF_INTERFACE, "y": "y"}
+    if any(name == "y" for name, _ in split):  # then sigma_xy is stress and no traction
+        names |= _OF_FIELDS
+    else:
+        names = _OF_FIELDS | names
+    result: dict[int, _Column] = {}
+    for place, (name, unit) in enumerate(split):
+        stem = name.removesuffix("_" + NOISE).removeprefix(NOISE + "_")
+        kind = "" if name == NOISE else names.get(stem)
+        if kind is None:
+            continue
+        is_noise = name == NOISE or stem != name
+        scale = None if is_noise and not unit else _scale(table, kind, unit)
+        column = _Column(kind, scale, is_noise)
+        if any((one.kind, one.is_noise) == (kind, is_noise) for one in result.values()):
+            raise DataFileError(
+                f"{table.path}, line {table.line}: two columns are {table.names[place]}; "
+                "rename one."
+            )
+        result[place] = column
+    return result
+
+
+def _split(name: str) -> tuple[str, str]:
+    """A column's name in lower case with _ for what parts words, and its unit."""
+    match = _UNIT.match(name.strip())
+    pure, unit = match.groups() if match else (name, "")
+    return re.sub(r"[\s\-.:]+", "_", pure.strip().lower()), unit
+
+
+def _scale(table: Table, kind: str, unit: str) -> float:
+    """What numbers in a unit are multiplied by for those of the SI."""
+    known = PARTS_OF_ONE if QUANTITIES.get(kind) == "1" else {**UNITS, "": 1.0}
+    if unit.lower() not in known:
+        raise DataFileError(
+            f"{table.path}, line {table.line}: {unit!r} is no known unit; choose among "
+            f"{', '.join(filter(None, known))}, or write none for that of the scene."
+        )
+    return known[unit.lower()]
+
+
+def _of_table(table: Table, noise: Mapping[str, float]) -> Iterator[_Made]:
+    """What makes a gauge from its name, and its quantity, for each of a table."""
+    said = {(one.kind, one.is_noise): (place, one) for place, one in _columns(table).items()}
+    columns = {
+        key: (1.0 if one.scale is None else one.scale) * table.rows[:, place]
+        for key, (place, one) in said.items()
+    }
+    t, x = columns["t", False], columns["x", False]
+    y = columns.get(("y", False), np.full(len(t), np.nan))
+    quantities = [kind for kind, is_noise in columns if kind in QUANTITIES and not is_noise]
+    if not quantities:
+        raise DataFileError(
+            f"{table.path} has no column of {', '.join(INTERFACE)}, nor of vx, ux, sxx, exx and "
+            f"their like; it has {', '.join(table.names)}."
+        )
+    places = sorted({pair for pair in zip(x.tolist(), _listed(y), strict=True)}, key=_order)
+    for quantity in quantities:
+        values = columns[quantity, False]
+        of_noise = next((key for key in ((quantity, True), ("", True)) if key in columns), None)
+        error = None
+        if of_noise is not None:
+            same_unit = said[of_noise][1].scale is None
+            unit = said[quantity, False][1].scale if same_unit else 1.0
+            error = (unit or 1.0) * columns[of_noise]
+        for at_x, at_y in places:
+            here = (x == at_x) & (np.isnan(y) if at_y is None else y == at_y)
+            here &= np.isfinite(t) & np.isfinite(values)
+            if not here.any() or (quantity in FIELDS) != (at_y is not None):
+                continue
+            known = None if error is None else error[here]
+            sample = t[here], values[here], known
+            yield _maker(table.path, quantity, (at_x, at_y), sample, noise), quantity
+
+
+def _listed(y: Array) -> list[float | None]:
+    return [None if np.isnan(one) else one for one in y.tolist()]
+
+
+def _order(place: tuple[float, float | None]) -> tuple[float, float]:
+    x, y = place
+    return x, -np.inf if y is None else y
+
+
+def _of_records(path: Path, noise: Mapping[str, float]) -> Iterator[_Made]:
+    """The same of what the readers of `slipfront validate` know."""
+    for records in read_records([path], ReadingOptions()):
+        for record in records.stations:
+            for quantity, values in record.values.items():
+                here = np.isfinite(values)
+                if here.any() and record.x > 0:
+                    sample = record.t[here], values[here], None
+                    yield _maker(path, quantity, (record.x, None), sample, noise), quantity
+
+
+def _maker(
+    path: Path,
+    quantity: str,
+    place: tuple[float, float | None],
+    sample: tuple[Array, Array, Array | None],
+    noise: Mapping[str, float],
+) -> Callable[[str], Gauge]:
+    """A function of its name that makes a gauge, samples in order of time; of those of one time the
+    last counts."""
+    t, values, error = sample
+    order = np.argsort(t, kind="stable")
+    order = order[np.append(np.diff(t[order]) > 0, True)]
+    known: Array | float | None = noise.get(quantity, noise.get("")) if error is None else error
+    if known is None:
+        raise DataFileError(
+            f"{path} does not say how exact its {quantity} is; add a column {NOISE} of standard "
+            f"deviations, or give --noise {quantity}=NUMBER."
+        )
+    spread: float | Array = known if isinstance(known, float | int) else known[order]
+
+    def make(name: str) -> Gauge:
+        try:
+            return Gauge(place[0], t[order], values[order], spread, quantity, place[1], name)
+        except SceneError as refusal:
+            where = f"x = {place[0]:g}" + ("" if place[1] is None else f", y = {place[1]:g}")
+            raise DataFileError(f"{path}, {quantity} at {where}: {refusal}") from refusal
+
+    return make

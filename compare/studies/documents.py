@@ -1,0 +1,130 @@
+"""What studies come to as plain dictionaries, each number with its unit, for JSON.
+
+Studies are in units of what they vary nothing of, so that units are "1" or as "V_0 c_t T^2"; "s",
+"MB" where they measure the computer.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from semianalytic.scene.scene import scene_document
+
+if TYPE_CHECKING:
+    from compare.studies.article.claims import Claim
+    from compare.studies.article.study import Article
+    from compare.studies.chart.study import Point
+    from compare.studies.evidence.study import Evidence
+    from compare.studies.regimes.figures import RegimeResults
+    from compare.studies.wear import WearRow
+
+_SCENE = {"poisson_ratio": "1", "chi": "1"}
+_ERRORS = ("error", "edge_error", "reference_error", "reference_edge_error")
+
+
+def regimes_document(results: RegimeResults) -> dict[str, Any]:
+    """How many points of each map are of each regime, and the curves between; maps are files."""
+    return {
+        "regimes": {
+            loading: dict(Counter(point.regime for point in points))
+            for loading, points in results.points.items()
+        },
+        "boundaries": [asdict(point) for point in results.curves],
+        "units": {"boundaries": {"poisson_ratio": "1", "log10_chi": "1"}},
+    }
+
+
+def stability_document(studies: Mapping[str, Mapping[str, Sequence[Any]]]) -> dict[str, Any]:
+    """Tables of each study that was asked for; `value` and `error` are relative."""
+    return {
+        "studies": {
+            name: {table: [asdict(row) for row in rows] for table, rows in tables.items()}
+            for name, tables in studies.items()
+        },
+        "units": {"studies": "1"},
+    }
+
+
+def article_document(article: Article) -> dict[str, Any]:
+    """The claims with the verdict of each method, and how far solver and simulation are apart."""
+    return {
+        "claims": _claims(article.claims),
+        "disagreement": article.disagreement,
+        "units": {"disagreement": "V_0"},
+    }
+
+
+def _claims(claims: Sequence[Claim]) -> list[dict[str, Any]]:
+    return [
+        {
+            "section": claim.section,
+            "claim": claim.text,
+            "base": claim.base,
+            "verdicts": {method: asdict(one) for method, one in claim.verdicts.items()},
+        }
+        for claim in claims
+    ]
+
+
+def chart_document(points: Sequence[Point]) -> dict[str, Any]:
+    """All measured points, and the power of time by which errors fall, by scene and method."""
+    from compare.studies.chart.figure import slopes
+
+    return {
+        "points": [asdict(point) for point in points],
+        "slopes": slopes(points),
+        "units": {
+            "points": {"setup": "s", "solving": "s", "memory": "MB", **dict.fromkeys(_ERRORS, "1")},
+            "slopes": "1",
+        },
+    }
+
+
+def wear_document(rows: Sequence[WearRow]) -> dict[str, Any]:
+    """Wear of each transient, and the friction of each load that gives most frictional work."""
+    from compare.studies.wear import most_of
+
+    work = {"frictional_work": "Q_0 V_0 c_t T^2"}
+    return {
+        "rows": [asdict(row) for row in rows],
+        "most": [asdict(row) for row in most_of(rows)],
+        "units": {
+            "rows": {
+                **_SCENE,
+                "accumulated_slip": "V_0 c_t T^2",
+                **work,
+                "slipped_length": "c_t T",
+            },
+            "most": {**_SCENE, **work},
+        },
+    }
+
+
+def evidence_document(evidence: Evidence) -> dict[str, Any]:
+    """Verdicts of all scenes, closed forms and claims of the page."""
+    return {
+        "verdict": evidence.verdict,
+        "counts": evidence.counts,
+        "scenes": [
+            {
+                "scene": one.label,
+                "parameters": scene_document(one.scene),
+                "verdict": one.verdict if one.judgements else None,
+                "counts": one.counts,
+                "methods": list(one.methods),
+                "obstacle": one.obstacle,
+            }
+            for one in evidence.scenes
+        ],
+        "closed_forms": [asdict(one) for one in evidence.closed_forms],
+        "claims": _claims(evidence.claims),
+        "stamp": evidence.stamp,
+        "seconds": evidence.seconds,
+        "units": {
+            "closed_forms": {"errors": "1", "edge": "c_t", "solved_edge": "c_t"},
+            "seconds": "s",
+        },
+    }

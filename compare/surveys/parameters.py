@@ -1,0 +1,101 @@
+"""The numbers of a scene by name: what a survey may vary."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.scene.checks import finite, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+_PARTS = ("material", "base", "load", "pressure_history", "shear_history", "friction_law")
+MATERIAL = ("shear_modulus", "density", "poisson_ratio")
+_VISCOSITY = ("friction_law", "viscosity")
+
+
+def parameters_of(scene: Scene) -> dict[str, tuple[str, str]]:
+    """Part and field of every number of a scene, by its name; the part of friction is ""."""
+    names = {"friction": ("", "friction")}
+    for part in _PARTS:
+        held = getattr(scene, part)
+        for field in fields(held):
+            if finite(getattr(held, field.name)) is not None:
+                prefix = "" if part == "material" else f"{part}_"
+                names[prefix + field.name] = part, field.name
+    if isinstance(scene.friction_law, CoulombFriction | ViscousFriction):
+        names.pop("friction_law_viscosity", None)
+        names["viscosity"] = _VISCOSITY
+    return names
+
+
+def parameter_name(scene: Scene, given: str) -> str:
+    """The name of a parameter that is given as in TOML, dotted, or with underscores.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no such number.
+    """
+    known = parameters_of(scene)
+    name = given.replace(".", "_").replace("-", "_").removeprefix("material_")
+    name = "viscosity" if name == "friction_law_viscosity" and "viscosity" in known else name
+    if name not in known:
+        close = difflib.get_close_matches(name, known, n=1)
+        hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
+        raise SceneError(f"survey: this scene has no parameter {shown(given)}; {hint}")
+    return name
+
+
+def checked_values(name: str, given: Any) -> Array:
+    """Values of a parameter, (n,) or ().
+
+    Raises
+    ------
+    SceneError
+        If they are not finite numbers in a row.
+    """
+    try:
+        values = np.asarray(given)
+    except ValueError:
+        values = np.array(None)
+    if values.dtype.kind not in "fiu" or values.ndim > 1 or not values.size:
+        raise SceneError(
+            f"survey: {name} must be a number or a row of numbers, got {shown(given)}."
+        )
+    if not np.all(np.isfinite(values)):
+        raise SceneError(f"survey: {name} must hold finite numbers only, got {shown(given)}.")
+    return values.astype(float)
+
+
+def scene_at(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """The scene with other values of some parameters.
+
+    A viscosity turns constant friction into viscous friction, and 0 turns it back.
+
+    Raises
+    ------
+    SceneError
+        If there is no such scene.
+    """
+    known = parameters_of(scene)
+    changes: dict[str, dict[str, float]] = {}
+    for name, value in values.items():
+        part, field = known[name]
+        changes.setdefault(part, {})[field] = value
+    whole: dict[str, Any] = dict(changes.pop("", {}))
+    for part, some in changes.items():
+        if part == "friction_law" and "viscosity" in values:
+            viscosity = values["viscosity"]
+            whole[part] = ViscousFriction(viscosity) if viscosity else CoulombFriction()
+        else:
+            whole[part] = replace(getattr(scene, part), **some)
+    return replace(scene, **whole)

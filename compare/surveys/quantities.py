@@ -1,0 +1,84 @@
+"""What a survey holds of every point: dimension, meaning, and what it has several values along."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from semianalytic.results.datasets import QUANTITIES as FIELD_QUANTITIES
+
+TEXT = "text"
+"""Kind of variables that hold words; as codes with a table while they are on their way."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A variable of a survey.
+
+    Attributes
+    ----------
+    dimension : str
+        As "length / time".
+    meaning : str
+    along : tuple of str
+        Dimensions beside those of the points.
+    kind : str
+        "f8", "i1" or `TEXT`.
+    """
+
+    dimension: str
+    meaning: str
+    along: tuple[str, ...] = ()
+    kind: str = "f8"
+
+    @property
+    def absent(self) -> Any:
+        """What stands where there is no value."""
+        return {"f8": np.nan, "i1": 0, TEXT: ""}[self.kind]
+
+
+def _of_fields(name: str) -> Quantity:
+    dimension, meaning = FIELD_QUANTITIES[name]
+    return Quantity(dimension, meaning, ("t", "x"))
+
+
+QUANTITIES: Mapping[str, Quantity] = {
+    "edges": Quantity(
+        "length / time",
+        "velocity of zone edges from the contact edge outward, inf is ahead of all waves",
+        ("zone", "edge"),
+    ),
+    "sense": Quantity("1", "sense of slip in a zone, 0 where there is none", ("zone",), "i1"),
+    "opening": Quantity("length / time", "velocity of the ends of what is open", ("edge",)),
+    "edge_slip_rate": Quantity("length / time", "relative slip rate at the contact edge"),
+    "stress_intensity": Quantity(
+        "stress sqrt(length)", "at the contact edge at unit time, like sqrt(t)", ("mode",)
+    ),
+    "end_time": Quantity("time", "time until which totals are taken"),
+    "largest_slip_rate": Quantity("length / time", "largest |slip rate| until the end"),
+    "largest_slip": Quantity("length", "largest |slip| at the end, so far in a march"),
+    "onset": Quantity("time", "when slip begins, nan where nothing slips"),
+    "reach_of_slip": Quantity("length", "farthest position that has slipped until the end"),
+    "accumulated_slip": Quantity("length^2", "integral of accumulated |slip| until the end"),
+    "frictional_work": Quantity("stress length^2", "energy turned to heat per unit depth"),
+    **{
+        name: _of_fields(name)
+        for name in ("slip", "slip_rate", "shear_traction", "pressure", "gap")
+    },
+    "error_estimate": Quantity("1", "error estimate of the answer, nan without one"),
+    "status": Quantity("1", "converged, resolved, or a sentence on what to distrust", (), TEXT),
+    "origin": Quantity("1", "how the answer was found", (), TEXT),
+    "method": Quantity("1", "solver", (), TEXT),
+    "seconds": Quantity("s", "processor time of a point, or its share of that of a sweep"),
+}
+SPEEDS: Mapping[str, Quantity] = {
+    f"{name}_speed": Quantity("length / time", f"speed of {waves} waves")
+    for name, waves in (
+        ("rayleigh", "Rayleigh"),
+        ("shear", "shear"),
+        ("longitudinal", "pressure"),
+    )
+}

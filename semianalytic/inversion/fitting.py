@@ -1,0 +1,260 @@
+"""Unknowns from what gauges recorded: least squares from the lowest of all minima."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.inversion.gauges import Gauge, check_quantity
+from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
+from semianalytic.inversion.samples import Samples
+from semianalytic.inversion.search import Minimum, minima
+from semianalytic.inversion.trials import Trials
+from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
+from semianalytic.scene.checks import checked_number, shown
+from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.solution import Solution
+
+UNCONSTRAINED = 1.0
+"""Standard error over the size of a parameter from which data are said not to constrain it."""
+LARGEST_CONDITION = 1e8
+"""Of the weighted Jacobian in parameters over their sizes; beyond it some direction is free."""
+AS_GOOD = 4.0
+"""chi2 above the least, up to which another minimum is as good: two standard deviations of one."""
+FAR = 3.0
+"""Standard errors between two minima that are as good, from which on the status says so."""
+ROUGH = 0.2
+"""Relative error of derivatives in the bodies from which on the status says so."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Parameters that fit records best, and how well they are known.
+
+    Attributes
+    ----------
+    parameters : tuple of str, their names
+    values : (p,) array, estimates, in the units of the scene
+    covariance : (p, p) array, of the estimates; infinite for what the data do not constrain
+    chi2 : float, sum of squares of the misfits over the noise, and over the widths of priors
+    freedom : int, samples and priors less parameters: what chi2 is about where the noise is right
+    unconstrained : tuple of str, parameters that the data do not constrain, alone or together
+    status : str
+        "converged", or a sentence saying what to distrust.
+    solution : Solution, of the scene with these parameters
+    setup : Setup, of the gauges, with these parameters
+    gauges : tuple of Gauge
+    minima : (m, p) array, values at all minima that the search came to, the lowest first
+    chi2_of_minima : (m,) array
+    derivative_error : float
+        Relative, of the derivatives by differences that gauges in the bodies take; 0 without any.
+    solutions : int, that were computed on the way
+    trials : Trials, misfits of any values
+    """
+
+    parameters: tuple[str, ...]
+    values: Array
+    covariance: Array
+    chi2: float
+    freedom: int
+    unconstrained: tuple[str, ...]
+    status: str
+    solution: Solution
+    setup: Setup
+    gauges: tuple[Gauge, ...]
+    minima: Array
+    chi2_of_minima: Array
+    derivative_error: float
+    solutions: int
+    trials: Trials = field(repr=False)
+
+    def __repr__(self) -> str:
+        pairs = zip(self.parameters, self.values, self.standard_errors, strict=True)
+        values = ", ".join(f"{name} {value:.5g} ± {error:.2g}" for name, value, error in pairs)
+        return f"<Fit: {values}; chi2 {self.chi2:.4g} of {self.freedom}; {self.status}>"
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with these parameters."""
+        return self.solution.scene
+
+    @property
+    def standard_errors(self) -> Array:
+        """(p,) standard deviations of the estimates."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self) -> Array:
+        """(p, p) correlations of the estimates; nan for what the data do not constrain."""
+        errors = self.standard_errors
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.covariance / np.outer(errors, errors))
+
+    @property
+    def next_minimum(self) -> float:
+        """chi2 of the next minimum above the least; infinite if the search saw no other."""
+        above = self.chi2_of_minima[1:] - self.chi2_of_minima[0]
+        return float(above[0]) if above.size else np.inf
+
+    @property
+    def residuals(self) -> tuple[Array, ...]:
+        """Of each gauge, record less fit, in the units of its quantity."""
+        return tuple(one.values - self.seen(one, one.t) for one in self.gauges)
+
+    def seen(self, gauge: Gauge, t: Array) -> Array:
+        """(n,) what a gauge would have recorded at times (n,) of the records, without noise."""
+        t = np.asarray(t, dtype=float)
+        like = Samples((replace(gauge, t=t, values=np.zeros_like(t), noise=1.0),))
+        return np.asarray(like.gain(self.setup) * like.of(self.solution, self.setup))
+
+
+def fit(
+    gauges: Sequence[Gauge],
+    scene: Scene,
+    parameters: Sequence[str],
+    *,
+    priors: Mapping[str, Prior] | None = None,
+    setup: Setup | None = None,
+    rtol: float = 1e-8,
+) -> Fit:
+    """Fit parameters of a scene, and of the set-up, to what gauges recorded, by least squares.
+
+    Parameters
+    ----------
+    gauges : sequence of Gauge
+        Records, each with its noise.
+    scene : Scene
+        All that is not fitted, and a first guess of what is.
+    parameters : sequence of str
+        Any of "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
+        "load_shear", "viscosity", "shear_modulus", "density" of the scene; "t0", "x0" and "gain"
+        of the set-up (`Setup`), and "gain:NAME" of the gauges of that name.
+    priors : mapping from names to Normal, LogNormal or Uniform, optional
+        What is known of parameters beforehand; also where the search looks.
+    setup : Setup, optional
+        Of the gauges, for what is not fitted.
+    rtol : float
+        Accuracy of the solutions, as in `solve`.
+
+    Returns
+    -------
+    Fit
+        The lowest of the minima that a scan of the plausible ranges leads to, with the covariance
+        from the derivatives there, and a `status` that names what the data do not constrain.  With
+        priors it is the most probable set of values (of the logarithm under `LogNormal`).
+
+    Raises
+    ------
+    SceneError
+        If there are no gauges, fewer samples than parameters, an unknown or repeated parameter, a
+        prior of none of them, or no solution or derivative at the first guess.
+    """
+    gauges, names, priors = tuple(gauges), tuple(parameters), dict(priors or {})
+    _check(gauges, scene, names, priors)
+    samples = Samples(gauges)
+    duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
+    trials = Trials(samples, Unknowns(names, scene, setup or Setup(), duration), priors, rtol)
+    trials.jacobian(trials.start)  # refuses what has no solution or derivative
+    ends = minima(trials)
+    best, size = ends[0], trials.sizes
+    if not np.isfinite(best.chi2):
+        raise ComputationError("fit: no values within the ranges make a scene that can be solved.")
+    covariance, free = _covariance(best.jacobian)
+    unconstrained = tuple(name for name, one in zip(names, free, strict=True) if one)
+    derivative_error = trials.difference_error(best.scaled)
+    scene, fitted = trials.at(best.scaled)
+    solution = trials.solution(best.scaled)
+    status = _status(ends, solution, unconstrained, covariance)
+    if status == "converged" and derivative_error > ROUGH:
+        status = (
+            f"derivatives in the bodies are off by {derivative_error:.0%}, and the errors as much"
+        )
+    return Fit(
+        parameters=names,
+        values=best.scaled * size,
+        covariance=covariance * np.outer(size, size),
+        chi2=best.chi2,
+        freedom=trials.rows - len(names),
+        unconstrained=unconstrained,
+        status=status,
+        solution=solution,
+        setup=fitted,
+        gauges=gauges,
+        minima=np.array([end.scaled * size for end in ends]),
+        chi2_of_minima=np.array([end.chi2 for end in ends]),
+        derivative_error=derivative_error,
+        solutions=trials.count,
+        trials=trials,
+    )
+
+
+def _check(
+    gauges: tuple[Gauge, ...],
+    scene: Scene,
+    names: tuple[str, ...],
+    priors: Mapping[str, Prior],
+) -> None:
+    """Raise SceneError for what cannot be fitted."""
+    if not gauges or not all(isinstance(one, Gauge) for one in gauges):
+        raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
+    for gauge in gauges:
+        check_quantity(gauge.quantity, scene)
+    check_names(names, gauges, scene)
+    for name, prior in priors.items():
+        if name not in names:
+            raise SceneError(f"fit: there is a prior of {shown(name)}, which is not fitted.")
+        if not isinstance(prior, Normal | LogNormal | Uniform):
+            raise SceneError(
+                f"fit: the prior of {name} must be Normal, LogNormal or Uniform, got "
+                f"{shown(prior)}."
+            )
+    samples = sum(len(one.t) for one in gauges)
+    checked_number(
+        "fit: the number of samples",
+        samples,
+        f"be at least that of parameters, {len(names)}",
+        lambda given: given >= len(names),
+    )
+
+
+def _status(
+    ends: list[Minimum], solution: Solution, unconstrained: tuple[str, ...], covariance: Array
+) -> str:
+    """What to distrust of the lowest minimum."""
+    if unconstrained:
+        together = " apart" if len(unconstrained) > 1 else ""
+        return f"the data do not constrain {' and '.join(unconstrained)}{together}"
+    if solution.status != "converged":
+        return solution.status
+    if not ends[0].converged:
+        return "the least squares did not converge"
+    best = ends[0]
+    for other in ends[1:]:
+        away = other.scaled - best.scaled
+        apart = float(np.sqrt(away @ np.linalg.solve(covariance, away)))
+        if other.chi2 - best.chi2 < AS_GOOD and apart > FAR:
+            return (
+                f"another minimum, {apart:.1f} standard errors away, fits as well "
+                f"(chi2 {other.chi2 - best.chi2:.2g} above)"
+            )
+    return "converged"
+
+
+def _covariance(jacobian: Array) -> tuple[Array, np.ndarray]:
+    """(p, p) inverse of the weighted normal matrix, in parameters over their sizes, and which of
+    them (p,) the data leave free."""
+    _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
+    if not np.all(np.isfinite(values)):
+        raise ComputationError("fit: the derivatives at the best values are not finite.")
+    lost = values <= values.max(initial=0.0) / LARGEST_CONDITION
+    inverse = np.where(lost, 0.0, 1 / np.where(lost, 1.0, values))
+    covariance = (rows.T * inverse**2) @ rows
+    within = np.abs(rows[lost]).max(axis=0, initial=0.0) > 1e-3
+    free = within | (np.diag(covariance) > UNCONSTRAINED**2)
+    covariance[free, :] = covariance[:, free] = 0.0
+    covariance[free, free] = np.inf
+    return covariance, free

@@ -1,0 +1,169 @@
+"""What was recorded at a place: on the interface, or in the bodies beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.field.derived import strain
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.solution import Solution
+
+INTERFACE: Mapping[str, str] = {
+    "slip_rate": "length / time",
+    "slip": "length",
+    "shear_traction": "stress",
+    "pressure": "stress",
+}
+"""Quantities of the interface, and their dimensions: what there are exact derivatives of."""
+
+_KINDS: Mapping[str, tuple[str, str]] = {
+    "v": ("x y z", "length / time"),
+    "u": ("x y z", "length"),
+    "s": ("xx yy xy xz yz", "stress"),
+    "e": ("xx yy xy xz yz", "1"),
+}
+"""Letters of velocity, displacement, stress and strain; their components and dimensions."""
+
+FIELDS: Mapping[str, str] = {
+    letter + axis: dimension
+    for letter, (axes, dimension) in _KINDS.items()
+    for axis in axes.split()
+}
+"""Quantities of the bodies by name, as vx, uy, sxx and exy, and their dimensions."""
+
+QUANTITIES: Mapping[str, str] = {**INTERFACE, **FIELDS}
+_ALONG = "z"
+"""Components that end in it, or begin with it, are those of antiplane shear alone."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gauge:
+    """A record of one quantity at one place.
+
+    Parameters
+    ----------
+    x : float
+        Position along the contact [length]; positive for what is of the interface.
+    t : (n,) array
+        Times of the samples [time], ascending.
+    values : (n,) array
+        Samples, in the units of the scene.
+    noise : float or (n,) array
+        Standard deviation of their errors, taken to be independent.
+    quantity : str
+        "slip_rate", "slip", "shear_traction" or "pressure" of the interface; or of the bodies:
+        velocity "vx", "vy", displacement "ux", "uy", stress "sxx", "syy", "sxy" (tension positive,
+        the base included as in `Solution.stress`) or strain since t = 0 "exx", "eyy", "exy"
+        (`exy` is half the angle), in antiplane shear also "vz", "uz", "sxz", "syz", "exz", "eyz".
+    y : float, optional
+        Distance above the interface [length], negative in the lower body; for quantities of the
+        bodies only, and needed there.
+    name : str
+        By which messages and gains call it; "" for its place.
+
+    Raises
+    ------
+    SceneError
+        If a number is out of range or not finite, times and samples do not match, or the quantity
+        is unknown.
+    """
+
+    x: float
+    t: Array
+    values: Array
+    noise: float | Array
+    quantity: str = "slip_rate"
+    y: float | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.quantity not in QUANTITIES:
+            known = ", ".join(QUANTITIES)
+            raise SceneError(f"gauge: quantity must be among {known}, got {shown(self.quantity)}.")
+        if self.on_interface:
+            object.__setattr__(self, "x", checked_size("gauge: x", self.x))
+            if self.y is not None:
+                raise SceneError(f"gauge: {self.quantity} is of the interface; leave y out.")
+        else:
+            object.__setattr__(self, "x", checked_number("gauge: x", self.x))
+            if self.y is None:
+                raise SceneError(f"gauge: {self.quantity} is of the bodies; say at which y.")
+            object.__setattr__(self, "y", checked_number("gauge: y", self.y))
+        for name in ("t", "values"):
+            object.__setattr__(self, name, _numbers(name, getattr(self, name)))
+        t, values = self.t, self.values
+        if t.ndim != 1 or t.shape != values.shape or not t.size:
+            raise SceneError("gauge: t and values must be two rows of as many numbers.")
+        if not np.all(np.isfinite(t)) or not np.all(np.isfinite(values)) or np.any(np.diff(t) <= 0):
+            raise SceneError("gauge: t and values must be finite numbers, and t ascending.")
+        noise = _numbers("noise", self.noise)
+        if noise.shape not in ((), t.shape) or not np.all((noise > 0) & np.isfinite(noise)):
+            raise SceneError(
+                "gauge: noise must be positive and finite, one number or one for each sample."
+            )
+        object.__setattr__(self, "noise", noise if noise.ndim else float(noise))
+
+    @property
+    def on_interface(self) -> bool:
+        """Whether it is a quantity of the interface."""
+        return self.quantity in INTERFACE
+
+    @property
+    def label(self) -> str:
+        """Its name, or its quantity and place."""
+        place = f"x = {self.x:.6g}" + ("" if self.y is None else f", y = {self.y:.6g}")
+        return self.name or f"{self.quantity} at {place}"
+
+    @property
+    def half_interval(self) -> Array:
+        """(n,) half the time between samples, a hundredth of the time itself of a lone one."""
+        if len(self.t) > 1:
+            return np.asarray(np.gradient(self.t) / 2)
+        return np.abs(self.t) / 100 + np.finfo(float).tiny
+
+
+def _numbers(name: str, given: ArrayLike) -> Array:
+    try:
+        return np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        raise SceneError(f"gauge: {name} must be numbers, got {shown(given)}.") from None
+
+
+def check_quantity(quantity: str, scene: Scene) -> None:
+    """Raise SceneError if a scene does not have a quantity."""
+    if quantity in FIELDS and _ALONG in quantity and not scene.antiplane:
+        raise SceneError(
+            f'gauge: {quantity} is zero in this scene; it takes one with mode="antiplane".'
+        )
+
+
+def component(quantity: str) -> tuple[str, int]:
+    """Which rows of `seen` a quantity is of, and which of them; of the interface the only one."""
+    if quantity in INTERFACE:
+        return quantity, 0
+    return quantity[0], _KINDS[quantity[0]][0].split().index(quantity[1:])
+
+
+def seen(solution: Solution, kind: str, x: Array, y: Array, t: Array) -> Array:
+    """(k, n) what gauges would see of a solution at n places and times.
+
+    Of a quantity of the interface, which does not look at y, or all components of "v", velocity,
+    "u", displacement, "s", stress, or "e", strain since t = 0.
+    """
+    if kind in INTERFACE:
+        return np.asarray(getattr(solution, kind)(x, t))[None]
+    if kind == "v":
+        return solution.velocity(x, y, t)
+    if kind == "u":
+        return solution.displacement(x, y, t)
+    stress = solution.stress(x, y, t)
+    if kind == "s":
+        return stress
+    return strain(stress - solution.stress(x, y, np.zeros_like(t)), solution.scene.material)

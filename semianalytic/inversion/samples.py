@@ -1,0 +1,189 @@
+"""All samples of all gauges in a row: what a solution has for them, and how that changes.
+
+Exactly with respect to parameters of the scene on the interface (`Solution.derivative`); by
+similarity with respect to modulus and density, which act through c_t and the impedance Z alone:
+with q the quantity, n = -1 for rates, motion and strain and 0 for tractions, and m = -1 for slip,
+displacement and strain, else 0,
+
+    dq/dln Z = n q ,   dq/dln c_t = m q + t dq/dt .
+
+With respect to parameters of the scene in the bodies there is no exact derivative: solutions are
+differenced there, centrally, with a step that balances their own error with its square.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.inversion.gauges import INTERFACE, QUANTITIES, Gauge, component, seen
+from semianalytic.inversion.unknowns import Setup
+from semianalytic.selfsimilar.derivative import Derivative
+from semianalytic.selfsimilar.solution import Solution
+
+CLOSE = 0.01
+"""Step of differences over time and place, over half the time between samples."""
+_MOTION = {"length / time", "length", "1"}
+_GROWN = {"length", "1"}
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """Samples of a kind: which, the first at each place and time, and which of these and which
+    component each is."""
+
+    part: np.ndarray
+    first: np.ndarray
+    which: np.ndarray
+    axis: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Those of gauges, n in all."""
+
+    gauges: tuple[Gauge, ...]
+
+    @cached_property
+    def values(self) -> Array:
+        """(n,) as they were recorded."""
+        return np.concatenate([one.values for one in self.gauges])
+
+    @cached_property
+    def noise(self) -> Array:
+        """(n,) standard deviations."""
+        return self._spread([one.noise for one in self.gauges])
+
+    @cached_property
+    def t(self) -> Array:
+        """(n,) times of the records."""
+        return np.concatenate([one.t for one in self.gauges])
+
+    @cached_property
+    def half(self) -> Array:
+        """(n,) half the times between samples."""
+        return np.concatenate([one.half_interval for one in self.gauges])
+
+    @cached_property
+    def places(self) -> tuple[Array, Array]:
+        """(n,) twice, x and y; 0 for y on the interface."""
+        return (
+            self._spread([one.x for one in self.gauges]),
+            self._spread([one.y or 0.0 for one in self.gauges]),
+        )
+
+    @cached_property
+    def groups(self) -> dict[str, np.ndarray]:
+        """Which samples are of a quantity."""
+        names = np.repeat([one.quantity for one in self.gauges], self._counts)
+        return {str(name): np.flatnonzero(names == name) for name in np.unique(names)}
+
+    @cached_property
+    def on_interface(self) -> np.ndarray:
+        """(n,) which are of the interface."""
+        return np.repeat([one.on_interface for one in self.gauges], self._counts)
+
+    @property
+    def _counts(self) -> list[int]:
+        return [len(one.t) for one in self.gauges]
+
+    def _spread(self, numbers: list[float | Array]) -> Array:
+        parts = zip(numbers, self._counts, strict=True)
+        return np.concatenate([np.broadcast_to(number, count) for number, count in parts])
+
+    def split(self, row: Array) -> tuple[Array, ...]:
+        """A row (n,), by gauge."""
+        return tuple(np.split(row, np.cumsum(self._counts)[:-1]))
+
+    def gain(self, setup: Setup) -> Array:
+        """(n,) by which records are too large."""
+        return self._spread([setup.gain_of(one) for one in self.gauges])
+
+    def of_gauge(self, name: str) -> Array:
+        """(n,) 1 for samples of gauges of that name, else 0."""
+        return self._spread([float(one.name == name) for one in self.gauges])
+
+    def clear(self, solution: Solution, setup: Setup) -> Array:
+        """(n,) times since the load at which derivatives are formed.
+
+        At an edge they are infinite, and what a sample tells of it ends where its neighbour
+        begins: nearer to an edge than half the time between samples they are taken at that
+        distance.
+        """
+        t, x = self.t - setup.t0, self.places[0] - setup.x0
+        clear, half = t.copy(), self.half
+        speeds = solution.edge_speeds
+        for speed in speeds[(speeds > 0) & np.isfinite(speeds)]:
+            since = t - x / speed
+            near = self.on_interface & (np.abs(since) < half)
+            clear[near] = (x / speed + np.where(since < 0, -half, half))[near]
+        return clear
+
+    def of(self, solution: Solution, setup: Setup, t: Array | None = None) -> Array:
+        """(n,) what gauges would have seen but for their gain; at other times (n,) since the load
+        if these are given."""
+        t = self.t - setup.t0 if t is None else t
+        result = self._recorded(solution, setup.x0, t)
+        lost = ~np.isfinite(result)
+        if lost.any():  # on a front: as it is a moment later
+            result[lost] = self._recorded(solution, setup.x0, t + CLOSE * self.half)[lost]
+        return np.nan_to_num(result)
+
+    def _recorded(self, solution: Solution, x0: float, t: Array) -> Array:
+        x, y = self.places[0] - x0, self.places[1]
+        result = np.empty(len(t))
+        for kind, look in self._looks.items():
+            rows = seen(solution, kind, x[look.first], y[look.first], t[look.first])
+            result[look.part] = rows[look.axis, look.which]
+        return result
+
+    @cached_property
+    def _looks(self) -> dict[str, _Look]:
+        """Of each kind that is recorded: components at one place and time are seen at once."""
+        kinds = [component(one.quantity) for one in self.gauges]
+        of_kind = np.repeat([kind for kind, _ in kinds], self._counts)
+        axes = np.repeat([axis for _, axis in kinds], self._counts)
+        at = np.stack([*self.places, self.t, self.half], axis=1)
+        looks = {}
+        for kind in np.unique(of_kind):
+            part = np.flatnonzero(of_kind == kind)
+            _, first, which = np.unique(at[part], axis=0, return_index=True, return_inverse=True)
+            looks[str(kind)] = _Look(part, part[first], np.ravel(which), axes[part])
+        return looks
+
+    def exact(self, derivative: Derivative, setup: Setup, t: Array) -> Array:
+        """(n,) derivatives with respect to a parameter of the scene on the interface; 0 off it."""
+        x, result = self.places[0] - setup.x0, np.zeros(len(t))
+        for name, part in self.groups.items():
+            if name in INTERFACE:
+                result[part] = getattr(derivative, name)(x[part], t[part])
+        return np.asarray(result)
+
+    def over_time(self, solution: Solution, setup: Setup, t: Array) -> Array:
+        """(n,) derivatives with respect to time at times since the load."""
+        step = CLOSE * self.half
+        later, earlier = (self.of(solution, setup, t + sign * step) for sign in (1, -1))
+        return np.asarray((later - earlier) / (2 * step))
+
+    def along_x(self, solution: Solution, setup: Setup, t: Array) -> Array:
+        """(n,) derivatives with respect to position."""
+        step = CLOSE * float(self.half.min()) * solution.scene.material.shear_speed
+        right, left = (
+            self.of(solution, replace(setup, x0=setup.x0 - sign * step), t) for sign in (1, -1)
+        )
+        return np.asarray((right - left) / (2 * step))
+
+    def over_moduli(self, solution: Solution, setup: Setup, t: Array) -> tuple[Array, Array]:
+        """(n,) twice, derivatives with respect to ln Z and ln c_t."""
+        seen = self.of(solution, setup, t)
+        by_speed = t * self.over_time(solution, setup, t)
+        by_impedance = np.zeros(len(t))
+        for name, part in self.groups.items():
+            if QUANTITIES[name] in _MOTION:
+                by_impedance[part] = -seen[part]
+            if QUANTITIES[name] in _GROWN:
+                by_speed[part] -= seen[part]
+        return by_impedance, by_speed

@@ -1,0 +1,160 @@
+"""Where sums of squares are least, of all places and not only near the first guess.
+
+chi2 rises where the edge of a slip zone passes a sample, so it has minima some standard errors
+apart, in a basin that may lie anywhere.  So a scan of the plausible ranges finds basins, least
+squares go down in the best of them, and from the lowest point on scans of its surroundings, as
+wide as the errors, find what is lower still.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.inversion.trials import Trials
+from semianalytic.inversion.unknowns import SOLVED
+
+SCENES = (1, 32, 96, 144)
+"""Scenes of a scan for no, one, two and more unknowns that take a solution."""
+FIELD_SHARE = 3
+"""As many times fewer where gauges are in the bodies, whose fields cost more."""
+SETUPS = (1, 7, 16)
+"""Trial values of the other unknowns in each of these scenes, by their number."""
+STARTS, NEAR_STARTS = 3, 2
+"""Of least squares after a scan, and after one of surroundings."""
+ROUNDS = 4
+WORTH = 0.3
+"""By how much chi2 must fall for one more round: a tenth of what parameters cost it."""
+NEARBY = 20
+"""Points of a scan of surroundings, by unknown."""
+SHORT = 9
+"""Solutions of least squares that need not end: the lowest are taken further."""
+REACH = 6.0
+"""Of it, in standard errors."""
+WIDEST = 0.1
+"""Most of a standard error that is scanned, in sizes."""
+APART = 0.5
+"""Distance of minima that count as two, in standard errors."""
+SETTLED = 1e-5
+"""Change of chi2, relative, that ends a search: a hundredth of what noise does."""
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """Where least squares ended.
+
+    Attributes
+    ----------
+    scaled : (p,) array, values over sizes
+    chi2 : float
+    jacobian : (n, p) array
+    converged : bool
+    """
+
+    scaled: Array
+    chi2: float
+    jacobian: Array
+    converged: bool
+
+    def distance(self, scaled: Array) -> float:
+        """Of other values, in standard errors as they are without noise from other parameters."""
+        return float(np.linalg.norm(self.jacobian @ (scaled - self.scaled)))
+
+
+def spread(count: int, dimensions: int) -> Array:
+    """(count, dimensions) points that fill the unit cube evenly, for any count: multiples of the
+    roots of x^(d+1) = x + 1, less whole numbers."""
+    root = 2.0
+    for _ in range(60):
+        root = (1 + root) ** (1 / (dimensions + 1))
+    steps = root ** -np.arange(1.0, dimensions + 1)
+    return np.asarray((0.5 + np.arange(1, count + 1)[:, None] * steps) % 1)
+
+
+def minima(trials: Trials) -> list[Minimum]:
+    """All that were come to, the lowest first."""
+    ends: list[Minimum] = []
+    for start in scan(trials):
+        _add(ends, descend(trials, start, SHORT))
+    for _ in range(ROUNDS):
+        lowest = ends[0].chi2
+        for start in surroundings(trials, ends[0]):
+            _add(ends, descend(trials, start, SHORT))
+        if ends[0].chi2 > lowest - WORTH:
+            break
+    if not ends[0].converged:
+        ends[0] = descend(trials, ends[0].scaled)
+    return ends
+
+
+def _add(ends: list[Minimum], end: Minimum) -> None:
+    """Of minima that are one, the lowest stays."""
+    near = [one for one in ends if one.distance(end.scaled) < APART]
+    if not near or end.chi2 < min(one.chi2 for one in near):
+        ends[:] = [one for one in ends if one not in near]
+        ends.append(end)
+    ends.sort(key=lambda one: one.chi2)
+
+
+def descend(trials: Trials, start: Array, most: int | None = None) -> Minimum:
+    """Least squares from a start, with so many solutions at most."""
+    from scipy.optimize import least_squares  # here, for `import semianalytic` is to be quick
+
+    low, high = trials.bounds
+    found = least_squares(
+        trials.misfit,
+        np.clip(start, low + 1e-9, high - 1e-9),
+        jac=trials.jacobian,
+        bounds=(low, high),
+        xtol=1e-9,
+        ftol=SETTLED,
+        gtol=SETTLED,
+        max_nfev=most,
+    )
+    return Minimum(found.x, float(2 * found.cost), np.asarray(found.jac), bool(found.success))
+
+
+def scan(trials: Trials) -> list[Array]:
+    """The best starts, of the plausible ranges and the first guess."""
+    low, high = trials.ranges
+    count, setups = _counts(trials)
+    if count * setups == 1:
+        return [trials.start]
+    points = low + (high - low) * spread(count * setups, len(low))
+    is_setup = np.array([name not in SOLVED for name in trials.unknowns.names])
+    for first in range(0, count * setups, setups):
+        points[first : first + setups, ~is_setup] = points[first, ~is_setup]
+    return _best(trials, [trials.start, *points], STARTS)
+
+
+def _counts(trials: Trials) -> tuple[int, int]:
+    """Scenes of a scan, and trial values of other unknowns in each."""
+    solved = sum(name in SOLVED for name in trials.unknowns.names)
+    other = len(trials.unknowns.names) - solved
+    count = SCENES[min(solved, len(SCENES) - 1)]
+    return max(count // _share(trials), 1), SETUPS[min(other, len(SETUPS) - 1)]
+
+
+def _share(trials: Trials) -> int:
+    """By which scans have fewer scenes."""
+    return 1 if trials.samples.on_interface.all() else FIELD_SHARE
+
+
+def surroundings(trials: Trials, end: Minimum) -> list[Array]:
+    """The best starts around a minimum, within `REACH` standard errors."""
+    p = len(end.scaled)
+    _, values, rows = np.linalg.svd(end.jacobian, full_matrices=False)
+    widths = 1 / np.maximum(values, 1 / WIDEST)
+    reach = REACH * max(1.0, np.sqrt(end.chi2 / max(len(end.jacobian) - p, 1)))
+    points = reach * (2 * spread(NEARBY * p // _share(trials), p) - 1)
+    around = np.clip(end.scaled + (points * widths) @ rows, *trials.bounds)
+    return _best(trials, list(around), NEAR_STARTS)
+
+
+def _best(trials: Trials, points: list[Array], count: int) -> list[Array]:
+    """The lowest of them, so many."""
+    squares = np.sum(np.square(trials.misfits(points)), axis=1)
+    order = [i for i in np.argsort(squares, kind="stable") if np.isfinite(squares[i])]
+    return [points[i] for i in order[:count]] or points[:1]

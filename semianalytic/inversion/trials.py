@@ -1,0 +1,234 @@
+"""Misfits of trial values, and how they change: what least squares ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
+from semianalytic.inversion.samples import Samples
+from semianalytic.inversion.unknowns import MATERIAL, SOLVED, Setup, Unknowns, has_similarity
+from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.derivative import PARAMETERS
+from semianalytic.selfsimilar.solution import Solution
+from semianalytic.selfsimilar.solver import solve
+
+STEPS = (1e-5, 1e-2)
+"""Least and largest step of differences of solutions, over the size of a parameter."""
+SWEPT = 1e-4
+"""Accuracy of sweeps."""
+_KEPT = 8
+"""Solutions that are kept."""
+
+
+@dataclass
+class Trials:
+    """Of unknowns in units of `sizes`; rows of misfits are samples, then priors.
+
+    Attributes
+    ----------
+    samples : Samples
+    unknowns : Unknowns
+    priors : mapping from names to Prior
+    rtol : float
+        Of solutions.
+    count : int
+        Solutions that were computed.
+    """
+
+    samples: Samples
+    unknowns: Unknowns
+    priors: Mapping[str, Prior]
+    rtol: float
+    count: int = 0
+    _known: dict[Scene, Solution] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def sizes(self) -> Array:
+        """(p,) by which unknowns are counted."""
+        return np.array([self.unknowns.size(name) for name in self.unknowns.names])
+
+    @cached_property
+    def start(self) -> Array:
+        """(p,) where the search begins, within the bounds."""
+        values = np.array([self.unknowns.value(name) for name in self.unknowns.names])
+        low, high = self.bounds
+        inside = 1e-9 * np.maximum(1.0, np.abs(values / self.sizes))
+        return np.clip(values / self.sizes, low + inside, high - inside)
+
+    @cached_property
+    def bounds(self) -> Array:
+        """(2, p) between which they may lie."""
+        pairs = []
+        for name in self.unknowns.names:
+            low, high = self.unknowns.bounds(name)
+            if name == "x0" and self.samples.on_interface.any():
+                high = float(self.samples.places[0][self.samples.on_interface].min()) * (1 - 1e-9)
+            prior = self.priors.get(name)
+            if isinstance(prior, Uniform):
+                low, high = max(low, prior.low), min(high, prior.high)
+            pairs.append((low, high))
+        return np.array(pairs).T / self.sizes
+
+    @cached_property
+    def ranges(self) -> Array:
+        """(2, p) where a search looks."""
+        pairs = []
+        for name in self.unknowns.names:
+            prior = self.priors.get(name)
+            pairs.append(self.unknowns.plausible(name) if prior is None else prior.range)
+        return np.clip(np.array(pairs).T / self.sizes, *self.bounds)
+
+    def at(self, scaled: Array) -> tuple[Scene, Setup]:
+        """Scene and set-up with values over `sizes`; raises as `Scene`."""
+        return self.unknowns.at((scaled * self.sizes).tolist())
+
+    def solution(self, scaled: Array) -> Solution:
+        """Solution of the scene with values over `sizes`; raises as `solve`."""
+        return self._solved(self.at(scaled)[0])
+
+    def _solved(self, scene: Scene) -> Solution:
+        if scene not in self._known:
+            self.count += 1
+            self._known[scene] = solve(scene, rtol=self.rtol)
+            for oldest in list(self._known)[:-_KEPT]:
+                del self._known[oldest]
+        return self._known[scene]
+
+    def misfit(self, scaled: Array) -> Array:
+        """(n,) of samples and priors, in standard deviations; infinite where there is no scene."""
+        try:
+            scene, setup = self.at(scaled)
+            solution = self._solved(scene)
+            return self.misfit_of(solution, setup, scaled)
+        except (SceneError, ComputationError):
+            return np.full(self.rows, np.inf)
+
+    def misfits(self, points: Sequence[Array]) -> Array:
+        """(m, n) of many values, not to be searched on: by a sweep where one answers them."""
+        of_scene = set(self.unknowns.names).intersection(SOLVED)
+        if not of_scene or of_scene - {"friction", "poisson_ratio"}:
+            return np.array([self.misfit(point) for point in points])
+        from semianalytic.sweeps.sweep import sweep  # here, for a quick import
+
+        rows = np.full((len(points), self.rows), np.inf)
+        ready: list[tuple[int, Scene, Setup]] = []
+        for number, point in enumerate(points):
+            with suppress(SceneError):
+                ready.append((number, *self.at(point)))
+        frictions = [scene.friction for _, scene, _ in ready]
+        ratios = [scene.material.poisson_ratio for _, scene, _ in ready]
+        answers = sweep(self.unknowns.scene, frictions, SWEPT, poisson_ratio=ratios)
+        for (number, _, setup), answer in zip(ready, answers, strict=True):
+            rows[number] = self.misfit_of(answer, setup, points[number])
+        return rows
+
+    def misfit_of(self, solution: Solution, setup: Setup, scaled: Array) -> Array:
+        """(n,) the same of a solution that is known."""
+        samples = self.samples
+        seen = samples.gain(setup) * samples.of(solution, setup)
+        known = [prior.misfit(value)[0] for _, prior, value in self._known_before(scaled)]
+        return np.concatenate([(seen - samples.values) / samples.noise, known])
+
+    @property
+    def rows(self) -> int:
+        """Of misfits: samples, and priors that are not uniform."""
+        return len(self.samples.t) + len(self._known_before(self.sizes))
+
+    def _known_before(self, scaled: Array) -> list[tuple[int, Normal | LogNormal, float]]:
+        """Priors that pull: number, prior and value of each unknown that has one."""
+        values = scaled * self.sizes
+        priors = (
+            (number, self.priors.get(name)) for number, name in enumerate(self.unknowns.names)
+        )
+        return [
+            (number, prior, float(values[number]))
+            for number, prior in priors
+            if isinstance(prior, Normal | LogNormal)
+        ]
+
+    def jacobian(self, scaled: Array) -> Array:
+        """(n, p) derivatives of the misfits."""
+        scene, setup = self.at(scaled)
+        solution, samples = self._solved(scene), self.samples
+        t = samples.clear(solution, setup)
+        columns = []
+        for number, name in enumerate(self.unknowns.names):
+            column = self._column(name, solution, setup, t)
+            if not name.startswith("gain"):
+                column = samples.gain(setup) * column
+            rows = np.zeros(self.rows)
+            rows[: len(t)] = column / samples.noise
+            for row, (which, prior, value) in enumerate(self._known_before(scaled)):
+                if which == number:
+                    rows[len(t) + row] = prior.misfit(value)[1]
+            columns.append(rows * self.sizes[number])
+        return np.stack(columns, axis=1)
+
+    def _column(self, name: str, solution: Solution, setup: Setup, t: Array) -> Array:
+        """(n,) derivatives of what gauges would see but for their gain; of gains with it."""
+        samples = self.samples
+        if name == "t0":
+            return -samples.over_time(solution, setup, t)
+        if name == "x0":
+            return -samples.along_x(solution, setup, t)
+        if name.startswith("gain"):
+            seen = samples.of(solution, setup, t)
+            if name == "gain":
+                return samples.gain(setup) / setup.gain * seen
+            lone = setup.gains.get(name.removeprefix("gain:"), 1.0)
+            return samples.of_gauge(name.removeprefix("gain:")) * samples.gain(setup) / lone * seen
+        if name in MATERIAL and has_similarity(solution.scene):
+            impedance, speed = samples.over_moduli(solution, setup, t)
+            value = getattr(solution.scene.material, name)
+            return (impedance + (speed if name == "shear_modulus" else -speed)) / (2 * value)
+        column = np.zeros(len(t))
+        if name in PARAMETERS and samples.on_interface.any():
+            column = samples.exact(solution.derivative(name), setup, t)
+        lacking = ~samples.on_interface if name in PARAMETERS else np.ones(len(t), dtype=bool)
+        if lacking.any():
+            column[lacking] = self.difference(name, solution, setup, t)[lacking]
+        return column
+
+    def difference(
+        self, name: str, solution: Solution, setup: Setup, t: Array, longer: float = 1.0
+    ) -> Array:
+        """(n,) derivatives with respect to a parameter of the scene, of differences of solutions.
+
+        Their errors over a step h are that of the solutions over h and about h^2: h is the cubic
+        root of the first, over the size of the parameter.
+        """
+        size = float(self.sizes[self.unknowns.names.index(name)])
+        step = longer * size * float(np.clip(np.cbrt(solution.error_estimate), *STEPS))
+        alone = Unknowns((name,), solution.scene, setup, self.unknowns.duration)
+        value, ends = alone.value(name), []
+        for moved in (value + step, value - step):
+            try:
+                ends.append((moved, self._solved(alone.at((moved,))[0])))
+            except SceneError:  # beyond what is a scene
+                ends.append((value, solution))
+        (above, later), (below, earlier) = ends
+        seen = [self.samples.of(one, setup, t) for one in (later, earlier)]
+        return np.asarray((seen[0] - seen[1]) / (above - below))
+
+    def difference_error(self, scaled: Array) -> float:
+        """Of derivatives in the bodies, by those of twice the step (Richardson's third of the
+        difference): its norm over theirs, the largest of all parameters; 0 without any."""
+        scene, setup = self.at(scaled)
+        lacking = ~self.samples.on_interface
+        solution, worst = self._solved(scene), 0.0
+        t = self.samples.clear(solution, setup)
+        for name in self.unknowns.names:
+            if name in PARAMETERS and lacking.any():
+                fine, coarse = (
+                    self.difference(name, solution, setup, t, longer)[lacking] for longer in (1, 2)
+                )
+                away, size = np.linalg.norm(fine - coarse) / 3, np.linalg.norm(fine)
+                worst = max(worst, float(away / size) if size else 0.0)
+        return worst

@@ -1,0 +1,200 @@
+"""What can be fitted: parameters of a scene, and of the set-up that recorded it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from semianalytic.inversion.gauges import Gauge
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import CoulombFriction, ViscousFriction
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.derivative import PARAMETERS, parameter
+
+MATERIAL = ("shear_modulus", "density")
+"""Of the scene; by similarity they change nothing but units."""
+SOLVED = (*PARAMETERS, *MATERIAL)
+"""All of the scene: another value takes another solution."""
+SETUP = ("t0", "x0", "gain")
+"""Not of the scene at all; "gain:NAME" is that of one gauge."""
+UNKNOWNS = (*SOLVED, *SETUP)
+DIMENSIONS: Mapping[str, str] = {
+    **dict.fromkeys(("base_pressure", "base_shear", "load_pressure", "load_shear"), "stress"),
+    "viscosity": "stress time / length",
+    "shear_modulus": "stress",
+    "density": "mass / length^3",
+    "t0": "time",
+    "x0": "length",
+}
+"""Their dimensions; others have none."""
+
+_TINY = 1e-3
+_LONE_GAIN = "gain:"
+
+
+@dataclass(frozen=True)
+class Setup:
+    """How records lie to the scene.
+
+    Attributes
+    ----------
+    t0 : float
+        Time of the records at which the load acts [time]: that of a trigger that came early.
+    x0 : float
+        Where the contact begins in the coordinates of the gauges [length].
+    gain : float
+        By which all records are too large.
+    gains : mapping
+        The same of single gauges, by name; both multiply.
+    """
+
+    t0: float = 0.0
+    x0: float = 0.0
+    gain: float = 1.0
+    gains: Mapping[str, float] = field(default_factory=dict)
+
+    def gain_of(self, gauge: Gauge) -> float:
+        """By which the record of a gauge is too large."""
+        return self.gain * self.gains.get(gauge.name, 1.0)
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """What is sought, in a scene and a set-up that hold all else.
+
+    Attributes
+    ----------
+    names : tuple of str
+    scene : Scene
+    setup : Setup
+    duration : float
+        Of the records [time].
+    """
+
+    names: tuple[str, ...]
+    scene: Scene
+    setup: Setup
+    duration: float
+
+    def value(self, name: str) -> float:
+        """Where the search begins."""
+        if name in PARAMETERS:
+            return parameter(self.scene, name)
+        if name in MATERIAL:
+            return float(getattr(self.scene.material, name))
+        if name in SETUP:
+            return float(getattr(self.setup, name))
+        return self.setup.gains.get(name.removeprefix(_LONE_GAIN), 1.0)
+
+    def at(self, values: Sequence[float]) -> tuple[Scene, Setup]:
+        """Scene and set-up with these values; raises as `Scene`."""
+        scene, setup = self.scene, self.setup
+        tractions: dict[str, dict[str, float]] = {"base": {}, "load": {}}
+        for name, value in zip(self.names, map(float, values), strict=True):
+            part, _, kind = name.partition("_")
+            if part in tractions:
+                tractions[part][kind] = value
+            elif name in SOLVED:
+                scene = with_parameter(scene, name, value)
+            elif name in SETUP:
+                setup = _with_setup(setup, name, value)
+            else:
+                gains = {**setup.gains, name.removeprefix(_LONE_GAIN): value}
+                setup = replace(setup, gains=gains)
+        changed = {part: replace(getattr(scene, part), **new) for part, new in tractions.items()}
+        return replace(scene, **changed), setup
+
+    def size(self, name: str) -> float:
+        """By which an unknown is counted: itself, or what it would be to matter."""
+        return max(abs(self.value(name)), self._least(name))
+
+    def _least(self, name: str) -> float:
+        scene = self.scene
+        if name in ("friction", "poisson_ratio"):
+            return 0.1
+        if name == "viscosity":
+            return 0.1 * scene.material.shear_impedance
+        if name == "t0":
+            return 0.1 * self.duration
+        if name == "x0":
+            return 0.1 * self.duration * scene.material.shear_speed
+        return 0.1 * self._stress if name in PARAMETERS else 0.0
+
+    @property
+    def _stress(self) -> float:
+        """The largest traction of the scene [stress]."""
+        parts = (self.scene.base, self.scene.load)
+        return max(abs(one) for part in parts for one in (part.pressure, part.shear)) or 1.0
+
+    def bounds(self, name: str) -> tuple[float, float]:
+        """Between which values it may lie."""
+        if name == "poisson_ratio":
+            return -0.95, 0.499
+        if name in ("friction", "base_pressure", "viscosity"):
+            return 0.0, float("inf")
+        if name in MATERIAL or name.startswith("gain"):
+            return _TINY * self.size(name), float("inf")
+        return float("-inf"), float("inf")
+
+    def plausible(self, name: str) -> tuple[float, float]:
+        """Where a search looks that knows no more."""
+        value = self.value(name)
+        if name == "friction":
+            return 0.02, max(1.2, 1.5 * value)
+        if name == "poisson_ratio":
+            return (0.02, 0.48) if value >= 0 else (-0.9, 0.48)
+        if name == "viscosity":
+            return 0.0, 4 * self.size(name)
+        if name in MATERIAL:
+            return 0.6 * value, 1.6 * value
+        if name.startswith("gain"):
+            return 0.5 * value, 2 * value
+        if name in SETUP:
+            return value - 2 * self._least(name), value + 2 * self._least(name)
+        if not value:
+            return (0.0 if name == "base_pressure" else -self._stress), self._stress
+        low, high = sorted((value / 3, 2.5 * value))
+        return low, high
+
+
+def _with_setup(setup: Setup, name: str, value: float) -> Setup:
+    if name == "t0":
+        return replace(setup, t0=value)
+    return replace(setup, x0=value) if name == "x0" else replace(setup, gain=value)
+
+
+def with_parameter(scene: Scene, name: str, value: float) -> Scene:
+    """A scene with another value of one of its parameters."""
+    if name == "friction":
+        return replace(scene, friction=value)
+    if name in ("poisson_ratio", *MATERIAL):
+        return replace(scene, material=replace(scene.material, **{name: value}))
+    if name == "viscosity":
+        return replace(scene, friction_law=ViscousFriction(value))
+    part, kind = name.split("_")
+    return replace(scene, **{part: replace(getattr(scene, part), **{kind: value})})
+
+
+def has_similarity(scene: Scene) -> bool:
+    """Whether modulus and density are in its units only, and in no friction law."""
+    return type(scene.friction_law) is CoulombFriction
+
+
+def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene) -> None:
+    """Raise SceneError for what cannot be fitted."""
+    called = {one.name for one in gauges} - {""}
+    for name in names:
+        if isinstance(name, str) and name.startswith(_LONE_GAIN):
+            if name.removeprefix(_LONE_GAIN) not in called:
+                known = ", ".join(sorted(called)) or "none of them has a name"
+                raise SceneError(f"fit: {shown(name)} is of no gauge; their names: {known}.")
+        elif name not in UNKNOWNS:
+            known = ", ".join(UNKNOWNS)
+            raise SceneError(
+                f"fit: parameters must be among {known} and gain:NAME, got {shown(name)}."
+            )
+    if "viscosity" in names and not parameter(scene, "viscosity"):
+        raise SceneError("fit: viscosity needs ViscousFriction of a positive viscosity in scene.")
+    if not names or len(set(names)) < len(names):
+        raise SceneError("fit: name at least one parameter, and each of them once.")

@@ -1,0 +1,58 @@
+"""What the numbers of a scene are: dimension and meaning of each, for files, units and help."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import Field, fields
+from typing import Any, NamedTuple
+
+from semianalytic.scene.friction import FrictionLaw
+from semianalytic.scene.loads import LoadHistory
+
+
+class Parameter(NamedTuple):
+    """Dimension, as in `semianalytic.scene.units`, "" for words; and what it means."""
+
+    dimension: str
+    meaning: str
+
+
+MATERIAL: Mapping[str, Parameter] = {
+    "shear_modulus": Parameter("stress", "shear modulus, positive"),
+    "density": Parameter("mass / length^3", "mass density, positive"),
+    "poisson_ratio": Parameter("1", "Poisson ratio, between -1 and 0.5"),
+}
+TRACTIONS: Mapping[str, Parameter] = {
+    "pressure": Parameter("stress", "pressure, positive in compression"),
+    "shear": Parameter("stress", "shear traction, either sign"),
+}
+_OF_PARTS: Mapping[str, Parameter] = {
+    "rise_time": Parameter("time", "in which it rises evenly from 0 to 1"),
+    "duration": Parameter("time", "after which it is over"),
+    "shape": Parameter("", "rectangle, triangle, half-sine or haversine"),
+    "frequency": Parameter("1 / time", "cycles per time"),
+    "t": Parameter("time", "increasing; a time given twice is a jump"),
+    "value_at_t": Parameter("1", "values there, straight lines between"),
+    "viscosity": Parameter("stress time / length", "strength over relative slip rate, 0 or more"),
+    "reduction": Parameter("1", "part of friction that is lost, 0 to 1"),
+    "rate": Parameter("length / time", "relative slip rate at which half of that is lost"),
+    "distance": Parameter("length", "accumulated slip over which it is lost"),
+}
+
+
+def part_parameters(kind: type[LoadHistory] | type[FrictionLaw]) -> dict[str, Parameter]:
+    """Parameters of a class of load histories or friction laws, by name.
+
+    Those of a package of your own say what they are in the metadata of their fields, as in
+    ``field(metadata={"dimension": "length", "meaning": "..."})``; else they are taken for "1".
+    """
+    described: tuple[Field[Any], ...] = fields(kind)  # type: ignore[arg-type]
+    return {one.name: _parameter(one) for one in described}
+
+
+def _parameter(field: Field[Any]) -> Parameter:
+    ours = _OF_PARTS.get(field.name, Parameter("1", ""))
+    return Parameter(
+        str(field.metadata.get("dimension", ours.dimension)),
+        str(field.metadata.get("meaning", ours.meaning)),
+    )

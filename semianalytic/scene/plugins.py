@@ -1,0 +1,202 @@
+"""What installed packages bring beside ours: scenes, friction laws, load histories, figures.
+
+A package names them by entry points (docs/extending.md).  They are looked for only where a name is
+none of ours, so that ours cannot be replaced; what is in a package is imported when it is used.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, is_dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import PluginError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+SCENES, LAWS, HISTORIES, FIGURES = GROUPS = (
+    "slipfront.scenes",
+    "slipfront.laws",
+    "slipfront.histories",
+    "slipfront.figures",
+)
+"""Of entry points."""
+
+_NOUNS = {SCENES: "scene", LAWS: "friction law", HISTORIES: "load history", FIGURES: "figure"}
+
+
+@dataclass(frozen=True)
+class Plugin:
+    """One thing that a package brings.
+
+    Attributes
+    ----------
+    group : str
+        Of `GROUPS`.
+    name, package : str
+    """
+
+    group: str
+    name: str
+    package: str
+    entry: EntryPoint
+
+    @property
+    def noun(self) -> str:
+        """What it is, in a word or two."""
+        return _NOUNS[self.group]
+
+    @property
+    def what(self) -> str:
+        """Its name and that of its package, for messages."""
+        return f"the {self.noun} {self.name!r} of the package {self.package}"
+
+    def load(self) -> Any:
+        """What the entry point names.
+
+        Raises
+        ------
+        PluginError
+            If it cannot be imported.
+        """
+        return self.guarded("cannot be imported", self.entry.load)
+
+    def guarded(self, failing: str, run: Callable[[], Any]) -> Any:
+        """What a function of the package returns.
+
+        Raises
+        ------
+        PluginError
+            Whatever the function raises; `failing` says what went wrong.
+        """
+        try:
+            return run()
+        except (Exception, SystemExit) as error:
+            reason = f"{type(error).__name__}: {' '.join(str(error).split())}"
+            raise self.error(f"{failing} ({reason})") from error
+
+    def error(self, failing: str) -> PluginError:
+        """What is wrong with it, and what to do."""
+        return PluginError(
+            f"{self.what[0].upper()}{self.what[1:]} {failing}; mend or uninstall that package."
+        )
+
+
+@cache
+def plugins(group: str) -> tuple[Plugin, ...]:
+    """What installed packages bring in a group, in the order of names; nothing is imported."""
+    from importlib.metadata import entry_points
+
+    brought = (
+        Plugin(group, entry.name, entry.dist.name if entry.dist else "?", entry)
+        for entry in entry_points(group=group)
+    )
+    return tuple(sorted(brought, key=lambda one: (one.name, one.package)))
+
+
+def plugin_names(group: str, own: Collection[str] = ()) -> list[str]:
+    """Names in a group that are none of ours."""
+    return [name for name in dict.fromkeys(one.name for one in plugins(group)) if name not in own]
+
+
+def find_plugin(group: str, name: str) -> Plugin | None:
+    """What a name stands for in a group; None if no package has it.
+
+    Raises
+    ------
+    PluginError
+        If two packages bring one of that name.
+    """
+    named = [one for one in plugins(group) if one.name == name]
+    if len(named) > 1:
+        packages = " and ".join(one.package for one in named)
+        raise PluginError(
+            f"The packages {packages} each bring a {_NOUNS[group]} called {name!r}; uninstall all "
+            "but one of them."
+        )
+    return named[0] if named else None
+
+
+def known_class(group: str, base: type, own: Mapping[str, type], kind: str) -> type | None:
+    """The class that a kind stands for: one of ours, or of a package; None if there is none.
+
+    Parameters
+    ----------
+    group : str
+        `LAWS` or `HISTORIES`.
+    base : type
+        What a class of a package must inherit.
+    own : mapping from kind to class
+        Ours.
+    kind : str
+
+    Raises
+    ------
+    PluginError
+        If the class of a package is not what solvers need.
+    """
+    if kind in own:
+        return own[kind]
+    plugin = find_plugin(group, kind)
+    if plugin is None:
+        return None
+    described: type = plugin.load()
+    for failing in _failings(described, base, own.values()):
+        raise plugin.error(failing)
+    return described
+
+
+def kind_of(group: str, base: type, own: Mapping[str, type], described: type) -> str | None:
+    """The kind that a class goes by, the reverse of `known_class`; None if it has none."""
+    for kind, known in own.items():
+        if known is described:
+            return kind
+    return _kind_brought(group, base, tuple(own.items()), described)
+
+
+@cache
+def _kind_brought(
+    group: str, base: type, own: tuple[tuple[str, type], ...], described: type
+) -> str | None:
+    for plugin in plugins(group):
+        try:
+            named = plugin.load() is described
+        except PluginError:
+            continue  # of another package, which this one need not suffer for
+        if named and known_class(group, base, dict(own), plugin.name) is described:
+            return plugin.name
+    return None
+
+
+def _failings(described: Any, base: type, own: Collection[type]) -> Iterator[str]:
+    """What a class of a package lacks, in words that go behind its name."""
+    if not (isinstance(described, type) and issubclass(described, base)):
+        yield f"must be a class that inherits {base.__name__}, not {shown(described)}"
+        return
+    if ours := [one.__name__ for one in described.__mro__ if one in own]:
+        yield f"must inherit {base.__name__} itself, not {ours[0]}, whose solvers know it by heart"
+    asked: frozenset[str] = getattr(described, "__abstractmethods__", frozenset())
+    if asked:
+        yield f"lacks {', '.join(sorted(asked))}"
+    if not (is_dataclass(described) and described.__dataclass_params__.frozen):  # type: ignore[attr-defined]
+        yield "must be a dataclass with frozen=True"
+    for parent in described.__mro__[1:]:
+        for name in getattr(parent, "__abstractmethods__", ()):
+            if not _same_arguments(getattr(described, name), getattr(parent, name)):
+                arguments = ", ".join(list(inspect.signature(getattr(parent, name)).parameters)[1:])
+                yield f"must take the arguments ({arguments}) in {name}"
+
+
+def _same_arguments(method: Any, asked: Any) -> bool:
+    """Whether a method can be called as the one it stands for; values need not be methods."""
+    if not callable(asked):
+        return True
+    try:
+        inspect.signature(method).bind(*inspect.signature(asked).parameters)
+    except TypeError:
+        return False
+    return True

@@ -1,0 +1,213 @@
+"""A scene as a TOML file to start from: every parameter with its unit and what it means."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from decimal import Decimal
+from typing import Any, TypeVar
+
+import numpy as np
+
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.friction import (
+    CoulombFriction,
+    FrictionLaw,
+    RateWeakening,
+    SlipWeakening,
+    ViscousFriction,
+)
+from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.parameters import MATERIAL, TRACTIONS, Parameter, part_parameters
+from semianalytic.scene.scene import (
+    Material,
+    Scene,
+    Tractions,
+    part_document,
+    scene_document,
+)
+from semianalytic.scene.units import SI, unit
+
+Part = TypeVar("Part", LoadHistory, FrictionLaw)
+
+SI_SOLID, SI_STRESS = (1e9, 1000.0), 1e6
+"""Shear modulus [Pa] and density [kg/m^3] that stand for 1, near those of polymers, in which shear
+waves take a millisecond for a metre; and the traction that stands for 1 [Pa]."""
+
+_HISTORIES: tuple[LoadHistory, ...] = (
+    Step(),
+    Ramp(0.5),
+    Pulse(0.4, "triangle"),
+    Harmonic(3.0),
+    Tabulated((0.0, 0.2, 1.0), (0.0, 1.0, 0.5)),
+)
+_LAWS: tuple[FrictionLaw, ...] = (
+    CoulombFriction(),
+    ViscousFriction(0.1),
+    RateWeakening(0.2, 1.0),
+    SlipWeakening(0.5, 0.05),
+)
+"""Examples in units mu = rho = 1, under tractions of 1."""
+_SAYINGS: Mapping[type, str] = {
+    Step: "on at t = 0, and stays",
+    Ramp: "rises evenly, then stays",
+    Pulse: "comes and goes",
+    Harmonic: "sin(2 pi frequency t)",
+    Tabulated: "given at some times, straight between",
+    CoulombFriction: "constant, f p",
+    ViscousFriction: "f p + viscosity |V|",
+    RateWeakening: "f p (1 - reduction |V| / (|V| + rate))",
+    SlipWeakening: "f p (1 - reduction min(slip / distance, 1))",
+}
+
+
+def in_si_units(scene: Scene) -> Scene:
+    """A scene of unit modulus and density as a solid of `SI_SOLID` under tractions in `SI_STRESS`.
+
+    Slips at the same x / (c_t t), with times over a metre as they were over a length of 1.
+
+    Raises
+    ------
+    SceneError
+        If the scene is in other units, or a parameter has a dimension that is not known.
+    """
+    if scene.units == SI:
+        return scene
+    material = scene.material
+    if (material.shear_modulus, material.density) != (1.0, 1.0):
+        raise SceneError(
+            "only scenes of unit shear modulus and density can be turned into SI units; take "
+            "another scene, or leave the units out."
+        )
+    solid = Material(*SI_SOLID, material.poisson_ratio)
+    scales = _scales(solid, SI_STRESS)
+    base, load = (
+        Tractions(SI_STRESS * one.pressure, SI_STRESS * one.shear)
+        for one in (scene.base, scene.load)
+    )
+    return Scene(
+        solid,
+        scene.friction,
+        base,
+        load,
+        pressure_history=_scaled(scene.pressure_history, scales),
+        shear_history=_scaled(scene.shear_history, scales),
+        friction_law=_scaled(scene.friction_law, scales),
+        mode=scene.mode,
+        units=SI,
+    )
+
+
+def scene_text(scene: Scene, origin: str = "") -> str:
+    """A scene as a TOML file with comments; other laws and histories stand in comments.
+
+    `find_scene` of the file is the scene again.
+
+    Parameters
+    ----------
+    scene : Scene
+    origin : str
+        Where it comes from, for the first line.
+    """
+    return "\n".join(_lines(scene, origin)) + "\n"
+
+
+def _lines(scene: Scene, origin: str) -> Iterator[str]:
+    document = scene_document(scene)
+    yield f"# A scene of slipfront{origin and f', made from {origin}'}: slipfront solve FILE."
+    yield "# Contact on y = 0, x > 0, an open slot on x < 0; the load comes at t = 0."
+    yield ""
+    yield '# "SI": m, s, kg and Pa. Left out: any consistent set of units.'
+    yield ("" if scene.units else "# ") + f'units = "{SI}"'
+    yield f'mode = "{scene.mode}"  # in-plane: shear and slip along x; antiplane: along z, the edge'
+    yield f"friction = {_value(scene.friction)}  # Coulomb friction coefficient f, 0 or more"
+    for table, said, parameters in (
+        ("material", "of both bodies", MATERIAL),
+        ("base", "in place before the load, on the whole line y = 0", TRACTIONS),
+        ("load", "taken off the slot faces; where equal to base, it comes from afar", TRACTIONS),
+    ):
+        yield f"\n[{table}]  # {said}"
+        yield from _values(document[table], parameters, scene.units)
+    yield "\n[pressure_history]  # how the pressure of the load comes, over time"
+    yield from _part(scene, scene.pressure_history, _HISTORIES)
+    yield "\n[shear_history]  # how the shear of the load comes, over time"
+    yield from _part(scene, scene.shear_history, _HISTORIES)
+    yield "\n[friction_law]  # strength of what slips at V under the pressure p"
+    yield from _part(scene, scene.friction_law, _LAWS)
+    yield "\n# [lower_material]  # where it is another solid: for slipfront simulate alone"
+    for line in _values(document["material"], MATERIAL, scene.units):
+        yield f"# {line}"
+
+
+def _part(scene: Scene, own: Part, examples: tuple[Part, ...]) -> Iterator[str]:
+    """A history or law as the scene has it, and behind it the others in comments."""
+    yield from _kind(own, scene.units)
+    scales = _scales(scene.material, _largest(scene))
+    for example in examples:
+        if type(example) is not type(own):
+            for line in _kind(_scaled(example, scales, digits=3), scene.units):
+                yield f"# {line}"
+
+
+def _kind(part: LoadHistory | FrictionLaw, units: str) -> Iterator[str]:
+    saying = Parameter("", _SAYINGS.get(type(part), ""))
+    yield from _values(part_document(part), {"kind": saying, **part_parameters(type(part))}, units)
+
+
+def _values(
+    values: Mapping[str, Any], parameters: Mapping[str, Parameter], units: str
+) -> Iterator[str]:
+    """Lines of a table, each value with what it means and its unit behind."""
+    for name, value in values.items():
+        dimension, meaning = parameters[name]
+        measure = "" if dimension in ("", "1") else f"[{unit(dimension, units)}]"
+        note = " ".join(filter(None, (meaning, measure)))
+        yield f"{name} = {_value(value)}" + (f"  # {note}" if note else "")
+
+
+def _value(value: Any) -> str:
+    """A value as TOML has it; large and small numbers as short as they can be."""
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if not isinstance(value, float):
+        return str(value).lower()
+    if 1e-3 <= abs(value) < 1e5:
+        return repr(value)
+    mantissa, _, exponent = f"{Decimal(repr(value)).normalize():e}".partition("e")
+    short = f"{mantissa}e{int(exponent)}"
+    return min(repr(value), short, key=len)
+
+
+def _largest(scene: Scene) -> float:
+    """Largest traction of a scene [stress], 1 if there is none."""
+    tractions = (scene.load, scene.base)
+    return max(max(abs(one.pressure), abs(one.shear)) for one in tractions) or 1.0
+
+
+def _scales(material: Material, stress: float) -> dict[str, float]:
+    """What 1 stands for in a solid under a traction, by dimension; lengths are slips."""
+    speed, impedance = material.shear_speed, material.shear_impedance
+    return {
+        "1": 1.0,
+        "time": 1 / speed,
+        "1 / time": speed,
+        "length": stress / material.shear_modulus,
+        "length / time": stress / impedance,
+        "stress time / length": impedance,
+        "stress": stress,
+    }
+
+
+def _scaled(part: Part, scales: Mapping[str, float], digits: int = 15) -> Part:
+    """A history or law of units mu = rho = 1 in those that the scales are of, rounded."""
+    values: dict[str, Any] = {}
+    for name, (dimension, _) in part_parameters(type(part)).items():
+        if dimension and dimension not in scales:
+            raise SceneError(f"{name} is in {dimension}, which cannot be turned into other units.")
+        if dimension:
+            value = np.multiply(scales[dimension], getattr(part, name))
+            rounded = np.array([float(f"{one:.{digits}g}") for one in value.ravel()])
+            values[name] = rounded.reshape(value.shape).tolist()
+    return replace(part, **values)  # type: ignore[type-var]

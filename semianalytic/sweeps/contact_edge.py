@@ -1,0 +1,142 @@
+"""What many solutions show at the contact edge, evaluated together where they have like zones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+
+from semianalytic.cut.layout import Zone
+from semianalytic.cut.load import common_load, per_set, scaled_load
+from semianalytic.cut.profile import Profile
+from semianalytic.cut.zones import ZoneFields
+from semianalytic.halfplane.families import RayleighFamily, rayleigh_family
+from semianalytic.halfplane.rayleigh import Array, CutPoints
+from semianalytic.halfplane.rules import rule_for
+from semianalytic.halfplane.stuck import stress_intensity
+from semianalytic.scene.friction import CoulombFriction
+from semianalytic.scene.scene import Tractions
+from semianalytic.selfsimilar.solution import Solution
+from semianalytic.sweeps import tuning
+
+
+def at_contact_edge(solutions: Sequence[Solution]) -> tuple[Array, Array]:
+    """Slip rate and stress intensities at the contact edge of solutions of one load.
+
+    Parameters
+    ----------
+    solutions : (n,) sequence
+        Of scenes that differ in friction and Poisson ratio alone.
+
+    Returns
+    -------
+    slip_rate : (n,) array
+        Relative slip rate at x -> 0+ [length / time], as `Solution.edge_slip_rate`.
+    intensity : (n, 2) array
+        Stress intensities at unit time [stress sqrt(length)], as `Solution.stress_intensity`.
+    """
+    rate, intensity = np.zeros(len(solutions)), np.zeros((len(solutions), 2))
+    like: dict[tuple, list[int]] = {}
+    for i, solution in enumerate(solutions):
+        if _shares(solution):
+            like.setdefault(_key(solution), []).append(i)
+        else:
+            rate[i], intensity[i] = solution.edge_slip_rate, solution.stress_intensity(1.0)
+    for places in like.values():
+        some = [solutions[i] for i in places]
+        family = rayleigh_family(np.array([s.scene.material.poisson_ratio for s in some]))
+        for part in _batches(some, family):
+            chosen = [some[j] for j in part]
+            at = np.array(places)[part]
+            rate[at], intensity[at] = _together(chosen, family.chosen(part))
+    return rate, intensity
+
+
+def _shares(solution: Solution) -> bool:
+    """Whether its fields can be evaluated along with those of others."""
+    scene, load = solution.scene, solution.profile.fields.load
+    coulomb = type(scene.friction_law) is CoulombFriction and scene.shear_mode == "II"
+    return coulomb and not (load.frictionless or load.opened)
+
+
+def _edges(zones: Iterable[Zone]) -> list[CutPoints]:
+    """Edges of zones that are not at an end of the cut."""
+    return [p for zone in zones for p in (zone.left, zone.right) if p is not None]
+
+
+def _key(solution: Solution) -> tuple:
+    """What solutions on common panels have alike: kinds of zones, on which side of all fronts and
+    cuts their edges are, and the front that they are close to."""
+    fields = solution.profile.fields
+    kinds = tuple(
+        (zone.sense, zone.inward, zone.held, zone.left is None, zone.right is None)
+        for zone in fields.zones
+    )
+    places = [
+        (
+            *(p.first[i] > 0 for i in (2, 3)),
+            *(p.first_below(cut) for cut in fields.factors.cuts),
+            p.nearest if abs(p.first[p.nearest]) < tuning.CLOSE_TO_FRONT else 0,
+        )
+        for p in _edges(fields.zones)
+    ]
+    return (*kinds, *places, len(fields.factors.cuts))
+
+
+def _batches(solutions: Sequence[Solution], family: RayleighFamily) -> Iterator[np.ndarray]:
+    """Places of solutions of one key: as many together as fill the cache, like panels together."""
+    tolerance = [solution.profile.fields.rule.tolerance for solution in solutions]
+    gap = [
+        min((abs(p.first[3]) for p in _edges(solution.profile.fields.zones)), default=1.0)
+        for solution in solutions
+    ]
+    digits = 2 - np.log(tolerance)
+    nodes = digits * (2 * digits - np.log(np.minimum(gap, 1.0)))
+    panels = len(_edges(solutions[0].profile.fields.zones)) + 2
+    hiding = family.hiding[: len(solutions)]
+    for kind in np.unique(hiding):
+        some = np.flatnonzero(hiding == kind)
+        some = some[np.argsort(nodes[some], kind="stable")]
+        size = np.cumsum(panels * nodes[some]) / tuning.PLANE_BATCH
+        yield from np.split(some, np.flatnonzero(np.diff(size.astype(int))) + 1)
+
+
+def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Array, Array]:
+    """Slip rates (k,) and intensities (k, 2) of solutions that may share panels."""
+    first, scenes = solutions[0], [solution.scene for solution in solutions]
+    unit = scaled_load(scenes[0])[1]
+    every = [solution.profile.fields for solution in solutions]
+    zones = tuple(
+        Zone(*ends, zone.sense, zone.inward, zone.held)
+        for zone, ends in zip(
+            every[0].zones, _stacked([fields.zones for fields in every]), strict=True
+        )
+    )
+    rule = rule_for(min(fields.rule.tolerance for fields in every))
+    profile = Profile(ZoneFields(family, common_load(scenes, unit), zones, rule))
+    ones = Tractions(1.0, 1.0)
+    unit_step = np.array([stress_intensity(s.material, ones, 1.0) for s in scenes])
+    mode_one = first.scene.load.pressure * unit_step[:, 0] + 0.0
+    if not profile.edge_slips:
+        sheared = unit * profile.edge_intensity * unit_step[:, 1] + 0.0
+        return np.zeros(len(scenes)), np.stack([mode_one, sheared], axis=1)
+    value = profile.starts[0][-1] + profile.rate_integral.totals[-1]
+    over = np.array([2 * unit / scene.material.shear_impedance for scene in scenes])
+    friction = per_set(np.array([[scene.friction] for scene in scenes]))
+    held = profile.panels.sense[-1] * friction * mode_one + 0.0
+    return over * value, np.stack([mode_one, held], axis=1)
+
+
+def _stacked(
+    sets: Sequence[tuple[Zone, ...]],
+) -> Iterator[tuple[CutPoints | None, CutPoints | None]]:
+    """Ends of each zone for k sets of like zones, (k, 1)."""
+    for same in zip(*sets, strict=True):
+        left, right = [zone.left for zone in same], [zone.right for zone in same]
+        yield _column(left), _column(right)
+
+
+def _column(points: Sequence[CutPoints | None]) -> CutPoints | None:
+    """Points of several sets, (k, 1); None where they are an end of the cut."""
+    parts = [point.parts for point in points if point is not None]
+    return CutPoints(np.stack(parts, axis=1)) if parts else None

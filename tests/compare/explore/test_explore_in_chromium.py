@@ -1,0 +1,155 @@
+"""The page of `slipfront explore` in a browser: it follows sliders, address and buttons."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+
+import pytest
+
+PICTURES = """
+JSON.stringify(["rate", "tractions", "field"].map((name) =>
+  Bokeh.documents[0].get_model_by_name(name).renderers.map((one) =>
+    String(Object.values(one.data_source.data).map((column) => [...column])).slice(0, 4000))))
+"""
+WIDER = """
+[...document.querySelectorAll('*')].filter((one) =>
+  one.getBoundingClientRect().right > innerWidth + 1 && !one.closest('pre')).length
+"""
+
+
+@pytest.fixture(scope="module")
+def address():
+    """Of a server of the default scene, as the command starts it."""
+    command = "import sys; from compare.cli.entry import main; sys.exit(main())"
+    arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout is not None
+        yield server.stdout.readline().split()[1]
+        server.terminate()
+        assert server.wait(30) == 143
+
+
+@pytest.fixture
+def page(browser, address):
+    browser.open(address, 1280)
+    _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
+    return browser
+
+
+def _until(browser, expression, seconds=60.0):
+    """Wait until an expression of JavaScript is true."""
+    limit = time.monotonic() + seconds
+    while not browser.value(f"Boolean({expression})"):
+        assert time.monotonic() < limit, f"{expression} never came"
+        time.sleep(0.05)
+
+
+def _errors(browser, address):
+    """Exceptions, errors and warnings of the console, and requests for what is elsewhere."""
+    bad = []
+    for event in browser.events:
+        of = event["params"]
+        kind = of.get("type") or of.get("entry", {}).get("level")
+        url = of["request"]["url"] if event["method"] == "Network.requestWillBeSent" else address
+        elsewhere = not url.startswith((address, "data:", "blob:"))
+        if (
+            event["method"] == "Runtime.exceptionThrown"
+            or kind in ("error", "warning")
+            or elsewhere
+        ):
+            bad.append(of)
+    return bad
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_it_loads_without_errors_and_fits(browser, address, width):
+    browser.open(address, width)
+    _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
+    _until(browser, "!document.getElementById('pictures').classList.contains('late')")
+    assert browser.value("document.documentElement.scrollWidth") <= width
+    assert browser.value(WIDER) == 0
+    assert "converged" in browser.value("document.getElementById('status').textContent")
+    assert "sf.Scene" in browser.value("document.getElementById('program').textContent")
+    assert _errors(browser, address) == []
+
+
+def test_every_control_has_a_label(page):
+    assert page.value(
+        "[...document.querySelectorAll('form input, form select')]"
+        ".every((one) => one.labels.length && one.labels[0].textContent.trim())"
+    )
+
+
+def test_a_slider_moved_by_keys_changes_the_pictures_and_the_address(page):
+    before, address = page.value(PICTURES), page.value("location.search")
+    page.value("document.getElementById('friction').focus()")
+    for _ in range(5):
+        page.press("ArrowRight", 39)
+    _until(page, "location.search.includes('friction=0.35')")
+    _until(page, "!document.getElementById('pictures').classList.contains('late')")
+    after = page.value(PICTURES)
+    assert after != before
+    assert page.value("location.search") != address
+    page.value("history.back()")
+    _until(page, "document.getElementById('friction').value == '0.3'")
+    _until(page, f"({PICTURES.strip()}) === {before!r}")
+    page.value("history.forward()")
+    _until(page, "document.getElementById('friction').value == '0.35'")
+
+
+@pytest.mark.slow
+def test_a_law_shows_its_own_controls_and_is_marched_with_a_bar(page):
+    hidden = "document.querySelector('[data-name=distance]').hasAttribute('data-hidden')"
+    assert page.value(hidden)
+    page.value(
+        "law = document.getElementById('law'); law.value = 'slip-weakening';"
+        "law.dispatchEvent(new Event('input', {bubbles: true}))"
+    )
+    _until(page, "document.getElementById('status').textContent.startsWith('marching')")
+    assert not page.value(hidden)
+    _until(page, "!document.getElementById('progress').hidden", 90)
+    _until(page, "document.getElementById('status').textContent.includes('error estimate')", 90)
+    assert "sf.march" in page.value("document.getElementById('program').textContent")
+
+
+@pytest.mark.slow
+def test_what_is_refused_is_said_and_the_last_picture_greyed(page):
+    page.value(
+        "one = document.getElementById('base_shear'); one.value = -0.9;"
+        "one.dispatchEvent(new Event('input', {bubbles: true}))"
+    )
+    _until(page, "document.getElementById('message').textContent.includes('already slide')")
+    assert page.value("document.getElementById('pictures').classList.contains('stale')")
+    page.value("one.value = 0; one.dispatchEvent(new Event('input', {bubbles: true}))")
+    _until(page, "!document.getElementById('pictures').classList.contains('stale')")
+    assert page.value("document.getElementById('message').textContent") == ""
+
+
+@pytest.mark.slow
+def test_a_bad_address_is_a_message_and_the_default_scene(browser, address):
+    browser.open(f"{address}?friction=-1", 1280)
+    _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
+    assert "must not be negative" in browser.value("document.getElementById('message').textContent")
+    assert browser.value("document.getElementById('friction').value") == "0.3"
+
+
+@pytest.mark.slow
+def test_a_scene_in_the_address_is_shown(browser, address):
+    browser.open(f"{address}?friction=0.6&law=viscous&viscosity=0.2", 1280)
+    _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
+    assert browser.value("document.getElementById('law').value") == "viscous"
+    assert "ViscousFriction(viscosity=0.2)" in browser.value(
+        "document.getElementById('program').textContent"
+    )
+
+
+@pytest.mark.slow
+def test_buttons_bring_files(page):
+    page.value(
+        "names = []; HTMLAnchorElement.prototype.click = function () { names.push(this.download); }"
+    )
+    for form, name in (("csv", "slipfront.csv"), ("toml", "scene.toml"), ("svg", "slipfront.svg")):
+        page.value(f"document.querySelector('[data-file={form}]').click()")
+        _until(page, f"names.includes('{name}')")

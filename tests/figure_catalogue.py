@@ -1,0 +1,337 @@
+"""Every figure that the package makes, drawn from cheap data: name -> function without arguments.
+
+Names are those of modules of compare and their functions, and after a slash what is drawn.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import importlib
+import io
+import math
+import tempfile
+from collections.abc import Callable
+from functools import cache, partial
+from pathlib import Path
+from unittest.mock import patch
+
+import numpy as np
+from compare_cases import sampled_run
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from compare.benchmarks.entries import read_run, told_apart
+from compare.benchmarks.figures import score_figure, sheet_figure
+from compare.benchmarks.scores import score
+from compare.benchmarks.sheets import SHEETS
+from compare.comparison.fields.errors import field_errors
+from compare.comparison.judgement import judge, side_by_side
+from compare.comparison.rows import AGREES, DIFFERS
+from compare.examples.__main__ import EXAMPLES
+from compare.figures import histories, interface
+from compare.figures.fields import field_figure
+from compare.figures.fronts import reach
+from compare.figures.quantities import find_quantity
+from compare.figures.records import record_figure
+from compare.figures.snapshots import snapshot_figure
+from compare.inversion.figures import fit_figure
+from compare.output.field_files import record_fields
+from compare.studies.article import study as article
+from compare.studies.article.cases import SlotCheck, run_cases
+from compare.studies.chart.figure import chart_figure
+from compare.studies.chart.study import SCENES as CHARTED
+from compare.studies.chart.study import read_points
+from compare.studies.evidence import figures as evidence
+from compare.studies.evidence.study import SceneEvidence, published_answer
+from compare.studies.judge.figure import judge_figure
+from compare.studies.judge.spoils import SPOILS
+from compare.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
+from compare.studies.regimes import figures as regimes
+from compare.studies.regimes import viscosity
+from compare.studies.regimes.openings import AHEAD, EDGE, OpeningPoint, openings_figure
+from compare.studies.regimes.points import REGIMES, MapPoint, map_points, poisson_ratios, trace
+from compare.studies.regimes.viscosity import ViscosityRow
+from compare.studies.stability import fem as fem_stability
+from compare.studies.stability import figures as stability
+from compare.studies.stability import spacetime
+from compare.studies.stability.sweeps import StudyRow
+from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow, sweep_figure
+from compare.validation.figure import validation_figure
+from compare.validation.validation import validate
+from fem import simulate
+from semianalytic import Gauge, find_scene, fit, march, solve
+
+ROOT = Path(__file__).resolve().parents[1]
+DATA = ROOT / "docs" / "data"
+ENTRANTS = ROOT / "tests" / "data" / "entrants"
+
+
+@cache
+def _solved(name):
+    return solve(find_scene(name))
+
+
+@cache
+def _run(name):
+    return sampled_run(_solved(name), resolution=40, times=20)
+
+
+@cache
+def _case(name):
+    return side_by_side(_solved(name), _run(name))
+
+
+@cache
+def _marched(name):
+    return march(find_scene(name), nodes=60)
+
+
+def _of_case(name, scene):
+    return histories.comparison_figures(_case(scene))[name](_case(scene))
+
+
+def _of_run(draw, name):
+    return draw(_solved(name), _run(name).interface)
+
+
+def _snapshots():
+    with tempfile.TemporaryDirectory() as folder:
+        scene = find_scene("preloaded")
+        run = simulate(scene, resolution=8, snapshots=Path(folder), frames=1)
+        return snapshot_figure(field_errors(_solved("preloaded"), run, Path(folder)), run)
+
+
+def _field(name, of):
+    solution = _solved(name)
+    quantity = find_quantity(of, solution.scene)
+    return field_figure(solution, quantity, 1.0, reach(solution, 1.0), 40)
+
+
+def _record():
+    solution = _solved("preloaded")
+    record = record_fields(solution, 0.4, 0.2, np.linspace(0, 1, 30))
+    return record_figure(record, solution.scene)
+
+
+def _validation():
+    solution, t = _solved("preloaded"), np.linspace(0, 1, 41)
+    x = np.array([0.1, 0.25, 0.5, 0.75, 0.95])
+    seen = solution.history(x, t)
+    names = ("slip_rate", "slip", "shear_traction", "pressure")
+    data = {"t": t, "x": x, **{name: getattr(seen, name) for name in names}}
+    return validation_figure(validate(data, solution.scene, spacing=0.02))
+
+
+def _scores():
+    paths = [*ENTRANTS.glob("uguca/preloaded/*.csv"), *ENTRANTS.glob("sem2dpack/preloaded/*.csv")]
+    runs = told_apart([read_run(path) for path in sorted(paths)])
+    return score_figure([one for run in runs for one in score(run)])
+
+
+@cache
+def _evidence():
+    run = _run("remote-shock")
+    judgement = judge(_solved("remote-shock"), run)
+    return SceneEvidence("remote-shock", run, (judgement,), published_answer(run.scene), "")
+
+
+@cache
+def _cases():
+    return run_cases(12)
+
+
+def _slot():
+    x = np.linspace(-1, 1, 40)
+    shape = np.exp(-9 * x**2)
+    checks = [SlotCheck(mode, x, shape, 0.9 * shape, 0.5 * shape) for mode in ("II", "I")]
+    return article.slot_figure(checks)
+
+
+def _chart(name):
+    return chart_figure(read_points(DATA / "chart.csv"), name)
+
+
+def _judge():
+    judged = [
+        JudgedRow(STEPS, i, 1, 0, 40, 1.0, kind, kind, "1", 1.0, i / 20, 1.0, True, AGREES)
+        for kind in ("slip rate", "traction", "edge", "arrival", "gap", "work", "path", "wear")
+        for i in range(20)
+    ]
+    spoilt = [
+        SpoiltRow("tap", 0, 1, spoil.name, 1.0, 0.1, 0.1, size, verdict, "")
+        for spoil in SPOILS
+        for size, verdict in ((4.0, DIFFERS), (0.6, AGREES))
+    ]
+    return judge_figure(judged, spoilt)
+
+
+@cache
+def _regimes():
+    ratios = poisson_ratios(len(REGIMES)).tolist()
+    points = {
+        loading: [
+            MapPoint(loading, nu, 0.1, regime, "", "converged", 0.0)
+            for nu in ratios
+            for regime in REGIMES
+        ]
+        for loading in ("preload", "remote")
+    }
+    curves = [one for loading in points for nu in (-0.5, 0.2, 0.4) for one in trace(loading, nu)]
+    curves.sort(key=lambda point: (point.loading, point.curve, point.poisson_ratio))
+    shown = {"preload": [0.05, 0.1, 0.2, 0.4, 0.8], "remote": [1.02, 1.1, 1.2, 1.3]}
+    fronts = [p for loading, chi in shown.items() for p in map_points(loading, 1 / 3, chi)]
+    reverse = [p for nu in (-0.5, -0.2) for p in map_points("preload", nu, [1e-3, 5e-3, 0.02])]
+    return regimes.RegimeResults(points, curves, fronts, reverse)
+
+
+def _viscosity():
+    curves = {
+        nu: [ViscosityRow(nu, 10.0**n, 0.1 - nu / 10, 0.3 - nu / 10) for n in range(-6, 3)]
+        for nu in viscosity.POISSON_RATIOS
+    }
+    return viscosity.viscosity_figure([list(REGIMES)] * len(REGIMES), curves)
+
+
+def _openings():
+    columns = [OpeningPoint(nu, AHEAD, 0.1, 0.0, 1 + nu) for nu in (-0.55, 0.14) for _ in range(2)]
+    speeds = [
+        OpeningPoint(1 / 3, sign, 10.0**n, 0.9 if sign == AHEAD else 0.0, 0.95)
+        for sign in (AHEAD, EDGE)
+        for n in (-3, -2, -1)
+    ]
+    return openings_figure(columns, speeds)
+
+
+@cache
+def _solver_rows():
+    with (DATA / "stability-solver.csv").open(encoding="utf-8") as stream:
+        rows = csv.DictReader(line for line in stream if not line.startswith("#"))
+        numbers = ("parameter", "value")
+        return [StudyRow(**row | {name: float(row[name]) for name in numbers}) for row in rows]
+
+
+def _fem_stability():
+    return fem_stability.stability_figure(
+        [
+            fem_stability.Outcome(
+                trial.study, trial.element, trial.mesh, trial.resolution,
+                trial.scene.material.poisson_ratio, trial.step_ratio, trial.damping, 1.0,
+                "completed", 80, 100, 0.01, 0.0, 0, 0.0, "",
+            )
+            for trial in fem_stability.trials(False)
+        ]
+    )  # fmt: skip
+
+
+def _spacetime():
+    rows = [
+        StudyRow(study, case, "space-time", value, "slip rate error", 0.01, spacetime.RAN)
+        for study, case, value, *_ in spacetime.trials(True)
+    ]
+    refused = StudyRow("step ratio", "damping 0", 0.9, "space-time", "slip rate error", math.nan)
+    return spacetime.stability_figure([*rows, refused])
+
+
+def _wear():
+    return sweep_figure(
+        [
+            WearRow(load, nu, chi, 1 + at - chi / 3, chi * (2.5 - chi), 1.0)
+            for at, load in enumerate(LOADS)
+            for nu in POISSON_RATIOS
+            for chi in (0.0, 0.5, 1.0, 2.0)
+        ]
+    )
+
+
+@cache
+def _example(name):
+    """The figure that an example saves."""
+    saved = []
+
+    def keep(figure, path, **options):
+        for line in (line for panel in figure.axes for line in panel.lines):
+            line.set_color(to_hex(line.get_color()))  # "C0" is that of the style it is drawn in
+        saved.append(figure)
+
+    main = importlib.import_module(f"compare.examples.{name}").main
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        patch.object(Figure, "savefig", keep),
+        contextlib.redirect_stdout(io.StringIO()),
+    ):
+        main(Path(folder))
+    (figure,) = saved
+    return figure
+
+
+def _fit() -> Figure:
+    """Friction and load from one record of slip rate."""
+    solution, t = _solved("preloaded"), np.linspace(0.3, 1.5, 24)
+    gauge = Gauge(0.25, t, solution.slip_rate(0.25, t), 0.01)
+    return fit_figure(fit([gauge], solution.scene, ("friction", "load_shear")))
+
+
+CATALOGUE: dict[str, Callable[[], Figure]] = {
+    **{
+        f"figures.histories.{name}_figure/{scene}": partial(_of_case, name, scene)
+        for scene, names in (("auxetic", "sense history wear"), ("lift-off-shear", "sense gap"))
+        for name in names.split()
+    },
+    **{
+        f"figures.interface.{draw.__name__}/{scene}": partial(_of_run, draw, scene)
+        for draw in (
+            interface.slip_rate_figure,
+            interface.tractions_figure,
+            interface.fronts_figure,
+        )
+        for scene in ("auxetic", "lift-off-shear", "preloaded")
+    },
+    "figures.interface.prediction_figure": lambda: interface.prediction_figure(_solved("tap")),
+    "figures.histories.march_figure": lambda: histories.march_figure(_marched("unload")),
+    "figures.snapshots.snapshot_figure": _snapshots,
+    "figures.records.record_figure": _record,
+    **{
+        f"figures.fields.FieldPicture/{of} of {name}": partial(_field, name, of)
+        for name, of in (("auxetic", "speed"), ("tap", "pressure"), ("antiplane", "fringes"))
+    },
+    "validation.figure.validation_figure": _validation,
+    "inversion.figures.fit_figure": _fit,
+    "benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
+    "benchmarks.figures.score_figure": _scores,
+    **{
+        f"studies.evidence.figures.{name}_figure": lambda draw=name: getattr(
+            evidence, f"{draw}_figure"
+        )(_evidence())
+        for name in ("rates", "tractions", "energy", "opening")
+    },
+    **{
+        f"studies.article.study.figure_{number}": lambda draw=number: getattr(
+            article, f"figure_{draw}"
+        )(_cases())
+        for number in (2, 5, 6)
+    },
+    "studies.article.study.slot_figure": _slot,
+    **{f"studies.chart.figure.chart_figure/{name}": partial(_chart, name) for name in CHARTED},
+    "studies.judge.figure.judge_figure": _judge,
+    **{
+        f"studies.regimes.figures.regimes_figure/{loading}": lambda of=loading: (
+            regimes.regimes_figure(of, _regimes())
+        )
+        for loading in ("preload", "remote")
+    },
+    "studies.regimes.figures.front_speeds_figure": lambda: regimes.front_speeds_figure(_regimes()),
+    "studies.regimes.figures.reverse_figure": lambda: regimes.reverse_figure(_regimes()),
+    "studies.regimes.viscosity.viscosity_figure": _viscosity,
+    "studies.regimes.openings.openings_figure": _openings,
+    **{
+        f"studies.stability.figures.{name}_figure": lambda draw=name: getattr(
+            stability, f"{draw}_figure"
+        )(_solver_rows())
+        for name in ("limits", "thresholds", "grids", "rules")
+    },
+    "studies.stability.fem.stability_figure": _fem_stability,
+    "studies.stability.spacetime.stability_figure": _spacetime,
+    "studies.wear.sweep_figure": _wear,
+    **{f"examples.{name}.main": partial(_example, name) for name in EXAMPLES},
+}

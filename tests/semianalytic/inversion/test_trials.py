@@ -1,0 +1,178 @@
+"""Derivatives of misfits with respect to all that can be fitted, and what priors add."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from catalogue import PRELOADED, unit_scene
+
+from semianalytic import Gauge, LogNormal, Normal, SceneError, Setup, Uniform, fit, solve
+from semianalytic.inversion.gauges import FIELDS, INTERFACE, component, seen
+from semianalytic.inversion.samples import Samples
+from semianalytic.inversion.trials import Trials
+from semianalytic.inversion.unknowns import MATERIAL, SETUP, UNKNOWNS, Unknowns
+
+T = np.linspace(0.3, 2.0, 9)
+SHIFTED = Setup(0.01, 0.02, 1.1, {"beside": 0.9})
+IN_PLANE = [name for name in FIELDS if "z" not in name]
+OF_SCENE = ("friction", "poisson_ratio", "load_shear", "base_pressure")
+
+
+def trials(gauges, names, scene=PRELOADED, setup=SHIFTED, priors=None, rtol=1e-9):
+    unknowns = Unknowns(names, scene, setup, 2.0)
+    return Trials(Samples(tuple(gauges)), unknowns, priors or {}, rtol)
+
+
+def silent(quantity, x=0.37, **place):
+    return Gauge(x, T, np.zeros(len(T)), 1.0, quantity, **place)
+
+
+def differences(trial, number, step):
+    """Of misfits, to the fourth order (Richardson)."""
+
+    def central(h):
+        moved = np.zeros(len(trial.start))
+        moved[number] = h
+        ends = [trial.misfit(trial.start + sign * moved) for sign in (1, -1)]
+        return (ends[0] - ends[1]) / (2 * h)
+
+    return (4 * central(step) - central(2 * step)) / 3
+
+
+@pytest.mark.parametrize("name", [*OF_SCENE, *MATERIAL, *SETUP, "gain:beside"])
+def test_derivatives_are_those_of_differences_whatever_is_recorded(name):
+    """On the interface and beside it; samples on an edge, where there is none, are few."""
+    gauges = [silent(one) for one in INTERFACE]
+    gauges += [silent(one, y=0.21, name="beside") for one in IN_PLANE]
+    trial = trials(gauges, (name,))
+    by_step = differences(trial, 0, 2e-3)
+    errors = np.abs(trial.jacobian(trial.start)[:, 0] - by_step).reshape(len(gauges), len(T))
+    assert np.abs(by_step).max() > 0.1
+    assert np.median(errors, axis=1).max() < (1e-7 if name in OF_SCENE else 1e-5)
+
+
+def test_errors_of_differences_in_the_bodies_are_told():
+    trial = trials([silent("sxy", y=0.2)], ("friction",))
+    own = trial.difference_error(trial.start)
+    exact = differences(trial, 0, 2e-3)
+    away = trial.jacobian(trial.start)[:, 0] - exact
+    assert np.linalg.norm(away) < max(3 * own, 1e-8) * np.linalg.norm(exact) + 1e-7
+    assert 0 < own < 1e-4
+    assert trials([silent("slip")], ("friction",)).difference_error(np.ones(1)) == 0
+
+
+def test_a_rough_solution_is_differenced_over_a_longer_step():
+    gauge = silent("sxy", y=0.2)
+    errors = [
+        trials([gauge], ("friction",), rtol=rtol).difference_error(np.array([1.0]))
+        for rtol in (1e-4, 1e-10)
+    ]
+    assert errors[1] < errors[0] < 0.1
+
+
+def test_trigger_gain_and_edge_are_recovered_with_friction():
+    setup = Setup(t0=0.05, x0=-0.1, gain=1.2)
+    solution, random = solve(PRELOADED), np.random.default_rng(3)
+    gauges = []
+    for x in (0.3, 0.6, 1.0):
+        t = np.linspace(0.02, 3 * x, 60)
+        clean = 1.2 * solution.slip_rate(x + 0.1, t - 0.05)
+        gauges.append(Gauge(x, t, clean + random.normal(scale=0.01, size=60), 0.01))
+    names = ("friction", "t0", "x0", "gain")
+    found = fit(gauges, replace(PRELOADED, friction=0.45), names, rtol=1e-6)
+    away = found.values - [0.3, setup.t0, setup.x0, setup.gain]
+    assert found.status == "converged"
+    assert away @ np.linalg.solve(found.covariance, away) < 18  # all but a thousandth
+    assert np.all(found.standard_errors < 0.05)
+    assert (found.setup.t0, found.setup.gain) == pytest.approx((found.values[1], found.values[3]))
+
+
+def test_gauges_beside_the_interface_tell_friction_and_modulus():
+    scene = unit_scene(0.3)
+    solution, random = solve(scene), np.random.default_rng(5)
+    t, gauges = np.linspace(0.2, 1.6, 40), []
+    for quantity in ("exx", "exy", "vx"):
+        clean = recorded_at(solution, quantity, t)
+        noise = 0.02 * np.abs(clean).max()
+        noisy = clean + random.normal(scale=noise, size=len(t))
+        gauges.append(Gauge(0.4, t, noisy, noise, quantity, y=0.1))
+    start = replace(scene, friction=0.5, material=replace(scene.material, shear_modulus=1.2))
+    found = fit(gauges, start, ("friction", "shear_modulus"), rtol=1e-6)
+    away = found.values - [0.3, 1.0]
+    assert away @ np.linalg.solve(found.covariance, away) < 14
+    assert 0 < found.derivative_error < 0.1
+
+
+def recorded_at(solution, quantity, t):
+    kind, axis = component(quantity)
+    return seen(solution, kind, np.full(len(t), 0.4), np.full(len(t), 0.1), t)[axis]
+
+
+@pytest.mark.parametrize("prior", [Normal(0.34, 0.002), LogNormal(0.34, 1.006)])
+def test_a_narrow_prior_pulls_and_enters_the_errors(prior):
+    solution = solve(PRELOADED)
+    gauge = Gauge(0.4, T, solution.slip_rate(0.4, T), 0.05)
+    alone = fit([gauge], PRELOADED, ("friction",), rtol=1e-6)
+    found = fit([gauge], PRELOADED, ("friction",), rtol=1e-6, priors={"friction": prior})
+    assert alone.values[0] == pytest.approx(0.3, abs=1e-3)
+    weights = 1 / np.array([alone.standard_errors[0], 0.002]) ** 2
+    assert found.values[0] == pytest.approx(weights @ [0.3, 0.34] / weights.sum(), abs=2e-3)
+    assert found.standard_errors[0] == pytest.approx(weights.sum() ** -0.5, rel=0.1)
+    assert found.freedom == alone.freedom + 1
+
+
+def test_a_uniform_prior_is_a_bound():
+    gauge = Gauge(0.4, T, solve(PRELOADED).slip_rate(0.4, T), 0.05)
+    found = fit([gauge], PRELOADED, ("friction",), priors={"friction": Uniform(0.33, 0.5)})
+    assert found.values[0] == pytest.approx(0.33, abs=1e-3)
+
+
+def test_what_the_data_leave_free_a_prior_may_hold():
+    solution = solve(PRELOADED)
+    gauge = Gauge(0.4, T, solution.slip_rate(0.4, T), 0.02)
+    names, prior = ("friction", "base_pressure"), {"base_pressure": Normal(1.0, 0.05)}
+    assert fit([gauge], PRELOADED, names).unconstrained == names
+    held = fit([gauge], PRELOADED, names, priors=prior)
+    assert held.unconstrained == ()
+    assert held.standard_errors[1] == pytest.approx(0.05, rel=0.02)
+    assert held.correlation[0, 1] < -0.5
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Normal(0.3, 0.0), "sd must be positive"),
+        (lambda: LogNormal(-1.0, 2.0), "median must be positive"),
+        (lambda: LogNormal(1.0, 0.5), "factor must be above 1"),
+        (lambda: Uniform(2.0, 1.0), "low must be below high"),
+        (lambda: silent("speed", y=0.1), "quantity must be among vx|quantity must be among slip"),
+        (lambda: silent("vx"), "say at which y"),
+        (lambda: silent("slip", y=0.1), "leave y out"),
+        (lambda: Gauge(0.3, T, T, -1.0), "noise must be positive"),
+        (lambda: Gauge(0.3, T, T, T[:3]), "noise must be positive"),
+        (lambda: fit([silent("vz", y=0.1)], PRELOADED, ("friction",)), "antiplane"),
+        (
+            lambda: fit([silent("slip")], PRELOADED, ("friction",), priors={"t0": Normal(0, 1)}),
+            "which is not fitted",
+        ),
+        (
+            lambda: fit([silent("slip")], PRELOADED, ("friction",), priors={"friction": 0.3}),
+            "must be Normal, LogNormal or Uniform",
+        ),
+    ],
+)
+def test_what_makes_no_sense_is_refused(make, message):
+    with pytest.raises(SceneError, match=message):
+        make()
+
+
+def test_every_unknown_has_a_start_bounds_and_a_range():
+    names = tuple(name for name in UNKNOWNS if name != "viscosity")
+    trial = trials([silent("slip")], names, setup=Setup())
+    low, high = trial.bounds
+    least, most = trial.ranges
+    assert np.all((low < trial.start) & (trial.start < high))
+    assert np.all((low <= least) & (least < most) & (most <= high))
+    scene, setup = trial.at(trial.start)
+    assert scene == PRELOADED
+    assert setup == Setup()
