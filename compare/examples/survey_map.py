@@ -12,10 +12,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import slipfront as sf
+from compare.figures.style import describe, look, outline
 
 SCENE = sf.find_scene("preloaded")  # constant pressure, sudden shear
 
 
+@look()
 def main(folder: Path = Path("."), *, side: int = 100) -> float:
     """Survey the plane and draw it; return the largest error estimate."""
     data = sf.survey(
@@ -29,14 +31,14 @@ def main(folder: Path = Path("."), *, side: int = 100) -> float:
     two = (data.sense != 0).sum("zone") > 1
     figure = Figure(figsize=(6, 3.6), layout="constrained")
     axes = figure.subplots()
-    drawn = axes.pcolormesh(
-        data.friction, data.poisson_ratio, speed.T, cmap="cividis", shading="nearest"
-    )
-    axes.contour(data.friction, data.poisson_ratio, two.T, [0.5], colors="w", linewidths=1.5)
-    axes.text(0.13, 0.4, "two zones", color="k")
-    axes.text(0.6, 0.3, "one zone", color="w")
-    axes.set(xlabel="friction, f P_b / Q_0", ylabel="Poisson ratio ν")
-    figure.colorbar(drawn, label="speed of the first zone's edge / c_R")
+    plane = data.friction, data.poisson_ratio
+    drawn = axes.pcolormesh(*plane, speed.T, cmap="cividis", shading="nearest")
+    axes.contour(*plane, two.T, [0.5], colors="k", linewidths=1.5)
+    for x, y, words in ((0.13, 0.4, "two zones"), (0.6, 0.3, "one zone")):
+        axes.text(x, y, words, path_effects=outline())
+    axes.set(xlabel="friction f P_b / Q_0", ylabel="Poisson ratio ν")
+    figure.colorbar(drawn, label="edge of the first zone over c_R")
+    describe(figure, "ν = 0.1 to 0.45, f = 0.1 to 0.9, shear step on constant pressure")
     figure.savefig(folder / "survey_map.png", dpi=100)
     low, high = float(speed.min()), float(speed.max())
     sound = "all" if (data.status == "converged").all() else "not all"

@@ -1,17 +1,19 @@
 """How long the page of `slipfront explore` takes from a move to its picture, in Chromium.
 
-``python -m compare.explore.latency`` moves the friction slider of some scenes step by step and
-writes docs/data/explore-latency.csv and docs/figures/explore.png, what the page then looks like.
+``python -m compare.explore.latency --csv docs/data`` moves the friction slider of some scenes step
+by step and writes explore-latency.csv there, and to docs/figures what the page then looks like.
 """
 
 from __future__ import annotations
 
+import argparse
 import base64
 import os
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -30,13 +32,19 @@ slider.dispatchEvent(new Event('input', {bubbles: true}));
 """
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, and write table and picture."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--csv", type=Path, required=True, metavar="FOLDER")
+    folder = parser.parse_args(arguments).csv
     if CHROMIUM is None:
         raise SystemExit("There is no Chromium to measure in; apt install chromium.")
     command = "import sys; from compare.cli.entry import main; sys.exit(main())"
     arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
-    rows = ["# python -m compare.explore.latency", "scene,moves,median_ms,most_ms,load"]
+    rows = [
+        "# python -m compare.explore.latency --csv docs/data",
+        "scene,moves,median_ms,most_ms,load",
+    ]
     with (
         tempfile.TemporaryDirectory() as profile,
         subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server,
@@ -62,7 +70,7 @@ def main() -> None:
                 (DOCS / "figures" / "explore.png").write_bytes(base64.b64decode(picture["data"]))
         browser.close()
         server.terminate()
-    (DOCS / "data" / "explore-latency.csv").write_text("\n".join(rows) + "\n")
+    (folder / "explore-latency.csv").write_text("\n".join(rows) + "\n")
 
 
 def _wait(browser: Browser, count: int) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 from collections.abc import Callable
 from multiprocessing.connection import Connection
@@ -46,7 +47,7 @@ class Worker:
     def news(self) -> News | None:
         """The newest that has come since the last call; None if nothing has."""
         newest = None
-        while self.busy and self._pipe is not None and newest_or_more(newest):
+        while self.busy and self._pipe is not None and _more_may_come(newest):
             try:
                 if not self._pipe.poll():
                     break
@@ -68,14 +69,16 @@ class Worker:
         self._process, self._pipe, self.busy = None, None, False
 
 
-def newest_or_more(newest: News | None) -> bool:
+def _more_may_come(newest: News | None) -> bool:
     """Whether more may come after it."""
     return newest is None or newest.kind == "progress"
 
 
 def _serve(pipe: Connection) -> None:
-    """In the process: jobs until the page is gone."""
+    """In the process: jobs until the page is gone, which they leave the processor to."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(os, "nice"):
+        os.nice(10)
     while True:
         try:
             function, arguments = pipe.recv()

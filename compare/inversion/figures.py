@@ -240,7 +240,7 @@ def _draw_pair(
     if posterior is not None:
         every = max(len(posterior.samples) // DOTS, 1)
         x, y = posterior.samples[::every, chosen].T
-        panel.plot(x, y, ".", color=BROWN, markersize=2.0, alpha=0.35)
+        panel.plot(x, y, ".", color=BROWN, markersize=1.0, alpha=0.8)
     part = fit.covariance[np.ix_(chosen, chosen)]
     if np.all(np.isfinite(part)):
         angle = np.linspace(0, 2 * np.pi, 200)

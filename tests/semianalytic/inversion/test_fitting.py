@@ -63,10 +63,10 @@ FAR = replace(START, load=PRELOADED.load, material=Material(1.0, 1.0, 0.25))
         (replace(START, friction=0.3), ("base_pressure", "load_shear"), NOISE),
     ],
 )
-def test_truth_is_within_the_error_bars_in_two_hundred_trials(truth, start, names, noise):
+def test_truth_is_within_the_error_bars_at_the_stated_rate(truth, start, names, noise):
     """Sums of squares as well: of (friction, Poisson ratio) at small noise one search of three
     ended in a minimum of its own, before there was a scan."""
-    check_coverage(truth, 200, start, names, noise)
+    check_coverage(truth, 40, start, names, noise)
 
 
 def test_a_minimum_beside_the_least_is_left(truth):
