@@ -133,7 +133,7 @@ def test_weakening_lets_more_slip(runs):
 def test_scene_file_of_the_page_on_extending(tmp_path):
     page = (DOCS / "extending.md").read_text()
     path = tmp_path / "slider.toml"
-    path.write_text(page.split("```toml\n")[1].split("```")[0])
+    path.write_text(page.split("```toml\n# slider.toml\n")[1].split("```")[0])
     scene = read_scene(path)
     assert scene.shear_history == Ramp(2e-5)
     assert scene.friction_law == SlipWeakening(0.2, 1e-5)

@@ -31,6 +31,12 @@ class ThisInterpreter(KernelSpecManager):
         return KernelSpec(argv=command, language="python", display_name=kernel_name)
 
 
+@pytest.fixture(autouse=True)
+def _pictures_in_the_notebook(monkeypatch):
+    """Kernels draw into their notebook, also where a command has set another backend before."""
+    monkeypatch.delenv("MPLBACKEND", raising=False)
+
+
 def run(notebook, folder):
     """The notebook, executed with a folder for its working directory."""
     manager = AsyncKernelManager(kernel_spec_manager=ThisInterpreter())

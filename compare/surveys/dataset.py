@@ -20,6 +20,8 @@ from compare.surveys.plan import Plan
 from compare.surveys.points import DEFAULT_RTOL, held, unpacked
 from compare.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
 from semianalytic.halfplane.families import rayleigh_family
+from semianalytic.scene.friction import ViscousFriction
+from semianalytic.scene.parameters import part_parameters
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
 
@@ -121,7 +123,12 @@ def coordinates(plan: Plan) -> dict[str, tuple[tuple[str, ...], NDArray[Any], di
 def _parameter_attrs(plan: Plan, name: str) -> dict[str, str]:
     """Unit and meaning of a parameter."""
     part, field = parameters_of(plan.scene)[name]
-    dimension = SCENE_DIMENSIONS[part][field] if part else SCENE_DIMENSIONS[field]
+    if part in ("friction_law", "pressure_history", "shear_history"):
+        viscous = field == "viscosity"  # which turns constant friction viscous
+        kind = ViscousFriction if viscous else type(getattr(plan.scene, part))
+        dimension = part_parameters(kind)[field].dimension
+    else:
+        dimension = SCENE_DIMENSIONS[part][field] if part else SCENE_DIMENSIONS[field]
     words = field if part in ("", "material") else f"{part} {field}"
     return {"units": unit(dimension, plan.scene.units), "long_name": words.replace("_", " ")}
 

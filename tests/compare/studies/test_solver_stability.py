@@ -198,7 +198,7 @@ def test_figures_hold_finite_data(rows):
 
 def test_study_writes_its_table_and_figures(tmp_path, monkeypatch, rows):
     monkeypatch.setattr(solver_stability, "study_tasks", lambda quick: SMALL)
-    monkeypatch.setattr(solver_stability, "run_tasks", lambda tasks, progress: [(0, list(rows))])
+    monkeypatch.setattr(solver_stability, "run_tasks", lambda tasks, **_: [(0, list(rows))])
     write_solver_stability(tmp_path, quick=True)
     assert {path.name for path in tmp_path.iterdir()} == {
         "stability-solver.csv",
