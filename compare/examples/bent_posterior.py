@@ -28,9 +28,10 @@ def main(folder: Path = Path(".")) -> sf.Posterior:
     posterior = sf.posterior(fit, steps=1500, seed=1)
     fit_figure(fit, posterior).savefig(folder / "bent_posterior.png", dpi=60)
     low, high = posterior.quantiles(0.05, 0.95)[:, 0]
+    farther = "above" if low + high > 2 * fit.values[0] else "below"
     print(
         f"gain {fit.values[0]:.2f} ± {fit.standard_errors[0]:.2f}; "
-        f"sampled from {low:.2f} to {high:.2f}, {posterior.status}"
+        f"its posterior, {posterior.status}, reaches farther {farther} than its ellipse"
     )
     return posterior
 
