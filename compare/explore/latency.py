@@ -56,6 +56,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
             browser.open(address + query_of(defaults(find_scene(name))), 1280)
             _wait(browser, 1)
             _quiet(browser)
+            if name == SCENES[0]:
+                picture = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
+                (DOCS / "figures" / "explore.png").write_bytes(base64.b64decode(picture["data"]))
             seen = int(browser.value("slipfrontTimes.length"))
             for move in range(MOVES):
                 browser.value(MOVE % move)
@@ -64,10 +67,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
             load = os.getloadavg()[0]
             rows.append(f"{name},{MOVES},{np.median(times):.0f},{times.max():.0f},{load:.1f}")
             print(rows[-1])
-            if name == SCENES[0]:
-                _quiet(browser)
-                picture = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
-                (DOCS / "figures" / "explore.png").write_bytes(base64.b64decode(picture["data"]))
         browser.close()
         server.terminate()
     (folder / "explore-latency.csv").write_text("\n".join(rows) + "\n")

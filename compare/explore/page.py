@@ -70,6 +70,7 @@ class Session:
     def __init__(self, document: Document, start: Scene, query: str) -> None:
         self._start = start
         self._answer: Solution | Marched | None = None
+        self._shown: Scene | None = None
         self._map_key: tuple[object, ...] | None = None
         self._field_worker, self._map_worker, self._march_worker = Worker(), Worker(), Worker()
         self._asked_field: tuple[Scene, int, float] | None = None
@@ -151,6 +152,7 @@ class Session:
     def _show(self, values: Mapping[str, Any], moving: bool, since: float) -> None:
         """Draw the scene of the controls anew, or say why there is none."""
         self._march_worker.stop()
+        self._shown = None
         try:
             scene = scene_of(values)
             self._map.place(scene.friction, scene.material.poisson_ratio)
@@ -183,7 +185,7 @@ class Session:
         self._document.hold("combine")
         self._interface.draw(view, space_time)
         self._space_time.draw(space_time)
-        self._answer = solution
+        self._answer, self._shown = solution, scene
         self._tell(
             since=since,
             query=query,
@@ -230,7 +232,9 @@ class Session:
                 draw(news.kind, news.content)
 
     def _field_news(self, kind: str, content: Any) -> None:
-        if kind == "result" and isinstance(content, FieldView):
+        if self._shown is None:  # what is marched, or refused, has no field of the exact solver
+            self._asked_field = None
+        elif kind == "result" and isinstance(content, FieldView):
             self._field.draw(content)
             self._tell(field=self._asked_field is None)
         self._next_field()

@@ -98,7 +98,8 @@ class InterfacePictures:
                 legend_label=words,
             )
         legend = self.tractions.legend[0]
-        legend.update(orientation="horizontal", background_fill_alpha=0.7, location="top_center")
+        self.tractions.add_layout(legend, "below")
+        legend.update(orientation="horizontal", border_line_alpha=0, location="left")
         legend.update(label_text_font_size="8pt", padding=3, spacing=8)
 
     def draw(self, view: InterfaceView, space_time: SpaceTimeView) -> None:

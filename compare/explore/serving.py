@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import logging
+import socket
 import webbrowser
 from collections.abc import Callable
 
@@ -36,10 +37,12 @@ def make_server(scene: Scene, port: int) -> Server:
     if not 0 <= port < 65536:
         raise SceneError(f"port must lie between 0 and 65535, got {port}.")
     try:
+        port = port or _free_port()
         server = Server(
             {"/": Application(FunctionHandler(open_page))},
             address=HOST,
             port=port,
+            allow_websocket_origin=[f"{name}:{port}" for name in ("localhost", HOST)],
             unused_session_lifetime_milliseconds=5000,
             check_unused_sessions_milliseconds=3000,
             quiet=True,
@@ -51,6 +54,12 @@ def make_server(scene: Scene, port: int) -> Server:
             f"port {port} {reason}; give another with --port, or 0 for any."
         ) from error
     return server
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind((HOST, 0))
+        return int(probe.getsockname()[1])
 
 
 def serve(scene: Scene, port: int, *, browser: bool, tell: Callable[[str], None]) -> None:

@@ -8,10 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bokeh.document import Document
 from catalogue import unit_scene
 
 from compare.cli.commands import main
 from compare.explore import controls, downloads, maps, views
+from compare.explore.jobs import marched_views
+from compare.explore.page import Session
 from compare.explore.serving import make_server
 from compare.explore.work import Worker
 from semianalytic import (
@@ -181,6 +184,31 @@ def test_a_worker_answers_refuses_and_is_stopped():
     finally:
         worker.stop()
     assert not worker.busy
+
+
+def test_a_field_that_comes_late_is_not_drawn_over_a_march(monkeypatch):
+    asked = []
+    monkeypatch.setattr(Worker, "start", lambda self, function, *rest: asked.append(function))
+    session = Session(Document(), STEEL, "")
+    values = controls.defaults(STEEL)
+    session._show(values, False, 0.0)
+    late = views.field_view(solve(STEEL), 4)
+    session._field_news("result", late)
+    drawn = session._field._image.data
+    assert len(drawn["image"]) == 1
+    session._show(values | {"law": "slip-weakening"}, False, 0.0)
+    session._field_news("result", views.field_view(solve(STEEL), 6))
+    assert session._field._image.data is drawn
+    assert asked[-1] is marched_views
+
+
+def test_pages_of_other_addresses_are_not_answered():
+    server = make_server(STEEL, 0)
+    try:
+        allowed = server._tornado.websocket_origins
+        assert allowed == {f"{name}:{server.port}" for name in ("localhost", "127.0.0.1")}
+    finally:
+        server.stop()
 
 
 def test_a_port_in_use_and_one_that_cannot_be(capsys):
