@@ -26,6 +26,7 @@ from semianalytic.scene.extras import (
     require,
 )
 
+INSTALL = "run `pip install '.[{}]'` in the folder of slipfront."
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PACKAGES = PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
@@ -130,7 +131,9 @@ def test_missing_extra_is_one_sentence(blocked, line, extras, commands):
     code, out, err = commands[blocked, line]
     assert (code, out) == (5, "")
     assert err.count("\n") == 1
-    assert err.endswith(f"not installed; run `pip install 'slipfront[{extras}]'`.\n")
+    assert err.endswith(
+        f"not installed; run `pip install '.[{extras}]'` in the folder of slipfront.\n"
+    )
 
 
 def test_missing_extra_of_a_function_is_one_sentence(tmp_path):
@@ -146,7 +149,10 @@ def test_missing_extra_of_a_function_is_one_sentence(tmp_path):
     assert run.returncode == 0, run.stderr
     said = run.stdout.splitlines()
     assert len(said) == len(calls)
-    assert all(line.endswith("not installed; run `pip install 'slipfront[fem]'`.") for line in said)
+    assert all(
+        line.endswith("not installed; run `pip install '.[fem]'` in the folder of slipfront.")
+        for line in said
+    )
 
 
 def test_results_are_saved_with_h5py_only(tmp_path):
@@ -169,7 +175,7 @@ def test_what_is_missing_is_listed_with_its_extras(monkeypatch):
         monkeypatch.setitem(sys.modules, module, None)
     expected = (
         "this needs scikit-fem and pillow, which are not installed; "
-        "run `pip install 'slipfront[fem,plot]'`."
+        "run `pip install '.[fem,plot]'` in the folder of slipfront."
     )
     with pytest.raises(MissingLibraryError) as raised:
         require("this", *FEM, *PLOT)

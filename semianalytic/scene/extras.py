@@ -80,7 +80,7 @@ def _sentence(what: str, missing: list[str]) -> str:
     extras = ",".join(_extras_of(missing))
     return (
         f"{what} needs {listed}, which {'is' if len(names) == 1 else 'are'} not installed; "
-        f"run `pip install 'slipfront[{extras}]'`."
+        f"run `pip install '.[{extras}]'` in the folder of slipfront."
     )
 
 

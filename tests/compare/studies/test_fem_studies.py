@@ -239,5 +239,5 @@ def test_without_xarray_it_is_asked_for(monkeypatch):
         return original(name, *args, **kwargs)
 
     monkeypatch.setattr(builtins, "__import__", without_xarray)
-    with pytest.raises(MissingLibraryError, match=r"pip install 'slipfront\[xarray\]'"):
+    with pytest.raises(MissingLibraryError, match=r"pip install '\.\[xarray\]'"):
         HISTORY.to_xarray()
