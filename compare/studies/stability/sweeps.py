@@ -32,6 +32,7 @@ from semianalytic.reference import (
 )
 from semianalytic.regimes import Loading, one_zone, scene_of, stuck_threshold
 from semianalytic.scene.errors import ComputationError
+from semianalytic.selfsimilar.tuning import CLEAR_OF_EDGES
 
 RTOL = 1e-10
 
@@ -216,10 +217,15 @@ def rule_rows(nu: float) -> list[StudyRow]:
 
 
 def estimate_rows(loading: Loading, nu: float, chi: float) -> list[StudyRow]:
-    """Error of edges and slip rate against a solution at 1e-12, beside the estimate of it."""
+    """Error of edges, and of slip rate as far from them and from c_R as the estimate promises,
+    against a solution at 1e-12, beside the estimate of it."""
     reference = solve(scene_of(loading, nu, chi), rtol=1e-12)
     case = f"{loading}, ν = {nu:.3g}, χ = {chi:g}"
-    speeds = np.linspace(0.013, 0.997, 311) * reference.scene.material.longitudinal_speed
+    material = reference.scene.material
+    speeds = np.linspace(0.013, 0.997, 311) * material.longitudinal_speed
+    marks = np.append(reference.edge_speeds, material.rayleigh_speed)
+    near = np.abs(speeds[:, None] - marks).min(axis=1) < CLEAR_OF_EDGES * material.shear_speed
+    speeds = speeds[~near]
     rate = np.append(reference.slip_rate(speeds, 1.0), reference.edge_slip_rate)
     rows = []
     for exponent in range(2, 12):
