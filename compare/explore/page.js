@@ -3,10 +3,11 @@
   const given = JSON.parse(document.getElementById("given").textContent);
   const by = (id) => document.getElementById(id);
   const form = by("controls");
-  let fixed = {}, asked = null, told = null, busy = 0, waiting = null, pause = 0;
+  let fixed = {}, root = null, asked = null, told = null, busy = 0, waiting = null, pause = 0, grey = 0;
   let record = "replace"; // what becomes of the address with the next scene that stands still
   const times = (window.slipfrontTimes = []); // from move to picture [ms]
   const STILL = 250; // after which a slider has stopped [ms]
+  const BEHIND = 500; // after which a field that is late is grey [ms]
   const LOST = 5000; // after which an answer is not waited for any more [ms]
 
   function show(values) {
@@ -84,8 +85,7 @@
         term.textContent = name; text.textContent = value;
         return [term, text];
       }));
-    if ("since" in news || "field" in news)
-      by("pictures").classList.toggle("late", !news.field);
+    if ("since" in news || "field" in news) late(!news.field);
     if ("map" in news) by("map-words").textContent = news.map;
     if ("regimes" in news)
       by("regimes").replaceChildren(...news.regimes.map(({ name, colour }) => {
@@ -93,6 +93,15 @@
         one.textContent = name; one.style.setProperty("--colour", colour);
         return one;
       }));
+  }
+
+  // whether the field is that of an earlier scene; it turns grey if it stays so
+  function late(is) {
+    const pictures = by("pictures");
+    pictures.dataset.late = is;
+    clearTimeout(grey);
+    if (is) grey = setTimeout(() => pictures.classList.add("behind"), BEHIND);
+    else pictures.classList.remove("behind");
   }
 
   function save({ name, mime, content }) {
@@ -112,16 +121,29 @@
     record = "push";
   }
 
+  // numbers of pictures, by the model that shows them; null stands for no number
+  function draw(models) {
+    const holes = (one) => (Array.isArray(one) ? one.map(holes) : one === null ? NaN : one);
+    for (const [id, properties] of Object.entries(models)) {
+      if ("data" in properties)
+        for (const [name, column] of Object.entries(properties.data))
+          properties.data[name] = holes(column);
+      root.get_model_by_id(id).setv(properties, { sync: false });
+    }
+  }
+
+  // words wait until pictures are painted, which else lay out the page for each of them
   function hear() {
     const news = JSON.parse(told.value);
-    words(news);
+    draw(news.models);
+    requestAnimationFrame(() => {
+      words(news);
+      if ("since" in news) setTimeout(() => times.push(performance.now() - news.since));
+    });
     if ("values" in news) { show(news.values); ask(false); }
     if ("file" in news) save(news.file);
     if ("query" in news && !news.moving) keep(news.query);
-    if ("since" in news) {
-      requestAnimationFrame(() => setTimeout(() => times.push(performance.now() - news.since)));
-      next();
-    }
+    if ("since" in news) next();
   }
 
   function moved(event) {
@@ -133,7 +155,8 @@
   }
 
   function start(documents) {
-    [asked, told] = ["asked", "told"].map((name) => documents[0].get_model_by_name(name));
+    [root] = documents;
+    [asked, told] = ["asked", "told"].map((name) => root.get_model_by_name(name));
     told.properties.value.change.connect(hear);
     form.addEventListener("input", moved);
     form.addEventListener("submit", (event) => event.preventDefault());

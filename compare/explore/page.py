@@ -1,7 +1,7 @@
 """The page: one session of it takes what is asked in the browser and answers with pictures.
 
 Browser and session talk through two hidden text inputs: `asked` holds what the controls say, as
-JSON, and `told` what has come of it; pictures go by their own sources.
+JSON, and `told` what has come of it, numbers of pictures included.
 """
 
 from __future__ import annotations
@@ -32,13 +32,15 @@ from compare.explore.downloads import FILES, program
 from compare.explore.jobs import MarchViews, marched_views, solved_field
 from compare.explore.maps import RegimeMap, can_map, map_key, regime_map
 from compare.explore.pictures import (
+    CURVES,
     SHADES,
+    Board,
     FieldPicture,
     InterfacePictures,
     MapPicture,
     SpaceTimePicture,
 )
-from compare.explore.views import FieldView, interface_view, space_time_view
+from compare.explore.views import NODES, FieldView, interface_view, space_time_view
 from compare.explore.work import Worker
 from semianalytic import Marched, Scene, Solution, solve
 from semianalytic.prediction import chosen_method
@@ -48,6 +50,8 @@ from semianalytic.scene.units import unit
 
 MOVING_RTOL, RTOL = 1e-4, 1e-8
 """Of answers while a slider moves, and when it stands still."""
+MOVING_NODES = 150
+"""Along curves while a slider moves; what is not even is at edges and fronts."""
 MOVING_POINTS, POINTS = 24, 90
 """Across the picture of the field, likewise."""
 LISTEN = 40
@@ -74,8 +78,9 @@ class Session:
         self._map_key: tuple[object, ...] | None = None
         self._field_worker, self._map_worker, self._march_worker = Worker(), Worker(), Worker()
         self._asked_field: tuple[Scene, int, float] | None = None
-        self._interface, self._space_time = InterfacePictures(), SpaceTimePicture()
-        self._field, self._map = FieldPicture(), MapPicture()
+        self._board = board = Board()
+        self._interface, self._space_time = InterfacePictures(board), SpaceTimePicture(board)
+        self._field, self._map = FieldPicture(board), MapPicture(board)
         self._asked = TextInput(name="asked", value="")
         self._told = TextInput(name="told", value="")
         self._asked.on_change("value", lambda _, __, text: self._answer_to(json.loads(text)))
@@ -110,6 +115,7 @@ class Session:
             values=values,
             message=message,
             shades=SHADES,
+            curves=CURVES,
             scenes=_known_queries(),
         )
         document.add_periodic_callback(self._listen, LISTEN)
@@ -127,9 +133,10 @@ class Session:
             worker.stop()
 
     def _tell(self, **news: Any) -> None:
-        """Send news to the browser; each text differs from the one before."""
+        """Send news to the browser, of pictures too; each text differs from the one before."""
         self._number += 1
-        self._told.value = json.dumps({"number": self._number, **news})
+        news |= {"number": self._number, "models": self._board.news()}
+        self._told.value = json.dumps(news, separators=(",", ":"))
 
     def _answer_to(self, asked: Mapping[str, Any]) -> None:
         """What the browser asks for: an address, a file, or pictures of the controls' scene."""
@@ -181,8 +188,7 @@ class Session:
         solution = solve(scene, rtol=MOVING_RTOL if moving else RTOL)
         solved = time.perf_counter() - began
         space_time = space_time_view(solution)
-        view = interface_view(solution)
-        self._document.hold("combine")
+        view = interface_view(solution, MOVING_NODES if moving else NODES)
         self._interface.draw(view, space_time)
         self._space_time.draw(space_time)
         self._answer, self._shown = solution, scene
@@ -196,7 +202,6 @@ class Session:
             readings=_readings(solution),
             program=program(scene),
         )
-        self._document.unhold()
         points, rtol = (MOVING_POINTS, MOVING_RTOL) if moving else (POINTS, RTOL)
         self._asked_field = (scene, points, rtol)
         if not self._field_worker.busy:
@@ -252,7 +257,6 @@ class Session:
             self._tell(progress=content[0] / content[1])
         elif kind == "result" and isinstance(content, MarchViews):
             self._answer = content.marched
-            self._document.hold("combine")
             self._interface.draw(content.interface, content.space_time)
             self._space_time.draw(content.space_time)
             self._field.draw(content.field)
@@ -264,7 +268,6 @@ class Session:
                 program=program(content.marched.scene),
                 field=True,
             )
-            self._document.unhold()
         else:
             self._tell(stale=True, message=str(content), progress=1.0)
 

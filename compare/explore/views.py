@@ -66,11 +66,11 @@ class InterfaceView:
         return _limits(np.concatenate([part[inner] for part in parts]), 0.1)
 
 
-def interface_view(answer: Solution | Marched) -> InterfaceView:
-    """Slip rate and tractions along the contact at T."""
+def interface_view(answer: Solution | Marched, nodes: int = NODES) -> InterfaceView:
+    """Slip rate and tractions along the contact at T, at so many places beside those at edges."""
     scene = answer.scene
     time, stress = end_time(scene), stress_scale(scene)
-    x = _march_places(answer) if isinstance(answer, Marched) else _places(answer)
+    x = _march_places(answer) if isinstance(answer, Marched) else _places(answer, nodes)
     pressure = answer.pressure(x, time) / stress
     return InterfaceView(
         x=x / (scene.material.shear_speed * time),
@@ -81,14 +81,14 @@ def interface_view(answer: Solution | Marched) -> InterfaceView:
     )
 
 
-def _places(solution: Solution) -> Array:
+def _places(solution: Solution, nodes: int) -> Array:
     """Positions [length] at T for smooth curves, more beside edges and fronts."""
     scene = solution.scene
     far = BEYOND * scene.fastest_speed
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
     edges = [one for part in parts for one in (part.inner, part.outer) if 0 < one < np.inf]
     near = np.array([*scene_fronts(scene).values(), *edges])
-    even = np.linspace(far / NODES, far, NODES)
+    even = np.linspace(far / nodes, far, nodes)
     speeds = np.concatenate([even, (near[:, None] * (1 + BESIDE)).ravel()])
     return np.unique(speeds[(speeds > 0) & (speeds <= far)]) * end_time(scene)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import socket
 import tomllib
 from dataclasses import replace
@@ -9,12 +10,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bokeh.document import Document
+from bokeh.models import ColumnDataSource, Range1d
 from catalogue import unit_scene
 
 from compare.cli.commands import main
 from compare.explore import controls, downloads, maps, views
 from compare.explore.jobs import marched_views
-from compare.explore.page import Session
+from compare.explore.page import MOVING_NODES, MOVING_RTOL, Session
+from compare.explore.pictures import Board
 from compare.explore.serving import make_server
 from compare.explore.work import Worker
 from semianalytic import (
@@ -184,6 +187,41 @@ def test_a_worker_answers_refuses_and_is_stopped():
     finally:
         worker.stop()
     assert not worker.busy
+
+
+def test_only_what_differs_is_told():
+    board, source, axis = Board(), ColumnDataSource(), Range1d()
+    board.fill(source, x=[1.0])
+    board.follow(axis, 0.0, 1.0)
+    news = board.news()
+    assert news[source.id] == {"data": {"x": [1.0]}}
+    assert news[axis.id]["start"] < 0.0 < 1.0 < news[axis.id]["end"]
+    board.fill(source, x=[1.0])
+    for low, high in ((0.0, 0.7), (0.3, 1.0)):
+        board.follow(axis, low, high)
+        assert board.news() == {}
+    for low, high in ((0.0, 0.4), (0.0, 1.5), (-1.0, 1.0)):
+        board.follow(axis, low, high)
+        told = board.news()[axis.id]
+        assert told["start"] <= low < high <= told["end"]
+        assert told["reset_start"] == told["start"]
+
+
+@pytest.mark.parametrize("law", ["coulomb", "viscous"])
+def test_what_is_told_is_the_answer(law):
+    session = Session(Document(), STEEL, "")
+    values = controls.defaults(STEEL) | {"law": law, "viscosity": 1e6}
+    session._show(values, True, 0.0)
+    told = json.loads(session._told.value)
+    lines = told["models"][session._interface._lines.id]["data"]
+    view = views.interface_view(solve(controls.scene_of(values), rtol=MOVING_RTOL), MOVING_NODES)
+    low, high = view.rate_limits
+    shown = (view.slip_rate > low) & (view.slip_rate < high)
+    assert shown.sum() > 100
+    assert np.array(lines["rate"])[shown] == pytest.approx(
+        view.slip_rate[shown], abs=1e-5 * (high - low)
+    )
+    assert np.array(lines["lower"]) == pytest.approx(-view.bound, rel=1e-4)
 
 
 def test_a_field_that_comes_late_is_not_drawn_over_a_march(monkeypatch):

@@ -17,7 +17,7 @@ Bokeh.documents[0].get_model_by_name('field').renderers.map((one) => one.data_so
   .filter((column) => column && column.length).flatMap((column) => [...column[0]])
   .reduce((sum, one) => sum + one, 0)
 """
-THERE = "!document.getElementById('pictures').classList.contains('late')"
+THERE = "document.getElementById('pictures').dataset.late === 'false'"
 WIDER = """
 [...document.querySelectorAll('*')].filter((one) =>
   one.getBoundingClientRect().right > innerWidth + 1 && !one.closest('pre')).length
