@@ -29,6 +29,7 @@ def test_pages_are_as_their_data_are(capsys):
     assert main(["--check"]) == 0, capsys.readouterr().out
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("file", FILES)
 def test_every_data_file_names_a_command_there_is_and_is_shown(file):
     command, rows = read_data(file)
@@ -184,6 +185,7 @@ def functions_of(file):
     return {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_every_test_named_in_docs_exists(page):
     text = page.read_text()

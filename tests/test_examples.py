@@ -39,6 +39,7 @@ def runs(tmp_path_factory, mesh_cache):
     return found
 
 
+@pytest.mark.thinned(13)
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_every_example_runs_and_prints_one_line(name, runs):
     _, shown, folder = runs[name]

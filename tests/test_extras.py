@@ -119,6 +119,7 @@ def commands(tmp_path_factory):
     return found
 
 
+@pytest.mark.thinned(8)
 @pytest.mark.parametrize("line", FINE)
 def test_solver_and_help_need_no_extra(line, commands):
     code, out, err = commands[ALL, line]
@@ -155,6 +156,7 @@ def test_missing_extra_of_a_function_is_one_sentence(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_results_are_saved_with_h5py_only(tmp_path):
     code = (
         "import slipfront as sf\n"

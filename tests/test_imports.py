@@ -92,6 +92,7 @@ def against_the_arrows(package, root=ROOT):
                     yield str(path.relative_to(root)), name
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("package", ARROWS)
 def test_arrows_between_folders_run_one_way(package):
     folders = {path.parent.name for path in (ROOT / package).glob("*/__init__.py")}
@@ -148,6 +149,7 @@ LATER = ("inversion", "prediction", "reference", "regimes", *_DERIVATIVES, "spac
 """What a plain solution does without."""
 
 
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     ("use", "loaded"),
     [

@@ -67,6 +67,7 @@ def error(path, quantity):
     return np.abs(run[quantity][after] - right).mean() / (norm if norm > ROUNDING else 1.0)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("path", sorted(ENTRANTS.rglob("*.csv")), ids=lambda path: path.name)
 def test_files_are_of_the_form_that_all_hand_in(path):
     run, said = table(path), labels(path)

@@ -96,6 +96,7 @@ def test_companions_have_the_settings_of_the_simulation():
     assert len(run.companion.interface.t) <= 3
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("resolution", [15, 16, 31, 32, 33])
 def test_companions_end_where_meshes_would_be_too_coarse(resolution):
     run = with_companions(simulate(find_scene("stuck"), resolution=resolution))

@@ -54,6 +54,7 @@ def test_softer_block_counts_more():
     assert other - both < 0.1 * (other - one)
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     ("element", "nu"), [("Q1", -0.5), ("Q1", 1 / 3), ("Q1", 0.45), ("P1", 1 / 3), ("P1", 0.0)]
 )

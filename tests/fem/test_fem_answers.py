@@ -62,6 +62,7 @@ def test_fields_are_those_of_the_exact_solution(name, field, most):
     assert np.abs(seen - exact).sum() < most * np.abs(exact).sum()
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("name", "total", "most"),
     [

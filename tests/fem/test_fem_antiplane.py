@@ -150,6 +150,7 @@ def test_units_do_not_matter():
 # --- models ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("load", [(0.0, 1.0), (0.4, 1.0), (-1.0, 1.0)])
 def test_halves_and_two_blocks_are_the_same(load):
     """The last opens: where it does, nothing holds slip along z."""

@@ -41,6 +41,7 @@ print(json.dumps({
 """
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("scene", "options"),
     [
@@ -63,6 +64,7 @@ def test_unknowns_and_steps_are_those_of_the_run(scene, options):
     assert (predicted.unknowns, predicted.steps) == (run.unknowns, run.steps)
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("nu", [-0.5, 1 / 3, 0.49])
 @pytest.mark.parametrize(
     "options", [{}, {"element": "P1"}, {"element": "Q2"}, {"mesh": "graded"}, {"damping": 0.2}]
@@ -83,6 +85,7 @@ def test_unknowns_of_unstructured_triangles_are_nearly_those_of_the_run():
     assert predicted.steps == pytest.approx(run.steps, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "resolution",
     [60, pytest.param(100, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.slow)],

@@ -101,6 +101,7 @@ def test_killed_runs_resume_to_the_last_bit(tmp_path):
         assert frame.read_bytes() == (tmp_path / "run" / "fields" / frame.name).read_bytes()
 
 
+@pytest.mark.slow
 def test_ctrl_c_leaves_a_checkpoint_of_the_step_it_came_in(tmp_path):
     process = start(tmp_path, every=10**6)  # none would be due before the end
     while not list((tmp_path / "fields").glob("*.vtu")) and process.poll() is None:
@@ -147,6 +148,7 @@ def resume(path, **changes):
     return simulate(**options)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("options", [{}, {"model": "two-blocks"}, {"element": "Q2", "every": 7}])
 def test_resumed_run_equals_an_uninterrupted_one(options, tmp_path):
     path = tmp_path / "checkpoint.h5"
@@ -154,6 +156,7 @@ def test_resumed_run_equals_an_uninterrupted_one(options, tmp_path):
     assert_same(resume(path, **options), simulate(MIXED, resolution=24, **options))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("law", [SlipWeakening(0.6, 0.02), RateWeakening(0.4, 1.0)])
 @pytest.mark.parametrize("stopped", [11, 37])
 def test_resumed_run_remembers_load_path_and_law(law, stopped, tmp_path):
@@ -302,6 +305,7 @@ def test_failed_write_keeps_the_checkpoint_before(tmp_path, monkeypatch):
     assert_same(resume(path), whole)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("ratio", "damping"), [(1.05, 0.0), (1.05, 0.02), (1.3, 0.1)])
 def test_unstable_run_stops_and_keeps_what_was_written(ratio, damping, tmp_path):
     path = tmp_path / "checkpoint.h5"

@@ -198,6 +198,7 @@ def test_history_that_finds_no_room_is_kept_elsewhere(whole, tmp_path, monkeypat
 # --- one folder, several runs -----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_one_run_has_one_identity(whole, tmp_path):
     run = simulate(SCENE, **SMALL, snapshots=tmp_path)
     assert run.run == whole.run
@@ -210,6 +211,7 @@ def test_one_run_has_one_identity(whole, tmp_path):
     assert simulate(SCENE, **SMALL).run != run.run  # another mesh: only what the interface needs
 
 
+@pytest.mark.slow
 def test_run_without_snapshots_removes_those_of_the_run_before(tmp_path):
     assert command(tmp_path) == 0
     (tmp_path / "snapshots" / "mine.txt").write_text("notes")
@@ -225,6 +227,7 @@ def test_fewer_frames_leave_none_of_the_run_before(tmp_path):
     assert sorted(path.name for path in tmp_path.glob("*.vtu")) == listed(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_snapshots_of_an_unfinished_run_are_not_compared_with_the_one_before(tmp_path, capsys):
     assert command(tmp_path) == 0

@@ -211,6 +211,7 @@ def test_plane_waves_carry_the_right_stress(tmp_path):
             assert sxx[where].mean() == pytest.approx(lateral * (1.0 - pressure), abs=5e-3)
 
 
+@pytest.mark.slow
 def test_faces_never_interpenetrate(tmp_path):
     simulate(OPENING, resolution=40, snapshots=tmp_path, frames=10)
     opened = []

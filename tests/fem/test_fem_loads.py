@@ -95,6 +95,7 @@ def test_kicks_add_up_to_the_impulse_of_the_load(history):
     np.testing.assert_allclose(impulse, history.mean(0.0, ends) * ends, atol=1e-14)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("scene", [sheared, mixed])
 def test_ramp_in_no_time_is_a_step_to_the_bit(scene):
     one, other = run(scene(Step())), run(scene(Ramp(0.0)))
@@ -104,6 +105,7 @@ def test_ramp_in_no_time_is_a_step_to_the_bit(scene):
         np.testing.assert_array_equal(getattr(one.energy, name), getattr(other.energy, name))
 
 
+@pytest.mark.slow
 def test_rectangle_is_a_step_less_a_delayed_step_where_nothing_slips():
     step = run(held(Step(), Step()))
     delay = 30
@@ -120,6 +122,7 @@ def test_rectangle_is_a_step_less_a_delayed_step_where_nothing_slips():
     assert rectangle.final_path.max() < 1e-12
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("history", "most"),
     [
@@ -143,7 +146,7 @@ def test_stuck_tractions_follow_the_history(history, most):
         assert error.sum() < most * np.abs(expected).sum()
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(25)
 @any_history
 @any_law
 @pytest.mark.parametrize("scene", [sheared, mixed])
@@ -165,6 +168,7 @@ def test_half_block_equals_two_blocks_under_any_load():
         np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-10, err_msg=name)
 
 
+@pytest.mark.slow
 def test_unloading_slips_backwards_from_the_edge():
     sim = run(sheared(Pulse(0.4, "triangle")), 160)
     seen = sim.interface
@@ -183,6 +187,7 @@ def test_unloading_slips_backwards_from_the_edge():
 # --- friction laws ----------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(11)
 @any_history
 @any_law
 @pytest.mark.parametrize("scene", [sheared, mixed])

@@ -87,6 +87,7 @@ def test_welded_edge_node_never_converges(monkeypatch):
 # --- elements ---------------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     ("element", "mesh", "most"),
     [

@@ -36,6 +36,7 @@ def wavy(noise, periods=2.0):
     return Tabulated(tuple(t), tuple(np.sin(2 * np.pi * periods * t) + ripple))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("history", "needed"),
     [
@@ -126,6 +127,7 @@ def test_fast_pressure_is_refused_by_its_name():
         simulate(scene)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "history",
     [
@@ -165,7 +167,7 @@ def weakening(friction=0.6, residual=0.2, distance=0.05, shear=(0.4, 0.4), nu=0.
     )
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "end_time"),
     [

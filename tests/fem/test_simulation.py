@@ -75,6 +75,7 @@ def test_coulomb_law_holds_at_every_node_and_step(scene, damping):
     assert np.abs(increment[stuck]).max(initial=0) < rounding
 
 
+@pytest.mark.thinned(3)
 @any_scene
 @pytest.mark.parametrize("damping", [0.0, 0.02])
 def test_energy_balances_to_rounding(scene, damping):
@@ -167,6 +168,7 @@ STUCK_TRACTIONS = [  # u, p*, q* of theory, section 3
 ]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("u", "p", "q"), STUCK_TRACTIONS)
 def test_stuck_tractions_converge(u, p, q):
     """The mesh is laid so that the edge of the closed contact is at x = 0; where the contact is
@@ -265,6 +267,7 @@ def test_scene_decides_the_model():
     assert names["remote"] == "antisymmetric and symmetric halves in lockstep"
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("scene", [PRELOADED, REMOTE], ids=["preloaded", "remote"])
 def test_trimmed_domain_and_window_change_nothing(scene, tmp_path, monkeypatch):
     """Same answer on the full domain with every node moving from the first step."""

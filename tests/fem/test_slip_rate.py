@@ -49,6 +49,7 @@ def test_what_is_summed_ends_with_the_end_time():
     assert len(sim.energy.t) == len(sim.totals.t) - 1 == sim.steps
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("scene", "most"),
     [

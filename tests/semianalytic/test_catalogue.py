@@ -14,6 +14,7 @@ def test_names_are_unique():
     assert len({problem.name for problem in PROBLEMS}) == len(PROBLEMS)
 
 
+@pytest.mark.thinned(2)
 @over("exact")
 def test_zones_are_the_known_ones(problem):
     solution = solve(problem.scene)
@@ -21,6 +22,7 @@ def test_zones_are_the_known_ones(problem):
     assert tuple(zone.sense for zone in solution.zones) == problem.senses
 
 
+@pytest.mark.thinned(2)
 @over("exact")
 def test_laws_hold(problem):
     check_invariants(problem.scene)
@@ -32,6 +34,7 @@ def test_laws_hold_where_strength_follows_slip_rate(problem):
     check_invariants(problem.scene)
 
 
+@pytest.mark.thinned(8)
 @over("exact")
 def test_error_is_honest(problem):
     fine = solve(problem.scene, rtol=1e-11)
@@ -56,6 +59,7 @@ def test_error_is_honest(problem):
         assert error <= solution.error_estimate * scale
 
 
+@pytest.mark.thinned(3)
 @over("exact")
 def test_mirrored_tractions_mirror_slip(problem):
     scene = problem.scene
@@ -67,6 +71,7 @@ def test_mirrored_tractions_mirror_slip(problem):
     np.testing.assert_array_equal(solution.slip_rate(x, 1.0), -mirrored.slip_rate(x, 1.0))
 
 
+@pytest.mark.thinned(3)
 @over("exact", without="SI")
 def test_units_do_not_matter(problem):
     """Steel of the same Poisson ratio under MPa, millisecond for second."""
@@ -89,6 +94,7 @@ def test_units_do_not_matter(problem):
     np.testing.assert_allclose(in_units, rate, atol=1e-7 * np.abs(rate).max(initial=1e-300))
 
 
+@pytest.mark.thinned(6)
 @over("exact", "witness")
 def test_march_agrees(problem):
     scene = problem.scene
@@ -101,6 +107,7 @@ def test_march_agrees(problem):
     assert error <= 0.01 * np.abs(exact).sum()
 
 
+@pytest.mark.thinned(3)
 @over("march")
 def test_what_is_not_self_similar_is_refused_and_marched(problem):
     with pytest.raises(SceneError, match="space-time"):

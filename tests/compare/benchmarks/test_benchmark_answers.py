@@ -41,6 +41,7 @@ def name(sheet):
     return sheet.name
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("sheet", SOLVED, ids=name)
 def test_answers_have_not_changed(sheet):
     assert list(changes(sheet)) == []

@@ -35,6 +35,7 @@ def test_runs_enter_and_are_scored(tmp_path, capsys, monkeypatch):
     assert by_cells[50] < by_cells[25]
 
 
+@pytest.mark.slow
 def test_sheets_are_exported(tmp_path, capsys):
     place = tmp_path / "sheets"
     place.mkdir()
@@ -45,6 +46,7 @@ def test_sheets_are_exported(tmp_path, capsys):
     assert (place / "lift-off" / "lift-off.html").is_file()
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [

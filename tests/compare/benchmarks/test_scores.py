@@ -35,7 +35,7 @@ def errors(run):
     return {one.quantity: one.error for one in score(run)}
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(9)
 @pytest.mark.parametrize("sheet", SHEETS.values(), ids=lambda sheet: sheet.name)
 def test_exact_records_have_no_error(sheet):
     for one in score(run_of(sheet)):

@@ -40,6 +40,7 @@ def test_compare_agrees_on_the_named_scene(tmp_path, capsys):
     assert "Rayleigh front" not in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_compare_takes_a_file_in_which_pressure_changes_too(tmp_path):
     path = tmp_path / "remote.toml"
     path.write_text(FILE)

@@ -110,6 +110,7 @@ def test_solve_draws_a_plot(tmp_path, capsys):
     assert "prediction.png" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_solve_needs_no_finite_elements():
     code = (
         "import sys; from compare.cli.commands import main\n"
@@ -225,6 +226,7 @@ def test_compare_with_an_answer_that_has_not_converged_writes_and_exits_with_fou
     assert "the prediction has not converged" in {row["obstacle"] for row in document["rows"]}
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "arguments", [["scenes"], ["solve", "remote-shock", "--friction", "0.5"], ["solve", "--help"]]
 )
@@ -234,6 +236,7 @@ def test_a_terminal_of_ascii_is_no_obstacle(arguments):
     assert run.stdout.isascii()
 
 
+@pytest.mark.slow
 def test_names_that_cannot_be_printed_are_escaped(capsys):
     assert main(["solve", "\udcff\n\x1b[31mß"]) == 2
     assert r"called '\udcff\n\x1b[31mß'" in one_sentence(capsys.readouterr())
@@ -305,6 +308,7 @@ def test_an_output_folder_that_is_a_file_exits_with_three(tmp_path, capsys):
     assert "taken" in one_sentence(capsys.readouterr())
 
 
+@pytest.mark.slow
 def test_compare_with_an_earlier_simulation(simulated, tmp_path, capsys):
     folder = tmp_path / "compared"
     code = main(["compare", "preloaded", "--from", str(simulated), "--output", str(folder)])
@@ -334,6 +338,7 @@ def test_compare_reads_the_snapshots_too(simulated, tmp_path, capsys):
     assert "slip rate of snapshot" not in (tmp_path / "report.json").read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_compare_shows_how_far_whole_fields_are_off_and_does_not_judge_them(
     simulated, tmp_path, capsys
@@ -358,6 +363,7 @@ def test_compare_shows_how_far_whole_fields_are_off_and_does_not_judge_them(
     assert "Fields" not in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_compare_without_output_writes_beside_the_simulation(simulated):
     main(["compare", "--from", str(simulated)])
@@ -392,6 +398,7 @@ def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys
     assert document["parameters"]["friction"] == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_a_prediction_that_differs_exits_with_one(simulated, monkeypatch, tmp_path, capsys):
     """With the answer for more friction in place of the right one."""
@@ -411,6 +418,7 @@ def test_a_prediction_that_differs_exits_with_one(simulated, monkeypatch, tmp_pa
     assert main(arguments) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(tmp_path, capsys):
     options = ["--resolution", "20", "--no-snapshots", "--quiet", "--output", str(tmp_path / "out")]
@@ -425,7 +433,7 @@ def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(t
     assert "(resolution 7498, h = 0.00013: " in told
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("columns", ["80", "100"])
 def test_a_table_shows_all_columns_in_a_narrow_terminal(columns, simulated, monkeypatch, capsys):
@@ -443,6 +451,7 @@ def test_a_table_shows_all_columns_in_a_narrow_terminal(columns, simulated, monk
     ]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("quiet", [False, True])
 def test_long_simulations_say_what_they_will_cost(quiet, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("compare.cli.simulate_command.WORTH_SAYING", 0.0)

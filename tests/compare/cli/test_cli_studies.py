@@ -28,6 +28,7 @@ def test_studies_write_their_files(tmp_path, capsys):
     assert (article / "figure6.png").stat().st_size > 0
 
 
+@pytest.mark.slow
 def test_benchmark_reports_time_next_to_error():
     assert len(median_times([lambda: None, lambda: sum(range(1000))], 3)) == 2
     rows = measure(repetitions=1)

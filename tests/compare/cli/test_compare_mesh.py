@@ -51,6 +51,7 @@ def companions(folder):
     return resolutions
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_compare_says_its_mesh_and_what_stays_unresolved_before_it_starts(tmp_path, capsys):
     assert main(["compare", *GAP, "--budget", budget_for(48), "--output", "out"]) == 0
@@ -72,6 +73,7 @@ def test_compare_says_its_mesh_and_what_stays_unresolved_before_it_starts(tmp_pa
     assert remedies == {7498}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_quiet_says_nothing_of_the_mesh(capsys):
     main(["compare", *GAP, "--budget", budget_for(48), "--quiet"])
@@ -80,6 +82,7 @@ def test_quiet_says_nothing_of_the_mesh(capsys):
     assert "stays unresolved" not in captured.out
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_a_resolution_is_taken_and_what_it_leaves_is_said(tmp_path, capsys):
     main(["compare", "preloaded", *COARSE, "--output", "out"])
@@ -112,6 +115,7 @@ def test_times_are_typed_as_people_write_them(time, seconds, monkeypatch, capsys
     assert given == [seconds]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("time", ["soon", "", "-3s", "0", "1 year", "1e3s", "60 s s", "9" * 400])
 def test_what_is_no_time_is_refused_in_one_sentence(time, tmp_path, capsys):
     assert main(["compare", "stuck", "--budget", time]) == 2
@@ -138,6 +142,7 @@ def test_a_budget_that_reaches_no_mesh_is_refused(tmp_path, capsys):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_what_compare_has_simulated_needs_no_other_run(tmp_path, capsys, unrepeatable):
     main(["compare", "preloaded", *COARSE, "--output", "out"])
@@ -177,6 +182,7 @@ def test_error_bars_that_are_missing_are_made_and_kept(tmp_path, capsys, unrepea
     assert companions(tmp_path / "out") == [32, 16, 8]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("scene", "sentence"),
     [

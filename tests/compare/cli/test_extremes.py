@@ -67,6 +67,7 @@ def faultless(solution, resolution):
 QUICKLY = ("frictionless", "no load", "small load", "much friction", "most friction")
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=[] if name in QUICKLY else pytest.mark.slow) for name in SCENES],
@@ -115,7 +116,7 @@ LARGEST = {
 }
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", ["frictionless", "frictionless in SI", "no load", "most friction"])
 def test_what_is_simulated_where_nothing_is_predicted_differs(name):
     """Wrong by 2e-3 of the units: each of the rows that replace relative errors says so."""
@@ -137,6 +138,7 @@ def test_nothing_is_less_than_a_millionth_of_its_unit():
     assert is_nothing(np.array([]), 1.0)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("share", "verdict"), [(0.9e-6, "agrees"), (1.6e-6, "differs")])
 def test_what_is_less_than_nothing_agrees_with_nothing(share, verdict):
     solution = solve(scene_of("no load"))
@@ -201,6 +203,7 @@ COMPARED_SLOWLY = [
 ]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     "command", [*COMPARED, *(pytest.param(one, marks=pytest.mark.slow) for one in COMPARED_SLOWLY)]

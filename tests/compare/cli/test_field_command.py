@@ -14,6 +14,7 @@ def field(*words):
     return main(["field", *words, "--quiet"])
 
 
+@pytest.mark.slow
 def test_all_that_can_be_asked_for_is_written(tmp_path, capsys):
     folder = tmp_path / "out"
     asked = ["--animate", "2", "--vtu", "--grid", "4,4", "--gauge", "0.4,0.2"]
@@ -27,6 +28,7 @@ def test_all_that_can_be_asked_for_is_written(tmp_path, capsys):
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_face_is_told_by_its_sign(tmp_path, undrawn):
     """Records at y = 0 and y = -0 are those of the upper and of the lower face of the slot."""
     gauges = ["--gauge=-0.5,0", "--gauge=-0.5,-0", "--points", "4", "--samples", "3"]
@@ -51,6 +53,7 @@ def test_results_go_where_those_of_the_scene_are(tmp_path, undrawn, monkeypatch)
     assert path == tmp_path / "results" / "antiplane-friction-0.6" / "field" / "antiplane_syz.png"
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
@@ -88,6 +91,7 @@ def test_refusals_come_before_anything_is_made(words, sentence, tmp_path, monkey
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_marched_scene_is_drawn(tmp_path):
     words = ["--nodes", "60", "--points", "6", "--time", "0.5", "--output", str(tmp_path)]
     assert field("ramp", *words) == 0

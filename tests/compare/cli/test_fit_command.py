@@ -56,6 +56,7 @@ def test_json_is_all_that_is_printed_and_priors_count(records, capsys):
     assert found["known_by_prior"] == ["friction"]
 
 
+@pytest.mark.slow
 def test_what_the_data_leave_free_is_exit_code_four(records, capsys):
     names = "friction,base_pressure"
     line = f"--scene preloaded --parameters {names} --noise {NOISE}"
@@ -65,6 +66,7 @@ def test_what_the_data_leave_free_is_exit_code_four(records, capsys):
     assert "do not constrain friction and base_pressure apart" in captured.err
 
 
+@pytest.mark.slow
 def test_short_chains_are_unresolved(records, capsys):
     line = f"{LINE} --noise {NOISE} --posterior --steps 6 --quiet --json"
     assert run(line, records) == 4
@@ -73,6 +75,7 @@ def test_short_chains_are_unresolved(records, capsys):
     assert "autocorrelation times" in captured.err
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("line", "code", "message"),
     [

@@ -57,7 +57,7 @@ def check(seeds, tmp_path):
     assert found == {}
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("first", range(0, QUICK, SHARE))
 def test_random_files_and_command_lines(first, tmp_path):
     check(range(first, first + SHARE), tmp_path)
@@ -69,6 +69,7 @@ def test_more_random_files_and_command_lines(first, tmp_path):
     check(range(first, first + SHARE), tmp_path)
 
 
+@pytest.mark.slow
 def test_every_wrong_command(tmp_path):
     for number, arguments in enumerate(WRONG_COMMANDS):
         folder = tmp_path / str(number)
@@ -76,6 +77,7 @@ def test_every_wrong_command(tmp_path):
         assert list(faults(Case(tuple(arguments)), folder)) == [], arguments
 
 
+@pytest.mark.thinned(10)
 @pytest.mark.parametrize("arguments", REFUSED, ids=" ".join)
 def test_what_cannot_be_is_refused_at_once(arguments, tmp_path):
     """Before anything is computed, that is without what it would have taken minutes for."""

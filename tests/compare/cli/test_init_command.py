@@ -30,6 +30,7 @@ def slip(scene):
     return answer.slip(X, end) * scene.material.shear_modulus / load
 
 
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", NAMED_SCENES)
 def test_what_is_written_is_read_back_and_solved(name, capsys):
     assert main(["init", "plain.toml", "--from", name]) == 0

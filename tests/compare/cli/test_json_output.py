@@ -156,6 +156,7 @@ def test_field_fits_its_schema(capsys):
     assert "f/preloaded_speed.png" in document["files"]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_simulate_compare_and_validate_fit_their_schema(capsys):
     coarse = ("--resolution", "30", "--frames", "2", "--quiet", "--output", "run")

@@ -78,6 +78,7 @@ def refusal(capsys, *arguments, code=5):
 # --- the package of the documentation ------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_documented_package_works_from_the_shell(tmp_path):
     folder = tmp_path / "site"
     folder.mkdir()
@@ -133,6 +134,7 @@ def test_finite_elements_take_a_law_of_a_package_too(granite):
     np.testing.assert_allclose(traction[slips][:-1], strength[slips][:-1], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_law_of_slip_rate_is_solved_exactly(installed):
     installed(
         packages.brought("oil", "oil", laws=["oil = Oil"], scenes=["oiled = OILED"]),
@@ -202,6 +204,7 @@ def test_two_packages_of_one_name_are_refused_by_name(installed, capsys):
     assert main(["scenes"]) == 0
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
@@ -239,6 +242,7 @@ class S(sf.FrictionLaw):
 """
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [
@@ -297,6 +301,7 @@ def test_a_broken_figure_is_one_sentence_that_names_its_package(
     assert not path.exists()
 
 
+@pytest.mark.slow
 def test_nothing_is_looked_up_for_what_is_ours():
     code = (
         "import importlib.metadata as metadata\n"

@@ -29,6 +29,7 @@ def test_nodes_follow_from_the_resolution():
     assert in_options("raise `nodes` 3 times.", {"resolution"}) == "raise --resolution 3 times."
 
 
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     ("command", "sentence"),
     [

@@ -79,6 +79,7 @@ def test_lists_and_marches_from_the_command_line(tmp_path, capsys):
     assert document["units"]["variables"]["largest_slip"] == "length"
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("options", "code", "said"),
     [

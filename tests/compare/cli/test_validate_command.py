@@ -26,6 +26,7 @@ def result(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_right_records_return_0_and_say_first_what_was_detected(result, tmp_path, capsys):
     output = tmp_path / "out"
     arguments = ["validate", str(result), "--scene", "preloaded", "--spacing", "0.01"]
@@ -40,18 +41,21 @@ def test_right_records_return_0_and_say_first_what_was_detected(result, tmp_path
     assert (output / "validation.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_wrong_friction_returns_1(result, tmp_path, capsys):
     arguments = ["validate", str(result), "--scene", "preloaded", "--spacing", "0.01"]
     assert main([*arguments, "--friction", "0.309", "--output", str(tmp_path)]) == 1
     assert "Verdict: differs" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_without_spacing_the_option_is_named(result, tmp_path, capsys):
     arguments = ["validate", str(result), "--scene", "preloaded", "--output", str(tmp_path)]
     assert main(arguments) == 0
     assert "give --spacing" in capsys.readouterr().out
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [

@@ -25,6 +25,7 @@ def rows_of(prediction, run):
     return list(arrival_rows(side_by_side(prediction, run)))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", PRESENT)
 def test_every_signal_on_either_face_has_one_row(name):
     exact = solve(find_scene(name))
@@ -36,6 +37,7 @@ def test_every_signal_on_either_face_has_one_row(name):
         assert (row.unit, row.kind, row.verdict) == ("c_t", "arrival", "agrees")
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("stretch", [0.99, 1.01])
 def test_arrivals_off_by_one_percent_say_so(solution, stretch):
     rows = rows_of(solution, sampled_run(solution, stretch=stretch))
@@ -47,6 +49,7 @@ def test_arrivals_off_by_one_percent_say_so(solution, stretch):
     assert [row.verdict for row in fastest] == 2 * ["differs"]
 
 
+@pytest.mark.slow
 def test_arrivals_off_by_what_coarser_meshes_are_off_agree(solution):
     """By 1 % at h, 2 % at 2h, 4 % at 4h."""
     rows = rows_of(solution, sampled_run(solution, stretch=1.01, growth=2.0))
@@ -56,6 +59,7 @@ def test_arrivals_off_by_what_coarser_meshes_are_off_agree(solution):
         assert row.bar > 0.01 * row.exact
 
 
+@pytest.mark.slow
 def test_speed_is_told_where_it_is_exact(solution):
     material = solution.scene.material
     exact = {row.name.split()[0]: row.exact for row in rows_of(solution, sampled_run(solution))}

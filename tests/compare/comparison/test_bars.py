@@ -29,6 +29,7 @@ def test_order_of_a_sequence_is_that_it_was_made_with(truth, error, order, ratio
     )
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
 @pytest.mark.parametrize("sign", [1, -1])

@@ -37,6 +37,7 @@ def test_differences_end_at_the_first_mesh_that_does_not_show_a_value(values, ch
     assert mesh_changes(values) == changes
 
 
+@pytest.mark.slow
 def test_bars_shrink_with_the_mesh():
     """Of a simulation at h = 1/30 and at h = 1/60."""
     solution = solve(PRELOADED)
@@ -80,6 +81,7 @@ def test_without_a_coarser_mesh_a_row_says_so():
     assert set(reasons) == {"no coarser mesh was run, so that it has no error bar"}
 
 
+@pytest.mark.slow
 def test_wear_is_the_answers_own_where_it_has_any_and_else_summed_over_the_times():
     run = sampled_run(solve(PRELOADED), resolution=40, times=200)
     x, end = run.interface.x, run.end_time

@@ -47,6 +47,7 @@ def test_edges_off_by_five_percent_differ_by_five_percent(solution):
         assert row.verdict == "differs"
 
 
+@pytest.mark.slow
 def test_edges_off_by_what_coarser_meshes_are_off_agree(solution):
     """By 2 % at h, 5 % at 2h, 12 % at 4h: a little better than first order."""
     run = sampled_run(solution, resolution=200, stretch=1.02, growth=2.5)
@@ -56,6 +57,7 @@ def test_edges_off_by_what_coarser_meshes_are_off_agree(solution):
         assert row.verdict == "agrees"
 
 
+@pytest.mark.slow
 def test_edges_are_read_off_the_nodes_of_the_prediction_too(solution):
     """On a coarse mesh not even the exact answer has its edge where it is."""
     coarse, fine = (edge_rows(solution, sampled_run(solution, n)) for n in (50, 400))
@@ -86,6 +88,7 @@ def test_slip_the_other_way_is_no_zone(solution):
     assert [row.simulated for row in unpredicted] == pytest.approx([0.884, 0.084], abs=0.01)
 
 
+@pytest.mark.slow
 def test_slip_in_a_strip_is_unpredicted_if_the_coarser_mesh_shows_it_too(solution):
     def slipping(velocity, rate):
         return np.where((velocity > 1.3) & (velocity < 1.4), 0.5, rate)
@@ -109,6 +112,7 @@ def test_a_strip_narrower_than_four_elements_is_not_held_against_the_prediction(
     assert (row.verdict, row.obstacle) == ("unresolved", "it is narrower than 4 elements")
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("resolution", [40, 100])
 def test_a_narrow_zone_says_how_narrow_and_which_mesh_would_do(resolution):
     """The second zone at ν = 0.29 is 0.0144 c_t T wide."""

@@ -88,6 +88,7 @@ def test_frames_of_other_scenes_come_closer_with_time(name, tmp_path):
         assert late.whole < 0.75 * early.whole or late.whole == early.whole == 0
 
 
+@pytest.mark.slow
 def test_friction_off_by_three_percent_is_seen(runs, right):
     spoilt = last(solve(override_scene(SCENE, friction=1.03 * SCENE.friction)), *runs[1])
     assert spoilt["u_y"].whole > 1.5 * right[1]["u_y"].whole
@@ -242,6 +243,7 @@ def test_each_jump_of_a_load_sends_out_fronts_and_a_rise_does_not():
     np.testing.assert_array_equal(fronts_of(find_scene("ramp")).distance(x, y, 0.8), radii)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", ["preloaded", "lift-off-shear", "antiplane"])
 def test_exact_fields_change_suddenly_nowhere_but_at_fronts(name):
     scene = find_scene(name)

@@ -35,7 +35,7 @@ from semianalytic.scene.scene import scene_document, scene_from_document
 HISTORIES = ["ramp", "unload", "pulse", "harmonic"]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", HISTORIES)
 def test_both_methods_agree_within_the_bars(name, tmp_path, capsys):
     """At half the default resolution; at the default one the numbers in docs/spacetime.md."""
@@ -66,6 +66,7 @@ def test_space_time_can_be_forced_where_the_exact_solver_applies(tmp_path):
     assert json.loads((folder / "report.json").read_text())["method"] == "space-time"
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("law", "slip_rate_error"),
     [(SlipWeakening(0.5, 0.2), 0.02), (RateWeakening(0.5, 0.5), 0.5)],

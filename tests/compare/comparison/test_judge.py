@@ -55,7 +55,7 @@ def fair(solution, coarse):
 # --- what is right agrees -------------------------------------------------------------------
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(12)
 @pytest.mark.parametrize("name", SELF_SIMILAR)
 def test_a_run_without_error_agrees_with_nothing_but_rounding(name):
     solution = solve(NAMED_SCENES[name].scene)
@@ -87,7 +87,7 @@ def check_ordinary(name, resolution):
     return rows
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(12)
 @pytest.mark.parametrize("name", ORDINARY)
 def test_ordinary_scenes_agree_and_narrow_gaps_are_unresolved(name):
     check_ordinary(name, 40)
@@ -129,7 +129,7 @@ def test_a_coarse_mesh_is_unresolved_and_says_which_would_do(solution):
     assert any(row.resolution == 28 for row in judgement.rows)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("resolution", [8, 11, 14])
 def test_without_companions_nothing_agrees_and_nothing_differs(solution, resolution):
     """Not even of a sampled run without any error, or of one with a large one."""
@@ -142,6 +142,7 @@ def test_without_companions_nothing_agrees_and_nothing_differs(solution, resolut
     assert judge(solution, sampled_run(solution, resolution=16)).counts["agrees"] > 0
 
 
+@pytest.mark.slow
 def test_companions_are_run_where_the_simulation_carries_none(solution):
     alone = simulate(PRELOADED, resolution=40)
     assert alone.companion is None
@@ -162,6 +163,7 @@ def test_a_difference_is_between_what_is_read_off_both(fair):
             assert abs(row.simulated - row.at_nodes) <= row.difference * row.at_nodes * (1 + 1e-9)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("friction", [0.25, 0.31])
 def test_another_prediction_moves_nothing_of_the_simulation(fair, coarse, friction):
     """Fronts are read in windows that depend on it; the part of the map that differs is of both."""
@@ -196,6 +198,7 @@ def test_bars_come_from_the_simulation():
 # --- units ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(
     friction=st.sampled_from([0.15, 0.3, 1.0]),
     modulus=st.floats(1e-3, 1e12),
@@ -312,6 +315,7 @@ def test_verdict_of_a_judgement(fair):
     assert replace(fair, rows=(agrees, differs)).having("differs") == (differs,)
 
 
+@pytest.mark.slow
 def test_beyond_the_bar_by_little_is_unresolved_and_a_finer_mesh_is_named(solution):
     """Between one and one and a half bars: neither agreement nor a difference."""
     run = sampled_run(solution, gain=1.05, growth=1.65)
@@ -334,6 +338,7 @@ def test_remedies_say_mesh_time_and_memory(coarse, fair):
 # --- snapshots ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_snapshot_is_compared_at_its_own_time(solution):
     run = sampled_run(solution)
     x = run.interface.x

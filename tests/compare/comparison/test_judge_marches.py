@@ -25,6 +25,7 @@ def coarse():
     return simulated(PRELOADED, 60)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["ramp", "unload"])
 def test_a_march_is_judged(name):
     run = simulated(find_scene(name), 60)

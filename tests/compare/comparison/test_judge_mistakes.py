@@ -34,6 +34,7 @@ def test_friction_of_a_third_is_told_from_that_of_three_tenths():
     assert "slip, L1" in differing(other)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     ("other", "row"),
     [
@@ -48,6 +49,7 @@ def test_predictions_of_another_scene_differ(coarse, other, row):
     assert row in differing(judgement)
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("spoil", ["one zone", "reversed", "stuck", "edge moved"])
 def test_what_is_spoilt_on_purpose_differs(spoil, solution):
     run = simulated(PRELOADED, 100)
@@ -95,6 +97,7 @@ def test_what_is_spoilt_on_purpose_differs(spoil, solution):
     assert any(name.startswith(expected) for name in differing(judgement)), differing(judgement)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("gain", [0.97, 1.03])
 def test_an_error_that_no_mesh_shows_differs_and_one_they_show_agrees(solution, gain):
     """Slip rates and tractions off by 3 %: on all meshes, or by four times as much at 2h."""

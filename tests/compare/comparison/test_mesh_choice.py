@@ -165,6 +165,7 @@ def test_snapshots_and_companions_are_paid_for():
     assert pictured.memory == run.memory
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("memory", [70e6, 150e6, 400e6])
 def test_what_is_chosen_fits_into_the_memory(memory):
     solution, scene = gap_scene(0.15)
@@ -245,7 +246,7 @@ def test_what_cannot_be_is_refused(options, sentence):
     assert sentence in str(caught.value)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(30)
 @over("exact")
 def test_every_exact_scene_gets_a_mesh(problem):
     choice = choose_mesh(solve(problem.scene), problem.scene)

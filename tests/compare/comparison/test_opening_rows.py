@@ -20,6 +20,7 @@ def case_of(name, resolution=RESOLUTION):
     return side_by_side(solve(scene), simulated(scene, resolution))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_rows_of_openings_are_within_half_their_bars(name):
     case = case_of(name)
@@ -39,6 +40,7 @@ def test_slip_while_open_is_no_slip_zone():
     assert names == ["zone 1, outer edge", "zone 2, inner edge", "zone 2, outer edge"]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("mistake", SPOILT)
 def test_mistakes_about_openings_are_caught(mistake):
     scene = find_scene("lift-off")

@@ -58,6 +58,7 @@ def test_an_unresolved_row_says_in_the_document_why_and_what_would_do(thin_gap):
     assert all(row["remedy"] == "" for row in rows.values() if row["verdict"] != "unresolved")
 
 
+@pytest.mark.slow
 def test_no_value_is_null_where_there_is_none(thin_gap):
     """No bar without companions, no value where a zone is missing: null and not NaN."""
     run = sampled_run(solve(PRELOADED), resolution=14, companions=0)

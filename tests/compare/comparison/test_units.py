@@ -83,6 +83,7 @@ def test_no_two_rows_of_a_report_have_one_name():
     assert len(set(names)) == len(names)
 
 
+@pytest.mark.slow
 def test_values_of_rows_are_what_their_units_say():
     """The integrals of slip and work over the contact, by another rule.
 
@@ -123,6 +124,7 @@ def test_units_are_carried_by_documents_and_make_no_other_scene():
         replace(STEEL, units="cgs")
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [

@@ -156,6 +156,7 @@ def test_the_program_marches_what_is_marched():
     assert "sf.march(scene, 1.0)" in downloads.program(scene)
 
 
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("form", downloads.FILES)
 def test_files_hold_the_answer(form):
     solution = solve(STEEL)

@@ -68,6 +68,7 @@ def _errors(browser, address):
     return bad
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [1280, 400])
 def test_it_loads_without_errors_and_fits(browser, address, width):
     browser.open(address, width)
@@ -87,6 +88,7 @@ def test_every_control_has_a_label(page):
     )
 
 
+@pytest.mark.slow
 def test_a_slider_moved_by_keys_changes_the_pictures_and_the_address(page):
     _until(page, THERE)
     before, speed, address = (page.value(one) for one in (RATE, SPEED, "location.search"))

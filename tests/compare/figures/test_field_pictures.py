@@ -82,7 +82,7 @@ def test_moving_parts_are_those_of_the_interface():
     assert second.covers(1.0)
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(12)
 @pytest.mark.parametrize("name", ["speed", "pressure", "fringes"])
 def test_every_kind_of_quantity_has_a_picture_in_its_range(name, solution):
     quantity = find_quantity(name, solution.scene)
@@ -151,6 +151,7 @@ def test_picture_of_a_window_has_square_cells(tmp_path):
     assert imread(tmp_path / "field.png").std() > 0.05
 
 
+@pytest.mark.slow
 def test_animation_has_a_frame_for_each_time(tmp_path):
     from PIL import Image
 
@@ -170,6 +171,7 @@ def test_animation_has_a_frame_for_each_time(tmp_path):
     assert [one.name for one in tmp_path.iterdir()] == ["film.gif"]
 
 
+@pytest.mark.slow
 def test_frames_of_a_film_lie_on_one_another():
     solution = solve(find_scene("tap"))
     quantity = find_quantity("pressure", solution.scene)
@@ -216,6 +218,7 @@ def film(tmp_path, monkeypatch):
     return make
 
 
+@pytest.mark.slow
 def test_ffmpeg_is_given_every_frame(film):
     path = film('for last; do :; done; cat > "$last"')
     frames = np.frombuffer(path.read_bytes(), dtype=np.uint8).reshape(2, -1, 4)
@@ -224,6 +227,7 @@ def test_ffmpeg_is_given_every_frame(film):
     assert [one.name for one in path.parent.iterdir()] == ["film.mp4"]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("script", ["exit 3", "cat > /dev/null; exit 3"])
 def test_a_failing_ffmpeg_is_one_sentence(film, script, tmp_path):
     with pytest.raises(ComputationError, match=r"ffmpeg could not write .*take the format gif\.$"):
@@ -238,6 +242,7 @@ def test_a_missing_ffmpeg_is_one_sentence(monkeypatch):
         check_format("mp4")
 
 
+@pytest.mark.slow
 def test_few_colours_keep_those_of_the_senses():
     """A line on a picture of many colours is rare, and says which way it slips."""
     scene = find_scene("auxetic")

@@ -44,7 +44,7 @@ def marked_fronts(panel):
     return {text.get_text() for text in panel.texts}
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 def test_slip_rate_figure_shows_both_answers_and_their_difference(case):
     solution, history = case
     upper, lower = slip_rate_figure(solution, history).axes
@@ -59,6 +59,7 @@ def test_slip_rate_figure_shows_both_answers_and_their_difference(case):
     assert np.abs(lower.get_lines()[0].get_ydata()).max() < 1e-12
 
 
+@pytest.mark.thinned(2)
 def test_tractions_figure_shows_traction_and_bound_of_both(case):
     solution, history = case
     (panel,) = tractions_figure(solution, history).axes
@@ -70,6 +71,7 @@ def test_tractions_figure_shows_traction_and_bound_of_both(case):
     assert_finite(panel)
 
 
+@pytest.mark.thinned(2)
 def test_fronts_figure_maps_position_and_time(case):
     solution, history = case
     panel, colour_bar = fronts_figure(solution, history).axes
@@ -83,6 +85,7 @@ def test_fronts_figure_maps_position_and_time(case):
     assert np.isfinite(mesh.get_array()).all()
 
 
+@pytest.mark.thinned(2)
 def test_prediction_figure_needs_no_simulation(case):
     solution, _ = case
     panels = prediction_figure(solution).axes
@@ -92,7 +95,7 @@ def test_prediction_figure_needs_no_simulation(case):
         assert_finite(panel)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 def test_figures_draw_into_axes_of_others(case):
     solution, history = case
     figure = Figure()
@@ -114,6 +117,7 @@ def test_reverse_slip_is_named_in_the_legend_and_mapped_with_two_colours():
     assert mesh.norm.vmin == -mesh.norm.vmax
 
 
+@pytest.mark.slow
 def test_what_is_open_is_shaded_named_and_drawn():
     solution = solve(NAMED_SCENES["lift-off-shear"].scene)
     run = sampled_run(solution, resolution=50)
@@ -134,6 +138,7 @@ def test_what_is_open_is_shaded_named_and_drawn():
     assert "gap" not in comparison_figures(side_by_side(closed, sampled_run(closed, 50)))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("ending", ["png", "pdf", "svg"])
 def test_saved_figures_can_be_read(tmp_path, ending):
     figure = Figure()
@@ -160,6 +165,7 @@ def test_an_unwritable_place_is_one_clear_error(tmp_path):
         save_figure(Figure(), tmp_path / "taken" / "line.png")
 
 
+@pytest.mark.thinned(6)
 def test_figures_say_what_scene_and_which_units(case):
     solution, history = case
     words = scene_words(solution.scene)
@@ -194,6 +200,7 @@ def test_symbols_of_neighbouring_waves_keep_to_their_own_side(case):
     assert sides.get("$c_R$") == (None if solution.scene.antiplane else "right")
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("method", ["self-similar", "space-time"])
 def test_a_prediction_is_drawn_finer_than_the_nodes(method):
     """And agrees there with what is compared."""
@@ -221,6 +228,7 @@ def test_a_prediction_that_is_no_solution_has_the_figures_that_need_none():
     }
 
 
+@pytest.mark.slow
 def test_snapshot_figure_shows_both_bodies_exact_simulated_and_the_difference(tmp_path):
     scene = NAMED_SCENES["lift-off-shear"].scene  # the two bodies move differently
     solution, run = solve(scene), simulate(scene, resolution=20, snapshots=tmp_path, frames=1)

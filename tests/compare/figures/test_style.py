@@ -112,6 +112,7 @@ def figure_of_words() -> Figure:
     return figure
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("form", ["png", "pdf", "svg"])
 def test_the_same_figure_is_the_same_bytes(form, tmp_path, monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1")
@@ -135,6 +136,7 @@ def test_words_stay_words_in_vector_files(tmp_path):
     assert b"/Type3" not in pdf
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("form", ["pdf", "svg"])
 def test_figures_of_a_folder_take_a_format(form, tmp_path, capsys):
     command = f"field antiplane --of vz --points 8 --quiet --figures {form} --gauge 0.4,0.2"
@@ -143,6 +145,7 @@ def test_figures_of_a_folder_take_a_format(form, tmp_path, capsys):
     assert figures == {f"antiplane_vz.{form}", f"antiplane_gauge-1.{form}"}
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "command",
     ["compare", "regimes", "stability --solver", "article", "chart", "wear", "field preloaded",

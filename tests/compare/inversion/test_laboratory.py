@@ -32,6 +32,7 @@ def check(found):
     assert found["units"]["parameters"] == {"friction": "1", "load_shear": "Pa", "t0": "s"}
 
 
+@pytest.mark.slow
 def test_slip_across_the_interface_is_fitted(tmp_path, capsys):
     check(fitted(f"{DATA / 'pmma_slip.csv'} {SCENE}", capsys, tmp_path))
 

@@ -43,6 +43,7 @@ def test_the_same_seed_gives_the_same_samples():
 BANANA = {"gain": LogNormal(1.0, 1.4), "gain:left": LogNormal(1.0, 1.4)}
 
 
+@pytest.mark.slow
 def test_a_product_bends_the_posterior_and_the_chains_follow():
     """Of two gains that act by their product c and are alike beforehand, ln gain is normal about
     half of ln c, with the width of their priors over the root of two."""

@@ -179,6 +179,7 @@ def test_studies_are_interrupted_at_any_time(command, number, tmp_path):
         assert not left
 
 
+@pytest.mark.slow
 def test_sigterm_leaves_a_checkpoint_to_resume_from(tmp_path):
     arguments = ["preloaded", "--resolution", "60", "--no-snapshots", "--quiet"]
     arguments += ["--checkpoint-every", "1", "--output", str(tmp_path / "run")]
@@ -241,6 +242,7 @@ def test_sweeps_in_parallel_have_folders_of_their_own(tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_a_simulation_that_does_not_fit_on_the_disk_is_kept(tmp_path):
     """In a process of its own: HDF5 used to end it with a segmentation fault."""
     (tmp_path / "spare").mkdir()
@@ -310,6 +312,7 @@ def no_computing(monkeypatch):
         monkeypatch.setattr(name, compute)
 
 
+@pytest.mark.thinned(12)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_places_are_looked_at_before_anything_is_computed(
     command, no_computing, tmp_path, monkeypatch, capsys

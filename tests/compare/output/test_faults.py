@@ -64,6 +64,7 @@ def content(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.name != "filler"}
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("how", FULL)
 @pytest.mark.parametrize("name", [*(n for n in NAMES if n != "index"), "text", "picture"])
 def test_a_full_disk_leaves_what_was_there_and_says_what_is_needed(name, how, kinds, tmp_path):

@@ -35,6 +35,7 @@ def test_grid_of_one_body_has_its_own_face(y0, y1, below):
     assert len(y) == 12
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["preloaded", "antiplane"])
 def test_frames_hold_the_fields(name, tmp_path):
     solution = solve(find_scene(name))

@@ -103,6 +103,7 @@ def test_there_are_forty():
     assert len(FILES) >= 40
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("name", "content", "words"), FILES.values(), ids=FILES)
 def test_a_spoilt_file_ends_in_one_sentence(name, content, words, tmp_path):
     path = tmp_path / name

@@ -70,6 +70,7 @@ def test_claims(cases):
     assert len(table.splitlines()) == 12
 
 
+@pytest.mark.slow
 def test_tables_and_figures(cases):
     checks = (check_slot("II", 0.04), check_slot("I", 0.04))
     for figure in (figure_2(cases), figure_5(cases), figure_6(cases), slot_figure(checks)):

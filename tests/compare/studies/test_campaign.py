@@ -22,6 +22,7 @@ def result(lines, what):
     return next(much for name, much in lines if name.startswith(what))
 
 
+@pytest.mark.slow
 def test_a_share_of_the_campaign():
     """Forty scenes and four histories of the campaign, in this process."""
     solved = [solved_row(campaign.SEED, index) for index in range(40)]
@@ -68,6 +69,7 @@ def test_it_sees_what_is_wrong(monkeypatch):
     assert campaign._excess(weak) > 0.01
 
 
+@pytest.mark.slow
 def test_it_goes_on_where_it_was(tmp_path, monkeypatch):
     first = run_campaign(tmp_path, 3, 1)
     table = tmp_path / "solvedrows-1.csv"

@@ -139,6 +139,7 @@ def test_richardson_removes_its_order():
         assert richardson(1 + 0.2**order, 1 + 0.1**order, order) == pytest.approx(1.0, abs=1e-15)
 
 
+@pytest.mark.slow
 def test_reference_of_a_ramp_is_what_two_methods_agree_on(in_process, monkeypatch):
     grids = {"space-time": (128, 256), "fem": (25, 50)}
     monkeypatch.setattr(chart, "_REFERENCE_GRIDS", {True: grids})
@@ -161,6 +162,7 @@ def test_a_scene_out_of_reach_is_an_answer_that_says_so():
     assert np.isnan(found.slip_rate).all()
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("scene", ["preloaded", "remote-shock"])
 def test_errors_fall_in_the_order_of_the_methods(scene):
     """Errors only: no time is compared."""

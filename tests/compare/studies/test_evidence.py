@@ -35,6 +35,8 @@ from semianalytic import Marched, Solution, solve
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import NAMED_SCENES
 
+pytestmark = pytest.mark.slow
+
 LARGEST_PAGE = 12e6
 """Bytes of a page that may be sent around."""
 VOID = {"meta", "link", "img", "input", "br", "hr"}
@@ -214,6 +216,7 @@ def test_a_step_that_opens_the_contact_is_judged_without_a_march():
     assert opens.verdict == "agrees"
 
 
+@pytest.mark.slow
 def test_a_scene_from_a_file_that_slips_everywhere(tmp_path):
     path = tmp_path / "all & more.toml"
     path.write_text(
@@ -390,7 +393,7 @@ def test_interruption_leaves_nothing_half_written(stage, found, tmp_path, monkey
     assert list(tmp_path.iterdir()) == [path]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pressure-drop", "auxetic"])
 def test_all_of_the_contact_takes_more_than_a_part_of_it(name):
     scene = collect_scene(name, resolution=20)

@@ -64,6 +64,7 @@ def test_accuracy_has_a_row_per_mesh_and_the_extrapolation():
     assert limit.seconds != limit.seconds
 
 
+@pytest.mark.slow
 def test_smoothing_has_a_row_per_scene_and_setting(monkeypatch):
     monkeypatch.setattr(
         compare.studies.accuracy.fem,
@@ -85,6 +86,7 @@ def test_smoothing_has_a_row_per_scene_and_setting(monkeypatch):
     assert smeared.slip > default.slip
 
 
+@pytest.mark.slow
 def test_rows_say_how_stuck_tractions_and_slip_converge(monkeypatch):
     monkeypatch.setattr(compare.studies.accuracy.fem_loads, "LOADS", {"ramp": Ramp(0.5)})
     assert [row.h for row in stuck_rows((20, 40))] == ["1/20", "1/40"]
@@ -137,6 +139,7 @@ def test_default_mesh_and_three_meshes_reach_what_is_promised():
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
 
 
+@pytest.mark.slow
 def test_quick_stability_study_writes_its_files(tmp_path, monkeypatch):
     planned = list(trials(quick=True))
     chosen = [t for t in planned if t.step_ratio == 1.05] + planned[5:6] + planned[-1:]

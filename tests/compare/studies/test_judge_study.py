@@ -77,7 +77,7 @@ def test_histories_weaken_with_slip_if_at_all():
 # --- spoilt answers -----------------------------------------------------------------------------
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(12)
 @over("exact", without="thin")
 def test_a_profile_is_told_from_its_solution_by_digits_only(problem):
     right = solve(problem.scene)
@@ -183,7 +183,7 @@ def test_mistakes_that_make_no_sense_are_not_made():
     assert wrong("ν +0.01", solve(unit_scene(nu=0.495))) is None
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(9)
 @over("witness", "exact", without="stuck")
 def test_spoilt_answers_answer_all_questions(problem, monkeypatch):
     monkeypatch.setattr(spoils, "_HELD_NODES", 40)

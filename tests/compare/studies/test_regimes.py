@@ -75,7 +75,7 @@ def test_edge_threshold_is_the_closed_form_unless_the_shear_front_breaks_first()
     assert edge_threshold(-0.5) > edge_threshold_alone(-0.5)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("share", [-1e-6, 0.0, 1e-9, 1e-6])
 def test_a_zone_at_the_front_alone_makes_the_edge_slip(share):
     """Zones of 6e-8 c_t at the edge and 1e-3 c_t around the shear front, not one up to c_l."""
@@ -135,6 +135,7 @@ def test_the_stick_gap_at_the_rayleigh_front_is_four_reversed_half_widths():
     assert gap_threshold("preload", 0.49) > 0
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("poisson_ratio", [-0.9, -0.5, -0.2, 0.0])
 def test_slip_reverses_just_below_its_threshold_only(poisson_ratio):
     chi = reverse_threshold(poisson_ratio)
@@ -291,6 +292,7 @@ def expected(loading, chi, curves):
     return {"slow"} if slips_at_edge else {"stuck"}
 
 
+@pytest.mark.slow
 def test_traced_curves_agree_with_solved_points():
     for loading, poisson_ratio in (("preload", -0.6), ("remote", -0.4), ("remote", 0.4)):
         curves = {p.curve: 10**p.log10_chi for p in trace(loading, poisson_ratio)}

@@ -196,6 +196,7 @@ def test_figures_hold_finite_data(rows):
                 assert np.isfinite(np.asarray(line.get_ydata(), dtype=float)).all()
 
 
+@pytest.mark.slow
 def test_study_writes_its_table_and_figures(tmp_path, monkeypatch, rows):
     monkeypatch.setattr(solver_stability, "study_tasks", lambda quick: SMALL)
     monkeypatch.setattr(solver_stability, "run_tasks", lambda tasks, **_: [(0, list(rows))])
@@ -211,6 +212,7 @@ def test_study_writes_its_table_and_figures(tmp_path, monkeypatch, rows):
         assert len(list(csv.DictReader(stream))) == len(rows)
 
 
+@pytest.mark.slow
 def test_quick_study_is_a_part_of_the_whole():
     quick, whole = study_tasks(True), study_tasks(False)
     assert len(quick) < len(whole) / 2

@@ -33,6 +33,7 @@ def test_static_zone_closes_smoothly():
     assert (np.diff(slip) < 0).all()
 
 
+@pytest.mark.slow
 def test_slow_ramps_approach_the_static_near_field():
     """Measured 13.5, 6.0, 1.4 and 0.4 % in slip for rise times of 1, 4, 16, 64 at 1,500 nodes."""
     slips = [ramp_errors(rise_time, 400).slip for rise_time in (1.0, 4.0, 16.0)]
@@ -67,6 +68,7 @@ def test_refusals_and_errors_of_the_stability_study():
     assert len(rows) == 69
 
 
+@pytest.mark.slow
 def test_rows_of_accuracy_cost_memory_and_resolution(monkeypatch):
     for name, value in {
         "GRIDS": (64, 128),
@@ -104,6 +106,7 @@ def test_friction_work_peaks_at_intermediate_friction():
     assert most_wear(rows, "step", 1 / 3)[0] == 0.6
 
 
+@pytest.mark.slow
 def test_wear_command_writes_figure_and_table(tmp_path, capsys):
     assert main(["wear", "--quick", "--output", str(tmp_path), "--quiet"]) == 0
     with open(tmp_path / "wear.csv") as file:

@@ -48,6 +48,7 @@ def test_unknown_study_is_refused(capsys):
     assert "errors, cost" in capsys.readouterr().err.replace("'", "")
 
 
+@pytest.mark.slow
 def test_scenes_have_a_summary_and_every_quantity(monkeypatch):
     few = ("preloaded", "stuck", "unload")
     monkeypatch.setattr(scenes, "COMPARED", few)

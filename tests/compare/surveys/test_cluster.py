@@ -48,6 +48,7 @@ def plain(data):
     return data.drop_vars("seconds")
 
 
+@pytest.mark.slow
 def test_a_survey_whose_worker_is_killed_is_complete_and_equal(client, tmp_path):
     """Half way, while it has work and results."""
     known = survey(SCENE, chunk=1, workers=1, **VALUES)
@@ -138,6 +139,7 @@ STUDIES = {
 }
 
 
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("line", STUDIES)
 def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, monkeypatch):
     def run_tasks(tasks, workers=None, progress=None, client=None):

@@ -55,6 +55,7 @@ def known():
     return asked()
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["a.nc", "a.zarr"])
 def test_files_hold_the_survey_with_units_and_statuses(name, tmp_path, known):
     path = tmp_path / name
@@ -69,6 +70,7 @@ def test_files_hold_the_survey_with_units_and_statuses(name, tmp_path, known):
     assert all(status.startswith("scene: base pressure must not") for status in refused)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["a.nc", "a.zarr"])
 def test_lists_and_single_numbers_stay_coordinates(name, tmp_path):
     values = {"friction": [0.1, 0.2, -1.0], "poisson_ratio": [0.3, 0.4, 0.1], "load_shear": 0.9}
@@ -80,6 +82,7 @@ def test_lists_and_single_numbers_stay_coordinates(name, tmp_path):
         assert {"friction", "poisson_ratio", "load_shear"} <= set(found.coords)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["a.nc", "a.zarr"])
 def test_an_interrupted_survey_goes_on(name, tmp_path, known, monkeypatch):
     path = tmp_path / name
@@ -133,6 +136,7 @@ sf.survey(SCENE, path=sys.argv[1], chunk=CHUNK, workers=int(sys.argv[2]), progre
 """
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
 def test_a_killed_survey_goes_on(number, tmp_path, known):
     """Its processes end with it; a program needs no guard against being run again by them."""
@@ -148,6 +152,7 @@ def test_a_killed_survey_goes_on(number, tmp_path, known):
     assert [one.name for one in tmp_path.iterdir()] == ["a.nc"]
 
 
+@pytest.mark.slow
 def test_a_program_without_a_guard_is_not_run_again(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
@@ -162,6 +167,7 @@ def test_a_program_without_a_guard_is_not_run_again(tmp_path):
     assert (shown.stdout, shown.returncode) == ("begun\n2\n", 0), shown.stderr
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("how", FULL)
 def test_a_full_disk_loses_nothing_finished(how, tmp_path, known):
     with full_disk(how, tmp_path) as (folder, make_room):

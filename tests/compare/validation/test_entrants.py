@@ -30,7 +30,7 @@ def check_verdict(code, name, count):
     assert judged.verdict == ("differs" if (code, name, count) in WRONG else "agrees")
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(18)
 @pytest.mark.parametrize("count", [1, 3])
 @pytest.mark.parametrize("name", SHEETS)
 @pytest.mark.parametrize("code", ["uguca", "sem2dpack"])
@@ -49,7 +49,7 @@ def test_codes_are_judged_as_they_are_in_more_scenes(code, name, count):
     check_verdict(code, name, count)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("coarser", [0, 2])
 @pytest.mark.parametrize("code", ["uguca", "sem2dpack"])
 def test_friction_three_per_cent_off_differs(code, coarser):
@@ -60,7 +60,7 @@ def test_friction_three_per_cent_off_differs(code, coarser):
     assert "strength where it slides" in [row.name for row in judged.having("differs")]
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.thinned(10)
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [

@@ -52,6 +52,7 @@ def test_exact_records_agree_in_every_row_and_nothing_is_said(exact):
     assert max(norm.L1 for norm in validation.norms) < 1e-6
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("factor", [0.97, 1.03])
 def test_friction_off_by_three_per_cent_differs(exact, factor):
     validation = judged(exact, replace(PRELOADED, friction=factor * PRELOADED.friction))
@@ -76,7 +77,7 @@ def changed(data, **factors):
     return {**data, **{name: factor * data[name] for name, factor in factors.items()}}
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     ("factors", "words"),
     [
@@ -206,6 +207,7 @@ def test_slip_rate_from_slip_if_it_is_asked_for(exact):
     assert validation.verdict == "agrees"
 
 
+@pytest.mark.slow
 def test_a_march_is_validated_as_well():
     scene = find_scene("pulse")
     marched = march(scene, 1.0, 200)

@@ -67,7 +67,7 @@ def interface_positions(solution):
     return x[gaps.min(axis=1) > 0.02 * material.shear_speed]
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(40)
 @pytest.mark.parametrize(("rtol", "within"), [(1e-8, 1e-8), (1e-11, 1e-10)])
 @every
 def test_faces_move_and_carry_what_the_interface_does(problem, rtol, within):
@@ -94,7 +94,7 @@ def test_faces_move_and_carry_what_the_interface_does(problem, rtol, within):
         np.testing.assert_allclose(got, wanted, atol=within * unit, rtol=within)
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(20)
 @every
 def test_slot_faces_carry_the_load_alone_and_move_as_the_other_formula_says(problem):
     scene, solution = problem.scene, solve(problem.scene)
@@ -149,6 +149,7 @@ def smooth_points(solution, count=60):
     return x[clear][:count], sides * y[clear][:count], np.full(count, time)
 
 
+@pytest.mark.thinned(4)
 @few
 def test_fields_obey_the_equation_of_motion_and_hookes_law(problem):
     scene, solution = problem.scene, solve(problem.scene)
@@ -239,6 +240,7 @@ def test_stresses_beside_a_stuck_edge_are_those_of_its_intensity():
     np.testing.assert_allclose(solution.stress(*at) / expected, 1, atol=2e-4)
 
 
+@pytest.mark.thinned(3)
 @every_other
 def test_both_waves_added_first_are_what_they_are_apart(problem, monkeypatch):
     """Beside the edge, where it matters, at distances where either loses little."""
@@ -338,6 +340,7 @@ def test_energy_flows_in_through_a_circle_and_the_faces_and_out_as_heat():
     assert heat > 0.05 * loads
 
 
+@pytest.mark.thinned(4)
 @few
 def test_error_is_honest(problem):
     scene = problem.scene
@@ -358,6 +361,7 @@ def test_a_zone_far_slower_than_waves_spoils_nothing_elsewhere():
     np.testing.assert_allclose(coarse.velocity(*at), fine.velocity(*at), atol=1e-8)
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(scene=scenes())
 def test_random_scenes_have_their_interface_fields_as_limits(scene):
@@ -383,6 +387,7 @@ def test_bad_points_are_refused():
         solve(PRELOADED).velocity(np.nan, 0.0, 1.0)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 @pytest.mark.parametrize("size", [1e-300, 1e-160, 1e160, 1e300])
 @pytest.mark.filterwarnings("error")

@@ -122,6 +122,7 @@ def test_uniform_slip_with_a_free_slot_is_the_stuck_problem(mode):
     assert np.abs(held.value - expected).max() > 0.05 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_exact_transform_of_decaying_slip():
     """V = t^2 e^{-lambda x}: T_+ is a product of factors, [M_-/(k + l)]_+ = M_+(l)/(k + l)."""
     material, decay, s, k = Material(1.0, 1.0, 1 / 3), 1.5, 2.0, 0.7

@@ -86,6 +86,7 @@ def test_transform_of_the_step(mode):
     assert total == pytest.approx(float(expected), rel=1e-9)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("mode", ["I", "II"])
 @pytest.mark.parametrize(
     "history",

@@ -69,6 +69,7 @@ def test_truth_is_within_the_error_bars_at_the_stated_rate(truth, start, names, 
     check_coverage(truth, 40, start, names, noise)
 
 
+@pytest.mark.slow
 def test_a_minimum_beside_the_least_is_left(truth):
     """The search from the first guess alone ends at 150.57, 42 above what the truth itself has."""
     gauges, names = tuple(records(truth, 0, 0.005)), ("friction", "poisson_ratio")
@@ -81,6 +82,7 @@ def test_a_minimum_beside_the_least_is_left(truth):
     assert found.next_minimum == pytest.approx(found.chi2_of_minima[1] - found.chi2)
 
 
+@pytest.mark.slow
 def test_without_noise_the_truth_is_met(truth):
     (gauge,) = records(truth, 0, noise=1e-9, places=(0.4,))
     found = fit([gauge], replace(START, load=PRELOADED.load), ("friction",), rtol=1e-9)
@@ -88,6 +90,7 @@ def test_without_noise_the_truth_is_met(truth):
     assert found.scene.friction == pytest.approx(0.3, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_fit_from_other_zones_finds_its_way(truth):
     """From the only zone of f = 1.2 to the two of f = 0.3."""
     found = fit(tuple(records(truth, 1)), unit_scene(1.2), ("friction",), rtol=1e-6)
@@ -95,6 +98,7 @@ def test_a_fit_from_other_zones_finds_its_way(truth):
     assert len(found.solution.zones) == 2
 
 
+@pytest.mark.slow
 def test_what_the_data_leave_free_is_named(truth):
     found = fit(tuple(records(truth, 2)), START, ("friction", "base_pressure"), rtol=1e-6)
     assert found.unconstrained == ("friction", "base_pressure")
@@ -116,6 +120,7 @@ def test_samples_on_edges_and_fronts_do_no_harm(truth):
     assert 0 < found.standard_errors[0] < 0.05
 
 
+@pytest.mark.slow
 def test_units_and_residuals():
     scene = Scene(STEEL, 0.3, Tractions(5e6, 0.0), Tractions(0.0, 5e6))
     solution = solve(scene)

@@ -39,6 +39,7 @@ def differences(trial, number, step):
     return (4 * central(step) - central(2 * step)) / 3
 
 
+@pytest.mark.thinned(10)
 @pytest.mark.parametrize("name", [*OF_SCENE, *MATERIAL, *SETUP, "gain:beside"])
 def test_derivatives_are_those_of_differences_whatever_is_recorded(name):
     """On the interface and beside it; samples on an edge, where there is none, are few."""
@@ -70,6 +71,7 @@ def test_a_rough_solution_is_differenced_over_a_longer_step():
     assert errors[1] < errors[0] < 0.1
 
 
+@pytest.mark.slow
 def test_trigger_gain_and_edge_are_recovered_with_friction():
     setup = Setup(t0=0.05, x0=-0.1, gain=1.2)
     solution, random = solve(PRELOADED), np.random.default_rng(3)
@@ -87,6 +89,7 @@ def test_trigger_gain_and_edge_are_recovered_with_friction():
     assert (found.setup.t0, found.setup.gain) == pytest.approx((found.values[1], found.values[3]))
 
 
+@pytest.mark.slow
 def test_gauges_beside_the_interface_tell_friction_and_modulus():
     scene = unit_scene(0.3)
     solution, random = solve(scene), np.random.default_rng(5)
@@ -108,6 +111,7 @@ def recorded_at(solution, quantity, t):
     return seen(solution, kind, np.full(len(t), 0.4), np.full(len(t), 0.1), t)[axis]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("prior", [Normal(0.34, 0.002), LogNormal(0.34, 1.006)])
 def test_a_narrow_prior_pulls_and_enters_the_errors(prior):
     solution = solve(PRELOADED)
@@ -127,6 +131,7 @@ def test_a_uniform_prior_is_a_bound():
     assert found.values[0] == pytest.approx(0.33, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_what_the_data_leave_free_a_prior_may_hold():
     solution = solve(PRELOADED)
     gauge = Gauge(0.4, T, solution.slip_rate(0.4, T), 0.02)

@@ -61,6 +61,7 @@ FIELD_ERRORS = {
 TOTAL_ERRORS = {"max_slip": 0.05, "accumulated_slip": 0.03, "frictional_work": 0.03}
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("field", FIELDS)
 @pytest.mark.parametrize("name", NAMES)
 def test_fields_of_a_march_are_those_of_the_solution(name, field):

@@ -82,6 +82,7 @@ def stored(made):
             yield from value if isinstance(value, tuple) else (value,)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("make", TAKES_A_NUMBER.values(), ids=TAKES_A_NUMBER)
 @pytest.mark.parametrize(
     "value", [np.float64(0.25), np.float32(0.25), np.float16(0.25), Fraction(1, 4)], ids=repr
@@ -102,6 +103,7 @@ def test_integers_are_numbers(make):
     assert make(np.int64(1)) == make(np.uint8(1)) == make(1) == make(1.0)
 
 
+@pytest.mark.thinned(13)
 @pytest.mark.parametrize("make", TAKES_A_NUMBER.values(), ids=TAKES_A_NUMBER)
 @pytest.mark.parametrize("value", NO_NUMBERS, ids=lambda value: shown(value)[:20])
 def test_anything_else_is_refused_in_one_short_sentence(make, value):

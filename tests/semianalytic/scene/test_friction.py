@@ -31,6 +31,7 @@ any_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name_
 sizes = st.floats(0.0, 10.0).map(lambda value: round(value, 4))
 
 
+@pytest.mark.thinned(3)
 @any_law
 @settings(max_examples=200, deadline=None)
 @given(stopping=sizes, frictional=sizes, path=sizes, excess=st.floats(0.01, 3.0))

@@ -66,6 +66,7 @@ def test_base_shear_shifts_the_strength(base, load):
     np.testing.assert_allclose(found, rate, rtol=1e-9, atol=1e-11 * np.abs(rate).max())
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("viscosity", [0.01, 0.25, 2.0])
 def test_viscous_zone(viscosity):
     scene = antiplane(0.5, friction_law=ViscousFriction(viscosity))
@@ -119,6 +120,7 @@ def random_scene(random):
     return antiplane(friction, base, load, nu=nu, friction_law=ViscousFriction(viscosity))
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize("seed", range(12))
 def test_error_estimates_are_honest_under_any_load(seed):
     scene = random_scene(np.random.default_rng(seed))

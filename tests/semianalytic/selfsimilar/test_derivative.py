@@ -123,6 +123,7 @@ def errors(solution, name):
     }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("nu", [-0.5, 0.0, 1 / 3, 0.45])
 @pytest.mark.parametrize("strength", [1.2, 2.5])
 def test_edge_of_the_only_zone_moves_as_its_closed_form(nu, strength):
@@ -159,7 +160,7 @@ def test_slip_rate_of_the_only_zone_changes_as_its_closed_form():
     )
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(27)
 @over("exact", without="stuck slides")
 def test_differences_of_solutions_agree(problem):
     solution = solve(problem.scene, rtol=1e-11)
@@ -240,7 +241,7 @@ EDGE_OPENS = unit_scene(0.5, (1.0, 0.1), (-1.0, 1.0))
 TAPPED = unit_scene(0.3, (0.02, 0.002), (1.0, 0.5))
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(15)
 @pytest.mark.parametrize(
     ("scene", "name"),
     [
@@ -270,7 +271,7 @@ def test_an_opening_from_the_edge_moves_as_its_closed_form():
     assert "one-sided: with any shear" in solution.derivative("load_shear").status
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(9)
 @over("exact", without="stuck")
 def test_shear_is_homogeneous_in_tractions(problem):
     """Of degree 1 in all tractions, and a function of friction times pressure."""
@@ -293,6 +294,7 @@ def test_shear_is_homogeneous_in_tractions(problem):
     np.testing.assert_allclose(edges, 0, atol=1e-7 * scene.material.shear_speed)
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     ("scene", "name"),
     [
@@ -309,6 +311,7 @@ def test_antiplane_and_viscous_scenes(scene, name):
     assert max(found.values()) < 1e-8, found
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("viscosity", [1e-6, 1e-4, 1e-2])
 def test_small_viscosity_where_slip_covers_the_shear_front(viscosity):
     """Next to that front, over distances as small, V turns from a square root to finite."""
@@ -321,6 +324,7 @@ def test_small_viscosity_where_slip_covers_the_shear_front(viscosity):
     assert max(found.values()) < 1e-8, found
 
 
+@pytest.mark.slow
 def test_stick_behind_a_longitudinal_zone():
     """Its slope bends slowly all the way from the edge."""
     base, load = Tractions(1.7499937632324243, 0.2801462320297712), Tractions(1.0, -1.5025)
@@ -339,7 +343,7 @@ def test_a_zone_at_the_edge_far_slower_than_all_waves():
     assert max(found.values()) < 1e-8, found
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(20)
 @pytest.mark.parametrize(
     "scene",
     [
@@ -439,6 +443,7 @@ def test_zones_about_to_change_are_flagged():
     assert solve(SHOCK).derivative("friction").status == "converged"
 
 
+@pytest.mark.slow
 def test_what_has_no_derivative_is_refused():
     with pytest.raises(SceneError, match="name must be one of friction"):
         solve(PRELOADED).derivative("density")
@@ -479,7 +484,7 @@ def error_over_size(derivative, exact, right):
     return max(worst)
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(10)
 @pytest.mark.parametrize("rtol", [1e-5, 1e-8])
 @pytest.mark.parametrize("name", ["friction", "load_shear", "poisson_ratio"])
 def test_error_estimates_bound_errors(name, rtol):

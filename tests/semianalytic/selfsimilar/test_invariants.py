@@ -8,7 +8,7 @@ from laws import check_invariants, random_scenes, scenes
 from semianalytic import solve
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
 @given(scenes())
 def test_coulomb_dissipation_causality_and_self_similarity(scene):
     check_invariants(scene)
@@ -90,7 +90,7 @@ def errors_of_integrals(solution, exact):
 
 
 def test_error_estimates_bound_errors_in_random_scenes():
-    check_estimates(16, thorough=2)
+    check_estimates(6, thorough=1)
 
 
 @pytest.mark.slow

@@ -55,6 +55,7 @@ def test_a_linear_law_is_one_step_to_the_closed_form():
     assert 2 * rated.profile.edge_slip_rate == pytest.approx(float(at_edge), abs=1e-9)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "scene",
     [
@@ -79,6 +80,7 @@ def test_strength_and_slip_rate_agree_and_the_error_is_honest(scene):
     assert 1.01 < float(more) < 1.5
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 def test_march_converges_to_the_answer(mode):
     scene = unit_scene(1.0, friction_law=RateWeakening(0.4, 4.0), mode=mode)
@@ -110,6 +112,7 @@ def test_what_sticks_does_not_weaken(mode, rtol):
     assert (stuck.zones, stuck.status, stuck.scene) == ((), "converged", scene)
 
 
+@pytest.mark.slow
 def test_slip_rate_too_steep_for_any_rule_is_said():
     law = RateWeakening(0.26215, 0.0193459)
     solution = solve(unit_scene(0.03417, (1.0, 0.0), (0.0, 0.1357), friction_law=law), rtol=1e-5)

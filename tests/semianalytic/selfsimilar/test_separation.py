@@ -28,6 +28,7 @@ def lifted(friction=0.3, shear=1.0, held=0.0, **rest):
     return Scene(STEEL, friction, Tractions(1.0, held), Tractions(-1.0, shear), **rest)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10**9))
 def test_laws_hold_in_scenes_that_open(seed):
@@ -130,6 +131,7 @@ def test_slip_agrees_with_complementarity_on_a_grid(scene):
     assert error < 0.02 * np.abs(rate)[clear] @ np.diff(grid.xi)[clear]
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("scene", [tapped(), tapped(1.0, -1.0, held=0.018), lifted(held=-0.2)])
 def test_motion_while_open_counts_as_slip_and_takes_no_work(scene):
     solution = solve(scene)
@@ -234,6 +236,7 @@ def check_estimates(seeds):
     assert checked > 0.8 * len(seeds)
 
 
+@pytest.mark.slow
 def test_estimates_bound_errors():
     check_estimates(range(12))
 
@@ -254,6 +257,7 @@ def test_estimates_bound_errors_in_three_hundred_scenes():
     check_estimates(range(1000, 1300))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("nu", [-0.5, 0.2, 0.45])
 @pytest.mark.parametrize("below", [1e-3, 1e-4, 1e-6])
 def test_estimates_cover_the_gap_of_narrow_openings(nu, below):

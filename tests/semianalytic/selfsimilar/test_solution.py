@@ -29,6 +29,7 @@ def sliding():
     return solve(unit_scene(0.5, *REMOTE))
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", ["preloaded", "shock", "sliding"])
 def test_slip_is_the_time_integral_of_slip_rate(name, request):
     solution = request.getfixturevalue(name)

@@ -24,6 +24,7 @@ def test_named_scenes():
     assert_page_says(SCENES, "K_I = {} and K_II = {} at t = 1", *stuck.stress_intensity(1.0))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("nu", [0.0, 0.1])
 def test_reversed_strip_is_seen_near_its_threshold(nu):
     sentence = (

@@ -48,7 +48,7 @@ def power_density(solution):
     return lambda x: solution.shear_traction(x, 1.0) * solution.slip_rate(x, 1.0)
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize("name", ["preloaded", "remote-shock", "auxetic", "pressure-drop"])
 def test_frictional_power_of_named_scenes_against_quad(name):
     solution = solve(NAMED_SCENES[name].scene, rtol=1e-10)
@@ -120,6 +120,7 @@ def test_integrals_of_two_hundred_random_scenes():
         check_integrals(exact)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", ["preloaded", "auxetic"])
 def test_momentum_balance(name):
     """Averaged over the line the solid moves like a plane shear wave: V = -tau / (rho c_t).
@@ -213,6 +214,7 @@ def test_nothing_is_taken_before_the_load_or_without_friction():
     assert free.path(0.3, 1.0) > abs(free.slip(0.3, 1.0))  # it reverses around the Rayleigh front
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("shear", [1.0, -0.7])
 def test_slip_accumulates_without_friction_whichever_way_it_goes(shear):
     scene = Scene(Material(1.0, 1.0, -0.5), 0.0, Tractions(1.0, 0.0), Tractions(0.0, shear))

@@ -37,6 +37,7 @@ def test_slip_rate_is_least_and_flat_at_the_rayleigh_front(scene):
     assert abs(slope) < 1e-2 * (rate[4] - 2 * rate[2] + rate[0]) / 4e-6
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("scene", [VISCOUS, LOADED])
 def test_traction_follows_slip_rate_and_power_is_its_product(scene):
     solution = solve(scene, rtol=1e-10)
@@ -62,6 +63,7 @@ def test_traction_follows_slip_rate_and_power_is_its_product(scene):
     assert float(solution.frictional_power(1.0, 0.0, 9.0)) == pytest.approx(power, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_march_converges_to_the_exact_answer():
     check_march_converges(solve(VISCOUS), (100, 200, 400, 800))
 
@@ -99,6 +101,7 @@ def test_sweep_is_solve():
         np.testing.assert_allclose(one.edge_speeds, alone.edge_speeds, atol=2e-8)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("viscosity", [1e-3, 0.3, 10.0])
 def test_gap_closes_and_shear_front_slips_where_the_thresholds_say(viscosity):
     nu = 1 / 3
@@ -116,6 +119,7 @@ def test_gap_closes_and_shear_front_slips_where_the_thresholds_say(viscosity):
     assert seen == ["one", "two", "two", "slow"]
 
 
+@pytest.mark.slow
 def test_where_the_gap_never_closes():
     assert viscous_closing(1 / 3, 0.0) is None
     assert viscous_closing(1 / 3, 1e-9) is None

@@ -37,13 +37,14 @@ HELD = film(0.5, (0.04, 0.01), (1.0, -0.5), 2.0)
 EVERY = [LIFTED, TAPPED, STRONG, HELD, film(2.0, (0.1, 0.02), (-3.0, -1.0))]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(12)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 @pytest.mark.parametrize("scene", EVERY)
 def test_laws_hold(scene, mode):
     check_invariants(replace(scene, mode=mode))
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("seed", range(10))
 def test_laws_hold_in_scenes_that_open(seed):
     random = np.random.default_rng(seed)
@@ -75,6 +76,7 @@ def powers(solution, border):
     return [np.log10(rate[1] / rate[0]) for rate in rates]
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 @pytest.mark.parametrize("scene", [LIFTED, STRONG])
 def test_slip_rate_is_infinite_where_the_contact_opens_slowly(scene, mode):

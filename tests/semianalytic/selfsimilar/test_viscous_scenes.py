@@ -39,6 +39,7 @@ def check_film(seed, strict=1e-10):
     return True
 
 
+@pytest.mark.thinned(8)
 @pytest.mark.parametrize("seed", range(12))
 def test_films_are_answered_lawfully_and_honestly(seed):
     assert check_film(seed)
@@ -49,6 +50,7 @@ def test_two_hundred_films_are_answered_or_say_why_not():
     assert sum(check_film(seed, 1e-12) for seed in range(200)) >= 190
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("mode", "viscosity"),
     [("in-plane", 1e8), ("antiplane", 1e6), ("antiplane", 1e8)],
@@ -66,6 +68,7 @@ def test_estimates_hold_off_a_contact_edge_where_slip_rate_towers(mode, viscosit
         assert error <= solution.error_estimate <= rtol
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("viscosity", [1e10, 1e14])
 def test_zones_under_strong_films_need_one_set(viscosity):
     law = ViscousFriction(viscosity)

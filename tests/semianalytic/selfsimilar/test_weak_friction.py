@@ -78,6 +78,7 @@ def test_reversed_strip_begins_at_a_gap_of_the_same_shape_whatever_its_width(nu)
             )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [20, pytest.param(1000, marks=pytest.mark.slow)])
 def test_weak_friction_converges_and_its_estimates_are_honest(count):
     random = np.random.default_rng(1)
@@ -94,7 +95,7 @@ def test_weak_friction_converges_and_its_estimates_are_honest(count):
         assert error <= rough.error_estimate + fine.error_estimate, one
 
 
-@pytest.mark.thinned(4)
+@pytest.mark.thinned(12)
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-11])
 @pytest.mark.parametrize(
     ("nu", "friction", "base_shear", "load"),

@@ -71,6 +71,7 @@ def test_transform_is_the_mode_two_impedance(nu):
     np.testing.assert_allclose(InPlane(factors.a)(s), expected, rtol=1e-9)
 
 
+@pytest.mark.thinned(9)
 @pytest.mark.parametrize("nu", [-0.9, 0.0, 1 / 3, 0.49])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_memory_in_the_time_domain(nu, tolerance):
@@ -112,6 +113,7 @@ def test_step_converges_to_the_self_similar_solution(name, finest, order):
     assert total_error_of_order(errors) > order
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(("nu", "error"), [(-0.5, 3e-3), (0.0, 1.5e-3), (0.45, 5e-4)])
 def test_step_at_other_poisson_ratios(nu, error):
     """Measured 0.20, 0.087, 0.025 %; worst where the step is small next to c_l dt = h."""
@@ -122,7 +124,7 @@ def test_step_at_other_poisson_ratios(nu, error):
     assert relative_l1(found, solve(scene).slip_rate(x, 1.0)) < error
 
 
-@pytest.mark.thinned(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("step_ratio", [0.1, 0.5])
 def test_short_waves_are_damped(step_ratio):
     """Undamped, odd-even waves stay: the smaller the step, the more (0.24 % against 0.027 %)."""
@@ -221,6 +223,7 @@ def test_stuck_traction_of_any_history(history):
     assert np.abs(marched.interface.pressure[-1, 20:] - pressure).mean() < 0.001
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(HISTORIES, st.floats(0.0, 0.8), st.floats(-0.9, 0.9), st.floats(-0.4, 0.45))
 def test_invariants(history, friction, share, nu):
@@ -287,6 +290,7 @@ def test_second_order_for_smooth_loads():
 # --- friction laws --------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("law", "least_gain", "most_gain"),
     [
@@ -337,6 +341,7 @@ def test_slip_weakening_below_the_grid_is_refused():
 # --- going on, saving -----------------------------------------------------------------------
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     "history", [Step(), Harmonic(1.3), Pulse(0.5), Tabulated((0.0, 0.5, 0.5, 1.0), (0, 1, 0.2, 0))]
 )
@@ -367,6 +372,7 @@ def test_interrupted_march_keeps_what_it_has():
     )
 
 
+@pytest.mark.slow
 def test_saved_march_goes_on_to_the_bit(tmp_path):
     part = march(preloaded(), 0.5, 100, latest=0.8)
     part.save(tmp_path / "march.h5")

@@ -49,6 +49,7 @@ def test_grid_is_as_large_as_shear_waves_reach():
     assert march(pressed, nodes=100).grid.x[-1] > 1.9 * UNIT.shear_speed
 
 
+@pytest.mark.slow
 def test_step_converges_to_the_closed_form():
     """Measured 0.30, 0.14, 0.061 and 0.026 % of slip rate on four grids, each with its estimate."""
     scene, errors = antiplane(0.5), []
@@ -65,6 +66,7 @@ def test_step_converges_to_the_closed_form():
     assert np.log2(errors[0] / errors[-1]) / 3 > 1.0
 
 
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     "problem", [one for one in problems("exact") if one.scene.antiplane], ids=lambda one: one.name
 )

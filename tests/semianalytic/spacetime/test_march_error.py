@@ -51,13 +51,14 @@ def check_honest(marched, truth):
     assert true <= marched.error_estimate < 6 * true
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize("scene", [PRELOADED, SHOCK, find_scene("auxetic")])
 def test_error_of_steps_is_honest(scene):
     """Measured 3.3, 2.4 and 1.2 times the true error."""
     check_honest(march(scene, 1.0, 128), solve(scene))
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "parts",
     [
@@ -205,6 +206,7 @@ def test_continued_companion_equals_one_run(history, tmp_path):
     assert math.isnan(march_on(Marched.load(tmp_path / "alone.h5"), 1.0).error_estimate)
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("stop", [1, 2, 30, 31, 99, 100])
 @pytest.mark.parametrize("every", [1, 7])
 def test_interrupted_companion_stops_where_its_march_does(stop, every):
@@ -239,7 +241,7 @@ def test_companion_is_counted_in_the_memory():
 # --- nodes by an rtol -----------------------------------------------------------------------
 
 
-@pytest.mark.thinned(5)
+@pytest.mark.thinned(10)
 @pytest.mark.parametrize("rtol", [2e-2, 5e-3])
 @pytest.mark.parametrize("name", ["preloaded", "remote-shock", "pulse"])
 def test_march_within_an_rtol(name, rtol):

@@ -55,7 +55,7 @@ def errors(scene, nodes, count=60):
     ]
 
 
-@pytest.mark.thinned(3)
+@pytest.mark.thinned(6)
 @pytest.mark.parametrize(
     "scene",
     [
@@ -74,6 +74,7 @@ def test_fields_of_steps_are_those_of_the_exact_solution(scene):
     assert displacement < 3e-4
 
 
+@pytest.mark.slow
 def test_fields_converge_with_the_grid():
     coarse, fine = (errors(find_scene("preloaded"), nodes) for nodes in (32, 128))
     orders = np.log2(np.divide(coarse, fine)) / 2
@@ -144,6 +145,7 @@ def superposed(scene, x, y, t):
     return total
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
 def test_kinks_on_a_stuck_interface_are_superposed(mode):
     scene = unit_scene(
@@ -207,6 +209,7 @@ def test_fields_obey_hookes_law_and_move_as_they_say(mode):
     assert np.abs(velocity - moving).max() < 2e-3 * np.abs(velocity).max()
 
 
+@pytest.mark.slow
 def test_many_depths_are_interpolated(monkeypatch):
     marched = march(find_scene("ramp"), nodes=128, companion=False)
     x, y = points(marched.scene, 270)
@@ -263,6 +266,7 @@ def test_finite_elements_under_slip_weakening_come_to_the_same_fields(tmp_path, 
     assert off[1] < 0.7 * off[0] < 0.04
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     ("at", "reason"),
     [

@@ -61,6 +61,7 @@ def brute_turn(history, width, until):
     return highest / np.abs(values).max()
 
 
+@pytest.mark.thinned(4)
 @pytest.mark.parametrize(
     "history",
     [
@@ -104,6 +105,7 @@ def test_integral_of_a_table_is_that_of_its_pieces():
 # --- loads that are too fast --------------------------------------------------------------------
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "history",
     [
@@ -140,6 +142,7 @@ def test_refused_by_the_grid_whatever_the_step(step_ratio):
         march(sheared(Harmonic(10.0)), 0.5, nodes=50, step_ratio=step_ratio)
 
 
+@pytest.mark.slow
 def test_more_nodes_by_default():
     scene = sheared(Harmonic(400.0), friction=0.5)
     assert nodes_for_loads(scene, 0.2, 0.4, 1000)[0] == pytest.approx(1230, rel=0.02)
@@ -151,6 +154,7 @@ def test_more_nodes_by_default():
         march(fast)
 
 
+@pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "history", [Harmonic(10.0), Pulse(0.06, "triangle"), Pulse(0.04, "half-sine")]
 )
@@ -296,11 +300,13 @@ def test_nodes_that_a_caution_asks_for_resolve_the_zone():
     assert total_work(coarse) < 0.9 * total_work(finest)
 
 
+@pytest.mark.slow
 def test_zone_of_the_default_march_is_resolved():
     assert march(sheared(Step(), 16.0), 0.1, every=10**6).status == "resolved"
     assert march(sheared(Step(), 16.0), 0.1, 1000, every=10**6).status == "unresolved"
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "name", ["stuck", "preloaded", "ramp", "pulse", "harmonic", "remote-shock"]
 )
@@ -359,6 +365,7 @@ def test_onset_is_when_the_rate_passes_a_share_of_the_largest_until_then():
 # --- memory -------------------------------------------------------------------------------------
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(
     "options",
     [

@@ -38,6 +38,7 @@ def check_against_single(swept, count):
         assert rate <= one.error_estimate * max(1.0, abs(exact.edge_slip_rate))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SWEEPS)
 def test_a_grid_agrees_with_single_solutions(name):
     friction, ratio = grid(name, 20)
@@ -57,6 +58,7 @@ def test_two_hundred_points_of_a_fine_grid_agree_with_single_solutions(name):
     check_against_single(swept, 200)
 
 
+@pytest.mark.slow
 def test_points_anywhere_agree_with_single_solutions():
     random = np.random.default_rng(1)
     friction, ratio = random.uniform(0.05, 1.0, 400), random.uniform(-0.3, 0.47, 400)
@@ -77,6 +79,7 @@ def test_few_points_and_few_ratios_take_the_way_over_friction():
         np.testing.assert_array_equal(part.edges[:, : alone.edges.shape[1]], alone.edges)
 
 
+@pytest.mark.slow
 def test_contact_that_opens_at_some_ratios_is_solved_one_by_one():
     """Least pressure at the Rayleigh front depends on the Poisson ratio."""
     start = unit_scene(0.5, (0.05, 0.0), (1.0, 1.0))
@@ -106,6 +109,7 @@ def test_shapes_are_those_of_numpy():
         sweep(PRELOADED, [0.1, 0.2], poisson_ratio=[0.1, 0.6])
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("low", [-0.9, -0.3, 0.1, 0.3, 0.46, 0.488])
 def test_interpolated_tables_are_exact_to_rounding(low):
     ratios = np.random.default_rng(2).uniform(low, low + 0.01, 40)
@@ -156,6 +160,7 @@ def test_edges_near_the_end_of_their_segment_are_predicted_by_their_shares():
     assert predictions.doubt.max() < 1e-7
 
 
+@pytest.mark.slow
 def test_neighbours_of_other_ratios_save_most_of_the_time():
     """Over 1,600 points a seventh of what `solve` takes for each is left."""
     friction, ratio = np.linspace(0.05, 1.0, 40), np.linspace(0.0, 0.45, 40)[:, None]

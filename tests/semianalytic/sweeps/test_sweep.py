@@ -26,6 +26,7 @@ def check_against_single(swept, rtol):
             assert one.error_estimate <= rtol
 
 
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize(
     ("start", "low", "high"),
     [
@@ -51,6 +52,7 @@ def start_of(nu, remote, low):
     return start, 1.001 + low / 4 if remote else low
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     nu=st.floats(-0.8, 0.48).map(lambda value: round(value, 3)),
@@ -119,6 +121,7 @@ def test_interpolated_frictions_are_as_good_as_their_estimates_say():
         assert one.edge_slip_rate == pytest.approx(exact.edge_slip_rate, rel=one.error_estimate)
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     nu=st.floats(-0.8, 0.48).map(lambda value: round(value, 3)),
@@ -143,6 +146,7 @@ def test_interpolated_frictions_agree_with_single_solutions(nu, remote, low, wid
         assert difference <= one.error_estimate + other.error_estimate <= 2 * rtol
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize(("start", "low", "high"), [(PRELOADED, 0.335, 0.35), (SHOCK, 1.1, 1.45)])
 def test_changes_of_zones_are_not_smeared(start, low, high):
     swept = sweep(start, np.linspace(low, high, 200), 1e-7)
@@ -156,6 +160,7 @@ def test_changes_of_zones_are_not_smeared(start, low, high):
             assert edge_difference(swept.solutions[j], other) is not None
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     nu=st.floats(-0.8, 0.48).map(lambda value: round(value, 3)),
