@@ -89,11 +89,24 @@ class Rule:
 
     def interpolate(self, y: Array, density: Array) -> Array:
         """The sinc interpolant of `density` (n,) at y."""
-        return np.asarray(np.sinc((y[:, None] - self.y) / self.spacing) @ density)
+        nodes, values = self._continued(density)
+        return np.asarray(np.sinc((y[:, None] - nodes) / self.spacing) @ values)
 
     def interpolate_running(self, y: Array, density: Array) -> Array:
         """Integral from -inf to y of the sinc interpolant of `density` ((n,) or (k, n))."""
-        return _sinc_step((y[:, None] - self.y) / self.spacing) @ (self.weights * density).T
+        nodes, values = self._continued(density)
+        weights = np.full(len(nodes), self.spacing)
+        weights[[0, -1]] = self.weights[[0, -1]]
+        return _sinc_step((y[:, None] - nodes) / self.spacing) @ (weights * values).T
+
+    def _continued(self, density: Array) -> tuple[Array, Array]:
+        """Nodes a third further out, and `density` (..., n) there, decaying like exp(-|y| / 2): cut
+        off at the ends it would ripple between all nodes, by several times the tolerance."""
+        more = np.arange(1.0, np.ceil(self.reach / (3 * self.spacing)) + 1) * self.spacing
+        decay = np.exp(-more / 2)
+        nodes = np.concatenate([self.y[0] - more[::-1], self.y, self.y[-1] + more])
+        before, after = density[..., :1] * decay[::-1], density[..., -1:] * decay
+        return nodes, np.concatenate([before, density, after], axis=-1)
 
 
 def _sinc_step(x: Array) -> Array:

@@ -206,7 +206,9 @@ def quickly(monkeypatch):
     monkeypatch.setattr(regimes, "FRONT_POISSON_RATIOS", (THIRD,))
     monkeypatch.setattr(regimes, "REVERSE_POISSON_RATIOS", (-0.5,))
     monkeypatch.setattr(regimes, "_OPENING_COUNTS", {True: (2, 3)})
-    monkeypatch.setattr(regimes, "run_tasks", lambda tasks, progress: run_tasks(tasks, 1, progress))
+    monkeypatch.setattr(
+        regimes, "run_tasks", lambda tasks, progress, client: run_tasks(tasks, 1, progress)
+    )
 
 
 @pytest.mark.parametrize("poisson_ratio", [-0.5, THIRD])
