@@ -206,9 +206,11 @@ def quickly(monkeypatch):
     monkeypatch.setattr(regimes, "FRONT_POISSON_RATIOS", (THIRD,))
     monkeypatch.setattr(regimes, "REVERSE_POISSON_RATIOS", (-0.5,))
     monkeypatch.setattr(regimes, "_OPENING_COUNTS", {True: (2, 3)})
-    monkeypatch.setattr(
-        regimes, "run_tasks", lambda tasks, progress, client: run_tasks(tasks, 1, progress)
-    )
+
+    def here(tasks, *, progress=None, client=None):
+        return run_tasks(tasks, 1, progress)
+
+    monkeypatch.setattr(regimes, "run_tasks", here)
 
 
 @pytest.mark.parametrize("poisson_ratio", [-0.5, THIRD])
