@@ -18,14 +18,23 @@ from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import Violation
 
 
-def rearranged(factors: RayleighFactors, zones: Sequence[Zone], load: Load) -> list[Zone] | None:
-    """What to try where Newton's method did not place the edges of zones; None if nothing."""
-    other = _across_shear_front(factors, zones, load.opened.zone if load.opened else None)
-    if other is None and load.opened is not None:
-        other = _turned_at_opening(zones, load.opened.zone)
+def rearranged(
+    factors: RayleighFactors, zones: Sequence[Zone], load: Load, may_turn: bool = True
+) -> list[Zone] | None:
+    """What to try where Newton's method did not place the edges of zones; None if nothing.
+
+    `may_turn`: slip ahead of an opening may be tried in the other sense; it is not to be turned
+    back and forth.
+    """
+    opening = load.opened.zone if load.opened else None
+    other = _across_shear_front(factors, zones, opening)
     if other is None:
         other = _without_vanished(zones)
-    return _joined(zones, load) if other is None else other
+    if other is None:
+        other = _joined(zones, load)
+    if other is None and opening is not None:
+        other = _turned_at_opening(zones, opening, may_turn)
+    return other
 
 
 def _across_shear_front(
@@ -51,9 +60,11 @@ def _across_shear_front(
     return others if moved else None
 
 
-def _turned_at_opening(zones: Sequence[Zone], opening: Zone) -> list[Zone] | None:
+def _turned_at_opening(
+    zones: Sequence[Zone], opening: Zone, may_turn: bool
+) -> list[Zone] | None:
     """The zones, of which that with the opening ends where it closes if it ended near by, or else
-    slips the other way ahead of it if it began near by; None if neither."""
+    slips the other way ahead of it if it began near by and may turn; None if neither."""
     result = list(zones)
     for index, zone in enumerate(zones):
         if not _holds(zone, opening):
@@ -62,7 +73,7 @@ def _turned_at_opening(zones: Sequence[Zone], opening: Zone) -> list[Zone] | Non
         if not zone.held and _near(closing, zone.right):
             result[index] = replace(zone, right=closing, inward=0, held=True)
             return result
-        if _near(zone.left, ahead):
+        if may_turn and _near(zone.left, ahead):
             result[index] = replace(zone, sense=-zone.sense, inward=zone.last_sense)
             return result
     return None
@@ -83,14 +94,17 @@ def _holds(zone: Zone, opening: Zone) -> bool:
 
 
 def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
-    """The zones without those that Newton's method has all but closed; None if there are none."""
-    kept = [
-        zone
-        for zone in zones
-        if zone.left is None
-        or zone.right is None
-        or zone.right.minus(zone.left)[0] > tuning.VANISHED_ZONE * float(zone.left.v[0])
-    ]
+    """The zones without those that Newton's method has all but closed; None if there are none.
+
+    Where slip that ended with an opening had such a zone next behind it goes on to there instead.
+    """
+    kept: list[Zone] = []
+    for zone in zones:
+        left, right = zone.left, zone.right
+        if left is None or right is None or right.minus(left)[0] > tuning.VANISHED_ZONE * left.v[0]:
+            kept.append(zone)
+        elif kept and kept[-1].held:
+            kept[-1] = replace(kept[-1], right=left, inward=zone.sense, held=False)
     return None if len(kept) == len(zones) else kept
 
 
@@ -178,14 +192,21 @@ def _joined_across(parts: list[Zone], opening: Zone) -> list[Zone]:
     held = before.pop()
     if closing is None or held.right is None or closing.first_below(held.right):
         return [*before, replace(held, right=held.right if closing is not None else None), *behind]
-    start_behind = behind[0].left if behind else None
-    if (
-        start_behind is not None
-        and start_behind.minus(closing)[0] < tuning.AT_OPENING * closing.v[0]
-    ):
+    if behind and _begins_at(closing, behind[0]):
         joined = replace(held, right=behind[0].right, inward=behind[0].sense)
         return [*before, joined, *behind[1:]]
     return [*before, replace(held, right=closing, held=True), *behind]
+
+
+def _begins_at(closing: CutPoints, behind: Zone) -> bool:
+    """Whether slip behind an opening begins where that closes: next to it, or as near as nodes
+    show that slips a little further in."""
+    if behind.left is None:
+        return False
+    least = tuning.AT_OPENING * float(closing.v[0])
+    if behind.right is not None:
+        least = max(least, tuning.NEAR_CLOSING * float(behind.right.minus(behind.left)[0]))
+    return bool(behind.left.minus(closing)[0] < least)
 
 
 def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> list[Zone]:

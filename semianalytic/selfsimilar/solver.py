@@ -231,17 +231,19 @@ def _strict(rtol: float) -> float:
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
 def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules: _Rules) -> _Trial:
     """Zones corrected from a start until Coulomb's law holds."""
-    steps = 0
+    steps, may_turn = 0, True
     for sets in range(1, tuning.MOST_ZONE_SETS + 1):
         placement = locate_edges(factors, zones, load, rules.locating, rules.shift)
         steps += placement.steps
         if zones and zones[0].left is None and not load.slips_from_front:
             break  # traction would jump there, for no load does
         if not placement.converged:
-            others = rearranged(factors, placement.zones, load)
+            others = rearranged(factors, placement.zones, load, may_turn)
             if others is None:
                 break
-            zones = others
+            pairs = zip(zones, others, strict=False)
+            turned = len(others) == len(zones) and any(p.sense != q.sense for p, q in pairs)
+            zones, may_turn = others, may_turn and not turned
             continue
         profile = Profile(ZoneFields(factors, load, placement.zones, rules.checking))
         broken = violations(profile, tuning.LAW_TOLERANCE * rules.checking.tolerance)

@@ -7,7 +7,7 @@ import pytest
 
 from semianalytic import Material, Scene, Tractions
 from semianalytic.cut.layout import Zone
-from semianalytic.cut.load import Load, common_load, scaled_load
+from semianalytic.cut.load import Load, Opened, common_load, scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.selfsimilar.corrections import corrected, rearranged
 from semianalytic.selfsimilar.coulomb import Violation
@@ -70,6 +70,20 @@ def test_what_newtons_method_fails_on_is_rearranged():
     near = Zone(at(2.0), at(3.8), 1)
     assert ends(rearranged(FACTORS, [near, far], LOAD)) == [(2.0, None, 1)]
     assert rearranged(FACTORS, [near, replace(far, sense=-1)], LOAD) is None
+
+
+def test_what_slips_behind_an_opening_is_joined_to_it_once_it_vanishes():
+    opening = Zone(at(0.6), at(2.0), 1)
+    known = np.array([[0.6, 2.0], [0.0, 0.0]])
+    load = replace(LOAD, opened=Opened(opening, (), 1.0, 1.0, lambda at: at.v, known))
+    held = Zone(at(0.55), opening.right, 1, held=True)
+    vanished = Zone(at(2.5), at(2.5 * (1 + 1e-5)), -1)
+    (joined,) = rearranged(FACTORS, [held, vanished], load)
+    assert (joined.right, joined.last_sense, joined.held) == (vanished.left, -1, False)
+    # slip ahead of the opening turns once
+    (turned,) = rearranged(FACTORS, [replace(held, left=at(0.599))], load)
+    assert (turned.sense, turned.last_sense) == (-1, 1)
+    assert rearranged(FACTORS, [replace(held, left=at(0.599))], load, may_turn=False) is None
 
 
 def test_out_of_the_plane_too_edges_cross_the_shear_front():

@@ -105,6 +105,30 @@ def test_friction_decides_whether_slip_goes_on_behind_a_closing_edge():
     assert rate[1] / rate[0] == pytest.approx(2.0, rel=0.01)
 
 
+@pytest.mark.parametrize(
+    ("nu", "friction", "base", "load_shear"),
+    [
+        (0.449, 0.805, (0.0151, -0.00461), -0.262),  # no lawful zones were found
+        (0.0086, 0.175, (0.0265, 0.00154), 0.0723),  # 25 sets were tried
+        (0.267, 0.911, (0.0035, 0.00109), -0.372),
+        (0.00119, 0.769, (0.0102, -0.00206), 0.362),
+        (0.309, 0.658, (7.42e-4, 6.2e-5), 0.379),
+        (0.261, 0.261, (4.8e-4, 1.12e-4), -0.838),
+    ],
+)
+def test_slip_that_begins_where_an_opening_closes_is_soon_one_with_it(
+    nu, friction, base, load_shear
+):
+    """It is no zone of its own, as grids and nodes of loose rules show it."""
+    scene = Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), Tractions(1.0, load_shear))
+    solution = solve(scene, rtol=1e-6)
+    check_invariants(scene)
+    (opening,) = solution.openings
+    assert solution.status == "converged"
+    assert any(zone.outer == pytest.approx(opening.inner) for zone in solution.zones)
+    assert solution.statistics.zone_sets <= 3
+
+
 def test_slip_may_change_sense_across_an_opening():
     solution = solve(tapped(1.0, -1.0, held=0.0183))
     (opening,) = solution.openings
