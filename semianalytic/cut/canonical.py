@@ -14,13 +14,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
 from semianalytic.cut.layout import Layout
 from semianalytic.cut.panels import Panels
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 
-_SMALL = 1 / np.arange(2.0, 11.0)  # -(1 + ln(1 - s) / s) / s in powers of s
 
 
 def log_share(part: Array, whole: Array, rest: Array) -> Array:
@@ -61,8 +59,11 @@ class Phase:
         small = np.abs(share) < 0.02
         if small.any():
             few = share[small]
-            linear[small] = -few * polyval(few, _SMALL)
-            log[small] = few * (linear[small] - 1)
+            half = few / (2 - few)  # ln(1 - s) = -2 artanh(s / (2 - s))
+            square = half * half
+            series = square * (1 / 3 + square * (1 / 5 + square * (1 / 7 + square / 9)))
+            linear[small] = -half - 2 / (2 - few) * series
+            log[small] = -2 * half * (1 + series)
         return self.start * log + (self.stop - self.start) * linear
 
 
@@ -206,6 +207,23 @@ class CanonicalFunction:
                 total = total + turn[np.array(row)].chord_integral(-left - k, -turn.right[row] - k)
         return total / np.pi
 
+    @cached_property
+    def _resistance_integral_at_c(self) -> Array:
+        """The same at c where an opening covers it, which slides freely, (..., 1)."""
+        panels, turn = self.panels, self._turn
+        from_c, ends = panels.at.from_c, panels.ends.from_c
+        rest = turn.rest / from_c[self.layout.slip] @ panels.rule.weights
+        total = rest.sum(axis=0)[..., None]
+        for row, panel in enumerate(self.layout.slip):
+            if panels.right[panel] is None:
+                left = turn.left[row]
+                share = left / self.factors.c
+                total = total - turn.start[row] * share * np.log(np.abs(ends[panel] / left))
+            else:
+                chord = turn[np.array(row)].chord_integral(-ends[panel], -ends[panel + 1])
+                total = total + chord
+        return np.asarray(total / np.pi)
+
     def _phase_integral_off_cut(self, sources: np.ndarray, k: Array) -> Array:
         """(1/pi) int phi(w) / (w + k) dw over panels, at k >= 0 of shape (m,); (..., m)."""
         if not self.factors.has_rayleigh_wave:
@@ -244,6 +262,32 @@ class CanonicalFunction:
         if self.resistance is not None:
             product *= np.exp(self._log_of_resistance)
         return product * layout.sign.reshape(-1, *[1] * (product.ndim - 1))
+
+    @cached_property
+    def at_c(self) -> Array:
+        """X at the Rayleigh front where slip covers it, (1,) or (k, 1)."""
+        panels, layout, factors = self.panels, self.layout, self.factors
+        pairs, (at, from_ends) = layout.phase_pairs, (panels.at, panels.ends.from_c)
+        seen = np.flatnonzero(pairs.target == layout.pole)
+        log = np.zeros_like(from_ends[0])
+        for pair in seen:
+            source, weight = pairs.source[pair], pairs.onto[layout.pole, pair]
+            phase = self._phase[source]
+            rest = phase.rest / at.from_c[source] @ panels.rule.weights
+            chord = phase.chord_integral(-from_ends[source], -from_ends[source + 1])
+            log += weight * (rest[..., None] + chord) / np.pi
+        if self.resistance is not None:
+            log = log + self._resistance_integral_at_c
+        square, front = np.ones_like(log), factors.front_c.parts[factors.root]
+        for end, exponent in layout.roots:
+            square = square * np.abs(from_ends[end]) ** (2 * exponent)
+        if not layout.slips_at_root:
+            square = square / front
+        value = layout.sign[layout.pole] * np.sqrt(square) * np.exp(log)
+        if not layout.slips_at_b:  # with |S_+(-c)| on the cut
+            modulus = factors.impedance_slope_at_c / (factors.kappa * factors.m_plus(factors.c))
+            value = value * np.abs(modulus) * np.sqrt(front)
+        return np.asarray(value)
 
     @cached_property
     def at_zero(self) -> Array:

@@ -431,6 +431,8 @@ class RunningIntegral:
     c : float, Rayleigh slowness
     tail : float or (...) array, limit of v^2 g (needed for the moment v g only)
     powers : tuple of Power, parts of g that are large beside ends of panels
+    residue : (...) array, that of g at c where it is known; None to interpolate it between nodes,
+        with half as many digits as integrals have
     """
 
     panels: Panels
@@ -438,6 +440,7 @@ class RunningIntegral:
     c: float
     tail: float | Array = 0.0
     powers: tuple[Power, ...] = ()
+    residue: Array | None = None
 
     @cached_property
     def totals(self) -> Array:
@@ -464,7 +467,9 @@ class RunningIntegral:
         """(p, ...) residues of g at c, 0 on panels that do not cover it."""
         panels, rule, pole = self.panels, self.panels.rule, self.panels.layout.pole
         result = np.zeros(self.density.shape[:-1])
-        if pole >= 0:
+        if pole >= 0 and self.residue is not None:
+            result[pole] = self.residue
+        elif pole >= 0:
             left, right = panels.left[pole], panels.right[pole]
             share = 1.0 if right is None else (right.from_c / right.minus(left))[..., 0]
             decaying = 1.0 if right is not None else np.square(self.c / panels.at.v[pole])

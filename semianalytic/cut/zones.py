@@ -52,7 +52,8 @@ class ZoneFields:
     `zones` run from the longitudinal front inward, in slowness; their edges may hold several
     neighbouring sets at once (see `panels`).  Without `tail` the fields behind the last edge are
     left out.  `closing` are terms (edge, r) of edges that close a gap.  `shared` are panels to be
-    used, with ends at all edges of these zones, laid for others.
+    used, with ends at all edges of these zones, laid for others; `known_constant` is R without
+    those terms, where it is known.
     """
 
     factors: RayleighFactors
@@ -62,6 +63,7 @@ class ZoneFields:
     tail: bool = True
     closing: tuple[tuple[CutPoints, float | Array], ...] = ()
     shared: Panels | None = None
+    known_constant: float | None = None
 
     @cached_property
     def panels(self) -> Panels:
@@ -163,12 +165,15 @@ class ZoneFields:
             self.tail,
             tuple((seen(edge), amount) for edge, amount in opened.closing),
             panels,
+            opened.constant,
         )
 
     @cached_property
-    def _first_constant(self) -> Array:
+    def first_constant(self) -> Array:
         """R without the terms of closing edges, from T(0) = Q_0 - mu b V(inf), (1,) or (k, 1)."""
         load, panels = self.load, self.panels
+        if self.known_constant is not None:
+            return np.full_like(panels.ends.v[0], self.known_constant)
         at_zero = load.load_shear - load.far_slip_rate
         at_zero -= self._pressure.sense * load.friction * load.load_pressure
         value = at_zero / self.canonical.at_zero
@@ -181,7 +186,7 @@ class ZoneFields:
     @cached_property
     def constant(self) -> Array:
         """R, (1,) or (k, 1)."""
-        return self._first_constant - sum(amount / edge.v for edge, amount in self._terms)
+        return self.first_constant - sum(amount / edge.v for edge, amount in self._terms)
 
     @cached_property
     def transform_at_edge(self) -> Array:
@@ -266,7 +271,7 @@ class ZoneFields:
         if not self._vanishing:
             return ()
         values, zone = self.canonical.values, np.array(self.layout.zone)
-        plain = self._slope_of(values * (self._cauchy + self._first_constant))
+        plain = self._slope_of(values * (self._cauchy + self.first_constant))
         totals = np.stack(
             [self.panels.integrals(plain), *(sharp.totals for sharp in self._sharp)], axis=-1
         )
@@ -306,7 +311,7 @@ class ZoneFields:
     @cached_property
     def _reduced(self) -> Array:
         """(p, ..., n): X (Re C + R); over M_+ on panels that stick."""
-        driven = self._cauchy + self._first_constant
+        driven = self._cauchy + self.first_constant
         for edge, amount in self._terms:
             driven = driven + amount * self._share(edge)
         return self.canonical.values * driven
@@ -387,19 +392,50 @@ class ZoneFields:
         `rate_integral`."""
         if not self.borders:
             return self._slope_of(self._reduced)
-        slope = self._slope_of(self.canonical.values * (self._cauchy + self._first_constant))
+        slope = self._slope_of(self.canonical.values * (self._cauchy + self.first_constant))
         for amount, sharp in zip(self._amounts, self._sharp, strict=True):
             slope = slope + amount * sharp.density
         return slope
 
     def rate_integral(self, tail: float | Array = 0.0) -> RunningIntegral:
         """V on panels that slip; `tail` as of `RunningIntegral`."""
-        powers = tuple(
+        residue = self.residue if self.layout.pole >= 0 else None
+        return RunningIntegral(
+            self.panels, self.slip_rate_slope, self.factors.c, tail, self._powers, residue
+        )
+
+    @property
+    def _powers(self) -> tuple[Power, ...]:
+        """Parts of dV/dv that are large beside borders of the opening."""
+        return tuple(
             replace(power, amount=amount * power.amount)
             for amount, sharp in zip(self._amounts, self._sharp, strict=True)
             for power in sharp.powers
         )
-        return RunningIntegral(self.panels, self.slip_rate_slope, self.factors.c, tail, powers)
+
+    @cached_property
+    def _reduced_at_c(self) -> Array:
+        """X (Re C + R) at the Rayleigh front where slip covers it, (1,) or (k, 1).
+
+        Nodes straddle c evenly: a sum over them is a principal value.
+        """
+        panels, (sources, imag) = self.panels, self._pressure.sources
+        driven = self.first_constant
+        if len(sources):
+            sums = panels.integrals(imag / panels.at.from_c)[sources].sum(axis=0)
+            driven = driven - sums[..., None] / np.pi
+        for edge, amount in self._terms:
+            driven = driven + amount * self.factors.c / (edge.v * edge.from_c)
+        return np.asarray(self.canonical.at_c * driven)
+
+    @cached_property
+    def residue(self) -> Array:
+        """Coefficient of 1 / (v - c) in dV/dv where slip covers c, () or (k,)."""
+        driven, pressure = self._reduced_at_c, self._pressure
+        if self.normal is not None and pressure.analytic and self.layout.open[self.layout.pole]:
+            driven = driven - pressure.sense * self.load.friction * self.normal._reduced_at_c
+        slope = np.pi * self.factors.c * self.factors.impedance_slope_at_c
+        return np.asarray((driven / slope)[..., 0])
 
     def _slope_of(self, reduced: Array) -> Array:
         """The same from X (Re C + R)."""
@@ -485,7 +521,7 @@ class ZoneFields:
         """
         load, layout = self.load, self.layout
         integrals = self.panels.integrals(self._excess_slope + self.slip_rate_slope)
-        for power in self.rate_integral().powers:
+        for power in self._powers:
             integrals[power.panel] += power.total
         gains = iter(np.add.reduceat(integrals, [part[0] for part in layout.regions], axis=0))
         rows: list[Array] = []

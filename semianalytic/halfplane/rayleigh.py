@@ -306,6 +306,14 @@ class RayleighFactors:
         rayleigh = self._reduced_rayleigh(z, np.sqrt(alpha2 * beta2)) * from_c * (v + c)
         return np.asarray(rayleigh / np.sqrt(beta2 if mode == "II" else alpha2))
 
+    @cached_property
+    def impedance_slope_at_c(self) -> float:
+        """Slope of M / i in v at the Rayleigh front, where it vanishes [mu / b]."""
+        c = self.c
+        alpha2, beta2 = c * c - self.a**2, c * c - 1
+        rayleigh = self._reduced_rayleigh(c * c, np.sqrt(alpha2 * beta2))
+        return 2 * c * rayleigh / np.sqrt(beta2 if self.mode == "II" else alpha2)
+
     def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:
         """Impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.17)."""
         ahead = at.from_b < 0

@@ -79,9 +79,7 @@ def difference(
     rates = change.max(axis=0) / scale
     if fine.load.resistance is not None:  # under strong films V towers at the contact edge alone
         rates = np.maximum(rates, change[:-1].max(axis=0) / np.where(inner > 0, inner, scale))
-    covers_c = fine.layout.pole >= 0
-    share = tuning.BETWEEN_NODES_AT_POLE if covers_c else tuning.BETWEEN_NODES
-    least = share * fine.rule.tolerance
+    least = tuning.BETWEEN_NODES * fine.rule.tolerance
     if len(unknowns):
         by_width = _share_of_width(edges, unknowns, moved, fine, peaks) / scale
         rates = np.maximum(np.maximum(rates, by_width), edge_shift(edges, unknowns, moved))

@@ -36,11 +36,13 @@ class Normal:
         return -self.profile.traction_at(CutPoints(at.parts.reshape(4, -1))).reshape(at.v.shape)
 
     def known_pressure(self) -> Array:
-        """(2, n): slownesses of the nodes, increasing, and the pressures there."""
-        profile, slipping = self.profile, self.profile.panels.layout.slipping
-        pressure = -profile.traction_at_nodes
-        pressure[slipping] = 0.0
-        return np.stack([profile.panels.at.v.ravel(), pressure.ravel()])
+        """(2, n): slownesses of the nodes, increasing, and about the pressures there: sums over
+        nodes, right to some thousandths."""
+        fields, panels = self.profile.fields, self.profile.panels
+        fall = (fields.traction_slope * panels.jacobian).ravel() * panels.rule.spacing
+        pressure = -fields.base_traction - np.cumsum(fall) + fall / 2
+        pressure[np.repeat(panels.layout.slipping, len(panels.rule.y))] = 0.0
+        return np.stack([panels.at.v.ravel(), np.maximum(pressure, 0.0)])
 
 
 def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Load, Normal | None]:
@@ -65,6 +67,7 @@ def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Loa
         load.load_pressure,
         lambda at: normal.pressure(factors.seen_in_plane(at)),
         normal.known_pressure(),
+        float(normal.profile.fields.first_constant[0]),
     )
     return replace(load, opened=opened), normal
 
@@ -83,4 +86,4 @@ def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | No
     given = normal_load(load.base_pressure, load.load_pressure)
     factors, rule = rayleigh_factors(poisson_ratio, "I"), rule_for(tolerance)
     fields = ZoneFields(factors, given, (opening.zone,), rule, closing=opening.closing)
-    return Normal(opening, Profile(fields), opening.error + tuning.AT_POLE * tolerance)
+    return Normal(opening, Profile(fields), opening.error + tuning.BETWEEN_NODES * tolerance)

@@ -159,24 +159,43 @@ class Detached:
         return Zone(CutPoints(left[..., None]), CutPoints(right[..., None]), 1)
 
     def start(self) -> Array:
-        """Unknowns to begin with: the contact opens about where the stuck pressure is zero, and
-        closes where the gap is least wrong."""
-        from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
+        """Unknowns to begin with, between some that are tried: of opening edges from where the
+        stuck pressure is zero on, the closing edge at which no gap is left, and of these both the
+        one at which no pressure is left."""
+        factors, width = self.factors, self.factors.c - self.factors.a
+        first = self._tried_openings()
+        second = tuning.CLOSINGS[:, None] + np.log(width / (1 + np.exp(first)))
+        both = np.stack([np.broadcast_to(first, second.shape), second])
+        loose = replace(self, rule=rule_for(tuning.FIRST_RULE))
+        pressure, gap = Left(loose.fields(both.reshape(2, -1))).mismatch.reshape(both.shape)
+        closes = gap[1:] * gap[:-1] <= 0
+        row = np.where(closes.any(axis=0), closes.argmax(axis=0), np.abs(gap[1:]).argmin(axis=0))
+        column = np.arange(len(first))
+        before, after = gap[row, column], gap[row + 1, column]
+        share = np.where(before * after < 0, before / (before - after), 1.0)
+        rest, closing = (
+            each[row, column] + share * (each[row + 1, column] - each[row, column])
+            for each in (pressure, np.broadcast_to(tuning.CLOSINGS[:, None], gap.shape))
+        )
+        order = np.argsort(rest)
+        opens, closing = (np.interp(0.0, rest[order], one[order]) for one in (first, closing))
+        return np.array([opens, closing + np.log(width / (1 + np.exp(opens)))])
 
-        factors, stuck = self.factors, stuck_traction(self.poisson_ratio, "I")
-
-        def logit(y: float) -> float:
-            return factors.a + (factors.c - factors.a) / (1 + np.exp(-y))
-
-        first = brentq(lambda y: float(stuck(logit(y))) + self.base, -60.0, 40.0, xtol=0.01)
-        tried = np.geomspace(tuning.NEAREST_CLOSING, tuning.FARTHEST_CLOSING, tuning.CLOSINGS)
-        second = np.log(tried * (factors.c - logit(first)))
-        loose = replace(self, rule=rule_for(tuning.LOOSE_RULE))
-        both = np.stack([np.full_like(second, first), second])
-        left = Left(loose.fields(both)).mismatch[1]
-        change = np.flatnonzero(left[1:] * left[:-1] <= 0)
-        best = change[0] if len(change) else int(np.argmin(np.abs(left)))
-        return both[:, best]
+    def _tried_openings(self) -> Array:
+        """Opening edges as unknowns, (m,), from where the stuck pressure is zero on: ahead of that
+        near the longitudinal front, where it falls like a root and then does not, else behind it;
+        on one side of every cut."""
+        factors, logits = self.factors, tuning.LOGITS
+        width, stuck = factors.c - factors.a, stuck_traction(self.poisson_ratio, "I")
+        left = stuck(factors.a + width / (1 + np.exp(-logits))) + self.base
+        last = int(np.argmax(left < 0))
+        start = float(np.interp(0.0, left[[last, last - 1]], logits[[last, last - 1]]))
+        stop = start / 2 if start < tuning.NEAR_FRONT else start + tuning.FARTHER
+        for cut in factors.cuts:
+            bound = float(np.log(cut.from_a[0] / -cut.from_c[0]))
+            if start < bound < stop:
+                stop = bound - tuning.BESIDE_CUT * (bound - start)
+        return np.linspace(start, stop, tuning.OPENINGS)
 
     def fields(self, unknowns: Array) -> ZoneFields:
         """Those with r = 0, without what lies behind the opening."""

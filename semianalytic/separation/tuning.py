@@ -1,13 +1,23 @@
 """The numbers that tune the normal problem, each with what set it."""
 
-LOOSE_RULE = 1e-3
-"""Tolerance of the rule on which edges are looked for, at most."""
+import numpy as np
+
+FIRST_RULE, LOOSE_RULE = 1e-2, 1e-3
+"""Tolerance of the rules on which edges are tried to begin with, and looked for, at most."""
 LOOSE_SHARE, LEAST_LOOSE = 0.1, 1e-12
 """The same over what the base is below the threshold, relative, and at least: the opening is as
 wide as the root of that."""
-NEAREST_CLOSING, FARTHEST_CLOSING, CLOSINGS = 0.3, 60.0, 12
-"""Distances of the closing edge from c that are tried, over that of the opening edge: three times
-as far beside the threshold (docs/separation.md), 25 times at nu = 0.49."""
+CLOSINGS = np.linspace(np.log(0.3), np.log(60.0), 6)
+"""Logarithms of distances of the closing edge from c that are tried, over that of the opening edge:
+three times as far beside the threshold (docs/separation.md), 25 times at nu = 0.49."""
+LOGITS = np.linspace(-40.0, 40.0, 321)
+"""Logits of places between the longitudinal and the Rayleigh front at which the stuck pressure is
+looked at."""
+OPENINGS, NEAR_FRONT, FARTHER, BESIDE_CUT = 4, -1.0, 0.9, 0.05
+"""Number of opening edges that are tried; the logit of the zero of the stuck pressure below which
+they go to half of it (measured: 0.5 to 0.97 of it), and how far they go beyond it elsewhere
+(measured: 0.1 to 0.6); the share of the way to a cut that is left.  So Newton's method starts 0.03
+and 0.01 off (medians over a hundred scenes), and takes two steps."""
 MOST_NEWTON_STEPS = 30
 """Not recorded; five are the rule."""
 LONGEST_MOVE = 2.0
@@ -33,8 +43,9 @@ RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
 find nothing missing in it.  Finer by the same share where edges are not placed that well."""
 EDGE_SHARE = 0.2
 """Error of edges over what is asked for, that is well enough."""
-AT_POLE = 25.0
-"""Error of the rate of the gap over the tolerance of a rule: at points between nodes, where the
-opening covers c, relative to its largest value away from there.  13 and 20 were seen."""
+BETWEEN_NODES = 6.0
+"""Error of the gap at points between nodes over the tolerance of a rule, relative to its largest:
+at most 4.5 was seen, beside the threshold in all scenes; of its rate, away from edges and c, 0.25.
+"""
 AT_SHEAR_FRONT = 1e-14
 """Distance from the shear front, in slowness, that is rounding of sums."""
