@@ -20,7 +20,6 @@ from semianalytic.cut.panels import Panels
 from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 
 
-
 def log_share(part: Array, whole: Array, rest: Array) -> Array:
     """ln(part / whole) with part + rest = whole, accurate for part << whole and rest << whole."""
     share = rest / whole

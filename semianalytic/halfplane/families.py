@@ -78,8 +78,8 @@ class RayleighFamily(RayleighFactors):
 
     @cached_property
     def m_plus_at_zero(self) -> dict[Mode, Any]:
-        modes: tuple[Mode, ...] = ("I", "II", "III")
-        return {mode: self.m_plus(0.0, mode) for mode in modes}
+        s_plus = self.s_plus(0.0)
+        return {"I": self.c * s_plus / np.sqrt(self.a), "II": self.c * s_plus, "III": 1.0}
 
     @cached_property
     def hidden_root(self) -> Any:

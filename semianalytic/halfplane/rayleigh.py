@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -28,16 +28,20 @@ _DEGREE = 256
 _ENOUGH = 0.8  # of the coefficients: what follows those above rounding is below it
 
 
+@cache
 def gauss(n: int) -> tuple[Array, Array]:
-    """Gauss-Legendre nodes and weights on [0, 1]."""
+    """Gauss-Legendre nodes and weights on [0, 1], not to be written to."""
     nodes, weights = np.polynomial.legendre.leggauss(n)
-    return (nodes + 1) / 2, weights / 2
+    both = (nodes + 1) / 2, weights / 2
+    for one in both:
+        one.setflags(write=False)
+    return both
 
 
 def chebyshev_series(function: Callable[[Array], Array], degree: int) -> Array:
     """Chebyshev coefficients of a smooth function on [-1, 1], without those lost in rounding; of a
-    lower degree if that is enough."""
-    for count in (degree // 4 + 1, degree + 1):
+    lower degree if one is enough."""
+    for count in (degree // 8 + 1, degree // 2 + 1, degree + 1):
         series = _interpolant(function, count)
         above = np.flatnonzero(np.abs(series) > 4e-16 * np.abs(series).max())
         if above[-1] < _ENOUGH * count:
@@ -311,7 +315,7 @@ class RayleighFactors:
         """Slope of M / i in v at the Rayleigh front, where it vanishes [mu / b]."""
         c = self.c
         alpha2, beta2 = c * c - self.a**2, c * c - 1
-        rayleigh = self._reduced_rayleigh(c * c, np.sqrt(alpha2 * beta2))
+        rayleigh = self._reduced_rayleigh(np.asarray(c * c), np.sqrt(alpha2 * beta2))
         return 2 * c * rayleigh / np.sqrt(beta2 if self.mode == "II" else alpha2)
 
     def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:

@@ -120,9 +120,7 @@ def _sinc_step(x: Array) -> Array:
 def _running(n: int, spacing: float) -> Array:
     beyond = _beyond(spacing)
     step = spacing * _sinc_step(np.arange(1.0 - n - beyond, n + beyond))
-    order = np.arange(n)
-    every = step[order - np.arange(-beyond, n + beyond)[:, None] + n + beyond - 1]
-    return _folded(every, n, np.exp(-spacing / 2 * np.arange(1.0, beyond + 1)))
+    return _folded(step, n, np.exp(-spacing / 2 * np.arange(1.0, beyond + 1)))
 
 
 @lru_cache(maxsize=32)
@@ -130,10 +128,8 @@ def _alternate(n: int, spacing: float) -> Array:
     beyond = _beyond(spacing)
     steps = np.arange(1 - n - beyond, n + beyond)
     inverse = np.zeros(len(steps))
-    inverse[steps % 2 != 0] = 1 / np.sinh(steps[steps % 2 != 0] * (spacing / 2))
-    order = np.arange(n)
-    every = inverse[np.arange(-beyond, n + beyond)[:, None] - order + n + beyond - 1]
-    return _folded(every, n, np.ones(beyond))
+    inverse[steps % 2 != 0] = -1 / np.sinh(steps[steps % 2 != 0] * (spacing / 2))
+    return _folded(inverse, n, np.ones(beyond))
 
 
 def _beyond(spacing: float) -> int:
@@ -141,13 +137,14 @@ def _beyond(spacing: float) -> int:
     return int(np.ceil(80 / spacing))
 
 
-def _folded(every: Array, n: int, decay: Array) -> Array:
-    """Rows (n, m) of n nodes from those of more on either side (n + 2 b, m), on which a density is
-    that of the last node times `decay` (b,)."""
+def _folded(kernel: Array, n: int, decay: Array) -> Array:
+    """(n, n): what a density at node i adds at node j, kernel of j - i from 1 - n - b to n + b - 1,
+    with b nodes more on either side, on which it is that of the last node times `decay` (b,)."""
     beyond = len(decay)
-    result = every[beyond:-beyond].copy()
-    result[0] += decay[::-1] @ every[:beyond]
-    result[-1] += decay @ every[-beyond:]
+    rows = np.lib.stride_tricks.sliding_window_view(kernel[beyond : len(kernel) - beyond], n)
+    result = rows[::-1].copy()
+    result[0] += np.correlate(kernel[n + beyond :], decay)
+    result[-1] += np.correlate(kernel[: n + beyond - 1], decay[::-1])
     return result
 
 

@@ -60,9 +60,7 @@ def _across_shear_front(
     return others if moved else None
 
 
-def _turned_at_opening(
-    zones: Sequence[Zone], opening: Zone, may_turn: bool
-) -> list[Zone] | None:
+def _turned_at_opening(zones: Sequence[Zone], opening: Zone, may_turn: bool) -> list[Zone] | None:
     """The zones, of which that with the opening ends where it closes if it ended near by, or else
     slips the other way ahead of it if it began near by and may turn; None if neither."""
     result = list(zones)

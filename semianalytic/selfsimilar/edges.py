@@ -51,8 +51,9 @@ class Edges:
         """Per edge: the front its segment starts from less every front (4, e), the width of the
         segment (1 beyond c), and 1 where it is bounded (0 beyond c); (..., k) in a family of k
         Poisson ratios."""
-        ends = (0.0, per_set(self.factors.a), 1.0, per_set(self.factors.c))
-        fronts = np.stack(np.broadcast_arrays(*ends))
+        a, c = per_set(self.factors.a), per_set(self.factors.c)
+        fronts = np.zeros((4, *np.shape(a)))
+        fronts[1], fronts[2], fronts[3] = a, 1.0, c
         segments, bounded = np.array(self.segments, dtype=int), self._bounded
         shift = fronts[1 + segments] - fronts[:, None]
         width, bend = np.ones_like(shift[0]), np.zeros_like(shift[0])

@@ -162,7 +162,7 @@ class Detached:
         """Unknowns to begin with, between some that are tried: of opening edges from where the
         stuck pressure is zero on, the closing edge at which no gap is left, and of these both the
         one at which no pressure is left."""
-        factors, width = self.factors, self.factors.c - self.factors.a
+        width = self.factors.c - self.factors.a
         first = self._tried_openings()
         second = tuning.CLOSINGS[:, None] + np.log(width / (1 + np.exp(first)))
         both = np.stack([np.broadcast_to(first, second.shape), second])

@@ -86,7 +86,9 @@ class ZoneSets:
     load: Load
 
     def chosen(self, which: np.ndarray) -> ZoneSets:
-        """Some of them."""
+        """Some of them; themselves, with all they have worked out, if it is all."""
+        if len(which) == np.size(self.load.friction) and np.all(np.diff(which) == 1):
+            return self
         friction, far = np.asarray(self.load.friction), np.asarray(self.load.far_slip_rate)
         load = replace(self.load, friction=friction[which], far_slip_rate=far[which])
         return ZoneSets(self.edges.chosen(which), load)

@@ -81,14 +81,14 @@ class Neighbourhood:
         offset = self.places[near] - to[:, None]
         radius = np.hypot(*np.moveaxis(offset, -1, 0)).max(axis=1)
         offset = offset / np.where(radius > 0, radius, 1.0)[:, None, None]
+        x, y = np.moveaxis(offset, -1, 0)
         terms = [np.ones(near.shape)]
         degrees = [1]
         while True:
             degree = len(degrees)
             if len(terms) + degree + 1 > near.shape[1] / tuning.NEIGHBOURS_PER_TERM:
                 break
-            x, y = np.moveaxis(offset, -1, 0)
-            terms += [x ** (degree - i) * y**i for i in range(degree + 1)]
+            terms += [*(x * one for one in terms[-degree:]), y * terms[-1]]
             degrees.append(len(terms))
         distance = np.square(offset).sum(axis=-1)
         own = 1 / np.sqrt(tuning.NEAREST_WEIGHT + distance)

@@ -20,7 +20,10 @@ CASES = {
     "no friction": Scene(Material(1.0, 1.0, 0.25), 0.0, Tractions(1.0, 0.0), Tractions(0.0, 1.0)),
     "opening": OPEN,
     "opening behind the shear front": Scene(
-        Material(1.0, 1.0, 0.1), 0.3, Tractions(0.8 * opening_threshold(0.1), 0.0), Tractions(1.0, 0.4)
+        Material(1.0, 1.0, 0.1),
+        0.3,
+        Tractions(0.8 * opening_threshold(0.1), 0.0),
+        Tractions(1.0, 0.4),
     ),
     "opening within a film": replace(OPEN, friction_law=ViscousFriction(0.04)),
 }
