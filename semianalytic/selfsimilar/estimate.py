@@ -19,6 +19,27 @@ def loose_tolerance(rtol: float) -> float:
     return max(rtol / tuning.RULE_SHARE, tuning.LOOSEST_RULE)
 
 
+def narrowness(edges: Edges, unknowns: Array) -> float:
+    """Shift that may be left of edges over that of most zones: where slip ahead of an opening is
+    narrow its edge is to be known over that width."""
+    if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
+        return 1.0
+    return min(1.0, tuning.LEFT_AHEAD * float(_width_ahead(edges, unknowns)))
+
+
+def _width_ahead(edges: Edges, unknowns: Array) -> Array:
+    """Width in slowness of slip from its edge to the opening it begins ahead of, () or (k,)."""
+    assert edges.opening is not None
+    assert edges.opening.left is not None
+    point = edges.points(unknowns)[_edge_ahead(edges)]
+    return np.asarray(edges.opening.left.minus(point)[..., 0])
+
+
+def _edge_ahead(edges: Edges) -> int:
+    """The last edge ahead of an opening."""
+    return len(edges.sides) - 1 - edges.sides[::-1].index(-1)
+
+
 def numerical_error(
     placement: Placement, fields: ZoneFields, tolerance: float, left: float
 ) -> float:
@@ -93,10 +114,9 @@ def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:
     worst = np.zeros(unknowns.shape[1:])
     if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
         return worst
-    edge = len(edges.sides) - 1 - edges.sides[::-1].index(-1)  # the last ahead of the opening
-    point = edges.points(unknowns)[edge]
+    edge = _edge_ahead(edges)
     change = np.abs(edges.parts(moved)[0, edge] - edges.parts(unknowns)[0, edge])
-    return np.asarray(tuning.WORK_AHEAD * change / edges.opening.left.minus(point)[..., 0])
+    return np.asarray(tuning.WORK_AHEAD * change / _width_ahead(edges, unknowns))
 
 
 def shift_error(edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields) -> Array:

@@ -32,7 +32,12 @@ from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.corrections import corrected, rearranged
 from semianalytic.selfsimilar.coulomb import violations
 from semianalytic.selfsimilar.edges import Placement, locate_edges, placement_of, polish_edges
-from semianalytic.selfsimilar.estimate import loose_tolerance, missed_slip, numerical_error
+from semianalytic.selfsimilar.estimate import (
+    loose_tolerance,
+    missed_slip,
+    narrowness,
+    numerical_error,
+)
 from semianalytic.selfsimilar.guesses import guesses
 from semianalytic.selfsimilar.motion import slip_zones
 from semianalytic.selfsimilar.rated import (
@@ -269,8 +274,9 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     """
     if not trial.lawful:
         return replace(trial, steps=0), np.inf
-    tolerance, steps = rtol / tuning.RULE_SHARE, 0
-    target = max(tuning.LEFT_SHIFT * rtol, tuning.LEAST_LEFT_SHIFT)
+    tolerance, start, steps = rtol / tuning.RULE_SHARE, trial.placement, 0
+    target = tuning.LEFT_SHIFT * rtol * narrowness(start.edges, start.unknowns)
+    target = max(target, tuning.LEAST_LEFT_SHIFT)
     for _ in range(tuning.MOST_REFINEMENTS):
         placement, fields, left = polish_edges(
             trial.placement, trial.profile.fields, rule_for(tolerance), target

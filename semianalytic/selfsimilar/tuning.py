@@ -68,6 +68,9 @@ SLIP_PER_EXCESS = 0.3
 LEAST_IMPEDANCE = 1e-3
 """Least impedance [rho c_t] that such slip is divided by, over `SLIP_PER_EXCESS`: it falls to 0 at
 the longitudinal front for nu near 0."""
+LEFT_AHEAD = 3.0
+"""Shift that may be left of the edge of slip ahead of an opening, over that of others, per width in
+slowness: with `WORK_AHEAD` what is left then takes a fifth of rtol."""
 WORK_AHEAD = 3.0
 """Power of its width that friction takes on the slip ahead of an opening, about."""
 GAP_LOGARITHM_SHARE = 0.1

@@ -65,7 +65,7 @@ def opening_of(poisson_ratio: float, base: float, step: float, tolerance: float)
         return _from_contact_edge(poisson_ratio, -base / step)
     if not step or base >= -step * stuck_traction(poisson_ratio, "I").at_rayleigh_front:
         return None
-    unit = _detached(poisson_ratio, base / step, tolerance)
+    unit = detached_opening(poisson_ratio, base / step, tolerance)
     return replace(unit, closing=tuple((edge, amount * step) for edge, amount in unit.closing))
 
 
@@ -77,7 +77,7 @@ def _from_contact_edge(poisson_ratio: float, ratio: float) -> Opening:
 
 
 @lru_cache(maxsize=64)
-def _detached(poisson_ratio: float, ratio: float, tolerance: float) -> Opening:
+def detached_opening(poisson_ratio: float, ratio: float, tolerance: float) -> Opening:
     """The opening around c under P_0 = 1, placed on a fine rule and compared with a coarser one;
     those of the 64 most recent scenes are kept, for friction and shear do not change them."""
     problem = Detached(poisson_ratio, ratio, rule_for(tolerance))
