@@ -28,7 +28,6 @@ class Opened:
     base, step : P_b, P_0 [stress unit]
     pressure : function of points on the cut, any shape: the contact pressure there [stress unit]
     known : (2, n) array, increasing slownesses and pressures there, dense enough to show its course
-    constant : float, R of the normal problem without those terms; None if it is to be found anew
     """
 
     zone: Zone
@@ -37,7 +36,6 @@ class Opened:
     step: float
     pressure: Callable[[CutPoints], Array]
     known: Array
-    constant: float | None = None
 
     def near_pressure(self, v: Array) -> Array:
         """About the contact pressure at slownesses v."""

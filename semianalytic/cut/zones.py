@@ -52,8 +52,7 @@ class ZoneFields:
     `zones` run from the longitudinal front inward, in slowness; their edges may hold several
     neighbouring sets at once (see `panels`).  Without `tail` the fields behind the last edge are
     left out.  `closing` are terms (edge, r) of edges that close a gap.  `shared` are panels to be
-    used, with ends at all edges of these zones, laid for others; `known_constant` is R without
-    those terms, where it is known.
+    used, with ends at all edges of these zones, laid for others.
     """
 
     factors: RayleighFactors
@@ -63,7 +62,6 @@ class ZoneFields:
     tail: bool = True
     closing: tuple[tuple[CutPoints, float | Array], ...] = ()
     shared: Panels | None = None
-    known_constant: float | None = None
 
     @cached_property
     def panels(self) -> Panels:
@@ -165,15 +163,12 @@ class ZoneFields:
             self.tail,
             tuple((seen(edge), amount) for edge, amount in opened.closing),
             panels,
-            opened.constant,
         )
 
     @cached_property
-    def first_constant(self) -> Array:
+    def _first_constant(self) -> Array:
         """R without the terms of closing edges, from T(0) = Q_0 - mu b V(inf), (1,) or (k, 1)."""
         load, panels = self.load, self.panels
-        if self.known_constant is not None:
-            return np.full_like(panels.ends.v[0], self.known_constant)
         at_zero = load.load_shear - load.far_slip_rate
         at_zero -= self._pressure.sense * load.friction * load.load_pressure
         value = at_zero / self.canonical.at_zero
@@ -186,7 +181,7 @@ class ZoneFields:
     @cached_property
     def constant(self) -> Array:
         """R, (1,) or (k, 1)."""
-        return self.first_constant - sum(amount / edge.v for edge, amount in self._terms)
+        return self._first_constant - sum(amount / edge.v for edge, amount in self._terms)
 
     @cached_property
     def transform_at_edge(self) -> Array:
@@ -271,7 +266,7 @@ class ZoneFields:
         if not self._vanishing:
             return ()
         values, zone = self.canonical.values, np.array(self.layout.zone)
-        plain = self._slope_of(values * (self._cauchy + self.first_constant))
+        plain = self._slope_of(values * (self._cauchy + self._first_constant))
         totals = np.stack(
             [self.panels.integrals(plain), *(sharp.totals for sharp in self._sharp)], axis=-1
         )
@@ -311,7 +306,7 @@ class ZoneFields:
     @cached_property
     def _reduced(self) -> Array:
         """(p, ..., n): X (Re C + R); over M_+ on panels that stick."""
-        driven = self._cauchy + self.first_constant
+        driven = self._cauchy + self._first_constant
         for edge, amount in self._terms:
             driven = driven + amount * self._share(edge)
         return self.canonical.values * driven
@@ -370,6 +365,11 @@ class ZoneFields:
         """
         return np.asarray((self.constant + self._pressure.amount_at_edge)[..., 0])
 
+    @property
+    def held_at_edge(self) -> float | Array:
+        """The part of that which friction holds, a number or (k,)."""
+        return per_set(self._pressure.amount_at_edge)
+
     @cached_property
     def stick_transform_excess(self) -> Array:
         """(..., n): T / M_+ less its limit at a stuck contact edge, last panel, without loss."""
@@ -392,7 +392,7 @@ class ZoneFields:
         `rate_integral`."""
         if not self.borders:
             return self._slope_of(self._reduced)
-        slope = self._slope_of(self.canonical.values * (self._cauchy + self.first_constant))
+        slope = self._slope_of(self.canonical.values * (self._cauchy + self._first_constant))
         for amount, sharp in zip(self._amounts, self._sharp, strict=True):
             slope = slope + amount * sharp.density
         return slope
@@ -420,7 +420,7 @@ class ZoneFields:
         Nodes straddle c evenly: a sum over them is a principal value.
         """
         panels, (sources, imag) = self.panels, self._pressure.sources
-        driven = self.first_constant
+        driven = self._first_constant
         if len(sources):
             sums = panels.integrals(imag / panels.at.from_c)[sources].sum(axis=0)
             driven = driven - sums[..., None] / np.pi

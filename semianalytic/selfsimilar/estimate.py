@@ -77,7 +77,7 @@ def difference(
 
     Of edges over the lesser of themselves and c_t, and of slip rates over the largest, which move
     with them: compared in the middle and at the end of every panel, by their residues, and by the
-    widths of zones.  Against a resistance also over the largest off the contact edge, but there.
+    widths of zones; and of the stress intensity.  Against a resistance also over the largest off the contact edge, but there.
 
     Parameters
     ----------
@@ -100,12 +100,25 @@ def difference(
     rates = change.max(axis=0) / scale
     if fine.load.resistance is not None:  # under strong films V towers at the contact edge alone
         rates = np.maximum(rates, change[:-1].max(axis=0) / np.where(inner > 0, inner, scale))
-    least = tuning.BETWEEN_NODES * fine.rule.tolerance
+    covers_c = fine.layout.pole >= 0
+    share = tuning.BETWEEN_NODES_AT_POLE if covers_c else tuning.BETWEEN_NODES
+    least = share * fine.rule.tolerance
     if len(unknowns):
         by_width = _share_of_width(edges, unknowns, moved, fine, peaks) / scale
         rates = np.maximum(np.maximum(rates, by_width), edge_shift(edges, unknowns, moved))
         rates = np.maximum(rates, _share_beside_opening(edges, unknowns, moved))
-    return tuning.LEAST_ERROR + least + tuning.SAFETY * rates
+    of_edge = tuning.INTENSITY_SAFETY * _share_of_intensity(fine, coarse)
+    return tuning.LEAST_ERROR + least + np.maximum(tuning.SAFETY * rates, of_edge)
+
+
+def _share_of_intensity(fine: ZoneFields, coarse: ZoneFields) -> Array:
+    """How much two rules differ in the stress intensity at a stuck contact edge, over itself and a
+    little of what friction holds there, () or (k,)."""
+    if fine.layout.sense[-1]:
+        return np.zeros(())
+    known, other = fine.stick_transform_at_edge, coarse.stick_transform_at_edge
+    scale = np.abs(known) + tuning.LEAST_INTENSITY * np.abs(fine.held_at_edge)
+    return np.abs(known - other) / np.where(scale > 0, scale, np.inf)
 
 
 def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:

@@ -274,7 +274,8 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     """
     if not trial.lawful:
         return replace(trial, steps=0), np.inf
-    tolerance, start, steps = rtol / tuning.RULE_SHARE, trial.placement, 0
+    start, steps, covers_c = trial.placement, 0, trial.profile.panels.layout.pole >= 0
+    tolerance = rtol / (tuning.RULE_SHARE_AT_POLE if covers_c else tuning.RULE_SHARE)
     target = tuning.LEFT_SHIFT * rtol * narrowness(start.edges, start.unknowns)
     target = max(target, tuning.LEAST_LEFT_SHIFT)
     for _ in range(tuning.MOST_REFINEMENTS):

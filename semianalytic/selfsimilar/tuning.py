@@ -18,8 +18,9 @@ STRONG_RESISTANCE = 1e8
 loose ones leave in the traction is more than drives slip; from 1e10 on that search was in vain."""
 STRONGEST_RESISTANCE = 1e15
 """Of slip to its rate, eta [mu b]: beyond it slip is rounding of the traction; zones fail."""
-RULE_SHARE = 10.0
-"""rtol over the tolerance of a rule that is to reach it.  Not recorded."""
+RULE_SHARE, RULE_SHARE_AT_POLE = 10.0, 20.0
+"""rtol over the tolerance of a rule that is to reach it, which is not recorded, and where slip covers
+c: `BETWEEN_NODES_AT_POLE` then leaves room for the rest of an estimate."""
 COARSER_LOCATING = 3.0
 """Rules are much better than their tolerance as far as edges go: edges are first located on one
 this much looser than the one on which Coulomb's law is checked."""
@@ -57,10 +58,10 @@ LEFT_SAFETY = 4.0
 """The same for shifts that are left, over `SAFETY`: slip rates change fastest beside edges."""
 LEAST_ERROR = 1e-14
 """Rounding, part of every estimate.  Not recorded."""
-BETWEEN_NODES = 1.0
-"""Error at points between nodes over the tolerance of a rule, of slip rate and slip over their
-largest: up to 0.7 was seen, in 220 scenes with c in slip or not, that the difference of two rules
-did not show."""
+BETWEEN_NODES, BETWEEN_NODES_AT_POLE = 0.3, 7.0
+"""Error at points between nodes over the tolerance of a rule, of slip rate, slip and path over their
+largest, elsewhere and where slip covers c: 0.1 was seen elsewhere, and there 1.0 of slip rate, 5.7 of
+path in 300 scenes that open."""
 TRACTION_ROUNDING = 5e-15
 """Of tractions at nodes, relative to strength plus load.  Not recorded."""
 SLIP_PER_EXCESS = 0.3
@@ -71,6 +72,12 @@ the longitudinal front for nu near 0."""
 LEFT_AHEAD = 3.0
 """Shift that may be left of the edge of slip ahead of an opening, over that of others, per width in
 slowness: with `WORK_AHEAD` what is left then takes a fifth of rtol."""
+INTENSITY_SAFETY = 1.0
+"""Error estimate over the difference of two rules, of the stress intensity at a stuck contact edge:
+the finer of them is much better than that."""
+LEAST_INTENSITY = 1e-6
+"""Of what friction holds at a stuck contact edge, that stress intensity is at least known relative
+to: it may be much less than that, and then most of its digits are lost."""
 WORK_AHEAD = 3.0
 """Power of its width that friction takes on the slip ahead of an opening, about."""
 GAP_LOGARITHM_SHARE = 0.1

@@ -67,7 +67,6 @@ def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Loa
         load.load_pressure,
         lambda at: normal.pressure(factors.seen_in_plane(at)),
         normal.known_pressure(),
-        float(normal.profile.fields.first_constant[0]),
     )
     return replace(load, opened=opened), normal
 
