@@ -77,7 +77,8 @@ def difference(
 
     Of edges over the lesser of themselves and c_t, and of slip rates over the largest, which move
     with them: compared in the middle and at the end of every panel, by their residues, and by the
-    widths of zones; and of the stress intensity.  Against a resistance also over the largest off the contact edge, but there.
+    widths of zones; and of stress intensity.  Against a resistance also over the largest off the
+    contact edge, but there.
 
     Parameters
     ----------

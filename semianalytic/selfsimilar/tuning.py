@@ -19,8 +19,8 @@ loose ones leave in the traction is more than drives slip; from 1e10 on that sea
 STRONGEST_RESISTANCE = 1e15
 """Of slip to its rate, eta [mu b]: beyond it slip is rounding of the traction; zones fail."""
 RULE_SHARE, RULE_SHARE_AT_POLE = 10.0, 20.0
-"""rtol over the tolerance of a rule that is to reach it, which is not recorded, and where slip covers
-c: `BETWEEN_NODES_AT_POLE` then leaves room for the rest of an estimate."""
+"""rtol over the tolerance of a rule that is to reach it, which is not recorded, and where slip
+covers c: `BETWEEN_NODES_AT_POLE` then leaves room for the rest of an estimate."""
 COARSER_LOCATING = 3.0
 """Rules are much better than their tolerance as far as edges go: edges are first located on one
 this much looser than the one on which Coulomb's law is checked."""
@@ -59,9 +59,9 @@ LEFT_SAFETY = 4.0
 LEAST_ERROR = 1e-14
 """Rounding, part of every estimate.  Not recorded."""
 BETWEEN_NODES, BETWEEN_NODES_AT_POLE = 0.3, 7.0
-"""Error at points between nodes over the tolerance of a rule, of slip rate, slip and path over their
-largest, elsewhere and where slip covers c: 0.1 was seen elsewhere, and there 1.0 of slip rate, 5.7 of
-path in 300 scenes that open."""
+"""Error at points between nodes over the tolerance of a rule, of slip rate, slip and path over
+their largest, elsewhere and where slip covers c: 0.1 was seen elsewhere, and there 1.0 of slip
+rate, 5.7 of path in 300 scenes that open."""
 TRACTION_ROUNDING = 5e-15
 """Of tractions at nodes, relative to strength plus load.  Not recorded."""
 SLIP_PER_EXCESS = 0.3
