@@ -16,6 +16,8 @@ from semianalytic.scene.units import unit
 Content = tuple[str, str, bytes]
 """Name of a file, its MIME type, and what it holds."""
 
+_LONGEST_LINE = 60
+"""Of a program, as the page shows it whole."""
 _COLUMNS = {
     "slip_rate": "length / time",
     "slip": "length",
@@ -56,20 +58,29 @@ def scene_file(scene: Scene) -> Content:
 
 
 def program(scene: Scene) -> str:
-    """Ten lines of Python that make the same answer and figure."""
+    """Some lines of Python that make the same answer."""
     parts = [one.name for one in fields(scene) if getattr(scene, one.name) != _default(one)]
     lines = ["import slipfront as sf", "", "scene = sf.Scene("]
     for name in parts:
         value = repr(getattr(scene, name))
         made = value.replace("(", "(", 1) if value.startswith("'") else _qualified(value)
-        lines.append(f"    {name}={made},")
+        lines += _argument(name, made)
     time = end_time(scene)
     if scene.is_self_similar and scene.friction_law.fall_with_rate == 0:
         lines += [")", "answer = sf.solve(scene)", "print(answer.zones, answer.openings)"]
     else:
         lines += [")", f"answer = sf.march(scene, {time!r})", "print(answer)"]
-    lines.append(f"print(answer.slip_rate([0.1, 0.5], {time!r}))  # at x, and t = T")
+    lines += ["# at x, and t = T", f"print(answer.slip_rate([0.1, 0.5], {time!r}))"]
     return "\n".join(lines) + "\n"
+
+
+def _argument(name: str, made: str) -> list[str]:
+    """An argument of the scene, that of a class on several lines where one is too long."""
+    line, (head, _, rest) = f"    {name}={made},", made.partition("(")
+    if len(line) <= _LONGEST_LINE or "(" in rest:
+        return [line]
+    parts = [f"        {part}," for part in rest.removesuffix(")").split(", ")]
+    return [f"    {name}={head}(", *parts, "    ),"]
 
 
 def _qualified(value: str) -> str:
