@@ -478,6 +478,16 @@ class RunningIntegral:
             result[pole] = (numerator * decaying) @ kernel / (-left.from_c[..., 0] * share)
         return result
 
+    def level_at_c(self, panel: int) -> Array:
+        """Integral of g from the left end of the panel that covers c up to there, less the residue
+        times ln |v - c|; (...)."""
+        rule, left = self.panels.rule, self.panels.left[panel]
+        regular = rule.interpolate_running(np.array([rule.spacing / 2]), self._regular[panel])[0]
+        log = -np.log(np.abs(left.from_c))
+        if self.panels.right[panel] is None:
+            log = log - np.log(self.c / left.v) + 1 - self.c / left.v
+        return np.asarray(regular + self.residues[panel] * log[..., 0])
+
     @cached_property
     def _regular(self) -> Array:
         """(p, ..., n): g without pole, times dv/dy."""

@@ -205,12 +205,8 @@ def reversal_at_rayleigh_front(profile: Profile, panel: int) -> Array:
 
     () or (k,); meant where V falls towards c in the sense of its zone.
     """
-    rate, from_c = profile.slip_rate_at_nodes[panel], profile.panels.at.from_c[panel]
-    nearest = np.argsort(np.abs(from_c), axis=-1)[..., :2]
     residue = profile.residues(panel)
-    log = np.log(np.abs(np.take_along_axis(from_c, nearest, -1)))
-    rates = np.take_along_axis(rate, nearest, -1)
-    level = np.mean(rates - residue[..., None] * log, axis=-1)
+    level = profile.starts[0][panel] + profile.rate_integral.level_at_c(panel)
     return np.exp(np.clip(-level / residue, -690.0, 690.0))
 
 
