@@ -275,7 +275,9 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     if not trial.lawful:
         return replace(trial, steps=0), np.inf
     start, steps, covers_c = trial.placement, 0, trial.profile.panels.layout.pole >= 0
-    tolerance = rtol / (tuning.RULE_SHARE_AT_POLE if covers_c else tuning.RULE_SHARE)
+    tolerance = rtol / tuning.RULE_SHARE
+    if covers_c and trial.profile.fields.rule is not rule_for(tolerance):
+        tolerance = rtol / tuning.RULE_SHARE_AT_POLE
     target = tuning.LEFT_SHIFT * rtol * narrowness(start.edges, start.unknowns)
     target = max(target, tuning.LEAST_LEFT_SHIFT)
     for _ in range(tuning.MOST_REFINEMENTS):
