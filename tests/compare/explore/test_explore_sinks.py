@@ -211,6 +211,8 @@ def test_a_session_is_for_the_page_it_was_given_to(ask):
     own = f"http://localhost:{server.port}"
     assert not connected(server, "http://evil.example", token)
     assert not connected(server, f"http://evil.example:{server.port}", token)
+    assert not connected(server, f"http://127.0.0.1.evil.example:{server.port}", token)
+    assert not connected(server, "null", token)
     assert not connected(server, own, token.partition(".")[0])  # its signature is missing
     assert not connected(server, own, "A" + token[1:])
     assert connected(server, own, token)
