@@ -182,7 +182,7 @@ class Simulation(SampledAnswer):
     unwritten : str
         What could not be written during the run, as a sentence; empty if nothing.
     remark : str
-        That the mesh was laid without gmsh, as a sentence; empty otherwise.  It is not saved.
+        That the mesh was laid without gmsh, as a sentence; empty otherwise.
     companion : Simulation or None
         The same run at twice the element size, which carries its own; see `with_companions`.
     """
@@ -259,7 +259,7 @@ def _write(simulation: Simulation, group: Any) -> None:
     facts = {
         field.name: getattr(simulation, field.name)
         for field in fields(simulation)
-        if field.name not in ("scene", "remark", COMPANION, *ARRAYS, *HISTORIES)
+        if field.name not in ("scene", COMPANION, *ARRAYS, *HISTORIES)
     }
     for name in ("lower_material", "opened"):
         facts[name] = facts[name] and asdict(facts[name])
