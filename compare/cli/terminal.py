@@ -30,6 +30,7 @@ from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
 from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
+from semianalytic.results.answer import digits_apart
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:
@@ -60,13 +61,16 @@ def zones_table(solution: Solution, title: str) -> Table:
         for number, zone in enumerate(solution.zones, start=1)
     ]
     parts += [("open", part.inner, part.outer, "") for part in solution.openings]
+    edges = [end for _, inner, outer, _ in parts for end in (inner, outer)]
+    over_c_t = [speed / material.shear_speed for speed in edges]
+    places, places_over_c_t = (digits_apart(column, 6, "f") for column in (edges, over_c_t))
     for name, inner, outer, sense in sorted(parts, key=lambda part: part[1]):
         for end, speed in (("inner", inner), ("outer", outer)):
             table.add_row(
                 name if end == "inner" else "",
                 end,
-                _decimals(speed),
-                _decimals(speed / material.shear_speed),
+                _decimals(speed, places),
+                _decimals(speed / material.shear_speed, places_over_c_t),
                 speed_regime(speed, scene),
                 sense if end == "inner" else "",
             )
@@ -109,11 +113,13 @@ def end_table(solution: Solution, end_time: float) -> Table:
     scene, end = solution.scene, end_document(solution, end_time)
     units = units_document(end, END_DIMENSIONS, scene)
     table = Table("quantity", "value", "unit", title=f"t = {_measure(end['time'], 'time', scene)}")
+    ends = [part[name] for part in (*end["zones"], *end["openings"]) for name in ("start", "end")]
+    digits = digits_apart(ends, 6)
     for number, zone in enumerate(end["zones"], start=1):
-        place = f"{zone['start']:.6g} < x < {_number(zone['end'])}"
+        place = f"{zone['start']:.{digits}g} < x < {_number(zone['end'], digits)}"
         table.add_row(f"zone {number}, {_sense(zone['sense'])}", place, units["zones"]["start"])
     for part in end["openings"]:
-        place = f"{part['start']:.6g} < x < {part['end']:.6g}"
+        place = f"{part['start']:.{digits}g} < x < {part['end']:.{digits}g}"
         table.add_row("open", place, units["openings"]["start"])
     for name in ("largest_slip", "accumulated_slip", "frictional_work"):
         table.add_row(_label(name), _number(end[name]), units[name])
@@ -299,12 +305,12 @@ def _sense(sense: int) -> str:
     return "slip" if sense > 0 else "reverse slip"
 
 
-def _number(value: float) -> str:
-    return "∞" if math.isinf(value) else f"{value:.6g}"
+def _number(value: float, digits: int = 6) -> str:
+    return "∞" if math.isinf(value) else f"{value:.{digits}g}"
 
 
-def _decimals(speed: float) -> str:
-    return "∞" if math.isinf(speed) else f"{speed:.6f}"
+def _decimals(speed: float, places: int) -> str:
+    return "∞" if math.isinf(speed) else f"{speed:.{places}f}"
 
 
 def _plain(value: object) -> str:

@@ -15,7 +15,13 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
-from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
+from semianalytic.results.answer import (
+    OpenInterval,
+    SlipInterval,
+    answer_dataset,
+    digits_apart,
+    sampled_history,
+)
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
@@ -101,7 +107,11 @@ class Solution:
     normal: Normal | None = None
 
     def __repr__(self) -> str:
-        speeds = [(f"{zone.inner:.4g}", f"{zone.outer:.4g}", zone.sense) for zone in self.zones]
+        digits = digits_apart((end for zone in self.zones for end in (zone.inner, zone.outer)), 4)
+        speeds = [
+            (f"{zone.inner:.{digits}g}", f"{zone.outer:.{digits}g}", zone.sense)
+            for zone in self.zones
+        ]
         zones = ", ".join(f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds)
         slips = f"slip at {zones}" if zones else "no slip"
         return f"<Solution: {slips}; {self.status}, error estimate {self.error_estimate:.1e}>"

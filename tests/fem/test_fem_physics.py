@@ -94,7 +94,7 @@ def test_welded_edge_node_never_converges(monkeypatch):
         # measured: 2.3e-3, 3.3e-3, 1.9e-3, 3.9e-3, and 2.2e-2 where the grading reflects waves
         ("Q1", "squares", 3e-3),
         ("P1", "squares", 5e-3),
-        pytest.param("P1", "triangles", 3e-3, marks=pytest.mark.slow),
+        pytest.param("P1", "triangles", 3e-3, marks=[pytest.mark.slow, pytest.mark.gmsh]),
         ("Q2", "squares", 5e-3),
         ("Q1", "graded", 3e-2),
     ],
