@@ -40,7 +40,7 @@ VALUE_OPTIONS: Mapping[str, Any] = {
     for name, _help in (
         (name, hint.__metadata__[0].help.replace("\\[", "["))
         for name, hint in SCENE_OPTIONS.items()
-        if name != "mode"
+        if name not in ("mode", "load_on")
     )
 }
 SAMPLES: Mapping[str, Any] = {

@@ -117,7 +117,8 @@ class Line:
         """
         from scipy.fft import idct
 
-        return np.asarray(self.scene.base.shear - self.impedance * idct(past, type=2))
+        held = self.scene.superposition.in_place.shear
+        return np.asarray(held - self.impedance * idct(past, type=2))
 
     def slip_rate(self, stopping: Array, level: Level, path: Array) -> Array:
         """Relative slip rate of all nodes (size,) [length / time].
@@ -134,8 +135,8 @@ class Line:
         speed = scene.friction_law.slip_speed(
             np.abs(on_contact), scene.friction * level.pressure, self.impedance, path
         )
-        rate = np.empty(len(stopping))
-        rate[:slot] = (stopping[:slot] - (scene.base.shear - level.shear_load)) / self.impedance
+        rate, held = np.empty(len(stopping)), scene.superposition.in_place.shear
+        rate[:slot] = (stopping[:slot] - (held - level.shear_load)) / self.impedance
         rate[slot:] = np.where(on_contact < 0, 0.0 - speed, speed)
         return rate
 
@@ -255,12 +256,12 @@ def _shear_loads(scene: Scene, levels: Array) -> Array:
     held = np.searchsorted(breaks, inner + half) - np.searchsorted(breaks, inner - half)
     means = history.mean(inner - half, inner + half)
     loads[1:-1] = np.where(held >= AVERAGED_BREAKS, means, loads[1:-1])
-    return np.asarray(scene.load.shear * loads)
+    return np.asarray(scene.superposition.taken_off.shear * loads)
 
 
 def _check_pressure(scene: Scene, level: Level, spacing: float) -> None:
     """Raise if the contact would open, or friction weaken too fast under its pressure."""
-    if scene.load.pressure == 0:
+    if scene.superposition.taken_off.pressure == 0:
         return
     pressure = level.pressure
     node = int(np.argmin(pressure))
