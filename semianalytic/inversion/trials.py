@@ -134,8 +134,15 @@ class Trials:
         """(n,) the same of a solution that is known."""
         samples = self.samples
         seen = samples.gain(setup) * samples.of(solution, setup)
-        known = [prior.misfit(value)[0] for _, prior, value in self._known_before(scaled)]
+        known = list(self.pulls(scaled).values())
         return np.concatenate([(seen - samples.values) / samples.noise, known])
+
+    def pulls(self, scaled: Array) -> dict[str, float]:
+        """Standard deviations of unknowns from the middle of their priors, by name."""
+        return {
+            self.unknowns.names[number]: prior.misfit(value)[0]
+            for number, prior, value in self._known_before(scaled)
+        }
 
     @property
     def rows(self) -> int:

@@ -56,6 +56,15 @@ def test_json_is_all_that_is_printed_and_priors_count(records, capsys):
     assert found["known_by_prior"] == ["friction"]
 
 
+def test_misfits_that_noise_does_not_explain_are_in_the_headline(records, capsys):
+    line = f"--scene preloaded --friction 0.6 --parameters load_shear --noise {NOISE}"
+    assert run(line, records) == 4
+    captured = capsys.readouterr()
+    assert "Fit: misfits are " in captured.out
+    assert captured.err.startswith("The fit is not to be relied upon: misfits are ")
+    assert captured.err.count("\n") == 1
+
+
 @pytest.mark.slow
 def test_what_the_data_leave_free_is_exit_code_four(records, capsys):
     names = "friction,base_pressure"
