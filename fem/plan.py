@@ -31,7 +31,7 @@ from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
 from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Material, Scene, checked_scene
 
 LEAST_RESOLUTION = 8
 STABLE_RATIO = 1.0
@@ -387,6 +387,7 @@ def make_plan(
     SceneError
         As `Settings` and `Plan`.
     """
+    checked_scene("simulate", scene)
     if settings is None:
         settings = Settings()
     if not isinstance(settings, Settings):

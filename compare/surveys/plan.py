@@ -19,7 +19,7 @@ from compare.surveys.parameters import Array, checked_values, parameter_name
 from semianalytic.results.answer import FIELDS
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Scene, scene_document
+from semianalytic.scene.scene import Scene, checked_scene, scene_document
 
 Region = tuple[slice, ...]
 
@@ -209,6 +209,7 @@ def planned(
         If there is no such parameter, no value, lists that go together differ in length, or an
         option is out of range.
     """
+    checked_scene("survey", scene)
     values: dict[str, Array] = {}
     fixed: dict[str, float] = {}
     for given, row in parameters.items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from semianalytic.inversion.trials import Trials
 from semianalytic.inversion.unknowns import Setup, Unknowns, check_names
 from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.scene import Scene
+from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.selfsimilar.solution import Solution
 
 UNCONSTRAINED = 1.0
@@ -123,7 +123,7 @@ class Fit:
 def fit(
     gauges: Sequence[Gauge],
     scene: Scene,
-    parameters: Sequence[str],
+    parameters: str | Sequence[str],
     *,
     priors: Mapping[str, Prior] | None = None,
     setup: Setup | None = None,
@@ -137,7 +137,7 @@ def fit(
         Records, each with its noise.
     scene : Scene
         All that is not fitted, and a first guess of what is.
-    parameters : sequence of str
+    parameters : str, or sequence of str
         Any of "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
         "load_shear", "viscosity", "shear_modulus", "density" of the scene; "t0", "x0" and "gain"
         of the set-up (`Setup`), and "gain:NAME" of the gauges of that name.
@@ -161,7 +161,10 @@ def fit(
         If there are no gauges, fewer samples than parameters, an unknown or repeated parameter, a
         prior of none of them, or no solution or derivative at the first guess.
     """
-    gauges, names, priors = tuple(gauges), tuple(parameters), dict(priors or {})
+    gauges = tuple(gauges) if isinstance(gauges, Iterable) else ()
+    names = (parameters,) if isinstance(parameters, str) else tuple(parameters)
+    _check_kinds(priors, setup)
+    priors = dict(priors or {})
     _check(gauges, scene, names, priors)
     samples = Samples(gauges)
     duration = float(np.ptp(samples.t)) or float(np.abs(samples.t).max()) or 1.0
@@ -200,6 +203,16 @@ def fit(
     )
 
 
+def _check_kinds(priors: object, setup: object) -> None:
+    """Raise SceneError for what is no mapping, or no set-up."""
+    if priors is not None and not isinstance(priors, Mapping):
+        raise SceneError(
+            f'fit: priors must be by name, as {{"friction": Normal(0.3, 0.1)}}, got {shown(priors)}.'
+        )
+    if setup is not None and not isinstance(setup, Setup):
+        raise SceneError(f"fit: setup must be a Setup, got {shown(setup)}.")
+
+
 def _check(
     gauges: tuple[Gauge, ...],
     scene: Scene,
@@ -207,6 +220,7 @@ def _check(
     priors: Mapping[str, Prior],
 ) -> None:
     """Raise SceneError for what cannot be fitted."""
+    checked_scene("fit", scene)
     if not gauges or not all(isinstance(one, Gauge) for one in gauges):
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
     for gauge in gauges:

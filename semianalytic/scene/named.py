@@ -6,6 +6,7 @@ import difflib
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
@@ -102,7 +103,7 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
 }
 
 
-def find_scene(source: str) -> Scene:
+def find_scene(source: str | PathLike[str]) -> Scene:
     """Scene called by its name or by the path of a TOML file.
 
     Parameters
@@ -119,6 +120,11 @@ def find_scene(source: str) -> Scene:
     PluginError
         If the package that brings the scene is broken, or not the only one.
     """
+    if not isinstance(source, str | PathLike):
+        raise SceneError(
+            f"find_scene: give the name of a scene or the path of a TOML file, got {shown(source)}."
+        )
+    source = fspath(source)
     return _identical(source, *find_blocks(source))
 
 

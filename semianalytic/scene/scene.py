@@ -8,6 +8,7 @@ lower face), positive towards +x, or +z.  Any consistent set of units will do.
 
 from __future__ import annotations
 
+import difflib
 import math
 import sys
 from collections.abc import Mapping
@@ -17,7 +18,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import (
     CoulombFriction,
@@ -29,6 +30,7 @@ from semianalytic.scene.friction import (
 )
 from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions, superposition
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import HISTORIES, LAWS, kind_of, known_class, plugin_names
 from semianalytic.scene.units import SI
 
@@ -67,73 +69,6 @@ _PARTS: Mapping[str, _Part] = {
     "friction_law": _Part(LAWS, FrictionLaw, FRICTION_LAWS, CoulombFriction()),
 }
 """By name of the field of a scene."""
-
-
-@dataclass(frozen=True)
-class Material:
-    """Isotropic linear elastic solid, the same on both sides of the interface.
-
-    Parameters
-    ----------
-    shear_modulus : float
-        Shear modulus [stress], positive.
-    density : float
-        Mass density [mass / length^3], positive.
-    poisson_ratio : float
-        Poisson ratio, -1 < poisson_ratio < 0.5.
-
-    Raises
-    ------
-    SceneError
-        If a parameter is not a finite number or outside its range.
-    """
-
-    shear_modulus: float
-    density: float
-    poisson_ratio: float
-
-    def __post_init__(self) -> None:
-        for name in ("shear_modulus", "density"):
-            object.__setattr__(self, name, checked_size(f"material: {name}", getattr(self, name)))
-        poisson_ratio = checked_number(
-            "material: poisson_ratio",
-            self.poisson_ratio,
-            "lie strictly between -1 and 0.5",
-            lambda given: -1 < given < 0.5,
-        )
-        object.__setattr__(self, "poisson_ratio", poisson_ratio)
-
-    @cached_property
-    def shear_speed(self) -> float:
-        """Speed c_t of shear waves [length / time]."""
-        return math.sqrt(self.shear_modulus / self.density)
-
-    @cached_property
-    def longitudinal_speed(self) -> float:
-        """Speed c_l of pressure waves [length / time] (article, (3.18))."""
-        nu = self.poisson_ratio
-        return self.shear_speed * math.sqrt(2 * (1 - nu) / (1 - 2 * nu))
-
-    @cached_property
-    def rayleigh_speed(self) -> float:
-        """Speed c_R of Rayleigh waves [length / time]: the root of the Rayleigh function (4.17).
-
-        Found from the cubic in (c_R/c_t)^2 (the article's closed form, Appendix A, is garbled).
-        """
-        ratio2 = (self.shear_speed / self.longitudinal_speed) ** 2
-
-        def cubic(r: float) -> float:
-            return ((r - 8) * r + 24 - 16 * ratio2) * r - 16 * (1 - ratio2)
-
-        low, high = 0.1, 1.0
-        while low < (middle := (low + high) / 2) < high:
-            low, high = (middle, high) if cubic(middle) < 0 else (low, middle)
-        return self.shear_speed * math.sqrt(high)
-
-    @property
-    def shear_impedance(self) -> float:
-        """Traction per particle velocity of a plane shear wave, mu b [stress time / length]."""
-        return self.density * self.shear_speed
 
 
 @dataclass(frozen=True)
@@ -184,6 +119,20 @@ class Scene:
     mode: str = IN_PLANE
     load_on: str = SLOT
     units: str = field(default="", compare=False)
+
+    def __new__(cls, *args: Any, **given: Any) -> Scene:
+        """A scene to be filled, unless a parameter is none: Python's own words do not help."""
+        known = [one.name for one in fields(cls)]
+        for name in given:
+            if name == "lower_material":
+                raise SceneError(
+                    "scene: both bodies are of one material; give lower_material to simulate."
+                )
+            if name not in known:
+                close = difflib.get_close_matches(name, known, n=1)
+                hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
+                raise SceneError(f"scene: there is no parameter {shown(name)}; {hint}")
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         for name, kind in (("material", Material), ("base", Tractions), ("load", Tractions)):
@@ -353,6 +302,20 @@ class Scene:
             np.array(shear), np.array(frictional), radiated, np.array(0.0)
         )
         return math.copysign(float(speed), held.shear)
+
+
+def checked_scene(function: str, given: object) -> Scene:
+    """What a function was given for its scene.
+
+    Raises
+    ------
+    SceneError
+        "{function}: scene must be a Scene, got {given}", and what to write for a name.
+    """
+    if isinstance(given, Scene):
+        return given
+    hint = f"; find_scene({given!r}) finds one by name" if isinstance(given, str) else ""
+    raise SceneError(f"{function}: scene must be a Scene, got {shown(given)}{hint}.")
 
 
 def scene_document(scene: Scene) -> dict[str, Any]:

@@ -29,7 +29,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Scene
+from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.spacetime.advancing import advance
 from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
 from semianalytic.spacetime.march_memory import check_size
@@ -138,7 +138,7 @@ def march(
     ComputationError
         If the memory cannot be fitted or values are no longer finite.
     """
-    material = scene.material
+    material = checked_scene("march", scene).material
     end_time = 1 / material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")
     length = scene.fastest_speed * end_time if length is None else length

@@ -90,6 +90,9 @@ def test_short_chains_are_unresolved(records, capsys):
     [
         (LINE, 3, "does not say how exact its slip_rate is"),
         (f"{LINE} --noise much", 2, "--noise must be NAME=NUMBER, got 'much'"),
+        (f"{LINE} --noise 1e-160", 2, "noise of all must lie within 1e-60"),
+        (f"{LINE} --noise 1e-20", 2, "noise must lie within"),
+        (f"{LINE} --noise -1", 2, "noise of all must be positive"),
         (f"{LINE} --noise speed=1", 2, "--noise knows slip_rate"),
         (f"{LINE} --noise 0.1 --prior friction=0.3", 2, "--prior must be NAME=KIND(A,B)"),
         (f"{LINE} --noise 0.1 --prior friction=flat(0,1)", 2, "normal, lognormal, uniform"),

@@ -210,3 +210,8 @@ def test_bad_records_are_refused(truth):
     for bad in ((0.0, t, t, 1.0), (1.0, t, t[:1], 1.0), (1.0, t[::-1], t, 1.0), (1.0, t, t, 0.0)):
         with pytest.raises(SceneError, match="gauge"):
             Gauge(*bad)
+    for noise in (1e-160, 1e-18, 1e61):  # squares of misfits would leave floating point
+        with pytest.raises(SceneError, match="gauge: noise must lie within"):
+            Gauge(1.0, t, t, noise)
+    with pytest.raises(SceneError, match="must not exceed 1e"):
+        Gauge(1.0, t, 1e100 * t, 1.0)
