@@ -207,7 +207,8 @@ def _check_kinds(priors: object, setup: object) -> None:
     """Raise SceneError for what is no mapping, or no set-up."""
     if priors is not None and not isinstance(priors, Mapping):
         raise SceneError(
-            f'fit: priors must be by name, as {{"friction": Normal(0.3, 0.1)}}, got {shown(priors)}.'
+            'fit: priors must be by name, as {"friction": Normal(0.3, 0.1)}, '
+            f"got {shown(priors)}."
         )
     if setup is not None and not isinstance(setup, Setup):
         raise SceneError(f"fit: setup must be a Setup, got {shown(setup)}.")

@@ -57,6 +57,7 @@ class GridPressure:
         self, scene: Scene, count: int, spacing: float, end_time: float, time_step: float
     ) -> None:
         offset, factors = edge_offset_and_factors()
+        self.spacing = spacing
         held, self._load = (part.pressure for part in scene.superposition)
         self._history = scene.pressure_history
         self._factor = np.ones(count)

@@ -8,10 +8,10 @@ that adds to the memory (`Recursion`).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import islice, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,6 +96,23 @@ def _levels(scene: Scene, segment: Segment, pressure: GridPressure) -> Iterator[
     loads = _shear_loads(scene, times)
     for now, load, on_contact in zip(times.tolist(), loads, pressure.over(times), strict=True):
         yield Level(now, step, load, on_contact)
+
+
+def check_levels(scene: Scene, segments: Sequence[Segment], pressure: GridPressure) -> None:
+    """Raise what steps through segments would for the pressure, which slip does not change.
+
+    Raises
+    ------
+    TensionError
+        If the contact would open.
+    SceneError
+        If friction weakens too fast under a pressure that arises.
+    """
+    if not scene.superposition.taken_off.pressure:
+        return
+    for segment in segments:
+        for level in islice(_levels(scene, segment, pressure), 1, None):
+            _check_pressure(scene, level, pressure.spacing)
 
 
 @dataclass(frozen=True)
