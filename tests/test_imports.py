@@ -114,7 +114,7 @@ def test_folders_say_what_they_are_for_and_stay_small(package):
         assert len(list(face.parent.glob("*.py"))) <= 17, face.parent
 
 
-SHOWN = {"scene.py", "sampled.py", "style.py", "terminal.py"}
+SHOWN = {"scene.py", "sampled.py", "style.py"}
 """Where the base is checked, shown, or what there is before t = 0."""
 
 
