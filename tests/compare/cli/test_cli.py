@@ -244,7 +244,7 @@ def test_where_the_load_acts_is_an_option_a_key_and_said(tmp_path, capsys):
     assert main(["solve", "ramp", "--load-on", "remote"]) == 2
     assert "comes as a step" in capsys.readouterr().err
     assert main(["solve", "preloaded", "--load-on", "far"]) == 2
-    assert one_sentence(capsys.readouterr()) == "--load-on must be slot or remote, got 'far'."
+    assert one_sentence(capsys.readouterr()) == "--load-on must be slot or remote, got 'far'.\n"
 
 
 @pytest.mark.thinned(3)
