@@ -122,16 +122,15 @@ class Scene:
 
     def __new__(cls, *args: Any, **given: Any) -> Scene:
         """A scene to be filled, unless a parameter is none: Python's own words do not help."""
-        known = [one.name for one in fields(cls)]
-        for name in given:
+        for name in given.keys() - cls.__dataclass_fields__.keys():
             if name == "lower_material":
                 raise SceneError(
                     "scene: both bodies are of one material; give lower_material to simulate."
                 )
-            if name not in known:
-                close = difflib.get_close_matches(name, known, n=1)
-                hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
-                raise SceneError(f"scene: there is no parameter {shown(name)}; {hint}")
+            known = [one.name for one in fields(cls)]
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
+            raise SceneError(f"scene: there is no parameter {shown(name)}; {hint}")
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
