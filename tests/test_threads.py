@@ -111,13 +111,14 @@ def differing(make: Callable[[], Any], asked: dict[str, Question] | None = None)
 
 
 SCENES = {
-    "two zones": unit_scene(),
     "a viscous film": unit_scene(friction_law=ViscousFriction(0.1)),
+    "two zones": unit_scene(),
     "antiplane": find_scene("antiplane"),
     "an opening": find_scene("lift-off-shear"),
 }
 
 
+@pytest.mark.thinned(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_threads_hear_of_a_solution_what_one_hears(name):
     assert differing(lambda: solve(SCENES[name])) == set()

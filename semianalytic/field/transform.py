@@ -158,13 +158,13 @@ class Transform:
         weights = np.stack([carried.real, carried.imag, fading.real, fading.imag], axis=1)
         weight, away = np.abs(carried) + np.abs(fading), np.abs(distances)
         result = np.empty(offset.shape, dtype=complex)
-        powers = np.floor(np.log(np.abs(offset).min(axis=1)) / np.log(tuning.SCALES))
-        for power in np.unique(powers):
-            sizes = weight / (away + tuning.SCALES**power)
+        least = np.floor(np.log(np.abs(offset).min(axis=1)) / np.log(tuning.SCALES))
+        for size in np.unique(least):
+            sizes = weight / (away + tuning.SCALES**size)
             kept = sizes > tuning.NEGLIGIBLE * self.fields.panels.rule.tolerance * sizes.max()
-            heard, told = distances[kept], weights[kept]
-            for row in np.flatnonzero(powers == power):
-                above, below = _cauchy(heard, told, offset[row])
+            nodes, their_weights = distances[kept], weights[kept]
+            for row in np.flatnonzero(least == size):
+                above, below = _cauchy(nodes, their_weights, offset[row])
                 result[row] = above / below
         for border in self._borders:
             result /= offset + border.distance(centre)
