@@ -319,7 +319,7 @@ class _Parts:
         """Unknowns on a slot face and the forces on them at f = 1: (Q_0, -P_0) on the upper
         block, Q_0 along x or z."""
         nodes, length = tributary_length(self.space, f"{block}_slot")
-        load = self.scene.load
+        load = self.scene.superposition.taken_off
         tractions = {Z if self.scene.antiplane else X: load.shear, Y: -load.pressure}
         sign = 1 if block == "upper" else -1
         force = sign * tractions.get(component, 0.0) * length

@@ -31,6 +31,7 @@ from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.results.answer import digits_apart
+from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:
@@ -86,6 +87,7 @@ def facts_table(solution: Solution) -> Table:
     when = _measure(1.0, "time", solution.scene)
     table = Table("quantity", "value", "unit", show_header=False)
     for name, value, dimension in (
+        *_tractions(solution.scene),
         (
             ", ".join(WAVE_SYMBOLS[name] for name in fronts),
             ", ".join(f"{speed:.6g}" for speed in fronts.values()),
@@ -106,6 +108,13 @@ def facts_table(solution: Solution) -> Table:
     for name, value in dataclasses.asdict(solution.statistics).items():
         table.add_row(name.replace("_", " "), _plain(value), "s" if name == "seconds" else "")
     return table
+
+
+def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
+    """What is on the interface before, what comes, and where: name, value and dimension."""
+    where = "from far away" if scene.load_on == REMOTE else "on the slot"
+    for name, part in (("pressure, shear before", scene.base), (f"load {where}", scene.load)):
+        yield name, f"{part.pressure:.6g}, {part.shear:.6g}", "stress"
 
 
 def end_table(solution: Solution, end_time: float) -> Table:
@@ -134,6 +143,8 @@ def march_table(marched: Marched, title: str) -> Table:
     scene, document = marched.scene, march_document(marched)
     statistics, units = document["statistics"], document["units"]
     table = Table("quantity", "value", "unit", title=title)
+    for name, value, dimension in _tractions(scene):
+        table.add_row(name, value, unit(dimension, scene.units))
     for onset in document["onset"]:
         time = "never" if onset["time"] is None else f"{onset['time']:.6g}"
         place = _measure(onset["x"], "length", scene)

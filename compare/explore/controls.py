@@ -12,6 +12,7 @@ from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import Scene
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loading import LOADED, SLOT
 from semianalytic.scene.loads import PULSE_SHAPES
 from semianalytic.scene.scene import (
     IN_PLANE,
@@ -41,6 +42,7 @@ HISTORIES: Mapping[str, tuple[str, ...]] = {
 
 CHOICES: Mapping[str, tuple[str, ...]] = {
     "mode": MODES,
+    "load_on": LOADED,
     "law": tuple(LAWS),
     "history": tuple(HISTORIES),
     "shape": tuple(PULSE_SHAPES),
@@ -136,7 +138,8 @@ def values_of(scene: Scene) -> Values:
         If pressure and shear come with different histories, or a law or history has no control.
     """
     document = scene_document(scene)
-    values: Values = {**document["material"], "friction": scene.friction, "mode": scene.mode}
+    words = {"mode": scene.mode, "load_on": scene.load_on}
+    values: Values = {**document["material"], "friction": scene.friction, **words}
     values |= {
         f"{part}_{kind}": document[part][kind]
         for part in ("base", "load")
@@ -175,6 +178,7 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
         "base": {kind: numbers[f"base_{kind}"] for kind in ("pressure", "shear")},
         "load": {kind: numbers[f"load_{kind}"] for kind in ("pressure", "shear")},
         "mode": values.get("mode", IN_PLANE),
+        "load_on": values.get("load_on", SLOT),
         "units": values.get("units", ""),
         "friction_law": _part(values, "law", LAWS),
     }
@@ -221,7 +225,7 @@ def _number(values: Mapping[str, Any], name: str) -> float:
 
 def query_of(values: Mapping[str, Any]) -> str:
     """The query of an address, ``?friction=0.3&...``, that holds all that its scene calls for."""
-    names = [*_NUMBERS, "mode", "units", "law", *LAWS[values["law"]], "history"]
+    names = [*_NUMBERS, "mode", "load_on", "units", "law", *LAWS[values["law"]], "history"]
     names += HISTORIES[values["history"]]
     return "?" + urlencode({name: values[name] for name in names})
 

@@ -25,6 +25,7 @@ from semianalytic.results.answer import (
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loading import Tractions, traction_ahead
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion, over_slowness
@@ -161,7 +162,7 @@ class Solution:
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Total shear traction sigma_xy [stress], base included; raises as `slip_rate`."""
         change = self._evaluate(x, t, self.profile.shear_change)
-        return self.scene.base.shear + self.stress_unit * change
+        return traction_ahead(self.scene, "shear", t) + self.stress_unit * change
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Contact pressure [stress], base included, 0 where open; slip does not change it.
@@ -169,7 +170,7 @@ class Solution:
         Raises as `slip_rate`.
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
-        pressure = self.scene.base.pressure + self.stress_unit * change
+        pressure = traction_ahead(self.scene, "pressure", t) + self.stress_unit * change
         return np.where(self._is_open(x, t), 0.0, pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -232,9 +233,9 @@ class Solution:
         state; a slipping edge has |K_II| = f K_I.  In antiplane shear the second is K_III.
         """
         scene = self.scene
-        unit = type(scene.load)(1.0, 1.0)
+        unit = Tractions(1.0, 1.0)
         mode_one, sheared = stress_intensity(scene.material, unit, t, scene.shear_mode)
-        pressure = scene.load.pressure
+        pressure = scene.superposition.taken_off.pressure
         if self.normal is not None:
             pressure = -self.stress_unit * float(self.normal.profile.edge_intensity)
         mode_one = pressure * mode_one + 0.0  # 0 where open, not -0

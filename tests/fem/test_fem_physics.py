@@ -1,9 +1,11 @@
 """What must hold whatever the numbers: edge, elements, opening, other materials, real loading."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
+from catalogue import SHOCK as REMOTE
 
 import fem.interface
 import fem.model
@@ -19,7 +21,6 @@ from semianalytic.scene.scene import Material, Scene, Tractions
 
 UNIT = Material(1.0, 1.0, 1 / 3)
 PRELOADED = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
-REMOTE = Scene(UNIT, 1.25, Tractions(1.0, 1.0), Tractions(1.0, 1.0))
 UNLOADED = Scene(UNIT, 0.5, Tractions(1.0, 0.0), Tractions(-1.0, 0.5))
 RECLOSING = Scene(UNIT, 0.5, Tractions(0.02, 0.0), Tractions(1.0, 0.5))
 
@@ -197,7 +198,7 @@ def test_slip_between_different_materials_changes_the_pressure():
 
 
 def test_different_materials_cannot_slide_everywhere():
-    scene = Scene(UNIT, 0.5, Tractions(1.0, 1.0), Tractions(1.0, 1.0))
+    scene = replace(REMOTE, friction=0.5)
     with pytest.raises(SceneError, match="different materials"):
         simulate(scene, lower_material=Material(2.0, 1.0, 1 / 3))
 
