@@ -292,8 +292,8 @@ COMMANDS = {
 }
 
 
-class Computed(Exception):
-    """That something was computed."""
+class Computed(BaseException):
+    """That something was computed; no Exception, which the commands report as a fault."""
 
 
 @pytest.fixture
