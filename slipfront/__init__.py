@@ -3,8 +3,8 @@
 ``import slipfront as sf``: everything under the name it is installed by.  Nothing is made here:
 scenes and semi-analytic solvers come from `semianalytic`, finite elements from `fem`, which needs
 the extra ``slipfront[fem]``, the judge of other codes' results from `compare.validation`, many
-scenes at once from `compare.surveys`, readers of gauges and samples of posteriors from
-`compare.inversion`.  What a plain solution does without is imported when one of its names is first
+scenes at once from `slipfront.surveys`, readers of gauges and samples of posteriors from
+`slipfront.fits`.  What a plain solution does without is imported when one of its names is first
 used.
 """
 
@@ -48,8 +48,8 @@ _INVERSION = ("Posterior", "posterior", "read_gauges")
 
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
-    from compare.inversion import Posterior, posterior, read_gauges
-    from compare.surveys import survey
+    from slipfront.fits import Posterior, posterior, read_gauges
+    from slipfront.surveys import survey
     from compare.validation import Conventions, Validation, validate
     from fem import (
         BACKWARD,
@@ -94,7 +94,7 @@ else:
 
             return getattr(validation, name)
         if name == "survey":
-            from compare.surveys import survey
+            from slipfront.surveys import survey
 
             return survey
         import fem

@@ -2,6 +2,6 @@
 
 import sys
 
-from compare.cli.entry import main
+from slipfront.cli.entry import main
 
 sys.exit(main())

@@ -7,7 +7,7 @@ from importlib import import_module
 
 import pytest
 
-from compare.explore.chromium import CHROMIUM, Browser
+from slipfront.explore.chromium import CHROMIUM, Browser
 from meshes.build import APT_PACKAGES
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # as many processes as cores: one thread each

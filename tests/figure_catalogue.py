@@ -28,14 +28,14 @@ from compare.benchmarks.sheets import SHEETS
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import judge, side_by_side
 from compare.comparison.rows import AGREES, DIFFERS
-from compare.examples.__main__ import EXAMPLES
+from docs.examples.__main__ import EXAMPLES
 from compare.figures import histories, interface
 from compare.figures.fields import field_figure
 from compare.figures.fronts import reach
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
-from compare.inversion.figures import fit_figure
+from slipfront.fits.figures import fit_figure
 from compare.output.field_files import record_fields
 from compare.studies.article import study as article
 from compare.studies.article.cases import SlotCheck, run_cases
@@ -44,9 +44,9 @@ from compare.studies.chart.study import SCENES as CHARTED
 from compare.studies.chart.study import read_points
 from compare.studies.evidence import figures as evidence
 from compare.studies.evidence.study import SceneEvidence, published_answer
-from compare.studies.judge.figure import judge_figure
-from compare.studies.judge.spoils import SPOILS
-from compare.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
+from docs.studies.judge.figure import judge_figure
+from docs.studies.judge.spoils import SPOILS
+from docs.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 from compare.studies.regimes import figures as regimes
 from compare.studies.regimes import viscosity
 from compare.studies.regimes.openings import AHEAD, EDGE, OpeningPoint, openings_figure
@@ -254,7 +254,7 @@ def _example(name):
             line.set_color(to_hex(line.get_color()))  # "C0" is that of the style it is drawn in
         saved.append(figure)
 
-    main = importlib.import_module(f"compare.examples.{name}").main
+    main = importlib.import_module(f"docs.examples.{name}").main
     with (
         tempfile.TemporaryDirectory() as folder,
         patch.object(Figure, "savefig", keep),

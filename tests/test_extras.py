@@ -44,7 +44,7 @@ sys.meta_path[sys.meta_path.index(PathFinder)] = Slim
 """
 COMMANDS = """
 import contextlib, io, json
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 
 for line in {lines}:
     out, err = io.StringIO(), io.StringIO()

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.cli.commands import app
+from slipfront.cli.commands import app
 from slipfront import __all__ as PUBLIC
 
 ROOT = Path(__file__).parent.parent

@@ -14,7 +14,7 @@ from semianalytic.scene.errors import DataFileError
 CLASSES = ("A", "B", "C")
 BEYOND = "D"
 FILE = "classes.csv"
-COMMAND = "python -m compare.benchmarks.tables classes"
+COMMAND = "python -m docs.studies.league classes"
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Rows of studies, as tables on the terminal and as the data of the documentation.
 
 A study is a function without arguments that returns rows, instances of one dataclass.  What is
-printed, the CSV file and the tables of docs (`compare.docs`) are renderings of the same rows.
+printed, the CSV file and the tables of docs (`docs.studies.pages`) are renderings of the same rows.
 """
 
 from __future__ import annotations

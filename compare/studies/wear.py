@@ -19,7 +19,7 @@ from compare.figures.saving import save_figure
 from compare.figures.style import cycle, describe, new_figure, styled
 from compare.output.tables import write_rows
 from compare.studies.tables import run_studies
-from compare.surveys.workers import Progress, counted
+from compare.tasks.workers import Progress, counted
 from semianalytic import LoadHistory, Material, Pulse, Ramp, Scene, Step, Tractions, march
 
 LOADS: dict[str, LoadHistory] = {"step": Step(), "ramp": Ramp(0.5), "pulse": Pulse(0.4)}

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from compare.docs import ROOT, read_data
+from docs.studies.pages import ROOT, read_data
 from slipfront import find_scene, predict
 
 ENTRANTS = ROOT / "tests" / "data" / "entrants"

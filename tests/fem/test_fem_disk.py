@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from faults import FULL, ROOM, full_disk, small_disk
 
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.comparison.snapshots import last_snapshot
 from fem import load_simulation, simulate
 from fem.checkpoint import Keeper

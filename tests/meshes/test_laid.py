@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from faults import FULL, full_disk
 
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from fem import simulate
 from meshes import Blocks, build_mesh, cached_mesh, read_mesh
 from meshes.build import APT_PACKAGES

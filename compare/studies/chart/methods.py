@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.measures import sampled_zones
 from compare.studies.chart.benchmark import forget_tables
-from compare.surveys.workers import LIFELINE, hang_on
+from compare.tasks.workers import LIFELINE, hang_on
 from semianalytic import Scene, SlipZone, Solution, march, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.reference import DEFAULT_READING, published_grid, published_slip

@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 from compare.comparison.measures import relative_error
 from compare.output.tables import read_rows, write_rows
 from compare.studies.chart.methods import METHODS, PLACES, scaled_zones
-from compare.surveys.cluster import check_workers
-from compare.surveys.workers import LIFELINE, ONE_THREAD, Progress, lifeline, run_tasks
+from compare.tasks.cluster import check_workers
+from compare.tasks.workers import LIFELINE, ONE_THREAD, Progress, lifeline, run_tasks
 from semianalytic import Scene, SlipZone, solve
 from semianalytic.reference.known_answers import closed_form
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError

@@ -33,7 +33,7 @@ from compare.studies.evidence.html import (
 )
 from compare.studies.evidence.scene import DASH, counts_text, scene_section, verdict_cell
 from compare.studies.evidence.study import FEM, Evidence, collect, excess, worst_row
-from compare.surveys.workers import Progress
+from compare.tasks.workers import Progress
 
 CHECKOUT = Path(__file__).parents[3]
 

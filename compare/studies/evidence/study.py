@@ -22,7 +22,7 @@ from compare.comparison.measures import in_profile, relative_error
 from compare.comparison.prediction import method_of, predict_like
 from compare.comparison.rows import UNRESOLVED, Row, overall
 from compare.comparison.scales import slip_rate_scale
-from compare.surveys.workers import Progress, counted
+from compare.tasks.workers import Progress, counted
 from semianalytic import InterfaceHistory, Material, Scene, Tractions, solve
 from semianalytic.reference import PublishedSlip
 from semianalytic.reference.known_answers import closed_form, published_answer, published_unit

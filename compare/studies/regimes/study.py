@@ -38,7 +38,7 @@ from compare.studies.regimes.points import (
     sorted_points,
     trace,
 )
-from compare.surveys.workers import Progress, Task, run_tasks
+from compare.tasks.workers import Progress, Task, run_tasks
 from semianalytic.regimes import Loading, reverse_threshold, stuck_threshold
 from semianalytic.scene.checks import checked_count
 from semianalytic.scene.errors import SceneError

@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 from compare.figures.saving import save_figure
 from compare.figures.style import describe, new_figure, scene_words, styled
 from compare.output.files import write_text
-from compare.studies.accuracy.fem import errors_of
-from compare.surveys.workers import Progress, run_tasks
+from docs.studies.accuracy.fem import errors_of
+from compare.tasks.workers import Progress, run_tasks
 from semianalytic import Scene, Tractions, solve
 from semianalytic.scene.errors import ComputationError, SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES

@@ -19,7 +19,7 @@ from compare.studies.stability.sweeps import (
     threshold_rows,
     thresholds,
 )
-from compare.surveys.workers import Progress, Task, run_tasks
+from compare.tasks.workers import Progress, Task, run_tasks
 from semianalytic.regimes import Loading
 
 GRID_SCENES = (("preload", 1 / 3, 0.2), ("preload", 0.0, 0.1), ("remote", 1 / 3, 1.1))

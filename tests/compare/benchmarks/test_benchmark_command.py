@@ -5,7 +5,7 @@ import json
 import pytest
 
 from compare.benchmarks.sheets import SHEETS
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 
 
 def test_sheets_are_listed_and_shown(capsys):

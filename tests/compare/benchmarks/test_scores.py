@@ -11,7 +11,7 @@ from compare.benchmarks.classes import CLASSES, tolerance_class, tolerances
 from compare.benchmarks.entries import Run, enter, read_run, told_apart, write_run
 from compare.benchmarks.scores import score
 from compare.benchmarks.sheets import SHEETS, STATIONS
-from compare.benchmarks.tables import ROOT, league_rows
+from docs.studies.league import ROOT, league_rows
 from compare.records.record import QUANTITIES, Record, Records
 from semianalytic import solve
 from semianalytic.scene.errors import DataFileError, SceneError

@@ -12,7 +12,7 @@ import pytest
 from compare_cases import sampled_run
 
 from compare import judge
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.comparison.case import worn_by
 from compare.comparison.history_rows import beside_edges, event_rows, sense_rows, slip_sense
 from compare.comparison.judgement import side_by_side
@@ -249,7 +249,7 @@ def test_interrupted_march_is_saved(tmp_path, monkeypatch, capsys):
     def pressing(*_):
         yield lambda done, steps: os.kill(os.getpid(), signal.SIGINT) if done == 30 else None
 
-    monkeypatch.setattr("compare.cli.marching.progress_bar", pressing)
+    monkeypatch.setattr("slipfront.cli.marching.progress_bar", pressing)
     saved = tmp_path / "march.h5"
     assert main(["solve", "harmonic", "--nodes", "100", "--save", str(saved)]) == 130
     assert "holds the march until" in " ".join(capsys.readouterr().err.split())

@@ -8,7 +8,7 @@ import pytest
 from compare_cases import sampled_run
 
 from compare import judge
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.comparison.documents import march_document, solution_document
 from compare.comparison.measures import norm, relative_error
 from compare.comparison.report import report_document

@@ -9,7 +9,7 @@ from matplotlib import rc_context, rcParams, rcParamsDefault
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.figures.interface import prediction_figure
 from compare.figures.saving import save_figure
 from compare.figures.style import BLUE, describe, new_figure, style_sheet, styled

@@ -13,11 +13,11 @@ import pytest
 from fault_tasks import history, kill_me
 from faults import ROOT, identity_of, start
 
-import compare.cli.commands
-from compare.cli.commands import main
-from compare.cli.interruption import INTERRUPTION
+import slipfront.cli.commands
+from slipfront.cli.commands import main
+from slipfront.cli.interruption import INTERRUPTION
 from compare.output.places import working_folder
-from compare.surveys.workers import run_tasks
+from compare.tasks.workers import run_tasks
 from semianalytic import InterfaceHistory, Marched
 from semianalytic.scene.errors import ComputationError
 
@@ -41,7 +41,7 @@ with working_folder(path.parent):
 POOL = """
 import os, sys, time
 sys.path.insert(0, "tests")
-from compare.surveys.workers import run_tasks
+from compare.tasks.workers import run_tasks
 if __name__ == "__main__":
     from fault_tasks import say_and_sleep
     for _ in run_tasks([(say_and_sleep, (600,))] * 2, 2):
@@ -56,12 +56,12 @@ class Teller:
         if name == awaited:
             print("ready", flush=True)
 sys.meta_path.insert(0, Teller())
-from compare.cli.entry import main
+from slipfront.cli.entry import main
 sys.exit(main())
 """
 """Runs the command line; says when it begins to import a certain module."""
 
-COMMAND = "import sys; from compare.cli.entry import main; sys.exit(main())"
+COMMAND = "import sys; from slipfront.cli.entry import main; sys.exit(main())"
 
 
 def killed_writers(folder, number, seed):
@@ -136,8 +136,8 @@ def test_a_worker_that_is_killed_is_one_sentence():
 @pytest.mark.parametrize(
     ("module", "number", "code"),
     [
-        ("compare.cli.commands", signal.SIGINT, 130),
-        ("compare.cli.commands", signal.SIGTERM, 143),
+        ("slipfront.cli.commands", signal.SIGINT, 130),
+        ("slipfront.cli.commands", signal.SIGTERM, 143),
         ("compare.studies.regimes.study", signal.SIGINT, 130),
     ],
 )
@@ -171,7 +171,7 @@ def test_studies_are_interrupted_at_any_time(command, number, tmp_path):
     rng = random.Random(5)
     for _ in range(6):
         arguments = [*command.split(), "--quick", "--output", str(tmp_path / "out")]
-        process = start(ENTRY, "compare.cli.commands", *arguments)
+        process = start(ENTRY, "slipfront.cli.commands", *arguments)
         assert process.stdout.readline() == "ready\n"
         time.sleep(rng.uniform(0, 6))
         os.killpg(process.pid, number)
@@ -255,14 +255,14 @@ def test_a_simulation_that_does_not_fit_on_the_disk_is_kept(tmp_path):
     """In a process of its own: HDF5 used to end it with a segmentation fault."""
     (tmp_path / "spare").mkdir()
     code = (
-        "import resource; import fem, sys, compare.cli.commands;"
-        "before = compare.cli.simulate_command.save_somewhere\n"
+        "import resource; import fem, sys, slipfront.cli.commands;"
+        "before = slipfront.cli.simulate_command.save_somewhere\n"
         "def limited(save, place, name=''):\n"
         "    hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]\n"
         "    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, hard))\n"
         "    before(save, place, name)\n"
-        "compare.cli.simulate_command.save_somewhere = limited\n"
-        "sys.exit(compare.cli.commands.main(sys.argv[1:]))"
+        "slipfront.cli.simulate_command.save_somewhere = limited\n"
+        "sys.exit(slipfront.cli.commands.main(sys.argv[1:]))"
     )
     arguments = ["simulate", "preloaded", "--resolution", "20", "--no-snapshots", "--quiet"]
     environment = {**os.environ, "TMPDIR": str(tmp_path / "spare")}
@@ -304,8 +304,8 @@ def no_computing(monkeypatch):
         raise Computed
 
     for name in (
-        "compare.cli.solve_command.solve",
-        "compare.cli.marching.march",
+        "slipfront.cli.solve_command.solve",
+        "slipfront.cli.marching.march",
         "fem.simulate",
         "compare.studies.chart.study.solve",
         "compare.studies.regimes.study._computed",
@@ -338,4 +338,4 @@ def test_places_are_looked_at_before_anything_is_computed(
     with pytest.raises(Computed):
         main([*command.split(), "good/place.png"])
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.png"]
-    assert compare.cli.commands.INTERRUPTED == 130
+    assert slipfront.cli.commands.INTERRUPTED == 130

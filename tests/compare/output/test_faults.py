@@ -252,7 +252,7 @@ def test_a_vanished_working_directory_is_one_sentence(tmp_path):
     gone = tmp_path / "gone"
     gone.mkdir()
     code = (
-        "import os, shutil, sys; from compare.cli.commands import main;"
+        "import os, shutil, sys; from slipfront.cli.commands import main;"
         "os.chdir(sys.argv[1]); os.rmdir(sys.argv[1]);"
         "sys.exit(main(['solve', 'ramp', '--nodes', '40', '--save', 'a.h5']))"
     )

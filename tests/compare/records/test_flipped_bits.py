@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from faults import flip_bits, randomness
 
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.records.read import read_records
 from semianalytic.scene.errors import DataFileError
 

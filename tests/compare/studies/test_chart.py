@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.comparison.measures import relative_error
 from compare.output.tables import write_rows
 from compare.studies.chart import study as chart

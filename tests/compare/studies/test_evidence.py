@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
 from compare.studies.evidence import film as evidence_film
 from compare.studies.evidence import page as evidence_page

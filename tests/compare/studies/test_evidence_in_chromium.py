@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.studies.evidence.figures import FRAMES
 from semianalytic.scene.named import NAMED_SCENES
 

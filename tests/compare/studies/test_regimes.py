@@ -21,7 +21,7 @@ from compare.studies.regimes.points import (
     zone_speeds,
 )
 from compare.studies.regimes.study import write_regimes
-from compare.surveys.workers import run_tasks
+from compare.tasks.workers import run_tasks
 from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.reference import edge_speed_of_opening, edge_speed_under_shear_step

@@ -33,7 +33,7 @@ from compare.studies.stability.sweeps import (
     rule_rows,
     threshold_rows,
 )
-from compare.surveys.workers import run_tasks
+from compare.tasks.workers import run_tasks
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.regimes import edge_threshold
 

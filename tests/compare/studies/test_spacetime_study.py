@@ -5,10 +5,10 @@ import csv
 import numpy as np
 import pytest
 
-from compare.cli.commands import main
-from compare.studies.accuracy import spacetime
-from compare.studies.accuracy.march_fields import field_errors
-from compare.studies.accuracy.spacetime import (
+from slipfront.cli.commands import main
+from docs.studies.accuracy import spacetime
+from docs.studies.accuracy.march_fields import field_errors
+from docs.studies.accuracy.spacetime import (
     accuracy,
     cost,
     edge,

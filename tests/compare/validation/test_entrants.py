@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.records.read import read_records
 from compare.validation import validate
 from semianalytic import find_scene

@@ -10,7 +10,7 @@ from catalogue import unit_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compare.cli.terminal import end_table, zones_table
+from slipfront.cli.terminal import end_table, zones_table
 from semianalytic import (
     Answer,
     Harmonic,

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED, SHOCK, over, problems, unit_scene
 
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.comparison.documents import march_document
-from compare.studies.accuracy.march_error import (
+from docs.studies.accuracy.march_error import (
     WEAKENING,
     all_judged,
     error_scenes,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from catalogue import UNIT
 
-from compare.cli.commands import main
+from slipfront.cli.commands import main
 from compare.comparison.documents import march_document
 from semianalytic import (
     Harmonic,

@@ -1,4 +1,0 @@
-"""Short programs that use slipfront from Python; run one with ``python -m compare.examples.NAME``.
-
-Each writes into the current folder, or the one given, and prints one line of result.
-"""

@@ -1,5 +1,0 @@
-"""Surveys: one scene at many values of its parameters, on many processes or machines."""
-
-from compare.surveys.run import survey
-
-__all__ = ["survey"]

@@ -1,0 +1,178 @@
+"""Work shared out over processes of one linear-algebra thread, stopped cleanly on interrupt."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing.connection import wait
+from types import ModuleType
+from typing import Any, TypeVar
+
+from semianalytic.scene.errors import ComputationError
+
+Progress = Callable[[int, int], None]
+Task = tuple[Callable[..., Any], tuple[Any, ...]]
+Item = TypeVar("Item")
+
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""What the environment of a process of one linear-algebra thread holds."""
+
+LIFELINE = "--lifeline"
+"""Tells a program that its standard input is a `lifeline`."""
+
+
+def counted(items: Iterable[Item], count: int, progress: Progress | None) -> Iterator[Item]:
+    """The items as they are made; `progress` is told how many of the count there are."""
+    for done, item in enumerate(items, 1):
+        if progress is not None:
+            progress(done, count)
+        yield item
+
+
+def run_tasks(
+    tasks: Sequence[Task],
+    workers: int | None = None,
+    progress: Progress | None = None,
+    client: Any = None,
+) -> Iterator[tuple[int, Any]]:
+    """Call module-level functions in processes; yield (index of task, result) as each is done.
+
+    A program that calls this is not run again in them, and needs no ``if __name__ ==``, unless
+    functions are its own.
+
+    Parameters
+    ----------
+    tasks : sequence of (function, arguments)
+    workers : int, optional
+        Number of processes; the number of cores unless given.  1 runs here, in order.
+    progress : callable, optional
+        Called with the number of tasks done and the number of all tasks.
+    client : distributed.Client, optional
+        Of a Dask cluster whose workers are to do it instead.
+
+    Raises
+    ------
+    ComputationError
+        If a process is killed, more than once on a cluster, or that does not answer.
+    """
+    count = min(workers or os.cpu_count() or 1, len(tasks))
+    if client is not None:
+        from compare.tasks.cluster import on_cluster
+
+        results = on_cluster(tasks, client)
+    else:
+        results = _in_order(tasks) if count <= 1 else _in_processes(tasks, count)
+    yield from counted(results, len(tasks), progress)
+
+
+def _in_order(tasks: Sequence[Task]) -> Iterator[tuple[int, Any]]:
+    for index, (function, arguments) in enumerate(tasks):
+        yield index, function(*arguments)
+
+
+def _in_processes(tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Any]]:
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    others = set(multiprocessing.active_children())
+    os.environ.update(ONE_THREAD)
+    pool = ProcessPoolExecutor(
+        count, multiprocessing.get_context("spawn"), initializer=_serve_parent
+    )
+    finished = False
+    try:
+        # also from workers that are still starting
+        with _interrupts_held_back(), _without_main(tasks):
+            futures = {
+                pool.submit(function, *arguments): index
+                for index, (function, arguments) in enumerate(tasks)
+            }
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+        finished = True
+    except BrokenProcessPool as error:
+        raise ComputationError(
+            "a worker process was killed, as happens when memory runs out; "
+            "make room and start again, with fewer points if need be."
+        ) from error
+    finally:
+        if not finished:
+            for process in set(multiprocessing.active_children()) - others:
+                process.terminate()
+        pool.shutdown(cancel_futures=True)
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+@contextmanager
+def _interrupts_held_back() -> Iterator[None]:
+    """Let Ctrl-C wait, and processes started meanwhile never see it, where the system can."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _without_main(tasks: Sequence[Task]) -> Iterator[None]:
+    """Let processes started meanwhile not run the program again that starts them, unless it is
+    there that they find functions."""
+    main = sys.modules["__main__"]
+    if all(function.__module__ != main.__name__ for function, _ in tasks):
+        sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
+
+
+def _serve_parent() -> None:
+    """In a worker: leave Ctrl-C to the parent, and end when it does, however it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_after, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_after(sentinel: int) -> None:
+    wait([sentinel])
+    os._exit(1)
+
+
+@contextmanager
+def lifeline() -> Iterator[int]:
+    """What a child process gets as its standard input to `hang_on` to, from a parent that may die.
+
+    Yields
+    ------
+    int
+        A descriptor from which nothing can be read as long as this process lives.
+    """
+    here, there = os.pipe()
+    try:
+        yield here
+    finally:
+        os.close(here)
+        os.close(there)
+
+
+def hang_on() -> None:
+    """In a child that has a `lifeline` as its standard input: end when the parent does."""
+
+    def end() -> None:
+        os.read(0, 1)
+        os._exit(1)
+
+    threading.Thread(target=end, daemon=True).start()

@@ -1,0 +1,51 @@
+"""Constant, rate-weakening and slip-weakening friction under one ramp, and a refused law.
+
+``python -m docs.examples.friction_law [FOLDER]`` writes friction_law.csv and .png.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import slipfront as sf
+from compare.figures.style import describe, look
+
+MATERIAL = sf.Material(1.0, 1.0, 1 / 3)
+LOAD = sf.Tractions(0.0, 1.0)
+SCENE = sf.Scene(MATERIAL, 0.3, sf.Tractions(1.0, 0.0), LOAD, shear_history=sf.Ramp(0.5))
+LAWS = (sf.CoulombFriction(), sf.RateWeakening(0.4, 1.0), sf.SlipWeakening(0.6, 0.05))
+
+
+@look()
+def main(folder: Path = Path(".")) -> list[float]:
+    """Write slip at the end along the interface by law; return the largest slip of each."""
+    marches = [sf.march(replace(SCENE, friction_law=law), nodes=400) for law in LAWS]
+    slips = [marched.interface.slip[-1] for marched in marches]
+    x, names = marches[0].grid.x, [type(law).__name__ for law in LAWS]
+    head = ",".join(["x", *names])
+    table = np.column_stack([x, *slips])
+    np.savetxt(folder / "friction_law.csv", table, delimiter=",", header=head, comments="")
+    figure = describe(Figure(figsize=(6, 3.4), layout="constrained"), SCENE)
+    axes = figure.subplots()
+    for name, slip, style in zip(names, slips, ("-", "--", ":"), strict=True):
+        axes.plot(x, slip, style, label=name)
+    axes.set(xlabel="x / (c_t T)", ylabel="slip at T", xlim=(0, 1.2), ylim=(0, None))
+    axes.legend()
+    figure.savefig(folder / "friction_law.png", dpi=100)
+    try:
+        replace(SCENE, friction_law=sf.RateWeakening(0.9, 0.1))
+    except sf.SceneError as error:
+        refused = str(error).split(";")[0]
+    largest = [float(slip.max()) for slip in slips]
+    shown = ", ".join(f"{slip:.4f}" for slip in largest)
+    print(f"largest slip {shown}; reduction 0.9 at rate 0.1 refused: {refused}")
+    return largest
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:2]))

@@ -1,0 +1,384 @@
+"""Studies of the finite-element model against the exact solution: accuracy, elements, smoothing.
+
+``python -m docs.studies.accuracy.fem accuracy`` prints a table; `STUDIES` lists the others, and
+``--csv docs/data`` writes what docs/fem.md shows.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.measures import norm
+from compare.studies.tables import Study, run_studies
+from semianalytic import Solution, solve
+from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.scene import Material, Scene, Tractions
+
+if TYPE_CHECKING:
+    from fem import Simulation
+
+Array = NDArray[np.float64]
+
+PROFILE = np.linspace(0.02, 1.9, 3761)
+"""Velocities x / (c_t t) at which profiles are compared."""
+
+AVERAGED = 0.6
+"""Self-similar profiles are averaged over times from this fraction of T to T."""
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors of a simulated slip-rate profile V(x/t) of a self-similar scene.
+
+    Attributes
+    ----------
+    last : float
+        Relative L1 error at the final time.
+    averaged : float
+        The same of the profile averaged over x/t in the last 40 % of the time.
+    first_peak, second_peak : float
+        Error of the averaged profile where the exact slip rate of the first and the second zone
+        is largest, over the exact value there; nan where there is no such zone.
+    second_over_largest : float
+        Error at the second peak over the largest exact slip rate of all.
+    """
+
+    last: float
+    averaged: float
+    first_peak: float
+    second_peak: float
+    second_over_largest: float
+
+
+def last_profile(simulation: Simulation) -> Array:
+    """Slip rate at the final time at the velocities `PROFILE`, between nodes by straight lines."""
+    return _sampled(simulation, -1)
+
+
+def averaged_profile(simulation: Simulation) -> Array:
+    """Slip rate averaged over x/t in the last 40 % of the time, at the velocities `PROFILE`."""
+    t = simulation.interface.t
+    rows = np.flatnonzero(t >= AVERAGED * t[-1]).tolist()
+    return np.mean([_sampled(simulation, row) for row in rows], axis=0)
+
+
+def profile_errors(solution: Solution, last: Array, averaged: Array) -> Errors:
+    """Errors of two profiles at the velocities `PROFILE`."""
+    speed = solution.scene.material.shear_speed
+    exact = solution.slip_rate(PROFILE * speed, 1.0)
+    peaks = []
+    for zone in solution.zones:
+        inside = (PROFILE * speed > zone.inner) & (PROFILE * speed < zone.outer)
+        peaks.append(int(np.argmax(np.where(inside, np.abs(exact), 0.0))))
+    at_peak = [float(averaged[peak] - exact[peak]) for peak in peaks]
+    relative = [error / exact[peak] for error, peak in zip(at_peak, peaks, strict=True)]
+    return Errors(
+        last=norm(last - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
+        averaged=norm(averaged - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
+        first_peak=relative[0] if peaks else math.nan,
+        second_peak=relative[1] if len(peaks) > 1 else math.nan,
+        second_over_largest=at_peak[1] / np.abs(exact).max() if len(peaks) > 1 else math.nan,
+    )
+
+
+def errors_of(simulation: Simulation, solution: Solution) -> Errors:
+    """Errors of the profiles of a simulation."""
+    return profile_errors(solution, last_profile(simulation), averaged_profile(simulation))
+
+
+@dataclass(frozen=True)
+class MeshRow:
+    """Errors of a scene on one mesh, or extrapolated from two; errors as in `Errors`.
+
+    `last_order` and `averaged_order` are the observed orders since the mesh before, nan without
+    one; `seconds` those of stepping.
+    """
+
+    scene: str
+    h: str
+    last: float
+    last_order: float
+    averaged: float
+    averaged_order: float
+    first_peak: float
+    second_peak: float
+    second_over_largest: float
+    seconds: float
+
+
+def accuracy(scene: str, resolutions: Sequence[int], **options: Any) -> list[MeshRow]:
+    """Errors and observed order on several meshes, and extrapolated from the two finest.
+
+    The last row is (r V(h/r) - V(h))/(r - 1), which removes what is of first order in h.
+    """
+    solution = solve(NAMED_SCENES[scene].scene)
+    rows: list[MeshRow] = []
+    profiles: list[tuple[Array, Array]] = []
+    for index, resolution in enumerate(resolutions):
+        simulation = simulated(scene, resolution, **options)
+        profiles.append((last_profile(simulation), averaged_profile(simulation)))
+        errors = profile_errors(solution, *profiles[-1])
+        orders = (math.nan, math.nan)
+        if rows:
+            r = resolution / resolutions[index - 1]
+            orders = (
+                observed_order(rows[-1].last, errors.last, r),
+                observed_order(rows[-1].averaged, errors.averaged, r),
+            )
+        seconds = simulation.seconds["steps"]
+        rows.append(_mesh_row(scene, f"1/{resolution}", errors, orders, seconds))
+    r = resolutions[-1] / resolutions[-2]
+    last, averaged = (
+        (r * fine - coarse) / (r - 1) for coarse, fine in zip(*profiles[-2:], strict=True)
+    )
+    errors = profile_errors(solution, last, averaged)
+    return [*rows, _mesh_row(scene, "extrapolated", errors, (math.nan, math.nan), math.nan)]
+
+
+def _mesh_row(
+    scene: str, h: str, errors: Errors, orders: tuple[float, float], seconds: float
+) -> MeshRow:
+    return MeshRow(
+        scene,
+        h,
+        errors.last,
+        orders[0],
+        errors.averaged,
+        orders[1],
+        errors.first_peak,
+        errors.second_peak,
+        errors.second_over_largest,
+        seconds,
+    )
+
+
+@dataclass(frozen=True)
+class ElementRow:
+    """Accuracy and cost of an element family on one mesh.
+
+    `step` is the critical time step times c_l/h, `error` the L1 error at T, `order` that since the
+    mesh before; `steps` and `meshing` are seconds.
+    """
+
+    element: str
+    mesh: str
+    h: str
+    unknowns: int
+    step: float
+    error: float
+    order: float
+    steps: float
+    meshing: float
+
+
+def element_rows(scene: str, resolutions: Sequence[int]) -> list[ElementRow]:
+    """Accuracy and cost of every element family on every kind of mesh."""
+    solution, rows = solve(NAMED_SCENES[scene].scene), []
+    for element, mesh in ELEMENTS:
+        before = math.nan
+        for resolution in resolutions:
+            simulation = simulated(scene, resolution, element=element, mesh=mesh)
+            error = errors_of(simulation, solution).last
+            step = simulation.critical_step / simulation.element_size
+            rows.append(
+                ElementRow(
+                    element,
+                    mesh,
+                    f"1/{resolution}",
+                    simulation.unknowns,
+                    step * simulation.scene.material.longitudinal_speed,
+                    error,
+                    observed_order(before, error),
+                    simulation.seconds["steps"],
+                    simulation.seconds["mesh"],
+                )
+            )
+            before = error
+    return rows
+
+
+ELEMENTS = (
+    ("Q1", "squares"),
+    ("P1", "squares"),
+    ("P1", "triangles"),
+    ("Q2", "squares"),
+    ("Q1", "graded"),
+)
+
+
+@dataclass(frozen=True)
+class DampingRow:
+    """What damping does: errors as in `Errors`, energy and residual over the external work,
+    critical step over the undamped one."""
+
+    damping: float
+    last: float
+    averaged: float
+    second_peak: float
+    energy: float
+    critical_step: float
+    residual: float
+
+
+def damping_rows(scene: str, resolution: int) -> list[DampingRow]:
+    """What damping does to the error, the energy it takes and the critical step."""
+    solution, rows, undamped = solve(NAMED_SCENES[scene].scene), [], math.nan
+    for damping in (0.0, 0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2):
+        simulation = simulated(scene, resolution, damping=damping)
+        if not damping:
+            undamped = simulation.critical_step
+        errors, energy = errors_of(simulation, solution), simulation.energy
+        rows.append(
+            DampingRow(
+                damping,
+                errors.last,
+                errors.averaged,
+                errors.second_peak,
+                float(energy.damping[-1] / energy.external[-1]),
+                simulation.critical_step / undamped,
+                energy.residual,
+            )
+        )
+    return rows
+
+
+class Smoothing(NamedTuple):
+    """Options of a run, as fields of `fem.Settings`."""
+
+    resolution: int = 100
+    element: str = "Q1"
+    damping: float = 0.02
+    step_ratio: float = 0.95
+
+
+SMOOTHING_TRIALS = (
+    Smoothing(),
+    Smoothing(damping=0.005),
+    Smoothing(damping=0.01),
+    Smoothing(damping=0.03),
+    Smoothing(102, step_ratio=1.0),
+    Smoothing(90, "P1"),
+    Smoothing(78, "Q2", damping=0.01),
+    Smoothing(142),
+)
+"""Settings that might see a narrow second zone better: all but the last cost as much as the first,
+which is the default."""
+
+SMOOTHING_SCENES: Mapping[str, Scene] = {
+    **{name: NAMED_SCENES[name].scene for name in ("preloaded", "remote-shock")},
+    "auxetic": Scene(Material(1.0, 1.0, -0.5), 0.05, Tractions(1.0, 0.0), Tractions(0.0, 1.0)),
+    "shock, less base": Scene(
+        Material(1.0, 1.0, 0.25), 1.0, Tractions(1.0, 0.8), Tractions(1.0, 1.0)
+    ),
+}
+"""Self-similar scenes with two slip zones, the second ahead of the shear wave."""
+
+
+@dataclass(frozen=True)
+class SmoothingRow:
+    """One of the `SMOOTHING_TRIALS`: errors as in `Errors` and of the second zone alone.
+
+    `second_zone` is the relative L1 error at T over that zone, `slip` that of slip at T, `bar` the
+    relative L1 change at T from a mesh of twice the element size; `work` unknowns times steps.
+    """
+
+    scene: str
+    h: str
+    element: str
+    damping: float
+    step_ratio: float
+    work: float
+    last: float
+    bar: float
+    averaged: float
+    second_peak: float
+    second_zone: float
+    slip: float
+
+
+def smoothing_rows() -> list[SmoothingRow]:
+    """Error and error bar of settings that smooth more or less, and how they see second zones."""
+    return [
+        _smoothing_row(name, scene, trial)
+        for name, scene in SMOOTHING_SCENES.items()
+        for trial in SMOOTHING_TRIALS
+    ]
+
+
+def _smoothing_row(name: str, scene: Scene, trial: Smoothing) -> SmoothingRow:
+    from fem import Settings, simulate
+
+    solution, place = solve(scene), PROFILE * scene.material.shear_speed
+    settings = Settings(**trial._asdict())
+    run = simulate(scene, 1.0, settings)
+    coarse = simulate(scene, 1.0, settings, resolution=trial.resolution // 2, every=10**6)
+    last, exact, exact_slip = (
+        last_profile(run),
+        solution.slip_rate(place, 1.0),
+        solution.slip(place, 1.0),
+    )
+    slip = np.interp(place, run.interface.x, run.interface.slip[-1])
+    errors = profile_errors(solution, last, averaged_profile(run))
+    second = solution.zones[1]
+    inside = (place > second.inner) & (place < second.outer)
+    return SmoothingRow(
+        name,
+        f"1/{trial.resolution}",
+        trial.element,
+        trial.damping,
+        trial.step_ratio,
+        work=float(run.unknowns) * run.steps,
+        last=errors.last,
+        bar=_relative(last - last_profile(coarse), exact),
+        averaged=errors.averaged,
+        second_peak=errors.second_peak,
+        second_zone=_relative((last - exact) * inside, exact * inside),
+        slip=_relative(slip - exact_slip, exact_slip),
+    )
+
+
+def _relative(difference: Array, exact: Array) -> float:
+    return norm(difference, PROFILE, 1) / norm(exact, PROFILE, 1)
+
+
+def simulated(scene: str, resolution: int, **options: Any) -> Simulation:
+    """Simulate a named scene."""
+    from fem import simulate
+
+    return simulate(NAMED_SCENES[scene].scene, resolution=resolution, **options)
+
+
+def _sampled(simulation: Simulation, row: int) -> Array:
+    history = simulation.interface
+    place = PROFILE * simulation.scene.material.shear_speed * history.t[row]
+    return np.interp(place, history.x, history.slip_rate[row])
+
+
+def observed_order(coarse: float, fine: float, refinement: float = 2.0) -> float:
+    """Observed order of convergence when h is divided by the refinement."""
+    return math.log(coarse / fine) / math.log(refinement)
+
+
+ACCURACY_MESHES = (100, 200, 400)
+
+STUDIES: Mapping[str, Study] = {
+    "accuracy": lambda: [
+        *accuracy("preloaded", ACCURACY_MESHES),
+        *accuracy("remote-shock", ACCURACY_MESHES),
+    ],
+    "undamped": lambda: accuracy("preloaded", ACCURACY_MESHES, damping=0.0),
+    "finest": lambda: accuracy("remote-shock", (400, 560)),
+    "elements": lambda: element_rows("preloaded", (50, 100, 200)),
+    "damping": lambda: damping_rows("preloaded", 200),
+    "smoothing": smoothing_rows,
+}
+
+
+if __name__ == "__main__":
+    raise SystemExit(run_studies("docs.studies.accuracy.fem", "fem", STUDIES))

@@ -1,0 +1,312 @@
+"""The named scenes by both methods: the numbers and figures of docs/scenes.md.
+
+``python -m docs.studies.accuracy.scenes summary quantities unresolved --csv docs/data``
+writes the numbers, ``python -m docs.studies.accuracy.scenes figures`` draws
+docs/figures/scene_NAME.png.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from compare.comparison.case import EDGE_CELLS, Case
+from compare.comparison.judgement import Judgement, judge
+from compare.comparison.prediction import method_of, predict_like
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row
+from compare.figures.histories import comparison_figures
+from compare.figures.saving import figure_png
+from compare.studies.tables import Study, run_studies
+from semianalytic import Solution
+from semianalytic.results.files import write_bytes
+from semianalytic.scene.named import NAMED_SCENES
+
+RESOLUTION = 100
+"""That of `slipfront compare` unless another is given."""
+
+QUANTITIES = {
+    "preloaded": (
+        ("slow zone, from the edge to [c_t]", "zone 1, outer edge"),
+        ("second zone, from [c_t]", "zone 2, inner edge"),
+        ("to [c_t]", "zone 2, outer edge"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
+    "remote-shock": (
+        ("slow zone, from the edge to [c_t]", "zone 1, outer edge"),
+        ("second zone, from [c_t]", "zone 2, inner edge"),
+        ("to [c_t]", "zone 2, outer edge"),
+    ),
+    "auxetic": (
+        ("slow zone, from the edge to [c_t]", "zone 1, outer edge"),
+        ("reversed zone, from [c_t]", "zone 2, inner edge"),
+        ("to [c_t]", "zone 2, outer edge"),
+        ("fast zone, from [c_t]", "zone 3, inner edge"),
+        ("to [c_t]", "zone 3, outer edge"),
+        ("reverse slip, part of the map", "reverse slip, part of map"),
+        ("reversal at x = 0.75 c_t T [T]", "reversal at 0.75 c_t T"),
+    ),
+    "ramp": (
+        ("onset at x = 0.25 c_t T [T]", "onset at 0.25 c_t T"),
+        ("onset at x = 0.5 c_t T [T]", "onset at 0.50 c_t T"),
+        ("slip at T, integral", "slip, L1"),
+    ),
+    "unload": (
+        ("reverse slip, part of the map", "reverse slip, part of map"),
+        ("onset at x = 0.5 c_t T [T]", "onset at 0.50 c_t T"),
+        ("accumulated slip, integral", "accumulated |slip|, L1"),
+    ),
+    "pulse": (
+        ("reverse slip, part of the map", "reverse slip, part of map"),
+        ("onset at x = 0.5 c_t T [T]", "onset at 0.50 c_t T"),
+        ("accumulated slip, integral", "accumulated |slip|, L1"),
+    ),
+    "harmonic": (
+        ("forward slip, part of the map", "forward slip, part of map"),
+        ("reverse slip, part of the map", "reverse slip, part of map"),
+        ("frictional work in cycle 1", "work in cycle 1"),
+        ("frictional work in cycle 2", "work in cycle 2"),
+        ("frictional work in cycle 3", "work in cycle 3"),
+    ),
+    "pressure-drop": (
+        ("zone, from [c_t]", "zone 1, inner edge"),
+        ("to [c_t]", "zone 1, outer edge"),
+        ("onset at x = 0.75 c_t T [T]", "onset at 0.75 c_t T"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
+    "viscous": (
+        ("zone, from the edge to [c_t]", "zone 1, outer edge"),
+        ("slip at T, integral", "slip, L1"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
+    "antiplane": (
+        ("zone, from the edge to [c_t]", "zone 1, outer edge"),
+        ("slip at T, integral", "slip, L1"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
+    "lift-off": (
+        ("open up to [c_t]", "opening 1, outer edge"),
+        ("gap at T, integral", "gap, L1"),
+    ),
+    "lift-off-shear": (
+        ("open up to [c_t]", "opening 1, outer edge"),
+        ("slow zone, to [c_t]", "zone 1, outer edge"),
+        ("second zone, from [c_t]", "zone 2, inner edge"),
+        ("to [c_t]", "zone 2, outer edge"),
+        ("frictional work, integral", "frictional work, L1"),
+    ),
+    "tap": (
+        ("open from [c_t]", "opening 1, inner edge"),
+        ("to [c_t]", "opening 1, outer edge"),
+        ("gap at T, integral", "gap, L1"),
+        ("largest gap", "largest gap"),
+    ),
+}
+"""What docs/scenes.md says of a scene: how it is called there, and in the judgement."""
+
+COMPARED = tuple(NAMED_SCENES)
+"""Scenes of the tables."""
+
+FIGURES = {
+    "remote-shock": "slip_rate",
+    "stuck": "tractions",
+    "auxetic": "sense",
+    "ramp": "sense",
+    "unload": "sense",
+    "pulse": "sense",
+    "harmonic": "sense",
+    "pressure-drop": "sense",
+    "viscous": "slip_rate",
+    "antiplane": "slip_rate",
+    "lift-off": "gap",
+    "lift-off-shear": "slip_rate",
+    "tap": "gap",
+}
+"""Which figure of `slipfront compare SCENE` docs/scenes.md shows."""
+
+
+@dataclass(frozen=True)
+class SummaryRow:
+    """How a scene is judged, and how far both methods are apart on it.
+
+    Numbers of rows with each verdict; then relative L1 differences but `sense`, the part of the
+    reached (x, t) area in which the sense of slip differs, and `sense_bar`, its error bar; nan
+    where nothing slips.  `profile` is the slip rate at T where the scene is self-similar, over
+    space and time otherwise, and `profile_bar` its error bar.
+    """
+
+    scene: str
+    summary: str
+    friction: float
+    solver: str
+    verdict: str
+    agree: int
+    unresolved: int
+    differ: int
+    profile: float
+    profile_bar: float
+    sense: float
+    sense_bar: float
+    slip_rate: float
+    slip: float
+    accumulated_slip: float
+    frictional_work: float
+    shear_traction: float
+    pressure: float
+
+
+@dataclass(frozen=True)
+class QuantityRow:
+    """One quantity of a scene: as `Row` has it, nan where one of the answers has none.
+
+    `bar` is in the unit of the values; it is nan and `verdict` empty of what is not judged.
+    """
+
+    scene: str
+    quantity: str
+    exact: float
+    at_nodes: float
+    simulated: float
+    bar: float
+    verdict: str
+
+
+@dataclass(frozen=True)
+class UnresolvedRow:
+    """What the mesh cannot tell of a scene, why, and the node distances per c_t T that would.
+
+    `resolution` is nan where it is not known.
+    """
+
+    scene: str
+    quantity: str
+    obstacle: str
+    resolution: float
+
+
+@cache
+def _judgement(scene: str, resolution: int) -> Judgement:
+    from fem import simulate
+
+    simulation = simulate(NAMED_SCENES[scene].scene, resolution=resolution)
+    return judge(predict_like(simulation), simulation)
+
+
+def _rows(scene: str, resolution: int) -> dict[str, Row]:
+    return {row.name: row for row in _judgement(scene, resolution).rows}
+
+
+def summary(resolution: int = RESOLUTION) -> list[SummaryRow]:
+    """Every scene that both methods answer."""
+    return [_summary(scene, resolution) for scene in COMPARED]
+
+
+def _summary(scene: str, resolution: int) -> SummaryRow:
+    named, rows = NAMED_SCENES[scene], _rows(scene, resolution)
+    judgement = _judgement(scene, resolution)
+    counts = judgement.counts
+    over_time = "slip rate over (x, t), L1"
+    profile = "slip rate, L1" if named.scene.is_self_similar else over_time
+    sense = "other sense, part of map"
+
+    def difference(name: str) -> float:
+        return _number(rows[name].difference if name in rows else None)
+
+    def bar(name: str) -> float:
+        return _number(rows[name].bar if name in rows else None)
+
+    return SummaryRow(
+        scene,
+        named.summary,
+        named.scene.friction,
+        method_of(judgement.prediction),
+        judgement.verdict,
+        counts[AGREES],
+        counts[UNRESOLVED],
+        counts[DIFFERS],
+        difference(profile),
+        bar(profile),
+        difference(sense),
+        bar(sense),
+        difference(over_time),
+        difference("slip, L1"),
+        difference("accumulated |slip|, L1"),
+        difference("frictional work, L1"),
+        difference("shear traction, L1"),
+        difference("pressure, L1"),
+    )
+
+
+def quantities(resolution: int = RESOLUTION) -> list[QuantityRow]:
+    """What docs/scenes.md says of the scenes, one by one."""
+    return [row for scene in QUANTITIES for row in _quantities(scene, resolution)]
+
+
+def _quantities(scene: str, resolution: int) -> Iterator[QuantityRow]:
+    judgement, rows = _judgement(scene, resolution), _rows(scene, resolution)
+    if judgement.case.slips:
+        predicted, simulated = largest_rates(judgement.case)
+        yield QuantityRow(scene, "largest forward V", math.nan, predicted, simulated, math.nan, "")
+    for name, quantity in QUANTITIES[scene]:
+        row = rows[quantity]
+        exact, at_nodes, simulated = map(_number, (row.exact, row.at_nodes, row.simulated))
+        bar = _number(row.bar) * (at_nodes if row.relative else 1.0)
+        yield QuantityRow(scene, name, exact, at_nodes, simulated, bar, row.verdict)
+
+
+def unresolved(resolution: int = RESOLUTION) -> list[UnresolvedRow]:
+    """All rows of all scenes that are unresolved."""
+    return [
+        UnresolvedRow(scene, row.name, row.obstacle, _number(row.resolution))
+        for scene in COMPARED
+        for row in _judgement(scene, resolution).having(UNRESOLVED)
+    ]
+
+
+def _number(value: float | None) -> float:
+    """A value, nan where there is none."""
+    return math.nan if value is None else value
+
+
+def largest_rates(case: Case) -> tuple[float, float]:
+    """Largest forward slip rate, four elements off the edge, at the nodes and simulated.
+
+    At T where x/t is all that counts, over space and time from 0.2 T on otherwise.
+    """
+    seen = case.seen
+    shown = seen.x > (EDGE_CELLS + 0.5) * case.simulation.element_size
+    since = 1.0 if isinstance(case.prediction, Solution) else 0.2
+    places = np.ix_(seen.t >= since * case.end_time, shown)
+    return float(case.at_nodes.slip_rate[places].max()), float(seen.slip_rate[places].max())
+
+
+def write_figures(folder: Path) -> None:
+    """Write the figures of docs/scenes.md as scene_NAME.png, in few colours to keep them small."""
+    for scene, name in FIGURES.items():
+        case = _judgement(scene, RESOLUTION).case
+        picture = figure_png(comparison_figures(case)[name](case), 100, 64)
+        write_bytes(folder / f"scene_{scene}.png", picture)
+
+
+STUDIES: dict[str, Study] = {
+    "summary": summary,
+    "quantities": quantities,
+    "unresolved": unresolved,
+}
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print or write rows, or draw the figures."""
+    if list(arguments) == ["figures"]:
+        write_figures(Path("docs", "figures"))
+        return 0
+    return run_studies("docs.studies.accuracy.scenes", "scenes", STUDIES, arguments)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))

@@ -1,0 +1,341 @@
+"""Trials of the judge: right answers to random scenes, and spoilt answers to chosen ones."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from compare.comparison.judgement import Judgement, judge
+from compare.comparison.prediction import predict_like
+from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
+from compare.output.tables import append_rows, started_rows
+from docs.studies.judge.scenes import (
+    HISTORIES,
+    OPENINGS,
+    STEPS,
+    draw,
+    power_scenes,
+)
+from docs.studies.judge.spoils import SPOILS, Spoil, Window, effect, spoilt
+from compare.tasks.workers import Progress, run_tasks
+from compare.tasks.workers import Task as WorkerTask
+from semianalytic import Answer, Scene, SceneError
+
+if TYPE_CHECKING:
+    from fem import Simulation
+
+SEED = 14
+COUNTS = {STEPS: 200, HISTORIES: 60, OPENINGS: 60}
+QUICK_COUNTS = {STEPS: 8, HISTORIES: 3, OPENINGS: 3}
+RESOLUTION, QUICK_RESOLUTION = 100, 40
+SHARES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+"""Sizes of a spoil that are tried, over the usual one."""
+QUICK_POWER = 2
+TRUTH = "none"
+"""What the truth is called among the spoils."""
+_END_TIME = 1.0
+
+
+@dataclass(frozen=True)
+class JudgedRow:
+    """A row of a judgement of the right answer, of a random scene.
+
+    Attributes
+    ----------
+    group : str, "steps", "histories" or "openings"
+    index : int, which seeds the draw
+    of : int, rows of the scene, all of which have to be there
+    refusals : int, draws before it that had no answer
+    resolution : int, of the mesh
+    seconds : what the scene took [s]
+    name, kind, unit : as in the judgement
+    exact, difference, bar : nan where there is none
+    relative : bool, whether the last two are over the norm of the prediction
+    verdict : "agrees", "differs" or "unresolved"
+    """
+
+    group: str
+    index: int
+    of: int
+    refusals: int
+    resolution: int
+    seconds: float
+    name: str
+    kind: str
+    unit: str
+    exact: float
+    difference: float
+    bar: float
+    relative: bool
+    verdict: str
+
+    @property
+    def share(self) -> float:
+        """The bar over what is compared; nan where that is nothing or has no value of its own."""
+        if self.relative:
+            return self.bar
+        return self.bar / abs(self.exact) if self.exact else math.nan
+
+    @property
+    def tells(self) -> bool:
+        """Whether the row is held against its bar: it has one, and no obstacle."""
+        barred = math.isfinite(self.difference) and math.isfinite(self.bar)
+        return barred and (self.verdict != UNRESOLVED or 1 < self.over_bar <= ALARM)
+
+    @property
+    def over_bar(self) -> float:
+        """|difference| over the bar; 0 of nothing."""
+        if not self.difference:
+            return 0.0
+        return abs(self.difference) / self.bar if self.bar else math.inf
+
+
+@dataclass(frozen=True)
+class SpoiltRow:
+    """A judgement of a spoilt answer.
+
+    Attributes
+    ----------
+    scene : str
+    index : int
+    of : int, rows of the scene
+    spoil : str, or "none" for the right answer
+    share : float, of the usual size of the mistake
+    slip_rate, shear_traction : relative L1 effect on either, over x and t
+    over_bar : float, effect read at the nodes over the bar of the row, where that is most
+    verdict : str
+    by : str, kinds of the rows that differ
+    """
+
+    scene: str
+    index: int
+    of: int
+    spoil: str
+    share: float
+    slip_rate: float
+    shear_traction: float
+    over_bar: float
+    verdict: str
+    by: str
+
+
+def simulated(scene: Scene, resolution: int) -> Simulation:
+    """A simulation with the companions that its error bars come from.
+
+    What its mesh is too coarse for is left to the judge.
+    """
+    from fem import simulate, with_companions
+
+    return with_companions(simulate(scene, _END_TIME, resolution=resolution, tell=_unheard))
+
+
+def _unheard(_: str) -> None:
+    pass
+
+
+def window_of(simulation: Simulation) -> Window:
+    """What of a prediction a simulation is held against."""
+    reach = float(simulation.interface.x[-1]) + simulation.element_size
+    return Window(simulation.end_time, simulation.time_step, reach)
+
+
+def judged_rows(group: str, seed: int, index: int) -> list[JudgedRow]:
+    """Judge the right answer to the first scene of a draw that can be simulated and predicted."""
+    random, began = np.random.default_rng([seed, index]), perf_counter()
+    refusals = 0
+    while True:
+        drawn = draw(group, random)
+        refusals += drawn.refusals
+        try:
+            simulation = simulated(drawn.scene, drawn.resolution)
+            right = predict_like(simulation)
+            break
+        except SceneError:
+            refusals += 1
+    rows = judge(right, simulation).rows
+    seconds = perf_counter() - began
+    return [
+        JudgedRow(
+            group=group,
+            index=index,
+            of=len(rows),
+            refusals=refusals,
+            resolution=drawn.resolution,
+            seconds=seconds,
+            name=row.name,
+            kind=row.kind,
+            unit=row.unit,
+            exact=_number(row.exact),
+            difference=_number(row.difference),
+            bar=_number(row.bar),
+            relative=row.relative,
+            verdict=row.verdict,
+        )
+        for row in rows
+    ]
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else float(value)
+
+
+def spoilt_rows(scene_name: str, index: int, resolution: int, bisect: bool) -> list[SpoiltRow]:
+    """Judge the right answer to a scene, and all that can be made wrong of it.
+
+    A spoil that has a size is made larger or smaller until the least that is caught is known
+    between two of `SHARES`, if `bisect`.
+    """
+    simulation = simulated(power_scenes()[scene_name], resolution)
+    trial = _Trial.of(simulation)
+    tried: list[tuple[str, float, _Outcome]] = [(TRUTH, 0.0, trial.outcome(trial.right))]
+    for spoil in SPOILS:
+        outcomes = trial.searched(spoil, SHARES if bisect and spoil.size else (1.0,))
+        tried += [(spoil.name, share, outcome) for share, outcome in outcomes.items()]
+    return [
+        SpoiltRow(scene_name, index, len(tried), name, share, *outcome)
+        for name, share, outcome in tried
+    ]
+
+
+class _Outcome(NamedTuple):
+    """What became of an answer; as in `SpoiltRow`."""
+
+    slip_rate: float
+    shear_traction: float
+    over_bar: float
+    verdict: str
+    by: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A simulation, the right answer to it, and what the judge says where nothing is simulated.
+
+    Attributes
+    ----------
+    simulation, right, window
+    flawless : Simulation
+        The right answer in the place of what was simulated.
+    bars : dict
+        Of the judgement of the right answer, by the name of the row; of rows that tell.
+    """
+
+    simulation: Simulation
+    right: Answer
+    window: Window
+    flawless: Simulation
+    bars: Mapping[str, float | None]
+
+    @classmethod
+    def of(cls, simulation: Simulation) -> _Trial:
+        right = predict_like(simulation)
+        judgement = judge(right, simulation)
+        bars = {row.name: row.bar for row in judgement.rows if row.verdict != UNRESOLVED}
+        return cls(simulation, right, window_of(simulation), flawless(judgement), bars)
+
+    def outcome(self, answer: Answer) -> _Outcome:
+        """What becomes of an answer."""
+        judgement = judge(answer, self.simulation)
+        x, t = self.simulation.interface.x, self.window.end_time * np.linspace(0.2, 1.0, 9)
+        kinds = dict.fromkeys(row.kind for row in judgement.rows if row.verdict == DIFFERS)
+        return _Outcome(
+            slip_rate=effect("slip_rate", answer, self.right, x, t),
+            shear_traction=effect("shear_traction", answer, self.right, x, t),
+            over_bar=self.over_bar(answer),
+            verdict=judgement.verdict,
+            by="; ".join(kinds),
+        )
+
+    def over_bar(self, answer: Answer) -> float:
+        """How far an answer is from the right one, over the bar, in the row where that is most."""
+        shares = (
+            abs(row.difference) / bar
+            for row in judge(answer, self.flawless).rows
+            if row.difference is not None and (bar := self.bars.get(row.name))
+        )
+        return max(shares, default=0.0)
+
+    def searched(self, spoil: Spoil, shares: Sequence[float]) -> dict[float, _Outcome]:
+        """Outcomes by share, of the usual one and those that bisect for the least one caught."""
+        outcomes: dict[float, _Outcome] = {}
+        least, most, middle = 0, len(shares), shares.index(1.0)
+        while least < most:
+            answer = spoilt(spoil, self.right, self.window, shares[middle])
+            if answer is None:
+                most = middle
+            else:
+                outcomes[shares[middle]] = outcome = self.outcome(answer)
+                if outcome.verdict == DIFFERS:
+                    most = middle
+                else:
+                    least = middle + 1
+            middle = (least + most) // 2
+        return outcomes
+
+
+def flawless(judgement: Judgement) -> Simulation:
+    """A simulation that shows the prediction at its nodes and levels, its companions left."""
+    case = judgement.case
+    path, work = case.worn_at_nodes
+    return replace(
+        case.simulation, interface=case.at_nodes, final_path=path, final_work_density=work
+    )
+
+
+def run_trials(
+    directory: Path, quick: bool = False, progress: Progress | None = None, client: Any = None
+) -> tuple[list[JudgedRow], list[SpoiltRow]]:
+    """All rows, those of an earlier run included; two tables in a folder.
+
+    Raises
+    ------
+    DataFileError
+        If a table cannot be written.
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    counts = QUICK_COUNTS if quick else COUNTS
+    names = list(power_scenes())[: QUICK_POWER if quick else None]
+    resolution = QUICK_RESOLUTION if quick else RESOLUTION
+    tasks: dict[tuple[str, int], WorkerTask] = {
+        (name, index): (spoilt_rows, (name, index, resolution, not quick))
+        for index, name in enumerate(names)
+    }
+    tasks |= {
+        (group, index): (judged_rows, (group, SEED, index))
+        for group, count in counts.items()
+        for index in range(count)
+    }
+    part = "-quick" if quick else ""
+    tables = {
+        SpoiltRow: directory / f"judge-spoilt{part}.csv",
+        JudgedRow: directory / f"judge-rows{part}.csv",
+    }
+    kept = {kind: _whole(started_rows(table, kind)) for kind, table in tables.items()}
+    known = {_trial_of(row) for rows in kept.values() for row in rows}
+    left = [key for key in tasks if key not in known]
+    for _, rows in run_tasks([tasks[key] for key in left], None, progress, client):
+        append_rows(tables[type(rows[0])], rows)
+        kept[type(rows[0])] += rows
+    judged, spoiled = (
+        sorted((row for row in kept[kind] if _trial_of(row) in tasks), key=_trial_of)
+        for kind in (JudgedRow, SpoiltRow)
+    )
+    return judged, spoiled
+
+
+def _trial_of(row: JudgedRow | SpoiltRow) -> tuple[str, int]:
+    """What a row is of: group or scene, and index."""
+    return (row.group if isinstance(row, JudgedRow) else row.scene), row.index
+
+
+def _whole(rows: list[Any]) -> list[Any]:
+    """Rows of those trials of which all are there."""
+    counts = Counter(map(_trial_of, rows))
+    return [row for row in rows if counts[_trial_of(row)] == row.of]

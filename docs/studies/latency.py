@@ -1,0 +1,98 @@
+"""How long the page of `slipfront explore` takes from a move to its picture, in Chromium.
+
+``python -m docs.studies.latency --csv docs/data`` moves the friction slider of some scenes step
+by step and writes explore-latency.csv there, and to docs/figures what the page then looks like.
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from slipfront.explore.chromium import CHROMIUM, Browser
+from slipfront.explore.controls import defaults, query_of
+from semianalytic.scene.named import find_scene
+
+DOCS = Path(__file__).parents[2] / "docs"
+SCENES = ("preloaded", "remote-shock", "auxetic", "viscous", "antiplane", "lift-off-shear", "tap")
+MOVES = 40
+STOLEN = 7
+"""What other guests of the same host have taken, among the kinds of time in /proc/stat."""
+MOVE = """
+slider = document.getElementById('friction');
+slider.value = +slider.value + (%d %% 2 ? 1 : 3) * slider.step;
+slider.dispatchEvent(new Event('input', {bubbles: true}));
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Measure, and write table and picture."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--csv", type=Path, required=True, metavar="FOLDER")
+    folder = parser.parse_args(arguments).csv
+    if CHROMIUM is None:
+        raise SystemExit("There is no Chromium to measure in; apt install chromium.")
+    command = "import sys; from slipfront.cli.entry import main; sys.exit(main())"
+    arguments = [sys.executable, "-u", "-c", command, "explore", "--no-browser", "--port", "0"]
+    rows = [
+        "# python -m docs.studies.latency --csv docs/data",
+        "scene,moves,median_ms,most_ms,stolen_percent",
+    ]
+    with (
+        tempfile.TemporaryDirectory() as profile,
+        subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as server,
+    ):
+        assert server.stdout is not None
+        address = server.stdout.readline().split()[1]
+        browser = Browser(Path(profile))
+        for name in SCENES:
+            _open(browser, address, name)
+            seen, before = int(browser.value("slipfrontTimes.length")), _processor()
+            for move in range(MOVES):
+                browser.value(MOVE % move)
+                _wait(browser, seen + move + 1)
+            times = np.array(browser.value(f"slipfrontTimes.slice({seen}, {seen + MOVES})"))
+            spent = _processor() - before
+            stolen = 100 * spent[STOLEN] / spent.sum()
+            rows.append(f"{name},{MOVES},{np.median(times):.0f},{times.max():.0f},{stolen:.0f}")
+            print(rows[-1])
+        _open(browser, address, SCENES[0])
+        picture = browser.call("Page.captureScreenshot", captureBeyondViewport=True)
+        (DOCS / "figures" / "explore.png").write_bytes(base64.b64decode(picture["data"]))
+        browser.close()
+        server.terminate()
+    (folder / "explore-latency.csv").write_text("\n".join(rows) + "\n")
+
+
+def _processor() -> np.ndarray:
+    """What the processor has done so far, kind by kind, as Linux counts it."""
+    first = Path("/proc/stat").read_text(encoding="ascii").splitlines()[0]
+    return np.array([int(one) for one in first.split()[1:9]])
+
+
+def _wait(browser: Browser, count: int) -> None:
+    while browser.value("window.slipfrontTimes ? slipfrontTimes.length : 0") < count:
+        time.sleep(0.005)
+
+
+def _open(browser: Browser, address: str, name: str) -> None:
+    """Show a scene, and wait until field and map are there."""
+    browser.open(address + query_of(defaults(find_scene(name))), 1280)
+    _wait(browser, 1)
+    late = "document.getElementById('pictures').dataset.late !== 'false'"
+    there = "document.querySelectorAll('#regimes span').length"
+    while browser.value(late) or not browser.value(there):
+        time.sleep(0.2)
+    time.sleep(1.0)
+
+
+if __name__ == "__main__":
+    main()

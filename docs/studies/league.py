@@ -1,0 +1,220 @@
+"""The tables of docs/benchmarks.md.
+
+``python -m docs.studies.league classes`` measures the tolerance classes, for the package and
+for docs/data; ``... league`` scores the runs of our own codes and those that others' codes left in
+tests/data/entrants, ``... figure`` draws them; ``... sheets`` lists the problems.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import shutil
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from compare.benchmarks.answers import DATA, written_document
+from compare.benchmarks.classes import COMMAND, FILE, Tolerance
+from compare.benchmarks.entries import Run, enter, read_run
+from compare.benchmarks.figures import score_figure
+from compare.benchmarks.scores import ARRIVAL, GRADED, Score, score
+from compare.benchmarks.sheets import CELLS, SHEETS, Sheet, find_sheet
+from compare.figures.saving import figure_png
+from compare.output.tables import write_rows
+from semianalytic.results.files import write_bytes
+from semianalytic.scene.errors import SceneError, SlipfrontError
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs" / "data"
+ENTRANTS = ROOT / "tests" / "data" / "entrants"
+LEAST_BOUND = 1e-6
+"""Of a class, where our finite elements are right to rounding."""
+MARCH_CELLS = 100
+DRAWN = ("preloaded", "auxetic", "antiplane", "lift-off-shear")
+"""Sheets of the figure."""
+
+
+def measured_classes(sheet: Sheet) -> Iterator[Tolerance]:
+    """Classes of a sheet, by our finite elements."""
+    coarse, middle, fine = (_errors(score(enter("fem", sheet, cells))) for cells in CELLS)
+    marched = {} if sheet.is_marched else _march_errors(sheet)
+    for name in fine:
+        a = _bound(fine[name])
+        b = max(a, _bound(middle[name]))
+        c = max(b, _bound(coarse[name]))
+        yield Tolerance(sheet.name, name, a, b, c, marched.get(name, math.nan))
+
+
+def _errors(scores: Iterable[Score]) -> dict[str, float]:
+    return {one.quantity: one.error for one in scores}
+
+
+def _march_errors(sheet: Sheet) -> dict[str, float]:
+    """Errors of our marcher; none where it does not take the scene."""
+    try:
+        return _errors(score(enter("march", sheet, MARCH_CELLS)))
+    except SceneError:
+        return {}
+
+
+def _bound(error: float) -> float:
+    """An error rounded up to two digits."""
+    error = max(error, LEAST_BOUND)
+    digit = 10.0 ** (math.floor(math.log10(error)) - 1)
+    return float(f"{math.ceil(error / digit) * digit:.2g}")
+
+
+@dataclass(frozen=True)
+class LeagueRow:
+    """One run: errors as in `Score`, their classes together, and the order since a coarser grid.
+
+    `order` is that at which the slip rate, or what the sheet asks for first, has fallen since the
+    next coarser grid of the same code.
+    """
+
+    sheet: str
+    code: str
+    version: str
+    cells: float
+    arrival: float
+    arrival_cells: float
+    slip_rate: float
+    slip: float
+    shear_traction: float
+    pressure: float
+    tolerance: str
+    order: float
+    seconds: float
+
+
+def league_rows(runs: Iterable[Run]) -> list[LeagueRow]:
+    """Rows of runs, by sheet, code and cells."""
+    order = list(SHEETS)
+    ranked = sorted(runs, key=lambda run: (order.index(run.sheet.name), run.code, run.cells))
+    rows: list[LeagueRow] = []
+    for run in ranked:
+        scores = {one.quantity: one for one in score(run)}
+        errors = {name: scores[name].error if name in scores else math.nan for name in GRADED}
+        arrival = scores.get(ARRIVAL)
+        row = LeagueRow(
+            sheet=run.sheet.name,
+            code=run.code,
+            version=run.version,
+            cells=run.cells,
+            **errors,
+            arrival_cells=arrival.second if arrival else math.nan,
+            tolerance="".join(scores[name].tolerance or "-" for name in GRADED if name in scores),
+            order=_order(rows[-1] if rows else None, run, errors[run.sheet.report[0]]),
+            seconds=run.seconds,
+        )
+        rows.append(row)
+    return rows
+
+
+def _order(before: LeagueRow | None, run: Run, error: float) -> float:
+    """Observed order between a run and the row before, if that is of the same code and sheet."""
+    if before is None or (before.sheet, before.code) != (run.sheet.name, run.code):
+        return math.nan
+    was = getattr(before, run.sheet.report[0])
+    if not (run.cells > before.cells and was > LEAST_BOUND and error > LEAST_BOUND):
+        return math.nan
+    return math.log(was / error) / math.log(run.cells / before.cells)
+
+
+def own_runs(
+    names: Iterable[str] = tuple(SHEETS), resolutions: Iterable[int] = CELLS
+) -> Iterator[Run]:
+    """What our own codes make of the sheets they take."""
+    for sheet in map(find_sheet, names):
+        for cells in resolutions:
+            yield enter("fem", sheet, cells)
+            if sheet.is_marched:
+                continue
+            try:
+                yield enter("march", sheet, cells)
+            except SceneError:
+                continue
+
+
+def others_runs(folder: Path = ENTRANTS) -> Iterator[Run]:
+    """The runs of other codes that a folder holds as CODE/SHEET/CELLS.csv.
+
+    Raises
+    ------
+    DataFileError
+        If a CSV file is none.
+    """
+    for path in sorted(folder.glob("*/*/*.csv")):
+        yield read_run(path)
+
+
+def league_figure(others: Iterable[Run]) -> Figure:
+    """The finest run of every code on `DRAWN`."""
+    runs = list(own_runs(DRAWN, CELLS[-1:]))
+    runs += [one for one in others if one.sheet.name in DRAWN]
+    finest: dict[tuple[str, str], Run] = {}
+    for run in sorted(runs, key=lambda run: run.cells):
+        finest[run.sheet.name, run.code] = run
+    return score_figure([one for run in finest.values() for one in score(run)])
+
+
+@dataclass(frozen=True)
+class SheetRow:
+    """A sheet in a line: what it tests, what moves or opens, and whether that is marched."""
+
+    sheet: str
+    title: str
+    tests: str
+    parts: str
+
+
+def sheet_rows() -> list[SheetRow]:
+    """All sheets, with the answers as they are written."""
+    return [
+        SheetRow(sheet.name, sheet.title, sheet.tests, _parts(sheet)) for sheet in SHEETS.values()
+    ]
+
+
+def _parts(sheet: Sheet) -> str:
+    """Zones and openings of a sheet over c_t."""
+    answers = written_document(sheet)["answers"]
+    if sheet.is_marched:
+        return "marched"
+    parts = [
+        f"{'slip' if sense > 0 else 'reverse slip'} {inner:.4g} to {outer:.4g}"
+        for inner, outer, sense in answers["zones"]
+    ]
+    parts += [f"open {inner:.4g} to {outer:.4g}" for inner, outer in answers["openings"]]
+    return ", ".join(parts) or "stuck"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure classes or write the league table; the exit code is that of an error."""
+    program = "python -m docs.studies.league"
+    parser = argparse.ArgumentParser(prog=program, description=__doc__)
+    parser.add_argument("table", choices=("sheets", "classes", "league", "figure"))
+    parser.add_argument("--entrants", type=Path, default=ENTRANTS, help="where others' runs are")
+    options = parser.parse_args(arguments)
+    try:
+        if options.table == "sheets":
+            write_rows(DOCS / "benchmark-sheets.csv", sheet_rows(), command=f"{program} sheets")
+        elif options.table == "classes":
+            classes = [one for sheet in SHEETS.values() for one in measured_classes(sheet)]
+            write_rows(DATA / FILE, classes, command=COMMAND)
+            shutil.copyfile(DATA / FILE, DOCS / f"benchmark-{FILE}")
+        elif options.table == "figure":
+            figure = league_figure(others_runs(options.entrants))
+            write_bytes(ROOT / "docs" / "figures" / "league.png", figure_png(figure))
+        else:
+            rows = league_rows([*own_runs(), *others_runs(options.entrants)])
+            write_rows(DOCS / "league.csv", rows, command=f"{program} league")
+    except SlipfrontError as error:
+        parser.exit(error.exit_code, f"{error}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,192 @@
+"""Tables of the documentation, filled from docs/data; nothing is computed here.
+
+``python -m docs.studies.pages --write`` fills them, ``--check`` says which pages are not as their data
+are.  A table stands in a page as ::
+
+    <!-- table: NAME where COLUMN=VALUE; COLUMN=VALUE spread COLUMN by COLUMN
+    | heading | heading |
+    | {COLUMN} | {COLUMN:.2e} |
+    -->
+    (the filled table)
+    <!-- end -->
+
+NAME is that of a file docs/data/NAME.csv, whose first line is a comment with the command that
+makes it.  The second line is repeated for every row that has the values asked for, all rows unless
+some are; behind the colon stands a format of `Cell`.  Files that hold one value a row are spread:
+rows with the same value in the second column are one row of the table, which knows their values
+(in the column "value") under the names in the first.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from compare.output.files import write_text
+from semianalytic.scene.errors import DataFileError
+
+ROOT = Path(__file__).resolve().parents[1]
+DATA = ROOT / "docs" / "data"
+
+_BLOCK = re.compile(
+    r"(?P<mark><!-- table: (?P<name>[\w.-]+)(?: where (?P<chosen>[^\n]*?))?"
+    r"(?: spread (?P<names>\w+) by (?P<key>\w+))?\n"
+    r"(?P<heading>\|[^\n]*)\n(?P<row>\|[^\n]*)\n-->\n)(?P<filled>.*?)(?P<end><!-- end -->)",
+    re.DOTALL,
+)
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A cell of a data file, which formats itself.
+
+    Besides those of Python there are the formats "r" (1/3 for 0.3333…), ".2p" (a power of ten,
+    1.30·10⁻³), ".3s" (significant digits, zeros at the end included), and ".2s%" (the same in
+    percent).  Cells without a value, and nan, are left empty.
+    """
+
+    text: str
+
+    def __format__(self, form: str) -> str:
+        if self.text in ("", "nan"):
+            return ""
+        if not form:
+            return self.text.replace("|", r"\|")
+        return _typeset(_formatted(float(self.text), form))
+
+
+def _formatted(value: float, form: str) -> str:
+    if form == "r":
+        ratio = Fraction(value).limit_denominator(3)
+        third = ratio.denominator == 3 and abs(float(ratio) - value) < 1e-9
+        return str(ratio) if third else f"{value:g}"
+    if form.endswith("%"):
+        form = form[:-1] if form.endswith("s%") else f"{form[:-1]}f"
+        return f"{_formatted(100 * value, form)} %"
+    if form.endswith("s"):
+        return f"{value:#{form[:-1]}g}".rstrip(".")
+    if form.endswith("p"):
+        mantissa, _, exponent = f"{value:{form[:-1]}e}".partition("e")
+        return f"{mantissa}·10{str(int(exponent)).translate(_RAISED)}"
+    return f"{value:{form}}"
+
+
+def _typeset(number: str) -> str:
+    """A number with the minus sign of print and no zeros in front of its exponent."""
+    sign = "−" if number.startswith("-") else number[:1]
+    return sign + re.sub(r"e([+-])0*(?=\d)", lambda m: "e" + m[1].strip("+"), number[1:])
+
+
+def read_data(name: str, folder: Path = DATA) -> tuple[str, list[dict[str, str]]]:
+    """The command that makes a data file, and its rows.
+
+    Raises
+    ------
+    DataFileError
+        If there is no such file, or its first line names no command.
+    """
+    path = folder / f"{name}.csv"
+    try:
+        with path.open(newline="", encoding="utf-8") as stream:
+            first = stream.readline()
+            rows = list(csv.DictReader(stream, strict=True))
+    except (OSError, csv.Error) as error:
+        raise DataFileError(f"{path} cannot be read ({error}).") from error
+    if not first.startswith("# "):
+        raise DataFileError(f"{path}: its first line has to be '# ' and the command that makes it.")
+    return first[2:].strip(), rows
+
+
+def _table(block: re.Match[str], folder: Path) -> str:
+    """The lines of a marked table."""
+    _, rows = read_data(block["name"], folder)
+    chosen = [one.strip().split("=", 1) for one in (block["chosen"] or "").split(";") if one]
+    try:
+        shown = [row for row in rows if all(row[column] == value for column, value in chosen)]
+        if block["key"]:
+            shown = _spread(shown, block["names"], block["key"])
+        lines = [
+            block["row"].format_map({column: Cell(text) for column, text in row.items()})
+            for row in shown
+        ]
+    except (KeyError, ValueError) as error:
+        raise DataFileError(f"{block['name']}.csv does not fit its table ({error!r}).") from error
+    if not lines:
+        raise DataFileError(f"{block['name']}.csv has no row with {block['chosen']}.")
+    rule = "|" + "---|" * (block["heading"].count("|") - 1)
+    return "\n".join([block["heading"], rule, *lines]) + "\n"
+
+
+def _spread(rows: list[dict[str, str]], names: str, key: str) -> list[dict[str, str]]:
+    """Rows of one value each as rows of several."""
+    empty = dict.fromkeys((row[names] for row in rows), "")
+    merged: dict[str, dict[str, str]] = {}
+    for row in rows:
+        merged.setdefault(row[key], {**row, **empty})[row[names]] = row["value"]
+    return list(merged.values())
+
+
+def filled(text: str, folder: Path = DATA) -> str:
+    """A page with all its tables as the data are.
+
+    Raises
+    ------
+    DataFileError
+        If a data file cannot be read, or lacks a column or all rows that a table shows.
+    """
+    return _BLOCK.sub(lambda block: block["mark"] + _table(block, folder) + block["end"], text)
+
+
+def _chart(_: str) -> str:
+    from compare.studies.chart.figure import chart_text
+    from compare.studies.chart.study import read_points
+
+    return chart_text(read_points(DATA / "chart.csv"))
+
+
+WHOLE: Mapping[str, Callable[[str], str]] = {"docs/chart.md": _chart}
+"""Pages that are written as a whole."""
+
+
+def pages() -> list[Path]:
+    """README and all pages of docs."""
+    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def stale_pages(write: bool = False) -> list[Path]:
+    """Pages that are not as their data are, written anew if that is asked for."""
+    stale = []
+    for page in pages():
+        text = page.read_text(encoding="utf-8")
+        new = WHOLE.get(str(page.relative_to(ROOT)), filled)(text)
+        if new != text:
+            stale.append(page)
+            if write:
+                write_text(page, new)
+    return stale
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Check or fill the tables of README and docs; 1 if one is not up to date, 3 without data."""
+    parser = argparse.ArgumentParser(prog="python -m docs.studies.pages", description=__doc__)
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--check", action="store_true", help="name pages that are not up to date")
+    what.add_argument("--write", action="store_true", help="fill the tables of all pages")
+    options = parser.parse_args(arguments)
+    try:
+        stale = stale_pages(options.write)
+    except DataFileError as error:
+        parser.exit(3, f"{error}\n")
+    for page in stale:
+        print(f"{page.relative_to(ROOT)}: {'written' if options.write else 'not up to date'}")
+    return 1 if stale and options.check else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,158 @@
+"""The command ``slipfront``: what it can do, and how it ends."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from io import TextIOWrapper
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from slipfront.cli import study_commands as studies
+from slipfront.cli.compare_command import compare_command
+from slipfront.cli.explore_command import explore_command
+from slipfront.cli.faults import READER_GONE, crashed, printable
+from slipfront.cli.field_command import field_command
+from slipfront.cli.interruption import INTERRUPTED, INTERRUPTION
+from slipfront.cli.measured.benchmark_command import app as benchmark_app
+from slipfront.cli.measured.fit_command import fit_command
+from slipfront.cli.measured.validate_command import validate_command
+from slipfront.cli.refusals import in_options
+from slipfront.cli.scenes.commands import init, scenes
+from slipfront.cli.simulate_command import simulate_command
+from slipfront.cli.solve_command import solve_command
+from slipfront.cli.survey_command import survey_command
+from semianalytic.scene.errors import ComputationError, DataFileError, SlipfrontError
+from semianalytic.scene.extras import needing
+
+NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a larger machine."
+
+
+class _Commands(TyperGroup):
+    """Commands that end with 1 only where answers differ, which typer does not care for."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; a file that ends too early, and a library that ends, are faults."""
+        try:
+            return super().invoke(ctx)
+        except EOFError as error:
+            raise RuntimeError("a file ends before it should") from error
+        except SystemExit as end:
+            if isinstance(end.__context__, BrokenPipeError):  # `main` knows
+                raise
+            raise RuntimeError(f"a library ended the program with {end.code!r}") from end
+
+
+app = typer.Typer(cls=_Commands, no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        print(f"slipfront {version('slipfront')}")
+        raise typer.Exit
+
+
+@app.callback()
+def slipfront(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version",
+            callback=_show_version,
+            is_eager=True,
+            help="Show the version and exit.",
+        ),
+    ] = False,
+) -> None:
+    """Where, when, how fast and which way a frictional interface slips after a sudden load."""
+
+
+app.command("compare")(compare_command)
+app.command("solve")(solve_command)
+app.command("simulate")(simulate_command)
+app.command("field")(field_command)
+app.command("explore")(explore_command)
+app.add_typer(benchmark_app, name="benchmark")
+app.command("validate")(validate_command)
+app.command("fit")(fit_command)
+app.command("survey")(survey_command)
+
+
+for command in (
+    scenes,
+    init,
+    studies.regimes,
+    studies.stability,
+    studies.article,
+    studies.chart,
+    studies.wear,
+    studies.evidence,
+):
+    app.command()(command)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        What follows ``slipfront``; taken from the process if not given.
+
+    Returns
+    -------
+    int
+        0 if all went well, 1 if two answers differ by more than their error bars allow, 2 for a
+        usage or scene error, 3 for a damaged file, 4 for a failed computation, 5 for a missing
+        or broken package, 70 for a fault of the program, 130 when interrupted (the program itself
+        returns 143 if that was by SIGTERM), 141 if whoever reads the output has gone.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    _make_streams_lenient()
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files; no other backend need exist
+    try:
+        with needing("This command"):
+            app(args=arguments, prog_name="slipfront")
+    except SlipfrontError as error:
+        print(printable(in_options(str(error), _options(arguments))), file=sys.stderr)
+        return error.exit_code
+    except OSError as error:
+        reason = f"Cannot use {error.filename or 'a file'}: {error.strerror or error}."
+        print(printable(reason), file=sys.stderr)
+        return DataFileError.exit_code
+    except MemoryError:
+        print(NO_MEMORY, file=sys.stderr)
+        return ComputationError.exit_code
+    except SystemExit as end:
+        if isinstance(end.__context__, BrokenPipeError):
+            return READER_GONE
+        if end.code == INTERRUPTED:
+            print(INTERRUPTION, file=sys.stderr)
+        return int(end.code or 0)
+    except Exception as error:
+        return crashed(error, arguments)
+    return 0
+
+
+def _options(arguments: Sequence[str]) -> set[str]:
+    """Names of the arguments that are options of the command called, and of its own commands."""
+    command: Any = typer.main.get_command(app)
+    options: set[str] = set()
+    for word in arguments:
+        commands = getattr(command, "commands", {})
+        if word not in commands:
+            break
+        command = commands[word]
+        options |= {one.name for one in command.params if one.param_type_name == "option"}
+    return options
+
+
+def _make_streams_lenient() -> None:
+    """Characters that a terminal cannot show are replaced instead of refused."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="replace")

@@ -1,0 +1,219 @@
+"""``slipfront compare``: both answers to a scene, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from slipfront.cli import terminal
+from slipfront.cli.options import (
+    MESH_OPTIONS,
+    SCENE_OPTIONS,
+    AsJson,
+    Budget,
+    FiguresForm,
+    Method,
+    NoSnapshots,
+    Output,
+    Quiet,
+    in_bytes,
+    in_seconds,
+    option_name,
+    with_options,
+)
+from slipfront.cli.scenes.completion import scene_names
+from slipfront.cli.simulate_command import simulate_into, with_error_bars
+from slipfront.cli.solve_command import check_converged
+from compare.comparison.fields.errors import field_errors
+from compare.comparison.judgement import Judgement, judge
+from compare.comparison.mesh_choice import MeshChoice, choose_mesh
+from compare.comparison.prediction import (
+    check_marched,
+    check_predictable,
+    predict_before,
+    predict_like,
+)
+from compare.comparison.report import report_document, write_report
+from compare.comparison.rows import DIFFERS
+from compare.comparison.snapshots import last_snapshot
+from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
+from compare.output.places import working_folder
+from compare.output.progress import progress_bar
+from compare.output.tables import write_rows
+from semianalytic import Marched, Scene, Solution
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.extras import FEM, PLOT, require
+from semianalytic.scene.named import (
+    DEFAULT_SCENE,
+    find_scene,
+    override_scene,
+    scene_folder,
+    scene_label,
+)
+from semianalytic.scene.scene import scene_document
+
+if TYPE_CHECKING:
+    from fem import Simulation
+
+
+@with_options(overrides=SCENE_OPTIONS, settings=MESH_OPTIONS)
+def compare_command(
+    overrides: Mapping[str, Any],
+    settings: Mapping[str, Any],
+    scene_name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SCENE]",
+            help=f"Name of a scene, or a TOML file; {DEFAULT_SCENE} unless given.",
+            autocompletion=scene_names,
+        ),
+    ] = None,
+    from_: Annotated[
+        Path | None,
+        typer.Option(
+            "--from", metavar="DIR", help="Folder of an earlier simulation to use instead."
+        ),
+    ] = None,
+    method: Method = "auto",
+    budget: Budget = None,
+    output: Output = None,
+    figures: FiguresForm = "png",
+    no_snapshots: NoSnapshots = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Solve and simulate a scene; write figures and a judgement on whether the two agree.
+
+    The exit code is 0 if nothing differs by more than the error bars allow, what this mesh cannot
+    resolve being listed; 1 if something does; 4 if the prediction has not converged.
+    """
+    require("slipfront compare", *FEM, *PLOT)
+    prediction: Solution | Marched | None = None
+    seconds, snapshots = in_seconds(budget), not no_snapshots
+    if from_ is not None:
+        given = settings if budget is None else {"budget": budget}
+        simulation = _earlier_simulation(from_, scene_name, overrides, given)
+        label = scene_label(scene_name) if scene_name else from_.resolve().name
+        directory = output or from_
+    else:
+        if budget is not None and "resolution" in settings:
+            raise _without_effect("budget", "resolution")
+        scene_name = scene_name or DEFAULT_SCENE
+        label = scene_label(scene_name)
+        directory = output or scene_folder(scene_name, overrides)
+        scene = override_scene(find_scene(scene_name), **overrides)
+        check_predictable(scene, method)
+    with working_folder(directory) as files:
+        if from_ is None:
+            prediction = predict_before(scene, method)
+            choice = _mesh(prediction, scene, seconds, settings, snapshots=snapshots)
+            check_marched(scene, method, choice.resolution, settings.get("end_time"))
+            simulation = simulate_into(
+                directory,
+                scene,
+                label,
+                {**settings, "resolution": choice.resolution},
+                snapshots=snapshots,
+                foretold=tuple(terminal.mesh_lines(choice, snapshots=snapshots)),
+                quiet=quiet,
+            )
+        elif simulation.companion is None:
+            simulation = with_error_bars(simulation, from_, label, keep=output is None, quiet=quiet)
+        frames = (from_ or directory) / SNAPSHOTS
+        written = snapshots and frames.is_dir()
+        snapshot = last_snapshot(frames, simulation.run) if written else None
+        if prediction is None:
+            with progress_bar(Console(stderr=True), quiet, "marching") as progress:
+                prediction = predict_like(simulation, method, progress)
+        fields = None
+        if written:
+            with progress_bar(Console(stderr=True), quiet, "fields") as progress:
+                fields = field_errors(prediction, simulation, frames, progress)
+        judgement = judge(prediction, simulation, snapshot, fields)
+        write_comparison(judgement, label, directory, figures)
+    if as_json:
+        document = report_document(judgement, label)
+        terminal.print_json("compare", document, judgement.verdict, files)
+    else:
+        _show(judgement, label, directory)
+    if isinstance(prediction, Solution):
+        check_converged(prediction, label)
+    raise typer.Exit(1 if judgement.verdict == DIFFERS else 0)
+
+
+def _mesh(
+    prediction: Solution | None,
+    scene: Scene,
+    budget: float | None,
+    settings: Mapping[str, Any],
+    *,
+    snapshots: bool,
+) -> MeshChoice:
+    """The mesh that settings of the command line and a budget make of a scene."""
+    options = {**settings, "memory": in_bytes(settings.get("memory"))}
+    return choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **options)
+
+
+def write_comparison(judgement: Judgement, label: str, directory: Path, form: str = "png") -> None:
+    """Draw the figures of a judgement into a folder, in a format; write JSON, and fields as CSV."""
+    from compare.figures.histories import comparison_figures
+    from compare.figures.saving import save_figure
+    from compare.figures.snapshots import snapshot_figure
+
+    drawn, fields = comparison_figures(judgement.case), judgement.fields
+    if fields is not None:
+        drawn["fields"] = lambda case: snapshot_figure(fields, case.simulation)
+        write_rows(directory / FIELDS, fields.rows)
+    for name, draw in drawn.items():
+        save_figure(draw(judgement.case), directory / f"{name}.{form}")
+    kept = {f"{name}.{form}" for name in drawn}
+    forget_figures(directory, kept if fields is None else {*kept, FIELDS})
+    write_report(judgement, label, directory / REPORT)
+
+
+def _show(judgement: Judgement, label: str, directory: Path) -> None:
+    console = Console()
+    console.print(terminal.judgement_table(judgement, label))
+    console.print(terminal.references_line(judgement), highlight=False)
+    console.print(terminal.verdict_text(judgement), highlight=False)
+    if judgement.fields is not None:
+        console.print(terminal.fields_table(judgement.fields))
+        console.print(terminal.fields_note(judgement), highlight=False)
+    console.print(f"Written to {directory}/", highlight=False)
+
+
+def _earlier_simulation(
+    directory: Path,
+    scene_name: str | None,
+    overrides: Mapping[str, Any],
+    settings: Mapping[str, Any],
+) -> Simulation:
+    """Load a simulation; check that it is of the scene asked for, if one was."""
+    from fem import load_simulation
+
+    if settings:
+        raise _without_effect(next(iter(settings)), "from")
+    simulation = load_simulation(directory)
+    if simulation.lower_material is not None:
+        raise SceneError(
+            f"{directory} holds blocks of two materials, to which the theory does not apply "
+            "(docs/limits.md)."
+        )
+    scene = override_scene(find_scene(scene_name) if scene_name else simulation.scene, **overrides)
+    if scene != simulation.scene:
+        raise SceneError(
+            f"{directory} holds a simulation of another scene "
+            f"({scene_document(simulation.scene)}); leave the scene out or simulate again."
+        )
+    return simulation
+
+
+def _without_effect(option: str, other: str) -> SceneError:
+    """Refusal of two options that exclude one another."""
+    return SceneError(
+        f"{option_name(option)} has no effect with {option_name(other)}; leave one of the two out."
+    )

@@ -1,0 +1,85 @@
+"""Where the program ``slipfront`` starts: signals are taken care of before anything is imported.
+
+Ctrl-C and SIGTERM both end a command as an interruption: what is being written is dropped, what was
+computed before is kept, one line says so, and the exit code is 130 or 143.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from types import FrameType
+
+from slipfront.cli.faults import READER_GONE, crashed, printable
+from slipfront.cli.interruption import INTERRUPTED, INTERRUPTION, TERMINATED
+
+BROKEN_FILE, BROKEN_PACKAGE = 3, 5
+"""As those of `DataFileError` and `PluginError`, which may not be there to be imported."""
+
+
+def main() -> int:
+    """Run the command line of this process and return its exit code, as `commands.main`.
+
+    Returns
+    -------
+    int
+        143 if it was ended by SIGTERM, 5 if a package that it imports is missing or broken.
+    """
+    terminated = False
+
+    def terminate(number: int, frame: FrameType | None) -> None:
+        """Do what Ctrl-C would do now; also where Ctrl-C is ignored, as in background jobs."""
+        nonlocal terminated
+        terminated = True
+        on_interrupt = signal.getsignal(signal.SIGINT)
+        if callable(on_interrupt):
+            on_interrupt(signal.SIGINT, frame)
+        else:
+            raise KeyboardInterrupt
+
+    heeded = signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
+    try:
+        # while modules are imported nothing has begun, and an exception might get lost in them
+        signal.signal(signal.SIGTERM, _leave)
+        if heeded:
+            signal.signal(signal.SIGINT, _leave)
+        from slipfront.cli import commands as cli
+
+        signal.signal(signal.SIGTERM, terminate)
+        if heeded:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+        code = _flushed(cli.main())
+    except KeyboardInterrupt:
+        print(INTERRUPTION, file=sys.stderr)
+        code = INTERRUPTED
+    except ImportError as error:
+        reason = f"slipfront cannot start ({error}); install it anew with all it needs."
+        print(printable(reason), file=sys.stderr)
+        code = BROKEN_PACKAGE
+    except Exception as error:
+        code = crashed(error, sys.argv[1:])
+    # all is done; what is left is to end
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    return TERMINATED if terminated and code == INTERRUPTED else code
+
+
+def _flushed(code: int) -> int:
+    """The exit code once all output has been handed over: Python itself would end with 120."""
+    if sys.stdout is None:  # closed before the program began
+        return code
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            return code or READER_GONE
+        print(f"Cannot write the output: {error.strerror or error}.", file=sys.stderr)
+        return code or BROKEN_FILE
+    return code
+
+
+def _leave(number: int, frame: FrameType | None) -> None:
+    os.write(2, f"{INTERRUPTION}\n".encode())
+    os._exit(128 + number)

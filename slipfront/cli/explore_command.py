@@ -1,0 +1,57 @@
+"""``slipfront explore``: a page in the browser that follows its sliders."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from slipfront.cli.options import SCENE_OPTIONS, AsJson, with_options
+from slipfront.cli.scenes.completion import scene_names
+from slipfront.cli.terminal import print_json
+from semianalytic.scene.extras import EXPLORE, PLOT, require
+from semianalytic.scene.named import DEFAULT_SCENE, find_scene, override_scene
+from semianalytic.scene.scene import scene_document
+
+
+@with_options(overrides=SCENE_OPTIONS)
+def explore_command(
+    overrides: Mapping[str, Any],
+    scene_name: Annotated[
+        str,
+        typer.Argument(
+            metavar="[SCENE]",
+            help="Name of a scene, or a TOML file.",
+            autocompletion=scene_names,
+        ),
+    ] = DEFAULT_SCENE,
+    port: Annotated[int, typer.Option(help="Port of the page; 0 for any that is free.")] = 5006,
+    browser: Annotated[
+        bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")
+    ] = True,
+    as_json: AsJson = False,
+) -> None:
+    """Explore a scene in the browser: all pictures follow the sliders; Ctrl-C ends it.
+
+    The page is served to this machine alone.  Its address holds the scene, its buttons bring
+    figure, table, scene file and the program that makes the same.
+    """
+    require("slipfront explore", *EXPLORE, *PLOT)
+    from slipfront.explore.controls import defaults
+    from slipfront.explore.serving import serve
+
+    scene = override_scene(find_scene(scene_name), **overrides)
+    defaults(scene)  # refuses what has no controls
+
+    def tell(address: str) -> None:
+        if as_json:
+            print_json("explore", {"scene": scene_document(scene), "address": address}, "serving")
+            sys.stdout.flush()
+        else:
+            words = f"Open {address} (Ctrl-C ends it)"
+            Console().print(words, highlight=False, soft_wrap=True)
+
+    serve(scene, port, browser=browser, tell=tell)

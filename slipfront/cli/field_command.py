@@ -1,0 +1,365 @@
+"""``slipfront field``: what happens inside the bodies, as pictures, films, grids and records."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+
+from slipfront.cli.marching import check_rtol
+from slipfront.cli.options import (
+    MARCH_OPTIONS,
+    SCENE_OPTIONS,
+    AsJson,
+    FiguresForm,
+    Method,
+    Output,
+    Quiet,
+    SceneArgument,
+    in_bytes,
+    option_name,
+    with_options,
+)
+from slipfront.cli.scenes.completion import FORMATS, QUANTITIES, one_of
+from slipfront.cli.solve_command import check_converged
+from slipfront.cli.terminal import print_json
+from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
+from compare.comparison.prediction import method_of
+from compare.output.places import working_folder
+from compare.output.progress import progress_bar
+from semianalytic import Marched, Scene, Solution, march, solve
+from semianalytic.prediction import chosen_method
+from semianalytic.results.answer import WholeFields
+from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.extras import FEM, PLOT, require
+from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
+from semianalytic.scene.scene import scene_document
+
+if TYPE_CHECKING:
+    from compare.figures.quantities import Quantity
+
+MARCHED_OPTIONS = {name: MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")}
+GRID = (200, 200)
+"""Cells of a grid unless they are given."""
+MOST_POINTS, MOST_FRAMES, MOST_SAMPLES = 4000, 10_000, 1_000_000
+"""What is refused as a slip of the finger: points and cells along an axis, frames, times."""
+
+_DIMENSIONS: Dimensions = {
+    "scene": SCENE_DIMENSIONS,
+    "error_estimate": "1",
+    "time": "time",
+    "window": "length",
+    "gauges": "length",
+}
+
+_PICTURE, _FILM, _GRID, _GAUGE = "Picture", "Animation", "Grid for ParaView", "Gauges"
+
+_Window = Annotated[
+    str | None,
+    typer.Option(
+        metavar="X0,X1,Y0,Y1",
+        help="What is shown [length]; all that waves can have come to unless given.",
+    ),
+]
+_Gauges = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="X,Y",
+        help="Record all fields at a point from t = 0 to --time; may be repeated.",
+        rich_help_panel=_GAUGE,
+    ),
+]
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked for, looked at before anything is computed.
+
+    Attributes
+    ----------
+    time : float, [time]
+    window : (x0, x1, y0, y1), [length]; None for all that waves can have come to
+    points : int, along the longer side of a picture
+    frames : int, of an animation and of what is written for ParaView; 0 for no animation
+    form : str, of `FORMATS`
+    grid : (int, int), cells for ParaView, or None for no such files
+    gauges : places, [length]
+    samples : int, of a record
+    figures : str, format of pictures
+    """
+
+    time: float
+    window: tuple[float, float, float, float] | None
+    points: int
+    frames: int
+    form: str
+    grid: tuple[int, int] | None
+    gauges: tuple[tuple[float, float], ...]
+    samples: int
+    figures: str
+
+    @property
+    def times(self) -> list[float]:
+        """Of the frames, the last one alone without an animation."""
+        count = max(self.frames, 1)
+        return np.linspace(self.time / count, self.time, count).tolist()
+
+
+@with_options(overrides=SCENE_OPTIONS, march_options=MARCHED_OPTIONS)
+def field_command(
+    overrides: Mapping[str, Any],
+    march_options: Mapping[str, Any],
+    scene_name: SceneArgument,
+    of: Annotated[
+        str,
+        typer.Option(
+            help="speed, pressure, max-shear, fringes, vx, vy, ux, uy, sxx, syy or sxy; in "
+            "antiplane shear also vz, uz, sxz or syz.",
+            autocompletion=one_of(*QUANTITIES),
+            rich_help_panel=_PICTURE,
+        ),
+    ] = "speed",
+    time: Annotated[float | None, typer.Option(help="When [time]; 1 / c_t unless given.")] = None,
+    window: _Window = None,
+    points: Annotated[
+        int, typer.Option(help="Points along the longer side.", rich_help_panel=_PICTURE)
+    ] = 400,
+    thickness: Annotated[
+        float | None,
+        typer.Option(help="Of the body along z, for fringes.", rich_help_panel=_PICTURE),
+    ] = None,
+    stress_optical: Annotated[
+        float | None,
+        typer.Option(
+            help="Material fringe constant, stress times thickness per fringe; such that the "
+            "larger step makes 4 fringes unless given, with --thickness.",
+            rich_help_panel=_PICTURE,
+        ),
+    ] = None,
+    animate: Annotated[
+        int,
+        typer.Option(
+            metavar="N", help="Show N times from 0 to --time as well.", rich_help_panel=_FILM
+        ),
+    ] = 0,
+    form: Annotated[
+        str,
+        typer.Option(
+            "--format",
+            help="gif or mp4.",
+            rich_help_panel=_FILM,
+            autocompletion=one_of(*FORMATS),
+        ),
+    ] = "gif",
+    vtu: Annotated[
+        bool,
+        typer.Option(
+            "--vtu",
+            help="Write velocity, displacement and stress; at the times of --animate if given.",
+            rich_help_panel=_GRID,
+        ),
+    ] = False,
+    grid: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NX,NY", help="Cells of it, 200,200 unless given.", rich_help_panel=_GRID
+        ),
+    ] = None,
+    gauge: _Gauges = None,
+    samples: Annotated[int, typer.Option(help="Times of a record.", rich_help_panel=_GAUGE)] = 1000,
+    method: Method = "auto",
+    output: Output = None,
+    figures: FiguresForm = "png",
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Draw what happens inside the bodies, with all fronts named; film it, grid it, record it.
+
+    Velocity, stress and displacement are exact where the scene is self-similar.  A picture is
+    written to DIR/SCENE_QUANTITY.png, an animation beside it, the rest to DIR/fields.pvd and
+    DIR/SCENE_gauge-1.csv.
+    """
+    require("slipfront field", *PLOT, *(FEM if vtu else ()))
+    from compare.figures.animation import check_format
+    from compare.figures.quantities import find_quantity
+
+    scene, label = override_scene(find_scene(scene_name), **overrides), scene_label(scene_name)
+    marched = chosen_method(scene, method) == "space-time"
+    if march_options and not marched:
+        raise SceneError(
+            f"{option_name(next(iter(march_options)))} is for the space-time solver; "
+            "add --method space-time."
+        )
+    step = _fringe_stress(of, thickness, stress_optical)
+    quantity = find_quantity(of, scene, step)
+    if grid is not None and not vtu:
+        raise SceneError("--grid is that of --vtu; give both.")
+    if form not in FORMATS:
+        raise SceneError(f"--format must be one of {', '.join(FORMATS)}, got {shown(form)}.")
+    request = Request(
+        1 / scene.material.shear_speed if time is None else checked_size("field: time", time),
+        None if window is None else _window(window),
+        _count("points", points, 2, MOST_POINTS),
+        _count("animate", animate, 0, MOST_FRAMES),
+        form,
+        (_grid(grid) if grid else GRID) if vtu else None,
+        tuple(_place(one) for one in gauge or ()),
+        _count("samples", samples, 2, MOST_SAMPLES),
+        figures,
+    )
+    if request.frames:
+        check_format(form)
+    directory = output or scene_folder(scene_name, overrides) / "field"
+    words = [scene_name, *(f"{option_name(k)}={v}" for k, v in overrides.items())]
+    with working_folder(directory) as files:
+        answer = _marched(scene, request.time, march_options, quiet) if marched else solve(scene)
+        _draw(directory, f"{label}_{of}", answer, quantity, request, quiet)
+        if request.grid is not None:
+            _write_grid(directory, answer, request, quiet)
+        _record(directory, label, answer, request, words)
+    if as_json:
+        print_json("field", _document(answer, of, request), answer.status, files)
+    else:
+        Console().print(f"Written to {directory}/", highlight=False)
+    if isinstance(answer, Solution):
+        check_converged(answer, label)
+    else:
+        check_rtol(answer, label)
+
+
+def _document(answer: Solution | Marched, of: str, request: Request) -> dict[str, Any]:
+    """What was drawn and recorded, as plain dictionaries, each number with its unit."""
+    window = request.window or _reach(answer, request)
+    document: dict[str, Any] = {
+        "scene": scene_document(answer.scene),
+        "method": method_of(answer),
+        "error_estimate": answer.error_estimate,
+        "of": of,
+        "time": request.time,
+        "window": dict(zip(("x0", "x1", "y0", "y1"), window, strict=True)),
+        "frames": request.frames,
+        "gauges": [{"x": x, "y": y} for x, y in request.gauges],
+    }
+    document["units"] = units_document(document, _DIMENSIONS, answer.scene)
+    return document
+
+
+def _reach(fields: WholeFields, request: Request) -> tuple[float, float, float, float]:
+    """All that waves can have come to."""
+    from compare.figures.fronts import reach
+
+    return reach(fields, request.time)
+
+
+def _marched(scene: Scene, time: float, options: Mapping[str, Any], quiet: bool) -> Marched:
+    memory = in_bytes(options.get("memory"))
+    with progress_bar(Console(stderr=True), quiet, "marching") as progress:
+        return march(scene, time, **{**options, "memory": memory}, progress=progress)
+
+
+def _draw(
+    directory: Path,
+    name: str,
+    fields: WholeFields,
+    quantity: Quantity,
+    request: Request,
+    quiet: bool,
+) -> None:
+    """The picture, and the animation if one is asked for."""
+    from compare.figures.animation import write_animation
+    from compare.figures.fields import FieldPicture
+    from compare.figures.saving import save_figure
+
+    window = request.window or _reach(fields, request)
+    picture = FieldPicture(fields, quantity, window, request.points, request.time)
+    save_figure(picture.figure, directory / f"{name}.{request.figures}")
+    if request.frames:
+        path = directory / f"{name}.{request.form}"
+        with progress_bar(Console(stderr=True), quiet, "drawing") as progress:
+            write_animation(path, picture, request.times, progress)
+
+
+def _write_grid(directory: Path, fields: WholeFields, request: Request, quiet: bool) -> None:
+    from compare.output.field_files import write_frames
+
+    assert request.grid is not None
+    window = request.window or _reach(fields, request)
+    with progress_bar(Console(stderr=True), quiet, "writing") as progress:
+        write_frames(directory, fields, request.times, window, request.grid, progress)
+
+
+def _record(
+    directory: Path, label: str, fields: WholeFields, request: Request, words: list[str]
+) -> None:
+    """A table and a figure for every gauge."""
+    from compare.figures.records import record_figure
+    from compare.figures.saving import save_figure
+    from compare.output.field_files import record_fields, write_record
+
+    scene, t = fields.scene, np.linspace(0.0, request.time, request.samples)
+    for number, (x, y) in enumerate(request.gauges, start=1):
+        record, path = record_fields(fields, x, y, t), directory / f"{label}_gauge-{number}.csv"
+        asked = [f"--gauge={x!r},{y!r}", f"--time={request.time!r}", f"--samples={len(t)}"]
+        command = shlex.join(["slipfront", "field", *words, *asked])
+        write_record(path, record, scene.units, command)
+        save_figure(record_figure(record, scene), path.with_suffix(f".{request.figures}"))
+
+
+def _fringe_stress(of: str, thickness: float | None, stress_optical: float | None) -> float | None:
+    """Difference of principal stresses per fringe [stress], if it is given."""
+    if thickness is None and stress_optical is None:
+        return None
+    if of != "fringes":
+        raise SceneError("--thickness and --stress-optical are for --of fringes; add that.")
+    if thickness is None or stress_optical is None:
+        raise SceneError("fringes follow from --thickness and --stress-optical; give both.")
+    constant = checked_size("field: stress_optical", stress_optical)
+    return constant / checked_size("field: thickness", thickness)
+
+
+def _count(name: str, value: int, least: int, most: int) -> int:
+    if not least <= value <= most:
+        raise SceneError(
+            f"{option_name(name)} must be a whole number from {least} to {most}, got "
+            f"{shown(value)}."
+        )
+    return value
+
+
+def _window(text: str) -> tuple[float, float, float, float]:
+    required = "be four numbers x0,x1,y0,y1 with x0 < x1 and y0 < y1"
+    x0, x1, y0, y1 = _numbers("window", text, 4, required)
+    if not (x0 < x1 and y0 < y1):
+        raise SceneError(f"--window must {required}, got {shown(text)}.")
+    return x0, x1, y0, y1
+
+
+def _place(text: str) -> tuple[float, float]:
+    x, y = _numbers("gauge", text, 2, "be two numbers x,y")
+    return x, y
+
+
+def _grid(text: str) -> tuple[int, int]:
+    required = f"be two whole numbers nx,ny from 2 to {MOST_POINTS}"
+    nx, ny = _numbers("grid", text, 2, required)
+    if not all(one.is_integer() and 2 <= one <= MOST_POINTS for one in (nx, ny)):
+        raise SceneError(f"--grid must {required}, got {shown(text)}.")
+    return int(nx), int(ny)
+
+
+def _numbers(name: str, text: str, count: int, required: str) -> Iterator[float]:
+    """As many finite numbers as there must be, which commas part."""
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count:
+        raise SceneError(f"{option_name(name)} must {required}, got {shown(text)}.")
+    return iter([checked_number(option_name(name), number) for number in numbers])

@@ -1,0 +1,132 @@
+"""``slipfront solve`` of what is not self-similar: a march in time, kept and gone on with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+from rich.console import Console
+
+from slipfront.cli import terminal
+from slipfront.cli.interruption import INTERRUPTED
+from slipfront.cli.options import in_bytes, option_name
+from compare.comparison.documents import march_document
+from compare.output.places import check_file, save_somewhere
+from compare.output.progress import progress_bar
+from semianalytic import Marched, Scene, march, march_on
+from semianalytic.results.interruption import deferred_interrupt
+from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.extras import HDF5, require
+
+if TYPE_CHECKING:
+    from compare.figures.named import Draw
+
+
+def march_command(
+    scene: Scene,
+    label: str,
+    end_time: float | None,
+    options: Mapping[str, Any],
+    *,
+    as_json: bool,
+    draw: Draw | None,
+    plot: Path | None,
+    quiet: bool,
+) -> None:
+    """March a scene, or go on with a saved march, and say what happened.
+
+    Raises
+    ------
+    ComputationError
+        When all is shown, if the error estimate is above the --rtol.
+    """
+    options = dict(options)
+    save, earlier = options.pop("save", None), options.pop("go_on", None)
+    if save is not None or earlier is not None:
+        require("a saved march", *HDF5)
+    if save is not None:
+        check_file(save)
+    notes = Console(stderr=True)
+    bar = progress_bar(notes, quiet or as_json, "marching")
+    with bar as show, deferred_interrupt() as interruption:
+
+        def progress(done: int, steps: int) -> bool:
+            show(done, steps)
+            return interruption.pressed
+
+        if earlier is None:
+            every = options.get("every", 1)
+            memory = in_bytes(options.pop("memory", None))
+            marched = march(scene, end_time, **options, memory=memory, progress=progress)
+        else:
+            saved = Marched.load(earlier)
+            every = saved.every
+            marched = _gone_on(saved, earlier, scene, end_time, options, progress)
+    if save is not None:
+        save_somewhere(marched.save, save, save.name)
+    if interruption.pressed:
+        if save is not None:
+            notes.print(
+                f"{save} holds the march until t = {marched.end_time:.6g}.", highlight=False
+            )
+        raise typer.Exit(INTERRUPTED)
+    if marched.every > every and not quiet:
+        notes.print(
+            f"Every {marched.every}th level is stored: more would not have fitted into the memory.",
+            highlight=False,
+        )
+    _show(marched, label, as_json=as_json, save=save, draw=draw, plot=plot)
+    check_rtol(marched, label)
+
+
+def check_rtol(marched: Marched, label: str) -> None:
+    """Raise ComputationError, when all is shown, if the error estimate is above the --rtol."""
+    if marched.rtol is not None and not marched.error_estimate <= marched.rtol:
+        raise ComputationError(f"{label} is not within --rtol: {marched.caution}.")
+
+
+def _gone_on(
+    saved: Marched,
+    path: Path,
+    scene: Scene,
+    end_time: float | None,
+    options: dict[str, Any],
+    progress: Callable[[int, int], bool],
+) -> Marched:
+    """A saved march of a scene continued, to the latest time it can reach unless given."""
+    if saved.scene != scene:
+        raise SceneError(f"{path} holds a march of another scene; give that scene.")
+    memory = in_bytes(options.pop("memory", None))
+    if options:
+        raise SceneError(
+            f"{option_name(next(iter(options)))} has no effect with --go-on; leave one of the two "
+            "out."
+        )
+    end_time = saved.latest if end_time is None else end_time
+    return march_on(saved, end_time, progress, memory=memory)
+
+
+def _show(
+    marched: Marched,
+    label: str,
+    *,
+    as_json: bool,
+    save: Path | None,
+    draw: Draw | None,
+    plot: Path | None,
+) -> None:
+    """Draw a march if asked for, and print it."""
+    if draw is not None and plot is not None:
+        from compare.figures.saving import save_figure
+
+        save_figure(draw(marched), plot)
+    if as_json:
+        files = [path for path in (save, plot) if path is not None]
+        terminal.print_json("solve", march_document(marched), files=files)
+        return
+    Console().print(terminal.march_table(marched, label))
+    for done, path in (("Saved", save), ("Drawn", plot)):
+        if path is not None:
+            Console().print(f"{done} in {path}", highlight=False)

@@ -1,0 +1,243 @@
+"""``slipfront fit``: parameters of a scene from measured records."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from slipfront.cli.options import SCENE_OPTIONS, AsJson, Quiet, option_name, with_options
+from slipfront.cli.scenes.completion import scene_names
+from compare.comparison.documents import envelope, json_text
+from slipfront.fits.data import read_gauges
+from slipfront.fits.documents import dimension, fit_document, known_by_prior, misfit_sentence
+from slipfront.fits.posterior import Posterior, posterior
+from compare.output.files import write_text
+from compare.output.places import check_file
+from compare.output.progress import progress_bar
+from semianalytic.inversion.fitting import Fit, fit
+from semianalytic.inversion.gauges import QUANTITIES
+from semianalytic.inversion.priors import LogNormal, Normal, Prior, Uniform
+from semianalytic.inversion.unknowns import SETUP, Setup
+from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.extras import BAYES, PLOT, require
+from semianalytic.scene.named import find_scene, override_scene
+from semianalytic.scene.units import unit
+
+PRIORS: Mapping[str, type] = {"normal": Normal, "lognormal": LogNormal, "uniform": Uniform}
+_PRIOR = re.compile(r"([^=]+)=\s*(\w+)\s*\(\s*([^,()]+?)\s*,\s*([^,()]+?)\s*\)\s*$")
+
+
+@with_options(overrides=SCENE_OPTIONS)
+def fit_command(
+    overrides: Mapping[str, Any],
+    files: Annotated[
+        list[Path], typer.Argument(metavar="FILE...", help="Records: tables of t, x, y, values.")
+    ],
+    scene_name: Annotated[
+        str,
+        typer.Option(
+            "--scene",
+            metavar="SCENE",
+            help="Name or TOML file: what is not fitted.",
+            autocompletion=scene_names,
+        ),
+    ],
+    parameters: Annotated[
+        str, typer.Option(metavar="NAME,...", help="What is fitted, as friction,load_shear.")
+    ],
+    noise: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="[NAME=]NUMBER",
+            help="Standard deviation of samples, or of those of a quantity, where no column says.",
+        ),
+    ] = None,
+    prior: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=KIND(A,B)",
+            help="friction=normal(0.3,0.1), lognormal(median,factor) or uniform(low,high).",
+        ),
+    ] = None,
+    held: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--setup", metavar="NAME=NUMBER", help="t0, x0 or gain of the gauges, if not fitted."
+        ),
+    ] = None,
+    sample: Annotated[
+        bool, typer.Option("--posterior", help="Sample the posterior as well (emcee).")
+    ] = False,
+    steps: Annotated[int, typer.Option(help="Of the chains, at most.")] = 2000,
+    seed: Annotated[int, typer.Option(help="Of the chains.")] = 0,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw records, fit and parameters.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the JSON of --json to a file.")
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Fit parameters of a scene to what gauges recorded.
+
+    Values of the scene are the first guess; the search covers their plausible ranges, or those of
+    priors.  The exit code is 4 if the fit, or the posterior, is not to be relied upon.
+    """
+    require("slipfront fit", *(PLOT if plot else ()), *(BAYES if sample else ()))
+    scene = override_scene(find_scene(scene_name), **overrides)
+    names = tuple(part.strip() for part in parameters.split(",") if part.strip())
+    known, numbers = _priors(prior or ()), _numbers("setup", held or (), SETUP)
+    setup = Setup(numbers.get("t0", 0.0), numbers.get("x0", 0.0), numbers.get("gain", 1.0))
+    gauges = read_gauges(files, _noise(noise or ()))
+    if plot is not None:
+        from compare.figures.saving import figure_format
+
+        figure_format(plot)
+    for path in filter(None, (plot, output)):
+        check_file(path)
+    found = fit(gauges, scene, names, priors=known, setup=setup)
+    chains = None
+    if sample and not found.unconstrained:
+        with progress_bar(Console(stderr=True), quiet or as_json, "sampling") as progress:
+            chains = posterior(found, steps=steps, seed=seed, progress=progress)
+    written = [path for path in (plot, output) if path is not None]
+    text = json_text(envelope("fit", fit_document(found, chains), files=written))
+    if plot is not None:
+        from compare.figures.saving import save_figure
+        from slipfront.fits.figures import fit_figure
+
+        save_figure(fit_figure(found, chains), plot)
+    if output is not None:
+        write_text(output, text)
+    if as_json:
+        print(text, end="")
+    else:
+        _show(found, chains, written)
+    _check_converged(found, chains)
+
+
+def _check_converged(found: Fit, chains: Posterior | None) -> None:
+    """Raise ComputationError, when all is shown, for what is not to be relied upon."""
+    if found.status != "converged":
+        raise ComputationError(f"The fit is not to be relied upon: {found.status}.")
+    if chains is not None and chains.status != "converged":
+        raise ComputationError(f"The posterior is {chains.status}.")
+
+
+def _show(found: Fit, chains: Posterior | None, written: Sequence[Path]) -> None:
+    console = Console()
+    console.print(_values_table(found, chains))
+    console.print(_gauges_table(found))
+    lines = [
+        f"chi2 {found.chi2:.4g} of {found.freedom}: {misfit_sentence(found)}.",
+        f"{_minima(found)}; {found.solutions} solutions.",
+    ]
+    lines += [f"Of {name} the data say no more than its prior." for name in known_by_prior(found)]
+    if chains is not None:
+        lines.append(
+            f"Posterior: {len(chains.samples)} samples of {chains.walkers} chains of "
+            f"{chains.steps} steps, autocorrelation time {chains.autocorrelation_time.max():.0f}; "
+            f"{chains.status}."
+        )
+    lines += [f"Written to {path}" for path in written]
+    for line in lines:
+        console.print(line, highlight=False, markup=False)
+
+
+def _minima(found: Fit) -> str:
+    count = len(found.minima)
+    if count == 1:
+        return "The search came to one minimum"
+    return f"The search came to {count} minima, the next {found.next_minimum:.3g} above in chi2"
+
+
+def _values_table(found: Fit, chains: Posterior | None) -> Table:
+    table = Table("parameter", title=f"Fit: {found.status}")
+    for name in ("value", "± error", "unit"):
+        table.add_column(name, justify="left" if name == "unit" else "right")
+    if chains is not None:
+        table.add_column("posterior, 5 to 95 %", justify="right")
+        low, high = chains.quantiles(0.05, 0.95)
+    for number, name in enumerate(found.parameters):
+        error = found.standard_errors[number]
+        free = not np.isfinite(error)
+        row = [
+            name,
+            f"{found.values[number]:.6g}",
+            "not constrained" if free else f"{error:.2g}",
+            escape(unit(dimension(name), found.scene.units)),
+        ]
+        if chains is not None:
+            row.append(f"{low[number]:.5g} to {high[number]:.5g}")
+        table.add_row(*row)
+    return table
+
+
+def _gauges_table(found: Fit, most: int = 12) -> Table:
+    table = Table("gauge", "quantity", title="Gauges")
+    for name in ("x", "y", "samples", "chi2"):
+        table.add_column(name, justify="right")
+    rows = list(zip(found.gauges, found.residuals, strict=True))
+    for gauge, residual in rows[:most]:
+        table.add_row(
+            escape(gauge.label),
+            gauge.quantity,
+            f"{gauge.x:.5g}",
+            "" if gauge.y is None else f"{gauge.y:.5g}",
+            str(len(gauge.t)),
+            f"{np.sum((residual / gauge.noise) ** 2):.4g}",
+        )
+    if len(rows) > most:
+        table.add_row(f"and {len(rows) - most} more", *[""] * 5)
+    return table
+
+
+def _noise(given: Sequence[str]) -> dict[str, float]:
+    """Standard deviations by quantity, "" for all."""
+    named = [text if "=" in text else f"={text}" for text in given]
+    return _numbers("noise", named, ("", *QUANTITIES))
+
+
+def _numbers(option: str, given: Sequence[str], known: Sequence[str]) -> dict[str, float]:
+    """Numbers by name, of NAME=NUMBER."""
+    result = {}
+    for text in given:
+        name, _, number = text.partition("=")
+        try:
+            result[name.strip()] = float(number)
+        except ValueError:
+            raise SceneError(
+                f"{option_name(option)} must be NAME=NUMBER, got {text.removeprefix('=')!r}."
+            ) from None
+        if name.strip() not in known:
+            raise SceneError(
+                f"{option_name(option)} knows {', '.join(filter(None, known))}, got {name!r}."
+            )
+    return result
+
+
+def _priors(given: Sequence[str]) -> dict[str, Prior]:
+    """Priors by name, of NAME=KIND(A,B)."""
+    result: dict[str, Prior] = {}
+    for text in given:
+        match = _PRIOR.match(text)
+        try:
+            if match is None or match[2].lower() not in PRIORS:
+                raise ValueError(text)
+            numbers = float(match[3]), float(match[4])
+        except ValueError:
+            raise SceneError(
+                f"{option_name('prior')} must be NAME=KIND(A,B) with a kind among "
+                f"{', '.join(PRIORS)}, as friction=normal(0.3,0.1), got {text!r}."
+            ) from None
+        result[match[1].strip()] = PRIORS[match[2].lower()](*numbers)
+    return result

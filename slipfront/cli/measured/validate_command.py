@@ -1,0 +1,192 @@
+"""``slipfront validate``: what another code recorded, against the exact answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from slipfront.cli import terminal
+from slipfront.cli.options import (
+    SCENE_OPTIONS,
+    AsJson,
+    FiguresForm,
+    Output,
+    option_name,
+    with_options,
+)
+from slipfront.cli.scenes.completion import scene_names
+from compare.comparison.rows import DIFFERS
+from compare.output.leftovers import REPORT
+from compare.output.places import working_folder
+from compare.records.options import ReadingOptions
+from compare.records.read import read_records
+from compare.validation.conventions import Conventions, named_scale
+from compare.validation.report import validation_document, write_validation
+from compare.validation.validation import Validation, validate
+from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.extras import PLOT, require
+from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
+
+FIGURE = "validation"
+_UNITS = "Units and conventions of the file (detected and said unless given)"
+
+
+class UnreadableError(DataFileError):
+    """A file of another code that cannot be read or compared; by its line, where it has any."""
+
+    exit_code = 2
+
+
+def _option(type_: Any, text: str, *, metavar: str | None = None) -> Any:
+    return Annotated[type_, typer.Option(help=text, metavar=metavar, rich_help_panel=_UNITS)]
+
+
+UNIT_OPTIONS: Mapping[str, Any] = {
+    "length_unit": _option(str | None, "Of positions and slip: m, km, cm, mm or um."),
+    "time_unit": _option(str | None, "s, ms or us."),
+    "stress_unit": _option(str | None, "Pa, kPa, MPa or GPa."),
+}
+CONVENTIONS: Mapping[str, Any] = {
+    "sign": _option(str | None, "Of slip and shear: as-given or reversed."),
+    "slip": _option(str | None, "relative, half, or face: that of one face."),
+    "pressure": _option(str | None, "What is positive: compression or tension."),
+    "time_shift": _option(float | None, "Added to the times, in units of the scene."),
+}
+PLACES: Mapping[str, Any] = {
+    "scale": _option(
+        list[str] | None, "What numbers are multiplied by, as length=0.001.", metavar="NAME=NUMBER"
+    ),
+    "at": _option(list[float] | None, "Where the station of each file is, in its units."),
+    "origin": _option(float | None, "Where the contact begins in the coordinates of the file."),
+    "column": _option(
+        list[str] | None, "What a column holds, as slip_rate=V1.", metavar="NAME=COLUMN"
+    ),
+}
+
+
+@with_options(overrides=SCENE_OPTIONS, units=UNIT_OPTIONS, conventions=CONVENTIONS, places=PLACES)
+def validate_command(
+    overrides: Mapping[str, Any],
+    units: Mapping[str, str],
+    conventions: Mapping[str, Any],
+    places: Mapping[str, Any],
+    results: Annotated[
+        list[Path],
+        typer.Argument(metavar="RESULT...", help="What another code wrote; coarse to fine."),
+    ],
+    scene_name: Annotated[
+        str,
+        typer.Option(
+            "--scene",
+            metavar="SCENE",
+            help="Name of a scene, or a TOML file.",
+            autocompletion=scene_names,
+        ),
+    ],
+    spacing: Annotated[
+        list[float] | None,
+        typer.Option(
+            help="Distance of grid points on the interface, in units of the file; once for each "
+            "resolution."
+        ),
+    ] = None,
+    rate_from_slip: Annotated[
+        bool, typer.Option("--rate-from-slip", help="Make a slip rate of differences of slip.")
+    ] = False,
+    threshold: Annotated[
+        float | None,
+        typer.Option(help="Slip rate at which slip has begun; a hundredth of load / (ρ c_t)."),
+    ] = None,
+    output: Output = None,
+    figures: FiguresForm = "png",
+    as_json: AsJson = False,
+) -> None:
+    """Hold what another code recorded on the interface against the exact answer.
+
+    Units and conventions that are detected are said first.  The exit code is 0 if nothing differs
+    by more than the error bars allow, 1 if something does, 2 if a file cannot be read.
+    """
+    require("slipfront validate", *PLOT)
+    scene = override_scene(find_scene(scene_name), **overrides)
+    label = scene_label(scene_name)
+    said = Conventions(
+        scale=_scales(units, places.get("scale", ())),
+        rate_from_slip=rate_from_slip,
+        threshold=threshold,
+        **conventions,
+    )
+    options = ReadingOptions(
+        tuple(places.get("at", ())),
+        places.get("origin", 0.0),
+        _columns(places.get("column", ())),
+    )
+    directory = output or scene_folder(f"{label}-validation", overrides)
+    try:
+        records = read_records(results, options)
+        validation = validate(records, scene, spacing=spacing, conventions=said)
+    except DataFileError as error:
+        raise UnreadableError(str(error)) from error
+    with working_folder(directory) as files:
+        write_files(validation, label, directory, figures)
+    if as_json:
+        document = validation_document(validation, label)
+        terminal.print_json("validate", document, validation.verdict, files)
+    else:
+        _show(validation, label, directory)
+    raise typer.Exit(1 if validation.verdict == DIFFERS else 0)
+
+
+def write_files(validation: Validation, label: str, directory: Path, form: str = "png") -> None:
+    """Write a validation into a folder, as JSON and as a figure of a format."""
+    from compare.figures.saving import save_figure
+    from compare.validation.figure import validation_figure
+
+    save_figure(validation_figure(validation), directory / f"{FIGURE}.{form}")
+    write_validation(validation, label, directory / REPORT)
+
+
+def _columns(told: Sequence[str]) -> dict[str, str]:
+    """Names of columns by what they hold."""
+    pairs = [text.partition("=") for text in told]
+    for name, equals, column in pairs:
+        if not name or not equals or not column:
+            raise SceneError(
+                f"{option_name('column')} must be a name and a column as slip_rate=V1, got "
+                f"{name + equals + column!r}."
+            )
+    return {name: column for name, _, column in pairs}
+
+
+def _scales(units: Mapping[str, str], scale: Sequence[str]) -> dict[str, float]:
+    """What numbers of a file are multiplied by, from names of units and from numbers."""
+    sizes = {}
+    for option, name in units.items():
+        kind = option.removesuffix("_unit")
+        sizes[kind] = named_scale(kind, name)
+    for text in scale:
+        name, _, number = text.partition("=")
+        if name in sizes:
+            raise SceneError(f"The scale of {name} is given twice; leave one of the two out.")
+        try:
+            sizes[name] = float(number)
+        except ValueError:
+            raise SceneError(
+                f"{option_name('scale')} must be a name and a number as length=0.001, got {text!r}."
+            ) from None
+    return sizes
+
+
+def _show(validation: Validation, label: str, directory: Path) -> None:
+    console = Console()
+    for note in validation.notes:
+        console.print(f"Note: {note}.", highlight=False, markup=False)
+    console.print(terminal.validation_table(validation, label))
+    console.print(terminal.references_line(validation), highlight=False)
+    console.print(terminal.norms_table(validation))
+    text = terminal.verdict_text(validation, ("spacing",))
+    console.print(text, highlight=False, markup=False)
+    console.print(f"Written to {directory}/", highlight=False, markup=False)

@@ -1,0 +1,242 @@
+"""Options that several commands share: scene parameters, settings of solvers, places, quietness."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+from collections.abc import Callable, Mapping
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+
+from slipfront.cli.scenes.completion import (
+    LOADED,
+    MESH_NAMES,
+    METHODS,
+    MODES,
+    one_of,
+    scene_names,
+)
+from semianalytic.results.memory import GIGABYTE
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+
+SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
+"""Units of time as they are typed."""
+
+SceneArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE", help="Name of a scene, or a TOML file.", autocompletion=scene_names
+    ),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results only, no progress.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
+NoSnapshots = Annotated[bool, typer.Option("--no-snapshots", help="Write no field snapshots.")]
+Budget = Annotated[
+    str | None,
+    typer.Option(
+        metavar="TIME",
+        help="Time for the simulation, as 60s, 5min or 1h, from which the mesh follows; about that "
+        "of a resolution of 100 unless given.",
+        rich_help_panel="Finite elements",
+    ),
+]
+NoCompanions = Annotated[
+    bool, typer.Option("--no-companions", help="Run no coarser meshes, which give error bars.")
+]
+Output = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="DIR",
+        help="Folder to write to; results/SCENE unless given, as in results/SCENE-friction-0.2.",
+    ),
+]
+FORMS = ("png", "pdf", "svg")
+
+
+def _known_form(form: str) -> str:
+    if form not in FORMS:
+        raise SceneError(f"--figures must be one of {', '.join(FORMS)}, got {shown(form)}.")
+    return form
+
+
+FiguresForm = Annotated[
+    str,
+    typer.Option(
+        "--figures",
+        metavar="FORMAT",
+        callback=_known_form,
+        help=f"Format of figures: {', '.join(FORMS[:-1])} or {FORMS[-1]}.",
+    ),
+]
+Method = Annotated[
+    str,
+    typer.Option(
+        help="self-similar, space-time, or auto: the one the scene calls for.",
+        autocompletion=one_of(*METHODS),
+    ),
+]
+
+
+def _option(type_: type, panel: str, text: str, *names: str) -> Any:
+    # units are in brackets, which would be taken for markup
+    named = one_of(*names) if names else None
+    option = typer.Option(help=escape(text), rich_help_panel=panel, autocompletion=named)
+    return Annotated[type_ | None, option]
+
+
+_SCENE_PANEL = "Scene (in place of the scene's own values)"
+
+SCENE_OPTIONS: Mapping[str, Any] = {
+    "mode": _option(str, _SCENE_PANEL, "Which way shear acts: in-plane or antiplane.", *MODES),
+    "load_on": _option(
+        str,
+        _SCENE_PANEL,
+        "Where the load acts: taken off the faces of the slot, or arriving from far away (remote).",
+        *LOADED,
+    ),
+} | {
+    name: _option(float, _SCENE_PANEL, text)
+    for name, text in {
+        "shear_modulus": "Shear modulus [stress].",
+        "density": "Mass density [mass / length³].",
+        "poisson_ratio": "Poisson ratio.",
+        "friction": "Coulomb friction coefficient.",
+        "base_pressure": "Pressure in place before the load [stress].",
+        "base_shear": "Shear traction in place before the load [stress].",
+        "load_pressure": "Pressure of the load, from t = 0 [stress].",
+        "load_shear": "Shear traction of the load, from t = 0 [stress].",
+        "viscosity": "Strength of a viscous film over relative slip rate [stress time / length].",
+    }.items()
+}
+
+LOWER_OPTIONS: Mapping[str, Any] = {
+    f"lower_{name}": _option(float, _SCENE_PANEL, text)
+    for name, text in {
+        "shear_modulus": "Shear modulus of the lower block [stress].",
+        "density": "Mass density of the lower block [mass / length³].",
+        "poisson_ratio": "Poisson ratio of the lower block.",
+    }.items()
+}
+"""Where both blocks are not alike; what is not given is that of the upper block."""
+
+MESH_OPTIONS: Mapping[str, Any] = {
+    name: _option(type_, "Finite elements", text, *MESH_NAMES.get(name, ()))
+    for name, (type_, text) in {
+        "end_time": (float, "Time T at which the simulation ends [time]; 1 / c_t unless given."),
+        "resolution": (int, "Elements per c_t T, 100 unless given; compare can choose it."),
+        "damping": (float, "Kelvin–Voigt time over h / c_t, 0.02 unless given."),
+        "step_ratio": (float, "Time step over the critical one, 0.95 unless given."),
+        "model": (str, "Blocks to mesh, auto unless given."),
+        "element": (str, "P1, Q1 or Q2; Q1 unless given."),
+        "mesh": (str, "squares, graded, or triangles for P1; squares unless given."),
+        "frames": (int, "Number of field snapshots, 20 unless given."),
+        "every": (int, "Store every n-th step of the histories, 1 unless given."),
+        "memory": (float, "Most memory to take [GB], 70 % of what is free unless given."),
+    }.items()
+}
+
+MARCH_OPTIONS: Mapping[str, Any] = {
+    name: _option(type_, "Space-time solver", text)
+    for name, (type_, text) in {
+        "nodes": (int, "Contact nodes; 1000, or what the loads need, unless given."),
+        "rtol": (float, "Largest error estimate, in place of nodes."),
+        "length": (float, "Part of the contact that is observed [length], c_l T unless given."),
+        "step_ratio": (float, "c_t times the step over the node distance, 0.5 unless given."),
+        "every": (int, "Store every n-th step."),
+        "latest": (float, "Time to which a saved march may go on [time], T unless given."),
+        "memory": (float, "Most memory to take [GB], 70 % of what is free unless given."),
+        "save": (Path, "File to keep the march in (.h5)."),
+        "go_on": (Path, "File of a saved march to go on with."),
+    }.items()
+}
+
+CHECKPOINT_OPTIONS: Mapping[str, Any] = {
+    "checkpoint_every": _option(
+        int, "Checkpoints", "Steps between checkpoints, written to DIR/checkpoint.h5; 0 for none."
+    ),
+    "checkpoint_seconds": _option(
+        float, "Checkpoints", "Seconds between checkpoints; one is written when either is due."
+    ),
+    "resume": Annotated[
+        bool | None,
+        typer.Option(
+            "--resume",
+            help="Go on from DIR/checkpoint.h5 if it is there; give the same options again.",
+            rich_help_panel="Checkpoints",
+        ),
+    ],
+}
+
+
+def with_options(**groups: Mapping[str, Any]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Give a command one option per entry of each group.
+
+    The command itself takes each group as one keyword argument: a dictionary of the options that
+    were given on the command line.  Numbers that are not finite are refused.
+
+    Parameters
+    ----------
+    **groups : mapping from option name to annotation
+        The options, by the name of the argument that collects them.
+    """
+    options = {name: hint for group in groups.values() for name, hint in group.items()}
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(command)
+        def run(**given: Any) -> Any:
+            collected: dict[str, dict[str, Any]] = {}
+            for argument, group in groups.items():
+                values = {name: given.pop(name) for name in group}
+                collected[argument] = {k: v for k, v in values.items() if v is not None}
+                _check_finite(collected[argument])
+            return command(**given, **collected)
+
+        own = inspect.signature(command, eval_str=True).parameters.values()
+        parameters = [p for p in own if p.name not in groups] + [
+            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=hint)
+            for name, hint in options.items()
+        ]
+        run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        run.__annotations__ = {p.name: p.annotation for p in parameters}
+        return run
+
+    return decorate
+
+
+def option_name(argument: str) -> str:
+    """An option as it is typed."""
+    return "--" + argument.replace("_", "-")
+
+
+def in_seconds(time: str | None) -> float | None:
+    """A time as it is typed, such as 90, 60s, 1.5min or 2h, in seconds.
+
+    Raises
+    ------
+    SceneError
+        If it is nothing of that kind, or not positive.
+    """
+    if time is None:
+        return None
+    match = re.fullmatch(r"(\d+\.?\d*|\.\d+)\s*([a-z]*)", time.strip().lower())
+    seconds = float(match[1]) * SECONDS.get(match[2], math.nan) if match else math.nan
+    if not 0 < seconds < math.inf:
+        raise SceneError(f"--budget must be a time such as 60s, 5min or 1h, got {shown(time)}.")
+    return seconds
+
+
+def in_bytes(gigabytes: float | None) -> float | None:
+    """An amount of memory as the solvers take it."""
+    return None if gigabytes is None else gigabytes * GIGABYTE
+
+
+def _check_finite(given: Mapping[str, Any]) -> None:
+    for name, value in given.items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise SceneError(f"{option_name(name)} must be a finite number, got {value}.")

@@ -1,0 +1,164 @@
+"""``slipfront scenes`` and ``slipfront init``: which scenes there are, and a file for your own."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from slipfront.cli.options import AsJson
+from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
+from slipfront.cli.scenes.completion import one_of, scene_names
+from slipfront.cli.terminal import print_json
+from compare.comparison.documents import SCENE_DIMENSIONS, units_document
+from compare.output.files import write_text
+from compare.output.places import check_file
+from semianalytic import Scene
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import PluginError, SceneError
+from semianalytic.scene.named import (
+    DEFAULT_SCENE,
+    NAMED_SCENES,
+    brought_scene,
+    brought_summary,
+    find_scene,
+)
+from semianalytic.scene.plugins import (
+    FIGURES,
+    HISTORIES,
+    LAWS,
+    SCENES,
+    Plugin,
+    find_plugin,
+    plugins,
+)
+from semianalytic.scene.scene import FRICTION_LAWS, HISTORY_KINDS, scene_document
+from semianalytic.scene.template import in_si_units, scene_text
+from semianalytic.scene.units import SI
+
+STDOUT = Path("-")
+
+
+_OWN: Mapping[str, Collection[str]] = {
+    SCENES: NAMED_SCENES,
+    LAWS: FRICTION_LAWS,
+    HISTORIES: HISTORY_KINDS,
+    FIGURES: OWN_FIGURES,
+}
+
+
+def scenes(as_json: AsJson = False) -> None:
+    """List the scenes that come with the package, and what other packages bring."""
+    rows = [*_own_rows(), *map(_brought_row, plugins(SCENES))]
+    others = [_row(plugin) for group in (LAWS, HISTORIES, FIGURES) for plugin in plugins(group)]
+    if as_json:
+        units = {"scenes": _units(find_scene(DEFAULT_SCENE))}
+        print_json("scenes", {"scenes": rows, "brought": others, "units": units})
+        return
+    table = Table("scene", "what it shows", title="Scenes")
+    for row in rows:
+        table.add_row(*map(escape, (row["name"], row["problem"] or row["summary"])))
+    Console().print(table)
+    if brought := [row for row in (*rows, *others) if row["package"]]:
+        table = Table("package", "brings", "called", title="Of other packages")
+        for row in brought:
+            table.add_row(*map(escape, (row["package"], row["what"], row["name"])))
+        Console().print(table)
+
+
+def _own_rows() -> Iterator[dict[str, Any]]:
+    for name, named in NAMED_SCENES.items():
+        yield {
+            "name": name,
+            "what": "scene",
+            "package": None,
+            "problem": "",
+            "summary": named.summary,
+            "scene": scene_document(named.scene),
+        }
+
+
+def _row(plugin: Plugin) -> dict[str, Any]:
+    """What a package brings, and what stands in its way."""
+    problem = ""
+    if plugin.name in _OWN[plugin.group]:
+        problem = "not used: slipfront has one of its own that is called so"
+    else:
+        try:
+            find_plugin(plugin.group, plugin.name)
+        except PluginError as error:
+            problem = str(error)
+    return {
+        "name": plugin.name,
+        "what": plugin.noun,
+        "package": plugin.package,
+        "problem": problem,
+    }
+
+
+def _brought_row(plugin: Plugin) -> dict[str, Any]:
+    """The scene of a package; one that cannot be had is listed with the reason."""
+    row = {**_row(plugin), "summary": "", "scene": None}
+    if not row["problem"]:
+        try:
+            row["scene"] = scene_document(brought_scene(plugin))
+            row["summary"] = brought_summary(plugin)
+        except PluginError as error:
+            row["problem"] = str(error)
+    return row
+
+
+def _units(scene: Scene) -> dict[str, Any]:
+    return {"scene": units_document(scene_document(scene), SCENE_DIMENSIONS, scene)}
+
+
+def init(
+    file: Annotated[
+        Path, typer.Argument(metavar="[FILE]", help="File to write; - for standard output.")
+    ] = Path("scene.toml"),
+    from_: Annotated[
+        str,
+        typer.Option(
+            "--from",
+            metavar="SCENE",
+            help="Scene to start from.",
+            autocompletion=scene_names,
+        ),
+    ] = DEFAULT_SCENE,
+    units: Annotated[
+        str | None,
+        typer.Option(
+            help="SI: in m, s, kg and Pa, of a solid like a polymer under 1 MPa.",
+            autocompletion=one_of(SI),
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Write a scene as a TOML file to change: every number with its unit and what it means.
+
+    All histories and friction laws stand in it as comments.
+    """
+    if units not in (None, SI):
+        raise SceneError(f"--units must be SI or left out, got {shown(units)}.")
+    scene = find_scene(from_)
+    scene = in_si_units(scene) if units else scene
+    text = scene_text(scene, from_)
+    if file != STDOUT:
+        check_file(file)
+        if file.exists() and not force:
+            raise SceneError(f"{file} is there already; give another name, or --force.")
+        write_text(file, text)
+    if as_json:
+        document = {"scene": scene_document(scene), "text": text, "units": _units(scene)}
+        print_json("init", document, files=[] if file == STDOUT else [file])
+    elif file == STDOUT:
+        sys.stdout.write(text)
+    else:
+        Console().print(f"Written to {file}; try slipfront solve {file}", highlight=False)

@@ -1,0 +1,205 @@
+"""``slipfront simulate``: the finite-element model of a scene, kept on disk."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from slipfront.cli import terminal
+from slipfront.cli.options import (
+    CHECKPOINT_OPTIONS,
+    LOWER_OPTIONS,
+    MESH_OPTIONS,
+    SCENE_OPTIONS,
+    AsJson,
+    NoCompanions,
+    NoSnapshots,
+    Output,
+    Quiet,
+    SceneArgument,
+    in_bytes,
+    with_options,
+)
+from compare.comparison.report import simulation_document
+from compare.output.leftovers import SNAPSHOTS, forget_other_runs
+from compare.output.places import save_somewhere, working_folder
+from compare.output.progress import progress_bar
+from semianalytic import Scene
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.extras import FEM, require
+from semianalytic.scene.named import find_blocks, override_scene, scene_folder, scene_label
+
+if TYPE_CHECKING:
+    from fem import Simulation
+    from fem.budget import Cost
+
+CHECKPOINT = "checkpoint.h5"
+WORTH_SAYING = 60.0
+"""Predicted time of a simulation from which on it is said before it starts [s]."""
+WORTH_KEEPING = 1e8
+"""Predicted size of its snapshots from which on that is said [bytes]."""
+
+
+@with_options(
+    overrides=SCENE_OPTIONS,
+    lower=LOWER_OPTIONS,
+    settings=MESH_OPTIONS,
+    checkpoints=CHECKPOINT_OPTIONS,
+)
+def simulate_command(
+    overrides: Mapping[str, Any],
+    lower: Mapping[str, float],
+    settings: Mapping[str, Any],
+    checkpoints: Mapping[str, Any],
+    scene_name: SceneArgument,
+    output: Output = None,
+    no_snapshots: NoSnapshots = False,
+    no_companions: NoCompanions = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Simulate a scene with finite elements; write the interface history and field snapshots.
+
+    The same run on two coarser meshes, in a seventh of the time, then says how far the first may be
+    off.
+
+    With --checkpoint-every or --checkpoint-seconds a run that is interrupted or killed can be taken
+    up again with the same options and --resume; the result is the same to the last bit.  A finished
+    run removes its checkpoint.  The lower block may be of another material, though to two materials
+    the theory does not apply.
+    """
+    require("slipfront simulate", *FEM)
+    label = scene_label(scene_name)
+    directory = output or scene_folder(scene_name, {**overrides, **lower})
+    scene, lower_material = find_blocks(scene_name)
+    scene = override_scene(scene, **overrides)
+    if lower or lower_material:
+        changes = {name.removeprefix("lower_"): value for name, value in lower.items()}
+        settings = {
+            **settings,
+            "lower_material": replace(lower_material or scene.material, **changes),
+        }
+    with working_folder(directory) as files:
+        simulation = simulate_into(
+            directory,
+            scene,
+            label,
+            settings,
+            checkpoints,
+            snapshots=not no_snapshots,
+            companions=not no_companions,
+            quiet=quiet,
+        )
+    if as_json:
+        terminal.print_json("simulate", simulation_document(simulation), files=files)
+        return
+    Console().print(f"Written to {directory}/", highlight=False)
+
+
+def simulate_into(
+    directory: Path,
+    scene: Scene,
+    label: str,
+    settings: Mapping[str, Any],
+    checkpoints: Mapping[str, Any] = MappingProxyType({}),
+    *,
+    snapshots: bool,
+    companions: bool = True,
+    foretold: Collection[str] = (),
+    quiet: bool,
+) -> Simulation:
+    """Run the finite-element model and keep its history, and snapshots if asked for, on disk.
+
+    Then the same on coarser meshes, if companions are wanted.  What is foretold is said before it
+    starts, in place of what it is going to take.
+    """
+    from fem import cost, opening_sentence, simulate
+    from fem.budget import check_room
+    from fem.checkpoint import forget_checkpoint
+
+    settings = {**settings, "memory": in_bytes(settings.get("memory"))}
+    path = directory / CHECKPOINT
+    checkpointing = _checkpointing(path, **checkpoints)
+    predicted = cost(scene, **settings, snapshots=snapshots, checkpoint=bool(checkpointing))
+    check_room(directory / "simulation.h5", predicted.history, "simulate: the histories")
+
+    notes = Console(stderr=True)
+    if not quiet:
+        for sentence in _expected(predicted, directory, foretold):
+            notes.print(f"{label}: {sentence}.", highlight=False, soft_wrap=True)
+    with progress_bar(notes, quiet) as progress:
+        simulation = simulate(
+            scene,
+            **settings,
+            **checkpointing,
+            snapshots=directory / SNAPSHOTS if snapshots else None,
+            progress=progress,
+            tell=lambda sentence: notes.print(sentence, highlight=False, soft_wrap=True),
+        )
+    save_somewhere(simulation.save, directory)
+    forget_other_runs(directory, simulation.run)
+    forget_checkpoint(path, simulation.run)
+    if not quiet:
+        if simulation.remark:
+            notes.print(f"{label}: {simulation.remark}", highlight=False, soft_wrap=True)
+        notes.print(f"{label}: {terminal.simulation_line(simulation)}", highlight=False)
+        if simulation.opened:
+            sentence = opening_sentence(simulation)
+            notes.print(f"{label}: {sentence}.", highlight=False, soft_wrap=True)
+    if simulation.unwritten:
+        raise DataFileError(f"{simulation.unwritten} The histories are in {directory}.")
+    return with_error_bars(simulation, directory, label, quiet=quiet) if companions else simulation
+
+
+def with_error_bars(
+    simulation: Simulation, directory: Path, label: str, *, keep: bool = True, quiet: bool
+) -> Simulation:
+    """Run a simulation that is on disk on coarser meshes too, and say how far it may be off.
+
+    They are kept with it, if at all, once they are done: an interruption leaves it as it is.
+    """
+    from fem import with_companions
+
+    notes = Console(stderr=True)
+    with progress_bar(notes, quiet, "coarser meshes") as progress:
+        carrying = with_companions(simulation, progress)
+    if keep and carrying.companion is not None:
+        save_somewhere(carrying.save, directory)
+    if not quiet:
+        notes.print(f"{label}: {terminal.error_line(carrying)}.", highlight=False, soft_wrap=True)
+    return carrying
+
+
+def _expected(predicted: Cost, directory: Path, foretold: Collection[str]) -> Iterator[str]:
+    """What is worth knowing before a run starts, times being those of this machine."""
+    from fem.budget import machine_pace
+
+    here = replace(predicted, seconds=machine_pace() * predicted.seconds)
+    yield from foretold or ([str(here)] if here.seconds > WORTH_SAYING else [])
+    if predicted.frames > WORTH_KEEPING:
+        yield (
+            f"field snapshots will take about {predicted.frames / 1e6:,.0f} MB in "
+            f"{directory / SNAPSHOTS}; --no-snapshots leaves them out"
+        )
+
+
+def _checkpointing(
+    path: Path,
+    checkpoint_every: int = 0,
+    checkpoint_seconds: float | None = None,
+    resume: bool = False,
+) -> dict[str, Any]:
+    """Options of a simulation that writes checkpoints to a path; none if none are asked for."""
+    if not (checkpoint_every or checkpoint_seconds is not None or resume):
+        return {}
+    return {
+        "checkpoint": path,
+        "checkpoint_every": checkpoint_every or None,
+        "checkpoint_seconds": checkpoint_seconds,
+        "resume": resume,
+    }

@@ -1,0 +1,144 @@
+"""``slipfront solve``: a scene by the exact solver, or marched in time where it calls for that."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from slipfront.cli import terminal
+from slipfront.cli.marching import march_command
+from slipfront.cli.options import (
+    MARCH_OPTIONS,
+    SCENE_OPTIONS,
+    AsJson,
+    Method,
+    Quiet,
+    SceneArgument,
+    option_name,
+    with_options,
+)
+from slipfront.cli.scenes.completion import figure_names
+from compare.comparison.documents import solution_document
+from compare.output.places import check_file
+from semianalytic import Scene, Solution, solve
+from semianalytic.prediction import chosen_method
+from semianalytic.scene.checks import checked_size
+from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.extras import PLOT, require
+from semianalytic.scene.named import find_scene, override_scene, scene_label
+
+if TYPE_CHECKING:
+    from compare.figures.named import Draw
+
+
+@with_options(overrides=SCENE_OPTIONS, march_options=MARCH_OPTIONS)
+def solve_command(
+    overrides: Mapping[str, Any],
+    march_options: Mapping[str, Any],
+    scene_name: SceneArgument,
+    method: Method = "auto",
+    end_time: Annotated[
+        float | None,
+        typer.Option(
+            help="Time T until which to say what happens; where a march ends, 1 / c_t then."
+        ),
+    ] = None,
+    as_json: AsJson = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Draw slip rate and tractions (.png, .pdf).")
+    ] = None,
+    figure: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="What --plot draws: interface, or what packages of yours bring.",
+            autocompletion=figure_names,
+        ),
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Solve a scene: zones and edge velocities, and what happens until an end time.
+
+    Step loads are self-similar and solved exactly; other load histories are marched in time.  The
+    exit code is 4 if the solution has not converged, or a march is not within --rtol; the best
+    answer is printed all the same.
+    """
+    scene, label = override_scene(find_scene(scene_name), **overrides), scene_label(scene_name)
+    draw = _drawing(plot, figure)
+    if chosen_method(scene, method) == "space-time":
+        march_command(
+            scene,
+            label,
+            end_time,
+            march_options,
+            as_json=as_json,
+            draw=draw,
+            plot=plot,
+            quiet=quiet,
+        )
+        return
+    if march_options:
+        raise SceneError(
+            f"{option_name(next(iter(march_options)))} is for the space-time solver; "
+            "add --method space-time."
+        )
+    _solve_exactly(scene, label, end_time, as_json=as_json, draw=draw, plot=plot)
+
+
+def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
+    """What draws the figure asked for, looked at before anything is computed."""
+    if plot is None:
+        if figure is not None:
+            raise SceneError("--figure is what --plot draws; give both.")
+        return None
+    require("slipfront solve --plot", *PLOT)
+    from compare.figures.named import DEFAULT_FIGURE, find_figure
+    from compare.figures.saving import figure_format
+
+    figure_format(plot)
+    check_file(plot)
+    return find_figure(DEFAULT_FIGURE if figure is None else figure)
+
+
+def _solve_exactly(
+    scene: Scene,
+    label: str,
+    end_time: float | None,
+    *,
+    as_json: bool,
+    draw: Draw | None,
+    plot: Path | None,
+) -> None:
+    """Solve a self-similar scene and say what was found."""
+    if end_time is not None:
+        checked_size("solve: end_time", end_time)
+    solution = solve(scene)
+    if draw is not None and plot is not None:
+        from compare.figures.saving import save_figure
+
+        save_figure(draw(solution), plot)
+    if as_json:
+        document = solution_document(solution, end_time)
+        terminal.print_json("solve", document, files=[] if plot is None else [plot])
+    else:
+        console = Console()
+        console.print(terminal.zones_table(solution, label))
+        console.print(terminal.facts_table(solution))
+        if end_time is not None:
+            console.print(terminal.end_table(solution, end_time))
+        if plot is not None:
+            console.print(f"Drawn in {plot}", highlight=False)
+    check_converged(solution, label)
+
+
+def check_converged(solution: Solution, label: str) -> None:
+    """Raise ComputationError, when all is shown, unless a solution has converged."""
+    if solution.status != "converged":
+        raise ComputationError(
+            f"{label} has not converged: {solution.status}; do not rely on this answer, "
+            "change friction a little or simulate the scene."
+        )

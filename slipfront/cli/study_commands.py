@@ -1,0 +1,288 @@
+"""The longer commands of ``slipfront``: maps of regimes, stability studies, the article redone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from slipfront.cli.options import AsJson, FiguresForm, Quiet
+from slipfront.cli.scenes.completion import CHARTED, LOADINGS, one_of, scene_names
+from slipfront.cli.terminal import print_json
+from compare.comparison.rows import DIFFERS
+from compare.output.places import working_folder
+from compare.output.progress import progress_bar
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.extras import CLUSTER, FEM, PLOT, require
+
+Output = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Folder to write to, results/COMMAND if not given."),
+]
+Quick = Annotated[bool, typer.Option("--quick", help="Coarser and smaller: a look at everything.")]
+
+
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Work on the Dask cluster of this scheduler, as tcp://127.0.0.1:8786.",
+    ),
+]
+
+
+def regimes(
+    loading: Annotated[
+        str,
+        typer.Option(
+            help="preload (shear step), remote (sudden remote load) or both.",
+            autocompletion=one_of(*LOADINGS),
+        ),
+    ] = "both",
+    size: Annotated[int, typer.Option(help="Points along each axis of a map.")] = 100,
+    output: Output = None,
+    figures: FiguresForm = "png",
+    quick: Quick = False,
+    scheduler: Scheduler = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Map how the interface slips over Poisson ratio and friction, with traced boundaries.
+
+    An interrupted run continues when it is started again with the same size.
+    """
+    require("slipfront regimes", *PLOT)
+    from compare.studies.documents import regimes_document
+    from compare.studies.regimes.study import write_regimes
+
+    directory = output or Path("results", "regimes")
+    bar = _progress(quiet, "mapping")
+    with on_scheduler(scheduler) as client, working_folder(directory) as files, bar as progress:
+        results = write_regimes(directory, size, loading, quick, progress, figures, client)
+    if as_json:
+        print_json("regimes", regimes_document(results), files=files)
+    else:
+        _written(f"{directory}/")
+
+
+def stability(
+    solver: Annotated[
+        bool, typer.Option("--solver", help="Study the semi-analytic solver.")
+    ] = False,
+    fem: Annotated[bool, typer.Option("--fem", help="Study the finite-element model.")] = False,
+    space_time: Annotated[
+        bool, typer.Option("--space-time", help="Study the space-time solver.")
+    ] = False,
+    judge: Annotated[
+        bool,
+        typer.Option(
+            "--judge", help="Study the judge of `compare`: false alarms, and mistakes it catches."
+        ),
+    ] = False,
+    output: Output = None,
+    figures: FiguresForm = "png",
+    quick: Quick = False,
+    scheduler: Scheduler = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Study where the methods fail, how, and what the program does about it.
+
+    An interrupted --judge goes on when started again.
+    """
+    if not (solver or fem or space_time or judge):
+        raise SceneError("say what to study: --solver, --fem, --space-time, --judge or several.")
+    require("slipfront stability", *PLOT, *(FEM if fem or judge else ()))
+    from compare.studies.documents import stability_document
+
+    directory = output or Path("results", "stability")
+    chosen: dict[str, Callable[..., Any]] = {}
+    if solver:
+        from compare.studies.stability.solver import write_solver_stability
+
+        chosen["solver"] = write_solver_stability
+    if fem:
+        from compare.studies.stability.fem import fem_stability
+
+        chosen["fem"] = fem_stability
+    if space_time:
+        from compare.studies.stability.spacetime import write_stability
+
+        chosen["space_time"] = write_stability
+    if judge:
+        from docs.studies.judge.study import write_judge
+
+        chosen["judge"] = write_judge
+    tables = {}
+    with on_scheduler(scheduler) as client, working_folder(directory) as files:
+        for name, study in chosen.items():
+            with _progress(quiet, "studying") as progress:
+                rows = study(directory, quick, progress, figures, client)
+            tables[name] = rows if isinstance(rows, dict) else {"rows": rows}
+    if as_json:
+        print_json("stability", stability_document(tables), files=files)
+    else:
+        _written(f"{directory}/")
+
+
+def article(
+    output: Output = None,
+    figures: FiguresForm = "png",
+    quick: Quick = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Redraw the article's figures by three methods and judge its claims."""
+    require("slipfront article", *FEM, *PLOT)
+    from compare.studies.article.study import claims_table, write_article
+    from compare.studies.documents import article_document
+
+    directory = output or Path("results", "article")
+    with working_folder(directory) as files:
+        found = write_article(directory, quick, _teller(Console(stderr=True), quiet), figures)
+    if as_json:
+        print_json("article", article_document(found), files=files)
+        return
+    Console().print(claims_table(found.claims), highlight=False, markup=False)
+    _written(f"{directory}/")
+
+
+def chart(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[SCENE...]",
+            help="Scenes of the chart, all unless given.",
+            autocompletion=one_of(*CHARTED),
+        ),
+    ] = None,
+    output: Output = None,
+    figures: FiguresForm = "png",
+    quick: Quick = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Measure again what is there.")] = False,
+    scheduler: Scheduler = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Chart error against time of every method; an interrupted chart goes on when started again.
+
+    --output docs refreshes the page of the documentation.
+    """
+    require("slipfront chart", *FEM, *PLOT)
+    from compare.studies.chart.figure import slopes_table, write_chart
+    from compare.studies.chart.study import FILE_NAME, SCENES, measure_all
+    from compare.studies.documents import chart_document
+
+    directory = output or Path("results", "chart-quick" if quick else "chart")
+    notes = Console(stderr=True)
+    with on_scheduler(scheduler) as client, working_folder(directory) as files:
+        with progress_bar(notes, quiet, "measuring") as progress:
+            points = measure_all(
+                directory / FILE_NAME,
+                scenes or SCENES,
+                quick=quick,
+                fresh=fresh,
+                progress=progress,
+                tell=_teller(notes, quiet),
+                client=client,
+            )
+        text = write_chart(directory, points, figures)
+    if as_json:
+        print_json("chart", chart_document(points), files=files)
+        return
+    Console().print(text, highlight=False, markup=False, soft_wrap=True)
+    Console().print(slopes_table(points), highlight=False, markup=False)
+    _written(f"{directory}/")
+
+
+def wear(
+    output: Output = None,
+    figures: FiguresForm = "png",
+    quick: Quick = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Sweep friction for a step, a ramp and a pulse: accumulated slip and frictional work."""
+    require("slipfront wear", *PLOT)
+    from compare.studies.documents import wear_document
+    from compare.studies.wear import LOADS, POISSON_RATIOS, most_wear, write_wear
+
+    directory = output or Path("results", "wear")
+    with working_folder(directory) as files, _progress(quiet, "sweeping") as progress:
+        rows = write_wear(directory, quick, progress, figures)
+    if as_json:
+        print_json("wear", wear_document(rows), files=files)
+        return
+    for poisson_ratio in POISSON_RATIOS:
+        for load in LOADS:
+            chi, work = most_wear(rows, load, poisson_ratio)
+            Console().print(
+                f"{load}, nu = {poisson_ratio:.3g}: most frictional work {work:.4g} at "
+                f"chi = {chi:.3g}",
+                highlight=False,
+            )
+    _written(f"{directory}/")
+
+
+def evidence(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[SCENE...]",
+            help="Names or TOML files; all scenes unless given.",
+            autocompletion=scene_names,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Page to write, results/evidence.html if not given."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Four scenes and fewer figures: a first look.")
+    ] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write one self-contained HTML page that sets all methods side by side, scene by scene.
+
+    The exit code is 0 if nothing differs by more than the error bars allow, 1 if something does.
+    """
+    require("slipfront evidence", *FEM, *PLOT)
+    from compare.studies.documents import evidence_document
+    from compare.studies.evidence.page import write_evidence
+
+    path = output or Path("results", "evidence.html")
+    with _progress(quiet, "collecting") as progress:
+        found = write_evidence(path, scenes or (), quick=quick, progress=progress)
+    if as_json:
+        print_json("evidence", evidence_document(found), found.verdict, [path])
+    else:
+        _written(path)
+    raise typer.Exit(1 if found.verdict == DIFFERS else 0)
+
+
+def on_scheduler(address: str | None) -> AbstractContextManager[Any]:
+    """A client of the scheduler at an address; None without an address."""
+    from compare.tasks.cluster import connected
+
+    if address is not None:
+        require("--scheduler", *CLUSTER)
+    return connected(address)
+
+
+def _progress(quiet: bool, doing: str) -> AbstractContextManager[Callable[[int, int], None]]:
+    return progress_bar(Console(stderr=True), quiet, doing)
+
+
+def _teller(notes: Console, quiet: bool) -> Callable[[str], None] | None:
+    """What prints lines that say how far a study is; none if quiet."""
+    return None if quiet else partial(notes.print, highlight=False)
+
+
+def _written(path: str | Path) -> None:
+    Console().print(f"Written to {path}", highlight=False)

@@ -1,0 +1,216 @@
+"""``slipfront survey``: a scene at many values of its parameters, into a file."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from slipfront.cli.options import (
+    SCENE_OPTIONS,
+    AsJson,
+    Quiet,
+    SceneArgument,
+    option_name,
+    with_options,
+)
+from slipfront.cli.study_commands import Scheduler, on_scheduler
+from slipfront.cli.terminal import print_json
+from compare.output.progress import progress_bar
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import find_scene, scene_label
+from semianalytic.scene.units import unit
+
+_VALUES = "Values: 0.3, a row 0.1,0.2,0.5, or start:stop:count, with :log in equal ratios"
+
+VALUE_OPTIONS: Mapping[str, Any] = {
+    name: Annotated[
+        str | None,
+        typer.Option(metavar="VALUES", help=escape(_help), rich_help_panel=_VALUES),
+    ]
+    for name, _help in (
+        (name, hint.__metadata__[0].help.replace("\\[", "["))
+        for name, hint in SCENE_OPTIONS.items()
+        if name not in ("mode", "load_on")
+    )
+}
+SAMPLES: Mapping[str, Any] = {
+    name: Annotated[
+        str | None, typer.Option(metavar="VALUES", help=escape(text), rich_help_panel=_VALUES)
+    ]
+    for name, text in {
+        "x": "Positions at which fields are held [length].",
+        "t": "Times at which fields are held [time].",
+    }.items()
+}
+QUESTIONS: Mapping[str, Any] = {
+    name: Annotated[type_ | None, typer.Option(help=escape(text))]
+    for name, (type_, text) in {
+        "rtol": (float, "Wanted accuracy; 1e-6 where scenes are solved, of marches if given."),
+        "end_time": (float, "Until when totals are taken and marches go [time]."),
+        "nodes": (int, "Of marches."),
+        "length": (float, "Of the contact that marches observe [length]."),
+    }.items()
+}
+
+
+@with_options(values=VALUE_OPTIONS, samples=SAMPLES, question=QUESTIONS)
+def survey_command(
+    values: Mapping[str, str],
+    samples: Mapping[str, str],
+    question: Mapping[str, Any],
+    scene_name: SceneArgument,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUES",
+            help="Any other number of the scene, as friction_law.reduction=0:1:11.",
+        ),
+    ] = None,
+    together: Annotated[
+        bool, typer.Option("--together", help="One list of points instead of a grid.")
+    ] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="File.nc or .zarr; results/SCENE-survey.nc if not given."
+        ),
+    ] = None,
+    chunk: Annotated[
+        int | None, typer.Option(help="Most points that are solved and saved together.")
+    ] = None,
+    workers: Annotated[int | None, typer.Option(help="Processes; one for each core.")] = None,
+    scheduler: Scheduler = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Solve a scene at many values of its parameters, and write them as NetCDF or Zarr.
+
+    An interrupted survey goes on when it is started again with the same values.  Scenes that are
+    refused are nan, with the reason in their status; the exit code is 0 all the same.
+    """
+    from slipfront.surveys.plan import Question, planned
+    from slipfront.surveys.run import FIELDS, run_survey
+
+    scene = find_scene(scene_name)
+    path = output or Path("results", f"{scene_label(scene_name)}-survey.nc")
+    if workers is not None and workers < 1:
+        raise SceneError(f"{option_name('workers')} must be a whole number from 1, got {workers}.")
+    places = {
+        name: tuple(np.atleast_1d(typed_values(name, text)).tolist())
+        for name, text in samples.items()
+    }
+    asked: dict[str, Any] = {**question, **places, "fields": FIELDS if "x" in places else ()}
+    given: dict[str, Any] = {name: typed_values(name, text) for name, text in values.items()}
+    given |= _others(vary or ())
+    plan = planned(scene, given, Question(**asked), together=together, chunk=chunk)
+    command = shlex.join(["slipfront", *sys.argv[1:]])
+    bar = progress_bar(Console(stderr=True), quiet or as_json, "surveying")
+    with on_scheduler(scheduler) as client, bar as progress:
+        found = run_survey(plan, path, workers, client, progress, command)
+    document = survey_document(found, path)
+    if as_json:
+        print_json("survey", document, files=[path])
+    else:
+        Console().print(_table(document, scene_label(scene_name)))
+        Console().print(f"Written to {path}", highlight=False, markup=False)
+
+
+def typed_values(name: str, text: str) -> Any:
+    """Values as they are typed: a number, a row ``0.1,0.2``, or ``start:stop:count``.
+
+    Raises
+    ------
+    SceneError
+        If they are nothing of the kind, or too many.
+    """
+    from slipfront.surveys.plan import MOST_VALUES
+
+    try:
+        if ":" not in text:
+            row = [float(part) for part in text.split(",")]
+            return np.array(row) if "," in text else row[0]
+        start, stop, count, *scale = text.split(":")
+        ends, number = (float(start), float(stop)), int(count)
+        if number < 1 or scale not in ([], ["log"]) or not np.all(np.isfinite(ends)):
+            raise ValueError(count)
+        if number <= MOST_VALUES:
+            return np.geomspace(*ends, number) if scale else np.linspace(*ends, number)
+    except ValueError as error:
+        raise SceneError(
+            f"{option_name(name)} must be a number, a row as 0.1,0.2,0.5, or start:stop:count as "
+            f"0.1:0.9:100, got {text!r}."
+        ) from error
+    raise SceneError(f"{option_name(name)} must be at most {MOST_VALUES:.0e} values, got {text!r}.")
+
+
+def _others(vary: Sequence[str]) -> dict[str, Any]:
+    """Values of parameters that have no option of their own."""
+    result = {}
+    for text in vary:
+        name, equals, values = text.partition("=")
+        if not equals or not name:
+            raise SceneError(
+                f"--vary must be a name and values as friction_law.reduction=0:1:11, got {text!r}."
+            )
+        result[name] = typed_values("vary", values)
+    return result
+
+
+def survey_document(found: Any, path: Path) -> dict[str, Any]:
+    """What a survey found in numbers, with their units, for JSON."""
+    counts = Counter(np.asarray(found["status"].values).ravel().tolist())
+    methods = Counter(np.asarray(found["method"].values).ravel().tolist())
+    estimates = found["error_estimate"].values if "error_estimate" in found else np.array([np.nan])
+    document: dict[str, Any] = {
+        "file": str(path),
+        "points": int(found["status"].size),
+        "dimensions": {name: int(length) for name, length in found.sizes.items()},
+        "parameters": {
+            name: {"least": float(row.min()), "largest": float(row.max()), "count": row.size}
+            for name, row in found.coords.items()
+            if row.dtype.kind == "f"
+        },
+        "statuses": dict(counts.most_common()),
+        "methods": dict(methods.most_common()),
+        "largest_error_estimate": float(np.fmax.reduce(estimates, axis=None)),
+        "seconds": float(found["seconds"].sum()),
+        "variables": sorted(map(str, found.data_vars)),
+    }
+    units = {name: found[name].attrs.get("units", "1") for name in document["variables"]}
+    document["units"] = {
+        "parameters": {name: found[name].attrs["units"] for name in document["parameters"]},
+        "largest_error_estimate": unit("1"),
+        "seconds": "s",
+        "variables": units,
+    }
+    return document
+
+
+def _table(document: Mapping[str, Any], label: str) -> Table:
+    table = Table(title=f"{label}: {document['points']:,} points", show_header=False)
+    for name, row in document["parameters"].items():
+        units = document["units"]["parameters"][name]
+        text = f"{row['least']:.6g} to {row['largest']:.6g} ({row['count']})"
+        table.add_row(name.replace("_", " "), text if units == "1" else f"{text} {units}")
+    statuses = list(document["statuses"].items())
+    for status, count in statuses[:_SHOWN]:
+        table.add_row(f"{count:,}", escape(status))
+    if len(statuses) > _SHOWN:
+        table.add_row(f"{sum(count for _, count in statuses[_SHOWN:]):,}", "otherwise")
+    table.add_row("largest error estimate", f"{document['largest_error_estimate']:.2g}")
+    table.add_row("processor time", f"{document['seconds']:.3g} s")
+    return table
+
+
+_SHOWN = 4
+"""Kinds of status in the table."""

@@ -1,0 +1,334 @@
+"""What the terminal shows: tables, or JSON and nothing else."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import sys
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.box import SIMPLE_HEAD
+from rich.markup import escape
+from rich.table import Table
+
+from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
+from slipfront.cli.refusals import in_options
+from compare.comparison.documents import (
+    END_DIMENSIONS,
+    edge_state,
+    end_document,
+    envelope,
+    json_text,
+    march_document,
+    units_document,
+)
+from compare.comparison.fields.errors import BAND, FieldErrors
+from compare.comparison.judgement import Judgement, own_bars
+from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
+from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
+from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
+from semianalytic import Marched, Scene, Solution
+from semianalytic.results.answer import digits_apart
+from semianalytic.scene.loading import REMOTE
+from semianalytic.scene.units import unit
+
+if TYPE_CHECKING:
+    from compare.validation.validation import Validation
+    from fem import Simulation
+
+TOTALS = ("accumulated_slip", "frictional_work")
+DIGITS = 4
+
+
+def print_json(
+    command: str, document: Mapping[str, Any], status: str = "done", files: Iterable[Path] = ()
+) -> None:
+    """Print the `envelope` of a document."""
+    sys.stdout.write(json_text(envelope(command, document, status, files)))
+
+
+def zones_table(solution: Solution, title: str) -> Table:
+    """Slip zones and openings with their edge velocities, in units of the scene and over c_t."""
+    scene, material = solution.scene, solution.scene.material
+    table = Table("zone", "edge", title=title)
+    for name in (f"[{unit('length / time', solution.scene.units)}]", "/ c_t"):
+        table.add_column(f"velocity\n{escape(name)}", justify="right")
+    table.add_column("regime")
+    table.add_column("sense")
+    parts = [
+        (str(number), zone.inner, zone.outer, _sense(zone.sense))
+        for number, zone in enumerate(solution.zones, start=1)
+    ]
+    parts += [("open", part.inner, part.outer, "") for part in solution.openings]
+    edges = [end for _, inner, outer, _ in parts for end in (inner, outer)]
+    over_c_t = [speed / material.shear_speed for speed in edges]
+    places, places_over_c_t = (digits_apart(column, 6, "f") for column in (edges, over_c_t))
+    for name, inner, outer, sense in sorted(parts, key=lambda part: part[1]):
+        for end, speed in (("inner", inner), ("outer", outer)):
+            table.add_row(
+                name if end == "inner" else "",
+                end,
+                _decimals(speed, places),
+                _decimals(speed / material.shear_speed, places_over_c_t),
+                speed_regime(speed, scene),
+                sense if end == "inner" else "",
+            )
+    if not parts:
+        table.add_row("none", "", "", "", "stuck everywhere", "")
+    return table
+
+
+def facts_table(solution: Solution) -> Table:
+    """Wave speeds, state of the edge, status, error estimate and statistics of a solution."""
+    mode_one, sheared = solution.stress_intensity(1.0)
+    fronts = scene_fronts(solution.scene)
+    when = _measure(1.0, "time", solution.scene)
+    table = Table("quantity", "value", "unit", show_header=False)
+    for name, value, dimension in (
+        *_tractions(solution.scene),
+        (
+            ", ".join(WAVE_SYMBOLS[name] for name in fronts),
+            ", ".join(f"{speed:.6g}" for speed in fronts.values()),
+            "length / time",
+        ),
+        ("edge", edge_state(solution), ""),
+        ("slip rate at the edge", f"{solution.edge_slip_rate:.6g}", "length / time"),
+        ("slip rate far ahead", f"{solution.scene.far_slip_rate:.6g}", "length / time"),
+        (
+            f"K_I, K_{solution.scene.shear_mode} at t = {when}",
+            f"{mode_one:.6g}, {sheared:.6g}",
+            "stress sqrt(length)",
+        ),
+        ("status", solution.status, ""),
+        ("error estimate", f"{solution.error_estimate:.1e}", "relative"),
+    ):
+        table.add_row(name, value, unit(dimension, solution.scene.units))
+    for name, value in dataclasses.asdict(solution.statistics).items():
+        table.add_row(name.replace("_", " "), _plain(value), "s" if name == "seconds" else "")
+    return table
+
+
+def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
+    """What is on the interface before, what comes, and where: name, value and dimension."""
+    where = "from far away" if scene.load_on == REMOTE else "on the slot"
+    for name, part in (("pressure, shear before", scene.base), (f"load {where}", scene.load)):
+        yield name, f"{part.pressure:.6g}, {part.shear:.6g}", "stress"
+
+
+def end_table(solution: Solution, end_time: float) -> Table:
+    """What has happened until an end time: zones in positions, slip, work."""
+    scene, end = solution.scene, end_document(solution, end_time)
+    units = units_document(end, END_DIMENSIONS, scene)
+    table = Table("quantity", "value", "unit", title=f"t = {_measure(end['time'], 'time', scene)}")
+    ends = [part[name] for part in (*end["zones"], *end["openings"]) for name in ("start", "end")]
+    digits = digits_apart(ends, 6)
+    for number, zone in enumerate(end["zones"], start=1):
+        place = f"{zone['start']:.{digits}g} < x < {_number(zone['end'], digits)}"
+        table.add_row(f"zone {number}, {_sense(zone['sense'])}", place, units["zones"]["start"])
+    for part in end["openings"]:
+        place = f"{part['start']:.{digits}g} < x < {part['end']:.{digits}g}"
+        table.add_row("open", place, units["openings"]["start"])
+    for name in ("largest_slip", "accumulated_slip", "frictional_work"):
+        table.add_row(_label(name), _number(end[name]), units[name])
+    intensities = end["stress_intensity"]
+    modes = ", ".join(_number(value) for value in intensities.values())
+    table.add_row(", ".join(intensities), modes, units["stress_intensity"])
+    return table
+
+
+def march_table(marched: Marched, title: str) -> Table:
+    """What `documents.march_document` says of a march, in the units of the scene."""
+    scene, document = marched.scene, march_document(marched)
+    statistics, units = document["statistics"], document["units"]
+    table = Table("quantity", "value", "unit", title=title)
+    for name, value, dimension in _tractions(scene):
+        table.add_row(name, value, unit(dimension, scene.units))
+    for onset in document["onset"]:
+        time = "never" if onset["time"] is None else f"{onset['time']:.6g}"
+        place = _measure(onset["x"], "length", scene)
+        table.add_row(f"slip starts at x = {place}", time, units["onset"]["time"])
+    for mode, value in document["stress_intensity_of_a_stuck_edge"].items():
+        intensity = units["stress_intensity_of_a_stuck_edge"]
+        table.add_row(f"{mode} of a stuck edge", f"{value:.6g}", intensity)
+    for name, value in document.items():
+        if isinstance(value, str) and value:
+            table.add_row(name.replace("_", " "), in_options(value, MARCH_OPTIONS))
+        elif name == "error_estimate":
+            table.add_row(_label(name), f"{value:.1e}", "relative")
+        elif isinstance(value, (float, int)):
+            table.add_row(_label(name), f"{value:.6g}", units.get(name, ""))
+    seconds = sum(statistics["seconds"].values())
+    table.add_row(
+        "cost",
+        f"{statistics['steps']} steps of {statistics['nodes']} nodes, {statistics['poles']} "
+        f"poles (error {statistics['memory_error']:.0e}), {seconds:.2g} s",
+    )
+    return table
+
+
+def simulation_line(simulation: Simulation) -> str:
+    """One line saying which mesh, model and damping a simulation used, and what it cost."""
+    shear_speed = simulation.scene.material.shear_speed
+    cell = simulation.element_size / (shear_speed * simulation.end_time)
+    return (
+        f"mesh size {simulation.element_size:.4g} = {cell:.4g} c_t T, model {simulation.model}, "
+        f"damping {simulation.damping:g} h/c_t, {simulation.unknowns:,} unknowns, "
+        f"{simulation.steps} steps in {simulation.seconds['steps']:.2g} s, end time "
+        f"{simulation.end_time:g}, peak memory {simulation.peak_memory / 1e6:,.0f} MB"
+    )
+
+
+def mesh_lines(choice: MeshChoice, *, snapshots: bool) -> Iterator[str]:
+    """Which mesh was chosen, why and what it takes; then each thing it is too coarse for."""
+    taken = toll(choice.seconds, choice.memory)
+    yield f"resolution {choice.resolution} ({choice.reason}): about {taken}"
+    bare = " without snapshots" if snapshots else ""
+    for unseen in choice.unresolved:
+        taken = f"resolution {unseen.resolution}{bare}: {unseen.toll}"
+        yield f"stays unresolved: {unseen.name} ({taken})"
+
+
+def error_line(simulation: Simulation) -> str:
+    """How far slip rate and slip at the end of a simulation may be off, by its companions."""
+    if simulation.companion is None:
+        return "no error bars, for there is no coarser mesh"
+    rate, slip = (
+        f"{two_digits(100 * row.bar)} %" if row.relative else f"{two_digits(row.bar)} {row.unit}"
+        for row in own_bars(simulation)
+        if row.bar is not None
+    )
+    return f"slip rate at the end within {rate}, slip within {slip}, by coarser meshes"
+
+
+def judgement_table(judgement: Judgement, label: str) -> Table:
+    """The rows of a judgement with their units; what differs in red, norms' errors in per cent."""
+    title = f"Semi-analytic against finite elements: {label}"
+    table = Table(title=title, box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("quantity", min_width=14)  # for 80 columns
+    for heading in ("exact", "at nodes", "FEM", "differ by", "bar ±"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    for row in judgement.rows:
+        table.add_row(
+            escape(row.label),
+            *(shown_number(value, DIGITS) for value in (row.exact, row.at_nodes, row.simulated)),
+            row.shown_share(row.difference),
+            row.shown_share(row.bar),
+            _verdict(row),
+        )
+    return table
+
+
+def validation_table(validation: Validation, label: str) -> Table:
+    """The rows of a validation, errors of norms in per cent; what differs in red."""
+    title = f"{label}: {validation.source or 'records'} against the exact answer"
+    table = Table(title=escape(title), box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("quantity", min_width=14)
+    for heading in ("exact", "recorded", "differ by", "bar ±", "order"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("verdict", no_wrap=True)
+    for row in validation.rows:
+        table.add_row(
+            escape(row.name if row.unit == "exact" else f"{row.name} [{row.unit}]"),
+            *(shown_number(value, DIGITS) for value in (row.exact, row.simulated)),
+            row.shown_share(row.difference),
+            row.shown_share(row.bar),
+            "" if row.order is None else f"{row.order:.1f}",
+            _verdict(row),
+        )
+    return table
+
+
+def norms_table(validation: Validation) -> Table:
+    """Relative errors of every quantity over all stations."""
+    table = Table(title="Over all stations", box=SIMPLE_HEAD)
+    table.add_column("quantity")
+    for heading in ("L1 error", "L2 error", "samples"):
+        table.add_column(heading, justify="right")
+    for norm in validation.norms:
+        if norm.x is None:
+            parts = (f"{two_digits(100 * part)} %" for part in (norm.L1, norm.L2))
+            table.add_row(norm.quantity.replace("_", " "), *parts, str(norm.samples))
+    return table
+
+
+def references_line(judgement: Judgement | Validation) -> str:
+    """What the symbols in the units of a judgement stand for."""
+    run = judgement.simulation if isinstance(judgement, Judgement) else judgement.exact
+    references = reference_values(run.scene, run.end_time)
+    values = (f"{symbol} = {value:.4g} {unit}" for symbol, (value, unit) in references.items())
+    return f"Units: {', '.join(values)}; % of the prediction"
+
+
+def verdict_text(judgement: Judgement | Validation, options: Collection[str] = MESH_OPTIONS) -> str:
+    """The verdict in a sentence; then what is unresolved, why, and what would do."""
+    counts = judgement.counts
+    parts = [f"{count} {verdict}" for verdict, count in counts.items() if count]
+    lines = [f"Verdict: {judgement.verdict} ({', '.join(parts)})."]
+    if counts[UNRESOLVED]:
+        lines.append("Unresolved:")
+    alike: dict[str, list[str]] = {}
+    for row in judgement.having(UNRESOLVED):
+        remedy = judgement.remedy(row)
+        reason = in_options(row.obstacle, options)
+        alike.setdefault(f"{reason}{f' ({remedy})' if remedy else ''}", []).append(row.name)
+    lines += [f"  · {'; '.join(names)}: {reason}" for reason, names in alike.items()]
+    return "\n".join(lines)
+
+
+def fields_table(fields: FieldErrors) -> Table:
+    """Errors of the last frame of field snapshots, by component."""
+    band = f"outside the band of\n{BAND:g} elements about fronts"
+    errors = fields.frames[-1]
+    table = Table(title=f"Field snapshot at t = {errors[0].time:.6g}: L1 errors", box=SIMPLE_HEAD)
+    table.add_column("component")
+    for heading in ("in both bodies", band):
+        table.add_column(heading, justify="right")
+    for error in errors:
+        parts = (f"{two_digits(100 * part)} %" for part in (error.whole, error.outside))
+        table.add_row(error.component, *parts)
+    return table
+
+
+def fields_note(judgement: Judgement) -> str:
+    """Why fields have no verdict, and what would tell."""
+    resolution = 2 * judgement.simulation.resolution
+    return (
+        "Fields are not judged: coarser meshes keep no snapshots, so that there are no error bars. "
+        f"Where the prediction is right, errors fall with the mesh: see --resolution {resolution}."
+    )
+
+
+def _label(name: str) -> str:
+    """Name of a number of a document, saying of totals that they are such."""
+    words = name.replace("_", " ")
+    return f"{words} over the contact" if name in TOTALS else words
+
+
+def _measure(value: float, dimension: str, scene: Scene) -> str:
+    """A value with its unit, where the scene has any."""
+    return f"{value:.4g} {unit(dimension, scene.units)}" if scene.units else f"{value:.4g}"
+
+
+def _sense(sense: int) -> str:
+    return "slip" if sense > 0 else "reverse slip"
+
+
+def _number(value: float, digits: int = 6) -> str:
+    return "∞" if math.isinf(value) else f"{value:.{digits}g}"
+
+
+def _decimals(speed: float, places: int) -> str:
+    return "∞" if math.isinf(speed) else f"{speed:.{places}f}"
+
+
+def _plain(value: object) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_plain(item)}" for key, item in value.items())
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _verdict(row: Row) -> str:
+    return f"[bold red]{row.verdict}[/bold red]" if row.verdict == DIFFERS else row.verdict

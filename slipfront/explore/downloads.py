@@ -1,0 +1,112 @@
+"""What can be taken home from the page: figure, table, scene file, and a program."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Any
+
+from slipfront.explore.views import end_time, interface_view
+from semianalytic import Marched, Scene, Solution
+from semianalytic.scene.template import scene_text
+from semianalytic.scene.units import unit
+
+Content = tuple[str, str, bytes]
+"""Name of a file, its MIME type, and what it holds."""
+
+_LONGEST_LINE = 60
+"""Of a program, as the page shows it whole."""
+_COLUMNS = {
+    "slip_rate": "length / time",
+    "slip": "length",
+    "shear_traction": "stress",
+    "pressure": "stress",
+}
+
+
+def figure_file(answer: Solution | Marched, form: str) -> Content:
+    """The matplotlib figure of an answer, as svg, pdf or png."""
+    from compare.figures.histories import march_figure
+    from compare.figures.interface import prediction_figure
+
+    drawn = io.BytesIO()
+    figure = march_figure(answer) if isinstance(answer, Marched) else prediction_figure(answer)
+    figure.savefig(drawn, format=form, dpi=200)
+    mime = {"svg": "image/svg+xml", "pdf": "application/pdf", "png": "image/png"}[form]
+    return f"slipfront.{form}", mime, drawn.getvalue()
+
+
+def table_file(answer: Solution | Marched) -> Content:
+    """Slip rate, slip and tractions along the contact at T as CSV, units in its first line."""
+    scene, time = answer.scene, end_time(answer.scene)
+    x = interface_view(answer).x * scene.material.shear_speed * time
+    columns = [x, *(getattr(answer, name)(x, time) for name in _COLUMNS)]
+    text = io.StringIO()
+    units = [unit("length", scene.units), *(unit(one, scene.units) for one in _COLUMNS.values())]
+    text.write(f"# at t = {time!r} {unit('time', scene.units)}; {', '.join(units)}\n")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["x", *_COLUMNS])
+    writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
+    return "slipfront.csv", "text/csv", text.getvalue().encode()
+
+
+def scene_file(scene: Scene) -> Content:
+    """The scene as TOML with comments, for all commands."""
+    return "scene.toml", "application/toml", scene_text(scene, "slipfront explore").encode()
+
+
+def program(scene: Scene) -> str:
+    """Some lines of Python that make the same answer."""
+    parts = [one.name for one in fields(scene) if getattr(scene, one.name) != _default(one)]
+    lines = ["import slipfront as sf", "", "scene = sf.Scene("]
+    for name in parts:
+        value = repr(getattr(scene, name))
+        made = value.replace("(", "(", 1) if value.startswith("'") else _qualified(value)
+        lines += _argument(name, made)
+    time = end_time(scene)
+    if scene.is_self_similar and scene.friction_law.fall_with_rate == 0:
+        lines += [")", "answer = sf.solve(scene)", "print(answer.zones, answer.openings)"]
+    else:
+        lines += [")", f"answer = sf.march(scene, {time!r})", "print(answer)"]
+    lines += ["# at x, and t = T", f"print(answer.slip_rate([0.1, 0.5], {time!r}))"]
+    return "\n".join(lines) + "\n"
+
+
+def _argument(name: str, made: str) -> list[str]:
+    """An argument of the scene, that of a class on several lines where one is too long."""
+    line, (head, _, rest) = f"    {name}={made},", made.partition("(")
+    if len(line) <= _LONGEST_LINE or "(" in rest:
+        return [line]
+    parts = [f"        {part}," for part in rest.removesuffix(")").split(", ")]
+    return [f"    {name}={head}(", *parts, "    ),"]
+
+
+def _qualified(value: str) -> str:
+    """A value of a scene as it is made from outside: classes behind sf."""
+    return f"sf.{value}" if value[0].isupper() else value
+
+
+def _default(one: Any) -> Any:
+    from dataclasses import MISSING
+
+    if one.default is not MISSING:
+        return one.default
+    return one.default_factory() if one.default_factory is not MISSING else MISSING
+
+
+def program_file(scene: Scene) -> Content:
+    """`program` as a file."""
+    return "scene.py", "text/x-python", program(scene).encode()
+
+
+FILES: Mapping[str, Callable[[Solution | Marched], Content]] = {
+    "svg": lambda answer: figure_file(answer, "svg"),
+    "pdf": lambda answer: figure_file(answer, "pdf"),
+    "png": lambda answer: figure_file(answer, "png"),
+    "csv": table_file,
+    "toml": lambda answer: scene_file(answer.scene),
+    "python": lambda answer: program_file(answer.scene),
+}
+"""What each button of the page brings."""

@@ -1,0 +1,50 @@
+"""What the page has computed beside it: fields while a slider moves, marches, maps of regimes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from slipfront.explore.views import (
+    FieldView,
+    InterfaceView,
+    SpaceTimeView,
+    end_time,
+    field_view,
+    interface_view,
+    space_time_view,
+)
+from semianalytic import Marched, Scene, march, solve
+
+Progress = Callable[[int, int], object]
+
+MARCH_POINTS = 40
+"""Across the picture of the field of a march."""
+STEPS_TOLD = 50
+"""How often a march tells how far it is."""
+
+
+class MarchViews(NamedTuple):
+    """A march and all pictures of it."""
+
+    marched: Marched
+    interface: InterfaceView
+    space_time: SpaceTimeView
+    field: FieldView
+
+
+def solved_field(scene: Scene, points: int, rtol: float, progress: Progress) -> FieldView:
+    """The field of a self-similar scene."""
+    return field_view(solve(scene, rtol=rtol), points)
+
+
+def marched_views(scene: Scene, progress: Progress) -> MarchViews:
+    """March a scene until T, and all that is drawn of it."""
+
+    def tell(done: int, steps: int) -> None:
+        if done * STEPS_TOLD // steps != (done - 1) * STEPS_TOLD // steps:
+            progress(done, steps)
+
+    marched = march(scene, end_time(scene), progress=tell)
+    field = field_view(marched, MARCH_POINTS)
+    return MarchViews(marched, interface_view(marched), space_time_view(marched), field)

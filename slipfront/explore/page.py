@@ -1,0 +1,357 @@
+"""The page: one session of it takes what is asked in the browser and answers with pictures.
+
+Browser and session talk through two hidden text inputs: `asked` holds what the controls say, as
+JSON, and `told` what has come of it, numbers of pictures included.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import asdict
+from importlib.resources import files
+from typing import Any
+
+from bokeh.document import Document
+from bokeh.models import TextInput
+from bokeh.resources import Resources
+from bokeh.server.views.static_handler import StaticHandler
+from jinja2 import Environment, Template
+
+from compare.comparison.scales import reference_values
+from slipfront.explore.controls import (
+    CHOICES,
+    HISTORIES,
+    LAWS,
+    defaults,
+    query_of,
+    scene_of,
+    serve_for,
+    sliders,
+    values_from_query,
+)
+from slipfront.explore.downloads import FILES, program
+from slipfront.explore.jobs import MarchViews, marched_views, solved_field
+from slipfront.explore.maps import RegimeMap, can_map, map_key, regime_map
+from slipfront.explore.pictures import (
+    CURVES,
+    SHADES,
+    Board,
+    FieldPicture,
+    InterfacePictures,
+    MapPicture,
+    SpaceTimePicture,
+)
+from slipfront.explore.views import NODES, FieldView, end_time, interface_view, space_time_view
+from slipfront.explore.work import Worker
+from semianalytic import Marched, Scene, SlipZone, Solution, solve
+from semianalytic.prediction import chosen_method
+from semianalytic.results.answer import digits_apart
+from semianalytic.scene.errors import SlipfrontError
+from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.units import unit
+
+MOVING_RTOL, RTOL = 1e-4, 1e-8
+"""Of answers while a slider moves, and when it stands still."""
+MOVING_NODES = 150
+"""Along curves while a slider moves; what is not even is at edges and fronts."""
+MOVING_POINTS, POINTS = 24, 90
+"""Across the picture of the field, likewise."""
+LISTEN = 40
+"""Between looks at what processes have sent [ms]."""
+
+
+class Session:
+    """One page in one browser.
+
+    Parameters
+    ----------
+    document : Document
+        Of Bokeh, to which the pictures are added.
+    start : Scene
+        What the page shows at first, unless its address says more; the ranges of sliders.
+    query : str
+        Of the address, "" or "?friction=...".
+    """
+
+    def __init__(self, document: Document, start: Scene, query: str) -> None:
+        self._start = self._ruled = start
+        self._answer: Solution | Marched | None = None
+        self._shown: Scene | None = None
+        self._map_key: tuple[object, ...] | None = ()  # of no scene
+        self._field_worker, self._map_worker, self._march_worker = Worker(), Worker(), Worker()
+        self._asked_field: tuple[Scene, int, float] | None = None
+        self._board = board = Board()
+        self._interface, self._space_time = InterfacePictures(board), SpaceTimePicture(board)
+        self._field, self._map = FieldPicture(board), MapPicture(board)
+        self._asked = TextInput(name="asked", value="")
+        self._told = TextInput(name="told", value="")
+        self._asked.on_change("value", lambda _, __, text: self._answer_to(json.loads(text)))
+        self._number = 0
+        self._document = document
+        self._open(query)
+
+    def _open(self, query: str) -> None:
+        """Fill the document."""
+        document = self._document
+        document.title = "slipfront explore"
+        roots = (
+            self._interface.rate,
+            self._interface.tractions,
+            self._space_time.panel,
+            self._field.panel,
+            self._map.panel,
+            self._asked,
+            self._told,
+        )
+        for root in roots:
+            document.add_root(root)
+        document.template = template()
+        document.template_variables.update(
+            scripts=_bokeh_scripts(),
+            sliders=[one.name for one in sliders(self._start)],
+            choices=CHOICES,
+            scenes=_known_queries(),
+            given={
+                **self._opened(query),
+                "shown": {"law": LAWS, "history": HISTORIES},
+                "kinds": list(SHADES.items()),
+                "curves": [(name, f"{dash} {colour}") for name, (colour, dash) in CURVES.items()],
+            },
+        )
+        document.add_periodic_callback(self._listen, LISTEN)
+        document.on_session_destroyed(lambda _: self._end())
+
+    def _opened(self, query: str) -> dict[str, Any]:
+        """What an address has the controls show: values, the sliders for them, and what is wrong
+        with it.  Sliders stay as they are while they serve for the values."""
+        try:
+            values, message = values_from_query(query, self._start), ""
+        except SlipfrontError as error:
+            values = defaults(self._start)
+            message = f"The address is no scene: {error} The scene of the command is shown instead."
+        if not serve_for(self._ruled, values):
+            self._ruled = scene_of(values)
+        ruled = [asdict(one) for one in sliders(self._ruled)]
+        return {"values": values, "sliders": ruled, "message": message}
+
+    def _end(self) -> None:
+        for worker in (self._field_worker, self._map_worker, self._march_worker):
+            worker.stop()
+
+    def _tell(self, **news: Any) -> None:
+        """Send news to the browser, of pictures too; each text differs from the one before."""
+        self._number += 1
+        news |= {"number": self._number, "models": self._board.news()}
+        self._told.value = json.dumps(news, separators=(",", ":"))
+
+    def _answer_to(self, asked: Mapping[str, Any]) -> None:
+        """What the browser asks for: an address, a file, or pictures of the controls' scene."""
+        if "query" in asked:
+            self._tell(**self._opened(asked["query"]))
+        elif "file" in asked:
+            self._send_file(asked["file"])
+        else:
+            self._show(asked["values"], asked["moving"], asked["since"])
+
+    def _send_file(self, form: str) -> None:
+        if self._answer is None:
+            self._tell(message="There is no answer to take home.")
+            return
+        name, mime, content = FILES[form](self._answer)
+        text = base64.b64encode(content).decode()
+        self._tell(file={"name": name, "mime": mime, "content": text})
+
+    def _show(self, values: Mapping[str, Any], moving: bool, since: float) -> None:
+        """Draw the scene of the controls anew, or say why there is none."""
+        self._march_worker.stop()
+        self._shown = None
+        try:
+            scene = scene_of(values)
+            self._map.place(scene.friction, scene.material.poisson_ratio)
+            if chosen_method(scene) == "self-similar":
+                self._show_solution(scene, moving, since, query_of(values))
+            else:
+                self._march(scene, moving, since, query_of(values))
+            if not moving:
+                self._draw_map(scene)
+        except SlipfrontError as error:
+            self._refuse(str(error), since=since)
+        except Exception as error:
+            # a mistake in a solver must not leave the answer before it on the page as if it were
+            # this one's; the server writes the traceback
+            self._refuse(f"There is no answer ({type(error).__name__}: {error}).", since=since)
+            raise
+
+    def _refuse(self, message: str, **news: Any) -> None:
+        """Say why there is no answer, and nothing else that holds only where there is one."""
+        self._answer = self._shown = None
+        self._tell(stale=True, status="no answer", message=message, readings=[], scales=[], **news)
+
+    def _march(self, scene: Scene, moving: bool, since: float, query: str) -> None:
+        """Have a scene marched, once its slider stands still."""
+        self._answer = None
+        self._tell(
+            stale=True,
+            query=query,
+            moving=moving,
+            since=since,
+            status="let go of the slider to march it" if moving else "marching",
+            readings=[],
+            scales=_scales(scene),
+        )
+        if not moving:
+            self._march_worker.start(marched_views, scene)
+
+    def _show_solution(self, scene: Scene, moving: bool, since: float, query: str) -> None:
+        began = time.perf_counter()
+        solution = solve(scene, rtol=MOVING_RTOL if moving else RTOL)
+        solved = time.perf_counter() - began
+        space_time = space_time_view(solution)
+        view = interface_view(solution, MOVING_NODES if moving else NODES)
+        self._interface.draw(view, space_time)
+        self._space_time.draw(space_time)
+        self._answer, self._shown = solution, scene
+        self._tell(
+            since=since,
+            query=query,
+            moving=moving,
+            status=solution.status,
+            error=f"{solution.error_estimate:.1e}",
+            solved=1e3 * solved,
+            readings=_readings(solution),
+            scales=_scales(scene),
+            program=program(scene),
+        )
+        points, rtol = (MOVING_POINTS, MOVING_RTOL) if moving else (POINTS, RTOL)
+        self._asked_field = (scene, points, rtol)
+        if not self._field_worker.busy:
+            self._next_field()
+
+    def _next_field(self) -> None:
+        if self._asked_field is not None:
+            self._field_worker.start(solved_field, *self._asked_field)
+            self._asked_field = None
+
+    def _draw_map(self, scene: Scene) -> None:
+        """Have the map drawn anew where more than friction and Poisson ratio have changed."""
+        key = map_key(scene) if can_map(scene) else None
+        if key == self._map_key:
+            return
+        self._map_key = key
+        self._map.draw(None)
+        if key is None:
+            self._map_worker.stop()
+            self._tell(regimes=[], map="Maps are drawn where the exact solver takes milliseconds.")
+        else:
+            self._map_worker.start(regime_map, scene)
+
+    def _listen(self) -> None:
+        """Draw what processes have sent."""
+        for worker, draw in (
+            (self._field_worker, self._field_news),
+            (self._map_worker, self._map_news),
+            (self._march_worker, self._march_news),
+        ):
+            news = worker.news()
+            if news is not None:
+                draw(news.kind, news.content)
+
+    def _field_news(self, kind: str, content: Any) -> None:
+        if self._shown is None:  # what is marched, or refused, has no field of the exact solver
+            self._asked_field = None
+        elif kind == "result" and isinstance(content, FieldView):
+            self._field.draw(content)
+            self._tell(field=self._asked_field is None)
+        elif kind == "refusal":
+            self._tell(message=f"The field is that of an earlier scene: {content}")
+        self._next_field()
+
+    def _map_news(self, kind: str, content: Any) -> None:
+        if kind == "progress":
+            self._tell(map=f"mapping, {content[0]} of {content[1]}")
+        elif kind == "result" and isinstance(content, RegimeMap):
+            self._tell(regimes=self._map.draw(content), map="")
+        else:
+            self._tell(regimes=[], map=str(content))
+
+    def _march_news(self, kind: str, content: Any) -> None:
+        if kind == "progress":
+            self._tell(progress=content[0] / content[1])
+        elif kind == "result" and isinstance(content, MarchViews):
+            self._answer = content.marched
+            self._interface.draw(content.interface, content.space_time)
+            self._space_time.draw(content.space_time)
+            self._field.draw(content.field)
+            self._tell(
+                progress=1.0,
+                status=content.marched.status,
+                error=f"{content.marched.error_estimate:.1e}",
+                readings=_readings(content.marched),
+                program=program(content.marched.scene),
+                field=True,
+            )
+        else:
+            self._refuse(str(content), progress=1.0)
+
+
+def template() -> Template:
+    """The page; whatever is filled in is escaped."""
+    text = files("slipfront.explore").joinpath("page.html").read_text(encoding="utf-8")
+    return Environment(autoescape=True).from_string(text)
+
+
+def _bokeh_scripts() -> list[str]:
+    """Where the server has the programs of Bokeh that the page runs."""
+    resources = Resources(
+        mode="server",
+        root_url="/",
+        components=["bokeh", "bokeh-widgets"],
+        path_versioner=StaticHandler.append_version,
+    )
+    return [str(address) for address in resources.js_files]
+
+
+def _readings(answer: Solution | Marched) -> list[list[str]]:
+    """What else is said of an answer: name, value."""
+    scene = answer.scene
+    if isinstance(answer, Marched):
+        slip = float(answer.max_slip(answer.end_time))
+        return [["largest slip", f"{slip:.4g} {unit('length', scene.units)}"]]
+    speed = scene.material.shear_speed
+    parts = [(_kind(zone), zone.inner / speed, zone.outer / speed) for zone in answer.zones]
+    parts += [("open", one.inner / speed, one.outer / speed) for one in answer.openings]
+    digits = digits_apart((end for _, *ends in parts for end in ends), 5)
+    rows = [
+        [kind, f"{inner:.{digits}g} … {_infinite(outer, digits)} c_t"]
+        for kind, inner, outer in sorted(parts, key=lambda part: part[1])
+    ]
+    return rows or [["interface", "sticks everywhere"]]
+
+
+def _kind(zone: SlipZone) -> str:
+    return "slip" if zone.sense > 0 else "reverse slip"
+
+
+def _infinite(speed: float, digits: int) -> str:
+    return "∞" if math.isinf(speed) else f"{speed:.{digits}g}"
+
+
+def _scales(scene: Scene) -> list[list[str]]:
+    """What the axes are measured in: symbol, value with its unit."""
+    time = end_time(scene)
+    named = reference_values(scene, time)
+    named["c_t T"] = (scene.material.shear_speed * time, unit("length", scene.units))
+    shown = {symbol: named[symbol] for symbol in ("c_t T", "T", "τ₀", "V₀")}
+    return [[symbol, f"{value:.4g} {name}"] for symbol, (value, name) in shown.items()]
+
+
+def _known_queries() -> dict[str, str]:
+    """Addresses of the named scenes that the page can show, by name."""
+    known = {}
+    for name, one in NAMED_SCENES.items():
+        known[name] = query_of(defaults(one.scene))
+    return known

@@ -1,0 +1,330 @@
+"""The pictures of the page, drawn once; only their numbers are sent anew.
+
+What changes is gathered on a `Board` and told in one message: Bokeh sends each change of a model by
+itself, fifty messages a move, which took longer than the solution.  Images go Bokeh's way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from bokeh.model import Model
+from bokeh.models import (
+    ColorBar,
+    ColumnDataSource,
+    LinearColorMapper,
+    Range1d,
+)
+from bokeh.palettes import Viridis256
+from bokeh.plotting import figure
+
+from slipfront.explore.maps import REGIMES, RegimeMap
+from slipfront.explore.views import KINDS, Array, FieldView, InterfaceView, SpaceTimeView
+from compare.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    PURPLE,
+    SENSE_COLOURS,
+    STICK_SHADE,
+    VERMILLION,
+    shade,
+)
+from compare.studies.regimes.figures import COLOURS
+
+SHADES = {kind: shade(kind) for kind in KINDS}
+REGIME_COLOURS = {**COLOURS, "open": PURPLE}
+WAVES = {"Rayleigh": "c_R", "S": "c_t", "P": "c_l"}
+CURVES = {
+    "shear traction": (BLUE, "solid"),
+    "± f p": (VERMILLION, "dotted"),
+    "pressure p": (GREEN, "dashed"),
+}
+"""Colours and dashes of tractions."""
+HEIGHT = 260
+FILLED, ROOM = 0.6, 0.04
+"""Share of an axis that values may shrink to, and what is left beside them at first."""
+WITH_COLOUR_BAR = 1.12
+"""Width over height of a picture with equal axes and a bar beside it."""
+
+
+def _source(*names: str) -> ColumnDataSource:
+    return ColumnDataSource({name: [] for name in names})
+
+
+def _panel(name: str, x_label: str, y_label: str, height: int = HEIGHT) -> figure:
+    """An empty picture as wide as there is room [pixels]."""
+    panel = figure(
+        name=name,
+        height=height,
+        sizing_mode="stretch_width",
+        tools="pan,box_zoom,wheel_zoom,reset,save",
+        active_drag=None,
+        toolbar_location="above",
+        toolbar_inner=True,
+        x_range=Range1d(0, 1),
+        y_range=Range1d(0, 1),
+        x_axis_label=x_label,
+        y_axis_label=y_label,
+        output_backend="canvas",
+    )
+    panel.toolbar.logo = None
+    panel.toolbar.autohide = True
+    panel.grid.visible = False
+    panel.min_width = 240
+    return panel
+
+
+class Board:
+    """What of the models in the browser differs from what it was told before."""
+
+    def __init__(self) -> None:
+        self._told: dict[str, dict[str, Any]] = {}
+        self._news: dict[str, dict[str, Any]] = {}
+
+    def set(self, model: Model, **properties: Any) -> None:
+        """Properties of a model, in lists and numbers."""
+        if any(self._told.get(model.id, {}).get(name) != properties[name] for name in properties):
+            self._told.setdefault(model.id, {}).update(properties)
+            self._news.setdefault(model.id, {}).update(properties)
+
+    def fill(self, source: ColumnDataSource, **columns: Sequence[Any]) -> None:
+        """Columns of a source."""
+        self.set(source, data=columns)
+
+    def limit(self, axis: Range1d, low: float, high: float) -> None:
+        """Have an axis show what lies between; while that does not change it stays where a reader
+        moves it."""
+        self.set(axis, start=low, end=high, reset_start=low, reset_end=high)
+
+    def follow(self, axis: Range1d, low: float, high: float) -> None:
+        """The same, and it stays also where it shows that well enough: scales that jump with
+        every move are hard to read."""
+        told = self._told.get(axis.id)
+        if told is not None:
+            start, end = told["start"], told["end"]
+            if start <= low and high <= end and high - low >= FILLED * (end - start):
+                return
+        room = ROOM * (high - low)
+        self.limit(axis, low - room, high + room)
+
+    def news(self) -> dict[str, dict[str, Any]]:
+        """What is new since the last call: properties by the id of their model."""
+        news, self._news = self._news, {}
+        return news
+
+
+def _column(values: Array, span: float = 1.0) -> list[float | None]:
+    """Numbers to 1e-5 of what an axis spans, clipped far outside it; None for what is not one."""
+    digits = 5 - math.floor(math.log10(span)) if span > 0 else 5
+    clipped = np.clip(values, -1e3 * span, 1e3 * span).round(digits)
+    found: list[float | None] = clipped.tolist()
+    return found if np.isfinite(clipped).all() else [v if v == v else None for v in found]
+
+
+class InterfacePictures:
+    """Slip rate, and tractions, along the contact; zones shaded, waves dashed."""
+
+    def __init__(self, board: Board) -> None:
+        self._board = board
+        at = "x / (c_t T)"
+        self.rate = _panel("rate", at, "slip rate / V₀")
+        self.tractions = _panel("tractions", at, "traction / τ₀")
+        self._lines = _source("x", "rate", "shear", "upper", "lower", "pressure")
+        self._zones = _source("left", "right", "colour")
+        self._waves = _source("x")
+        for panel in (self.rate, self.tractions):
+            panel.quad("left", "right", 1e6, -1e6, source=self._zones, color="colour")
+            panel.segment("x", -1e6, "x", 1e6, source=self._waves, color="#595959", line_dash="4 3")
+        self.rate.line("x", "rate", source=self._lines, color=BLUE, line_width=2)
+        for name, colour, dash in (
+            ("shear", *CURVES["shear traction"]),
+            ("upper", *CURVES["± f p"]),
+            ("lower", *CURVES["± f p"]),
+            ("pressure", *CURVES["pressure p"]),
+        ):
+            self.tractions.line(
+                "x", name, source=self._lines, color=colour, line_dash=dash, line_width=2
+            )
+
+    def draw(self, view: InterfaceView, space_time: SpaceTimeView) -> None:
+        """Show what happens along the contact at T."""
+        board, rates, tractions = self._board, view.rate_limits, view.traction_limits
+        span = tractions[1] - tractions[0]
+        bound = _column(view.bound, span)
+        board.fill(
+            self._lines,
+            x=_column(view.x),
+            rate=_column(view.slip_rate, rates[1] - rates[0]),
+            shear=_column(view.shear, span),
+            upper=bound,
+            lower=[None if one is None else -one for one in bound],
+            pressure=_column(view.pressure, span),
+        )
+        board.fill(
+            self._zones,
+            left=[inner for _, inner, _ in space_time.wedges],
+            right=[min(outer, space_time.reach) for *_, outer in space_time.wedges],
+            colour=[SHADES[kind] for kind, *_ in space_time.wedges],
+        )
+        board.fill(self._waves, x=list(space_time.waves.values()))
+        for panel, limits in ((self.rate, rates), (self.tractions, tractions)):
+            board.limit(panel.x_range, 0.0, space_time.reach)
+            board.follow(panel.y_range, *limits)
+
+
+class SpaceTimePicture:
+    """What slips, sticks and is open over space and time."""
+
+    def __init__(self, board: Board) -> None:
+        self._board = board
+        self.panel = _panel("zones", "x / (c_t T)", "t / T", 370)
+        self.panel.background_fill_color = STICK_SHADE
+        self._image = _source("image", "dw")
+        mapper = LinearColorMapper(list(SHADES.values()), low=-0.5, high=len(SHADES) - 0.5)
+        self.panel.image("image", 0, 0, "dw", 1, source=self._image, color_mapper=mapper)
+        self._wedges = _source("xs", "ys", "colour")
+        self.panel.patches(
+            "xs",
+            "ys",
+            source=self._wedges,
+            color="colour",
+            line_color=BLACK,
+            line_width=0.7,
+        )
+        self._waves = _source("xs", "ys")
+        self.panel.multi_line("xs", "ys", source=self._waves, color="#595959", line_dash="4 3")
+        self._names = _source("x", "name", "side")
+        self.panel.text(
+            "x",
+            0.99,
+            "name",
+            source=self._names,
+            text_align="side",
+            text_font_size="8pt",
+            text_baseline="top",
+        )
+
+    def draw(self, view: SpaceTimeView) -> None:
+        """Show wedges, or an image of what was marched."""
+        board, image = self._board, [] if view.image is None else [view.image]
+        if image or len(self._image.data["image"]):
+            self._image.data = {"image": image, "dw": [view.reach] * len(image)}
+        shapes = [_wedge(inner, outer, view.reach) for _, inner, outer in view.wedges]
+        board.fill(
+            self._wedges,
+            xs=[x for x, _ in shapes],
+            ys=[y for _, y in shapes],
+            colour=[SHADES[kind] for kind, *_ in view.wedges],
+        )
+        board.fill(
+            self._waves,
+            xs=[[0.0, at] for at in view.waves.values()],
+            ys=[[0.0, 1.0] for _ in view.waves],
+        )
+        board.fill(
+            self._names,
+            x=[at + (0.02 if name == "S" else -0.05) for name, at in view.waves.items()],
+            name=[WAVES[name] for name in view.waves],
+            side=["left" if name == "S" else "right" for name in view.waves],
+        )
+        board.limit(self.panel.x_range, 0.0, view.reach)
+
+
+def _wedge(inner: float, outer: float, reach: float) -> tuple[list[float], list[float]]:
+    """Corners of what lies between two edges until T; all of the picture beyond the first if the
+    other is at infinity."""
+    if math.isinf(outer):
+        return [0.0, inner, reach, reach], [0.0, 1.0, 1.0, 0.0]
+    return [0.0, inner, outer], [0.0, 1.0, 1.0]
+
+
+class FieldPicture:
+    """Particle speed around the contact edge, with its fronts."""
+
+    def __init__(self, board: Board) -> None:
+        self._board = board
+        self.panel = _panel("field", "x / (c_t T)", "y / (c_t T)")
+        self.panel.update(height=None, sizing_mode="scale_width", aspect_ratio=WITH_COLOUR_BAR)
+        self._image = _source("image", "x", "width")
+        self._colours = LinearColorMapper(Viridis256, low=0.0, high=1.0)
+        self.panel.image(
+            "image", "x", "x", "width", "width", source=self._image, color_mapper=self._colours
+        )
+        self._fronts, self._parts = _source("xs", "ys"), _source("xs", "ys", "colour")
+        self.panel.multi_line("xs", "ys", source=self._fronts, color="white", line_dash="4 3")
+        self.panel.segment(-100, 0, 0, 0, color=BLACK, line_width=4)
+        self.panel.multi_line("xs", "ys", source=self._parts, color="colour", line_width=4)
+        self.panel.add_layout(ColorBar(color_mapper=self._colours, width=10, padding=4), "right")
+
+    def draw(self, view: FieldView) -> None:
+        """Show a field."""
+        board, far = self._board, view.reach
+        self._image.data = {"image": [view.speed], "x": [-far], "width": [2 * far]}
+        board.set(self._colours, high=view.largest)
+        board.fill(
+            self._fronts,
+            xs=[_column(x) for x, _ in view.lines],
+            ys=[_column(y) for _, y in view.lines],
+        )
+        board.fill(
+            self._parts,
+            xs=[[start, end] for _, start, end in view.parts],
+            ys=[[0.0, 0.0] for _ in view.parts],
+            colour=[SENSE_COLOURS[kind] for kind, *_ in view.parts],
+        )
+        for axis in (self.panel.x_range, self.panel.y_range):
+            board.limit(axis, -far, far)
+
+
+class MapPicture:
+    """The regime of a scene among those at other Poisson ratios and frictions."""
+
+    def __init__(self, board: Board) -> None:
+        self._board = board
+        self.panel = _panel("map", "friction f", "Poisson ratio ν", 320)
+        self._image = _source("image", "x", "y", "width", "height")
+        names = list(REGIMES)
+        mapper = LinearColorMapper(
+            [REGIME_COLOURS[name] for name in names], low=-0.5, high=len(names) - 0.5
+        )
+        self.panel.image(
+            "image", "x", "y", "width", "height", source=self._image, color_mapper=mapper
+        )
+        self._place = _source("x", "y")
+        self.panel.scatter(
+            "x",
+            "y",
+            source=self._place,
+            marker="circle_cross",
+            size=16,
+            fill_color="white",
+            line_color=BLACK,
+            line_width=2,
+        )
+
+    def place(self, friction: float, poisson_ratio: float) -> None:
+        """Mark where the scene is."""
+        self._board.fill(self._place, x=[friction], y=[poisson_ratio])
+
+    def draw(self, drawn: RegimeMap | None) -> Sequence[Mapping[str, str]]:
+        """Show a map, or none; returns the names and colours of what is on it."""
+        if drawn is None:
+            self._image.data = {name: [] for name in self._image.data}
+            return []
+        (low, high), (least, most) = drawn.friction, drawn.poisson_ratio
+        self._image.data = {
+            "image": [drawn.image],
+            "x": [low],
+            "y": [least],
+            "width": [high - low],
+            "height": [most - least],
+        }
+        self._board.limit(self.panel.x_range, low, high)
+        self._board.limit(self.panel.y_range, least, most)
+        names = list(REGIMES)
+        present = [names[int(number)] for number in np.unique(drawn.image)]
+        return [{"name": REGIMES[name], "colour": REGIME_COLOURS[name]} for name in present]

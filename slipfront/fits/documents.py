@@ -1,0 +1,124 @@
+"""A fit as plain dictionaries, each number with its unit, for JSON and tables."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from compare.comparison.documents import SCENE_DIMENSIONS, units_document
+from slipfront.fits.posterior import Posterior
+from semianalytic.inversion.fitting import Fit
+from semianalytic.inversion.priors import Normal
+from semianalytic.inversion.unknowns import DIMENSIONS
+from semianalytic.scene.scene import scene_document
+
+WELL = 3.0
+"""Standard deviations of chi2 above its freedom up to which a fit is as good as noise allows."""
+
+BY_PRIOR = 0.9
+"""Standard error over that of the prior from which on the data add nothing."""
+
+
+def dimension(name: str) -> str:
+    """That of an unknown."""
+    return DIMENSIONS.get(name.partition(":")[0], "1")
+
+
+def fit_document(fit: Fit, posterior: Posterior | None = None) -> dict[str, Any]:
+    """A fit, and its posterior if it was sampled, as dictionaries, lists, strings and numbers."""
+    errors = fit.standard_errors
+    document: dict[str, Any] = {
+        "scene": scene_document(fit.scene),
+        "parameters": {
+            name: {"value": float(value), "standard_error": float(error)}
+            for name, value, error in zip(fit.parameters, fit.values, errors, strict=True)
+        },
+        "covariance": fit.covariance.tolist(),
+        "correlation": fit.correlation.tolist(),
+        "chi2": fit.chi2,
+        "freedom": fit.freedom,
+        "unconstrained": list(fit.unconstrained),
+        "known_by_prior": list(known_by_prior(fit)),
+        "minima": [
+            {"values": values.tolist(), "chi2": float(chi2)}
+            for values, chi2 in zip(fit.minima, fit.chi2_of_minima, strict=True)
+        ],
+        "gauges": [
+            {
+                "name": gauge.name,
+                "quantity": gauge.quantity,
+                "x": gauge.x,
+                "y": gauge.y,
+                "samples": len(gauge.t),
+                "chi2": float(np.sum((residual / gauge.noise) ** 2)),
+            }
+            for gauge, residual in zip(fit.gauges, fit.residuals, strict=True)
+        ],
+        "derivative_error": fit.derivative_error,
+        "solutions": fit.solutions,
+        "status": fit.status,
+        "misfit": misfit_sentence(fit),
+    }
+    units = {name: dimension(name) for name in fit.parameters}
+    dimensions = {
+        "scene": SCENE_DIMENSIONS,
+        "parameters": units,
+        "chi2": "1",
+        "gauges": {"x": "length", "y": "length", "chi2": "1"},
+        "derivative_error": "1",
+    }
+    if posterior is not None:
+        document["posterior"] = _posterior_document(posterior)
+        dimensions["posterior"] = {"parameters": units, "autocorrelation_time": "steps"}
+    document["units"] = units_document(document, dimensions, fit.scene)
+    return document
+
+
+def _posterior_document(posterior: Posterior) -> dict[str, Any]:
+    low, middle, high = posterior.quantiles(0.05, 0.5, 0.95)
+    return {
+        "parameters": {
+            name: {
+                "mean": float(posterior.mean[number]),
+                "standard_deviation": float(posterior.standard_deviations[number]),
+                "median": float(middle[number]),
+                "from": float(low[number]),
+                "to": float(high[number]),
+            }
+            for number, name in enumerate(posterior.parameters)
+        },
+        "autocorrelation_time": float(np.max(posterior.autocorrelation_time)),
+        "samples": len(posterior.samples),
+        "steps": posterior.steps,
+        "walkers": posterior.walkers,
+        "seed": posterior.seed,
+        "acceptance": posterior.acceptance,
+        "status": posterior.status,
+    }
+
+
+def misfit_sentence(fit: Fit) -> str:
+    """How large the misfits are for the noise they were said to have."""
+    if not fit.freedom:
+        return "there are no more samples than parameters, so the misfit says nothing"
+    share, spread = fit.chi2 / fit.freedom, (2 / fit.freedom) ** 0.5
+    if share > 1 + WELL * spread:
+        return (
+            f"misfits are {share**0.5:.2g} times what the noise allows: it is larger than said, or "
+            "the scene is not that of the records; errors are too small by as much at least"
+        )
+    if share < 1 - WELL * spread:
+        return f"misfits are {share**0.5:.2g} times the noise: it is less than said"
+    return "misfits are as large as the noise"
+
+
+def known_by_prior(fit: Fit) -> tuple[str, ...]:
+    """Parameters of which the data say next to nothing beyond their prior."""
+    errors = dict(zip(fit.parameters, fit.standard_errors, strict=True))
+    priors = fit.trials.priors.items()
+    return tuple(
+        name
+        for name, prior in priors
+        if isinstance(prior, Normal) and errors[name] > BY_PRIOR * prior.sd
+    )

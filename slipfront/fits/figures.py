@@ -1,0 +1,270 @@
+"""Pictures of fits: records and what they differ by, and what tells which parameters apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from compare.figures.style import (
+    BROWN,
+    ORANGE,
+    PREDICTION,
+    SMALL,
+    VERMILLION,
+    cycle,
+    describe,
+    ink,
+    line_handle,
+    marker_handle,
+    new_figure,
+    styled,
+)
+from slipfront.fits.documents import dimension
+from slipfront.fits.posterior import Posterior
+from compare.records.record import Array
+from semianalytic.inversion.fitting import Fit
+from semianalytic.inversion.gauges import QUANTITIES, Gauge
+from semianalytic.scene.units import unit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import SubFigure
+
+PANELS = 5
+"""Gauges or lines that are shown, at most."""
+TIMES = 4
+"""Of a line, likewise."""
+FINE = 500
+SHARES = (0.5, 0.9)
+"""Of fits within the ellipses."""
+WIDTH = 3.5
+"""Standard errors to either side that panels show."""
+DOTS = 3000
+TINY = "x-small"
+"""Of numbers at the axes of small panels."""
+STRONG = 0.9
+"""Correlation from which on its number is written large."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Curve:
+    """Recorded and fitted over time or position, and residuals over the noise."""
+
+    at: Array
+    recorded: Array
+    residual: Array
+    fine: Array
+    fitted: Array
+    label: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Panel:
+    title: str
+    along: str
+    curves: Sequence[_Curve]
+
+
+@styled
+def fit_figure(fit: Fit, posterior: Posterior | None = None) -> Figure:
+    """Records over the fit and residuals, left; parameters against each other, right.
+
+    Right, on the diagonal the density of each parameter, below it ellipses that hold 50 and 90 %
+    of fits by the covariance, with samples of the posterior if there are any; above, correlations.
+    """
+    panels = list(_panels(fit))
+    height = max(1.9 * len(panels) + 0.8, 2.0 * len(fit.parameters) + 1.2, 3.6)
+    figure = describe(new_figure(12.5, height), fit.scene)
+    left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(6.5, 6), squeeze=False))
+    _draw_records(left, fit, panels)
+    _draw_parameters(right, fit, posterior)
+    return figure
+
+
+def _panels(fit: Fit) -> Iterator[_Panel]:
+    """Of lines of many places at few times, one each; of other gauges one each, spread evenly."""
+    groups: dict[tuple[str, float | None], list[int]] = {}
+    for number, gauge in enumerate(fit.gauges):
+        groups.setdefault((gauge.quantity, gauge.y), []).append(number)
+    residuals = fit.residuals
+    lines = {
+        key: numbers
+        for key, numbers in groups.items()
+        if len(numbers) > max(len(fit.gauges[i].t) for i in numbers)
+    }
+    alone = [i for key, numbers in groups.items() if key not in lines for i in numbers]
+    for key, numbers in list(lines.items())[:PANELS]:
+        title = f"{key[0]}" + ("" if key[1] is None else f" at y = {key[1]:.4g}")
+        curves = list(_over_place(fit, numbers, residuals))
+        yield _Panel(_with_unit(fit, fit.gauges[numbers[0]], title), "x", curves)
+    room = max(PANELS - len(lines), 1)
+    for i in alone if len(alone) <= room else [alone[k] for k in _even(len(alone), room)]:
+        gauge = fit.gauges[i]
+        fine = np.linspace(gauge.t[0], gauge.t[-1], FINE)
+        curve = _Curve(
+            gauge.t, gauge.values, residuals[i] / gauge.noise, fine, fit.seen(gauge, fine), ""
+        )
+        place = f"x = {gauge.x:.4g}" + ("" if gauge.y is None else f", y = {gauge.y:.4g}")
+        title = f"{gauge.quantity} at {place}"
+        yield _Panel(_with_unit(fit, gauge, title), "t", [curve])
+
+
+def _even(count: int, shown: int) -> list[int]:
+    return [round(one) for one in np.linspace(0, count - 1, shown)]
+
+
+def _with_unit(fit: Fit, gauge: Gauge, title: str) -> str:
+    return f"{title} [{unit(QUANTITIES[gauge.quantity], fit.scene.units)}]"
+
+
+def _over_place(fit: Fit, numbers: list[int], residuals: Sequence[Array]) -> Iterator[_Curve]:
+    """A line at some of its times."""
+    times = sorted({float(t) for i in numbers for t in fit.gauges[i].t})
+    for t in [times[k] for k in _even(len(times), min(TIMES, len(times)))]:
+        rows = []
+        for i in numbers:
+            gauge, here = fit.gauges[i], np.flatnonzero(fit.gauges[i].t == t)
+            if here.size:
+                noise = np.broadcast_to(gauge.noise, gauge.t.shape)[here[0]]
+                left = residuals[i][here[0]]
+                rows.append((gauge.x, gauge.values[here[0]], left / noise, left))
+        x, recorded, residual, left = np.array(sorted(rows)).T
+        words = f"t = {t:.4g} {unit('time', fit.scene.units)}"
+        yield _Curve(x, recorded, residual, x, recorded - left, words)
+
+
+def _draw_records(figure: SubFigure, fit: Fit, panels: Sequence[_Panel]) -> None:
+    axes = figure.subplots(len(panels), 2, squeeze=False, width_ratios=(2, 1))
+    for (left, right), panel in zip(axes, panels, strict=True):
+        for curve, colour in zip(panel.curves, cycle(), strict=False):
+            left.plot(curve.at, curve.recorded, ".", color=colour, markersize=3.5, alpha=0.7)
+            left.plot(curve.fine, curve.fitted, color=colour, linewidth=1.2, label=curve.label)
+            right.plot(curve.at, curve.residual, ".", color=colour, markersize=3.5)
+        for level in (-2, 0, 2):
+            right.axhline(level, color=ink(), linewidth=0.6, linestyle="-" if not level else "--")
+        left.set_title(panel.title, fontsize=SMALL)
+        right.set_title("residual / noise", fontsize=SMALL)
+        dimensioned = unit("time" if panel.along == "t" else "length", fit.scene.units)
+        for one in (left, right):
+            one.set_xlabel(f"{panel.along} [{dimensioned}]", fontsize=SMALL)
+            one.tick_params(labelsize=SMALL)
+            one.ticklabel_format(scilimits=(-3, 4))
+            one.locator_params(axis="x", nbins=5)
+            for axis in (one.xaxis, one.yaxis):
+                axis.offsetText.set_fontsize(SMALL)
+        if panel.curves[0].label:
+            left.legend(fontsize=SMALL)
+
+
+def _draw_parameters(figure: SubFigure, fit: Fit, posterior: Posterior | None) -> None:
+    p, errors = len(fit.parameters), fit.standard_errors
+    axes = figure.subplots(p, p, squeeze=False)
+    spread = np.where(np.isfinite(errors), errors, np.maximum(np.abs(fit.values), 1e-300))
+    ranges = [_range(fit, posterior, k, float(spread[k])) for k in range(p)]
+    for row in range(p):
+        for column in range(p):
+            panel = axes[row, column]
+            panel.tick_params(labelsize=TINY)
+            panel.locator_params(nbins=3)
+            panel.ticklabel_format(useOffset=False, scilimits=(-3, 4))
+            panel.xaxis.offsetText.set_fontsize(TINY)
+            panel.yaxis.offsetText.set_fontsize(TINY)
+            if row == column:
+                _draw_density(panel, fit, posterior, row, ranges[row])
+            elif row > column:
+                _draw_pair(panel, fit, posterior, (column, row), (ranges[column], ranges[row]))
+            else:
+                _draw_correlation(panel, float(fit.correlation[row, column]))
+            if row == p - 1:
+                panel.set_xlabel(_axis(fit, column), fontsize=SMALL)
+            if column == 0 and row:
+                panel.set_ylabel(_axis(fit, row), fontsize=SMALL)
+    handles = [line_handle("50 and 90 % by the covariance", PREDICTION)]
+    if posterior is not None:
+        handles.append(marker_handle(f"posterior, {posterior.status.split(':')[0]}", BROWN))
+    if len(fit.minima) > 1:
+        handles.append(marker_handle("other minima", VERMILLION, "x"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=SMALL)
+
+
+def _axis(fit: Fit, number: int) -> str:
+    name = fit.parameters[number]
+    return f"{name.replace('_', ' ')} [{unit(dimension(name), fit.scene.units)}]"
+
+
+def _range(fit: Fit, posterior: Posterior | None, number: int, error: float) -> tuple[float, float]:
+    """What a panel shows of a parameter."""
+    value = float(fit.values[number])
+    low, high = value - WIDTH * error, value + WIDTH * error
+    if posterior is not None:
+        least, most = posterior.quantiles(0.002, 0.998)[:, number]
+        low, high = min(low, float(least)), max(high, float(most))
+    return low, high
+
+
+def _draw_density(
+    panel: Axes, fit: Fit, posterior: Posterior | None, number: int, limits: tuple[float, float]
+) -> None:
+    error = float(fit.standard_errors[number])
+    at = np.linspace(*limits, 300)
+    if posterior is not None:
+        panel.hist(
+            posterior.samples[:, number],
+            bins=30,
+            range=limits,
+            density=True,
+            color=ORANGE,
+            alpha=0.6,
+        )
+    if np.isfinite(error):
+        density = np.exp(-(((at - fit.values[number]) / error) ** 2) / 2) / error
+        panel.plot(at, density / np.sqrt(2 * np.pi), color=PREDICTION, linewidth=1.2)
+    else:
+        panel.text(0.5, 0.5, "free", transform=panel.transAxes, ha="center", fontsize=SMALL)
+    panel.set(xlim=limits, yticks=[])
+    panel.set_title(f"{fit.values[number]:.4g} ± {error:.2g}", fontsize=SMALL)
+
+
+def _draw_pair(
+    panel: Axes,
+    fit: Fit,
+    posterior: Posterior | None,
+    pair: tuple[int, int],
+    limits: tuple[tuple[float, float], tuple[float, float]],
+) -> None:
+    chosen = list(pair)
+    if posterior is not None:
+        every = max(len(posterior.samples) // DOTS, 1)
+        x, y = posterior.samples[::every, chosen].T
+        panel.plot(x, y, ".", color=BROWN, markersize=1.0, alpha=0.8)
+    part = fit.covariance[np.ix_(chosen, chosen)]
+    if np.all(np.isfinite(part)):
+        angle = np.linspace(0, 2 * np.pi, 200)
+        circle = np.linalg.cholesky(part) @ np.stack([np.cos(angle), np.sin(angle)])
+        for share in SHARES:  # of a normal density in the plane: 1 - exp(-r^2 / 2)
+            radius = np.sqrt(-2 * np.log(1 - share))
+            ellipse = fit.values[chosen][:, None] + radius * circle
+            panel.plot(*ellipse, color=PREDICTION, linewidth=1.2)
+    panel.plot(*fit.values[chosen], "+", color=ink())
+    panel.plot(*fit.minima[1:, chosen].T, "x", color=VERMILLION, markersize=4)
+    panel.set(xlim=limits[0], ylim=limits[1])
+
+
+def _draw_correlation(panel: Axes, correlation: float) -> None:
+    panel.set(xticks=[], yticks=[])
+    words = "free" if np.isnan(correlation) else f"{correlation:+.2f}"
+    panel.text(
+        0.5,
+        0.5,
+        words,
+        transform=panel.transAxes,
+        ha="center",
+        va="center",
+        fontsize="medium" if abs(correlation) < STRONG else "x-large",
+    )
+    for side in panel.spines.values():
+        side.set_visible(False)

@@ -1,0 +1,222 @@
+"""A survey as an xarray dataset, in memory or as a Zarr store, filled chunk by chunk."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.documents import SCENE_DIMENSIONS
+from slipfront.surveys.parameters import MATERIAL, Array, parameters_of
+from slipfront.surveys.plan import Plan
+from slipfront.surveys.points import DEFAULT_RTOL, held, unpacked
+from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
+from semianalytic.halfplane.families import rayleigh_family
+from semianalytic.scene.friction import ViscousFriction
+from semianalytic.scene.parameters import part_parameters
+from semianalytic.scene.scene import scene_document
+from semianalytic.scene.units import unit
+
+Chunks = Callable[[], Iterable[tuple[int, bytes]]]
+"""Index and packed columns of every chunk, as often as they are asked for."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable before it has values."""
+
+    quantity: Quantity
+    along: tuple[str, ...]
+    shape: tuple[int, ...]
+    attrs: Mapping[str, str]
+
+
+def variables_of(plan: Plan, chunks: Chunks) -> dict[str, Variable]:
+    """The variables that the chunks of a survey hold, as large as all of them need."""
+    zones = 1
+    names: set[str] = set()
+    for _, data in chunks():
+        some, most = held(data)
+        names, zones = names | some, max(zones, most)
+    question = plan.question
+    lengths = {**plan.sizes, "zone": zones, "edge": 2, "mode": 2}
+    lengths |= {"t": len(question.t), "x": len(question.x)}
+
+    def variable(quantity: Quantity, along: tuple[str, ...]) -> Variable:
+        along = (*along, *quantity.along)
+        attrs = {"units": unit(quantity.dimension, plan.scene.units)}
+        attrs["long_name"] = quantity.meaning
+        return Variable(quantity, along, tuple(lengths[name] for name in along), attrs)
+
+    points = tuple(plan.sizes)
+    result = {name: variable(q, points) for name, q in QUANTITIES.items() if name in names}
+    varied = points if plan.together else tuple(name for name in points if name in MATERIAL)
+    return result | {name: variable(quantity, varied) for name, quantity in SPEEDS.items()}
+
+
+def filled(arrays: Mapping[str, Any], plan: Plan, chunks: Chunks) -> None:
+    """Put the chunks of a survey into arrays, of numpy or Zarr, that hold what is absent."""
+    for index, data in chunks():
+        region = plan.regions[index]
+        shape = tuple(part.stop - part.start for part in region)
+        columns = unpacked(data)
+        for name, column in columns.items():
+            where = region
+            if QUANTITIES[name].along[:1] == ("zone",):
+                where = (*region, slice(0, column.shape[1]))
+            if column.size:
+                arrays[name][where] = column.reshape(*shape, *column.shape[1:])
+
+
+def wave_speeds(plan: Plan) -> dict[str, Array]:
+    """Speeds of all waves [length / time], along those dimensions that change the material."""
+    known = {name: getattr(plan.scene.material, name) for name in MATERIAL} | dict(plan.fixed)
+    varied = [name for name in plan.values if name in MATERIAL]
+    rows = [plan.values[name] for name in varied]
+    meshes = rows if plan.together else np.meshgrid(*rows, indexing="ij")
+    shape = plan.shape if plan.together else tuple(map(len, rows))
+    values = known | dict(zip(varied, meshes, strict=True))
+    shear, ratio = np.broadcast_arrays(
+        np.sqrt(np.divide(values["shear_modulus"], values["density"])),
+        np.broadcast_to(values["poisson_ratio"], shape),
+    )
+    sound = (ratio > -1) & (ratio < 0.5)
+    family = rayleigh_family(np.where(sound, ratio, 0.0).ravel())
+    slowness = {"rayleigh": family.c, "longitudinal": family.a}
+    speeds = {
+        f"{name}_speed": np.where(sound, shear / inverse[:, 0].reshape(shape), np.nan)
+        for name, inverse in slowness.items()
+    }
+    return speeds | {"shear_speed": np.where(sound, shear, np.nan)}
+
+
+def coordinates(plan: Plan) -> dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]]:
+    """Coordinates by name: dimensions, values, attributes."""
+    question = plan.question
+    result: dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]] = {}
+    for name, values in plan.values.items():
+        along = ("point",) if plan.together else (name,)
+        result[name] = along, values, _parameter_attrs(plan, name)
+    for name, value in plan.fixed.items():
+        result[name] = (), np.array(value), _parameter_attrs(plan, name)
+    for name, samples, meaning in (
+        ("t", question.t, "time since the load"),
+        ("x", question.x, "position along the contact"),
+    ):
+        if samples:
+            dimension = "time" if name == "t" else "length"
+            attrs = {"units": unit(dimension, plan.scene.units), "long_name": meaning}
+            result[name] = (name,), np.array(samples), attrs
+    result["edge"] = ("edge",), np.array(["inner", "outer"]), {}
+    result["mode"] = ("mode",), np.array(["I", plan.scene.shear_mode]), {}
+    return result
+
+
+def _parameter_attrs(plan: Plan, name: str) -> dict[str, str]:
+    """Unit and meaning of a parameter."""
+    part, field = parameters_of(plan.scene)[name]
+    if part in ("friction_law", "pressure_history", "shear_history"):
+        viscous = field == "viscosity"  # which turns constant friction viscous
+        kind = ViscousFriction if viscous else type(getattr(plan.scene, part))
+        dimension = part_parameters(kind)[field].dimension
+    else:
+        dimension = SCENE_DIMENSIONS[part][field] if part else SCENE_DIMENSIONS[field]
+    words = field if part in ("", "material") else f"{part} {field}"
+    return {"units": unit(dimension, plan.scene.units), "long_name": words.replace("_", " ")}
+
+
+def attributes(plan: Plan, command: str) -> dict[str, Any]:
+    """What the whole survey is."""
+    return {
+        "title": f"slipfront survey of {plan.count} points",
+        "source": f"slipfront {version('slipfront')}",
+        "scene": json.dumps(scene_document(plan.scene)),
+        "rtol": plan.question.rtol or DEFAULT_RTOL,
+        "command": command,
+        "survey": plan.digest,
+    }
+
+
+def dataset_of(plan: Plan, chunks: Chunks, command: str) -> Any:
+    """The survey as an `xarray.Dataset` in memory."""
+    import xarray
+
+    variables = variables_of(plan, chunks)
+    arrays = {
+        name: np.full(one.shape, one.quantity.absent, dtype=_dtype(one))
+        for name, one in variables.items()
+    }
+    filled(arrays, plan, chunks)
+    arrays |= wave_speeds(plan)
+    used = {along for one in variables.values() for along in one.along}
+    return xarray.Dataset(
+        {name: (one.along, arrays[name], dict(one.attrs)) for name, one in variables.items()},
+        coords={
+            name: parts for name, parts in coordinates(plan).items() if used.issuperset(parts[0])
+        },
+        attrs=attributes(plan, command),
+    )
+
+
+def _dtype(variable: Variable) -> Any:
+    kind = variable.quantity.kind
+    return object if kind == TEXT else np.dtype(kind)
+
+
+def netcdf_bytes(dataset: Any) -> Any:
+    """A dataset as the bytes of a NetCDF file, compressed; words as characters of one length."""
+    encoding: dict[str, dict[str, Any]] = {}
+    for name, variable in dataset.data_vars.items():
+        if variable.ndim:
+            encoding[name] = {"zlib": True, "complevel": 4, "shuffle": True}
+            if variable.dtype == object:
+                encoding[name] |= {"dtype": "S1", "shuffle": False}
+    return dataset.to_netcdf(engine="h5netcdf", encoding=encoding)
+
+
+def write_zarr(folder: Path, plan: Plan, chunks: Chunks, command: str) -> None:
+    """Write the survey as a Zarr store, chunk by chunk; whatever was in the folder goes."""
+    import zarr
+
+    shutil.rmtree(folder, ignore_errors=True)
+    group = zarr.create_group(folder, attributes=attributes(plan, command))
+    variables = variables_of(plan, chunks)
+    arrays = {}
+    for name, one in variables.items():
+        arrays[name] = group.create_array(
+            name,
+            shape=one.shape,
+            chunks=tuple(plan.block.get(d, n) for d, n in zip(one.along, one.shape, strict=True)),
+            dtype=str if one.quantity.kind == TEXT else one.quantity.kind,
+            fill_value=one.quantity.absent,
+            dimension_names=one.along,
+            attributes=dict(one.attrs),
+        )
+    filled(arrays, plan, chunks)
+    for name, speeds in wave_speeds(plan).items():
+        arrays[name][...] = speeds
+    used = {along for one in variables.values() for along in one.along}
+    apart = [name for name, (along, *_) in coordinates(plan).items() if along != (name,)]
+    if apart:  # which xarray would take for variables
+        group.attrs["coordinates"] = " ".join(apart)
+    for name, (along, values, attrs) in coordinates(plan).items():
+        if used.issuperset(along):
+            text = values.dtype.kind == "U"
+            group.create_array(
+                name,
+                shape=values.shape,
+                dtype=str if text else values.dtype,
+                dimension_names=along,
+                attributes={**attrs},
+            )[...] = values.astype(object) if text else values
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the third format of Zarr has not settled what these are
+        zarr.consolidate_metadata(group.store)

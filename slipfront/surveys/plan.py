@@ -1,0 +1,291 @@
+"""What a survey asks, and the chunks of it that are solved, saved and lost together."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from importlib.metadata import version
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from slipfront.surveys.parameters import Array, checked_values, parameter_name
+from semianalytic.results.answer import FIELDS
+from semianalytic.results.memory import check_memory
+from semianalytic.scene.checks import checked_count, checked_size, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Scene, checked_scene, scene_document
+
+Region = tuple[slice, ...]
+
+SWEPT, SOLVED, MARCHED = 2500, 100, 4
+"""Points of a chunk unless given: of scenes that a sweep solves together, that are solved one by
+one, and that are marched.  Each takes seconds on one core."""
+_SWEPT_TOGETHER = {"poisson_ratio": 100, "friction": 25}
+"""A chunk of the plane: long in Poisson ratio, along which zones change less.  Of 10,000 points in
+chunks of 100 x 25, 67 x 34, 50 x 50 and 25 x 100 that is the order of processor time."""
+
+
+MOST_VALUES, MOST_POINTS, MOST_CHUNKS = 10**7, 10**8, 10**5
+"""Of one row, of a survey, and of its chunks.  A hundred million points take a day on one core; a
+hundred thousand chunks take seconds, and some 100 MB, to lay out."""
+_POINT_BYTES = 250
+"""What a point takes without fields, at most: 115 as a dataset, 223 while NetCDF is written."""
+_NUMBER_BYTES = 20
+"""What a number of a field takes, at most: 8 as a dataset, 10 while NetCDF is written, 18 in a
+chunk that is solved and packed."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of every scene; as the arguments of `survey`."""
+
+    rtol: float | None = None
+    end_time: float | None = None
+    nodes: int | None = None
+    length: float | None = None
+    x: tuple[float, ...] = ()
+    t: tuple[float, ...] = ()
+    fields: tuple[str, ...] = ()
+
+    def checked(self) -> Question:
+        """With all options as they are to be.
+
+        Raises
+        ------
+        SceneError
+            If one is out of range.
+        """
+        changes: dict[str, Any] = {}
+        for name in ("rtol", "end_time", "length"):
+            if getattr(self, name) is not None:
+                changes[name] = checked_size(f"survey: {name}", getattr(self, name))
+        if self.nodes is not None:
+            changes["nodes"] = checked_count("survey: nodes", self.nodes, 1, "a whole number from")
+        if bool(self.x) != bool(self.t):
+            raise SceneError("survey: fields are given at positions and times; give x and t.")
+        if not (all(0 < x < math.inf for x in self.x) and all(map(math.isfinite, self.t))):
+            raise SceneError(
+                "survey: x must be positions on the contact, x > 0, and t times, all finite."
+            )
+        unknown = [name for name in self.fields if name not in FIELDS]
+        if unknown:
+            raise SceneError(
+                f"survey: fields must be some of {', '.join(FIELDS)}, got {shown(unknown[0])}."
+            )
+        if self.t and self.end_time is None and max(self.t) > 0:
+            changes["end_time"] = max(self.t)
+        return replace(self, **changes)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A survey: a scene, values of its parameters, and what is asked.
+
+    Attributes
+    ----------
+    scene : Scene
+    values : mapping of parameter to (n,) array
+    fixed : mapping of parameter to number
+        In place of those of the scene at all points.
+    together : bool
+        Whether they are one list of points instead of a grid.
+    question : Question
+    chunk : int
+        Most points of a chunk.
+    """
+
+    scene: Scene
+    values: Mapping[str, Array]
+    fixed: Mapping[str, float]
+    together: bool
+    question: Question
+    chunk: int
+
+    @cached_property
+    def sizes(self) -> dict[str, int]:
+        """Lengths of the dimensions by name."""
+        if self.together:
+            return {"point": len(next(iter(self.values.values())))}
+        return {name: len(values) for name, values in self.values.items()}
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the dimensions."""
+        return tuple(self.sizes.values())
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return math.prod(self.shape)
+
+    @cached_property
+    def block(self) -> dict[str, int]:
+        """Lengths of a chunk along the dimensions; the last one along each may be shorter."""
+        sizes, room = self.sizes, self.chunk
+        block = dict.fromkeys(sizes, 1)
+        scale = math.sqrt(self.chunk / SWEPT)
+        plane = [name for name in _SWEPT_TOGETHER if name in sizes]
+        if len(plane) == 2:
+            name = plane[0]
+            parts = max(round(sizes[name] / (scale * _SWEPT_TOGETHER[name])), 1)
+            block[name] = min(math.ceil(sizes[name] / parts), room)
+        for name in [*reversed(plane), *plane, *(n for n in reversed(sizes) if n not in plane)]:
+            free = room // math.prod(length for key, length in block.items() if key != name)
+            block[name] = max(block[name], min(sizes[name], free))
+        return {
+            name: math.ceil(sizes[name] / math.ceil(sizes[name] / length))
+            for name, length in block.items()
+        }
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks."""
+        pairs = zip(self.sizes.values(), self.block.values(), strict=True)
+        return math.prod(math.ceil(size / length) for size, length in pairs)
+
+    @cached_property
+    def regions(self) -> list[Region]:
+        """The chunks, as slices along the dimensions."""
+        cuts = [
+            [slice(start, min(start + self.block[name], size)) for start in range(0, size, step)]
+            for (name, size), step in zip(self.sizes.items(), self.block.values(), strict=True)
+        ]
+        return list(product(*cuts))
+
+    def region_values(self, region: Region) -> dict[str, Array]:
+        """Values of all parameters at the points of a chunk (m,), in C order."""
+        if self.together:
+            return {name: values[region[0]] for name, values in self.values.items()}
+        parts = [values[part] for values, part in zip(self.values.values(), region, strict=True)]
+        meshes = np.meshgrid(*parts, indexing="ij")
+        return {name: mesh.ravel() for name, mesh in zip(self.values, meshes, strict=True)}
+
+    @cached_property
+    def identity(self) -> dict[str, Any]:
+        """What tells this survey from others, for JSON."""
+        return {
+            "slipfront": version("slipfront"),
+            "scene": scene_document(self.scene),
+            "fixed": dict(self.fixed),
+            "together": self.together,
+            "parameters": {
+                name: {
+                    "count": len(values),
+                    "first": float(values[0]),
+                    "last": float(values[-1]),
+                    "sha256": hashlib.sha256(values.tobytes()).hexdigest(),
+                }
+                for name, values in self.values.items()
+            },
+            "chunk": self.chunk,
+            **asdict(self.question),
+        }
+
+    def check_memory(self, whole: bool) -> None:
+        """Refuse what would take more memory than there is: a chunk of it, or all of it.
+
+        Raises
+        ------
+        SceneError
+            With what to ask for instead.
+        """
+        asked = self.question
+        numbers = len(asked.fields) * len(asked.x) * len(asked.t)
+        each = _POINT_BYTES + _NUMBER_BYTES * numbers
+        fields = f" of {numbers:,} numbers" if numbers else ""
+        least = math.prod(self.block.values())
+        advice = "ask for fewer positions and times"
+        if least > 1:
+            advice += ", or lower `chunk`"
+        what = f"survey: a chunk of {least:,} points{fields}"
+        check_memory(each * least, None, what, advice)
+        if whole:
+            advice = "write it as .zarr, chunk by chunk, or ask for less"
+            check_memory(each * self.count, None, f"survey: {self.count:,} points{fields}", advice)
+
+    @property
+    def digest(self) -> str:
+        """The identity in 16 hexadecimal digits."""
+        text = json.dumps(self.identity, sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+    @property
+    def call(self) -> str:
+        """The survey as a call of the function, long rows of values cut short."""
+        given = [f"{name}={_row(values)}" for name, values in self.values.items()]
+        given += [f"{name}={value!r}" for name, value in self.fixed.items()]
+        options = {"together": self.together, **asdict(self.question)}
+        given += [f"{name}={value!r}" for name, value in options.items() if value]
+        return f"survey(scene, {', '.join(given)})"
+
+
+def _row(values: Array) -> str:
+    if len(values) <= 4:
+        return str(values.tolist())
+    return f"[{values[0]:.10g}, {values[1]:.10g}, ... {values[-1]:.10g}] ({len(values)})"
+
+
+def planned(
+    scene: Scene,
+    parameters: Mapping[str, ArrayLike],
+    question: Question,
+    *,
+    together: bool = False,
+    chunk: int | None = None,
+) -> Plan:
+    """A survey that can be run; single numbers among the parameters are fixed.
+
+    Raises
+    ------
+    SceneError
+        If there is no such parameter, no value, lists that go together differ in length, or an
+        option is out of range.
+    """
+    checked_scene("survey", scene)
+    values: dict[str, Array] = {}
+    fixed: dict[str, float] = {}
+    for given, row in parameters.items():
+        name = parameter_name(scene, given)
+        if name in values or name in fixed:
+            raise SceneError(f"survey: {name} is given twice; leave one of the two out.")
+        numbers = checked_values(name, row)
+        if numbers.ndim:
+            values[name] = numbers
+            _check_count(f"values of {name}", len(numbers), MOST_VALUES)
+        else:
+            fixed[name] = float(numbers)
+    if not values:
+        raise SceneError("survey: give a row of values of one parameter at least, as friction.")
+    lengths = {name: len(row) for name, row in values.items()}
+    if together and len(set(lengths.values())) > 1:
+        listed = ", ".join(f"{length} of {name}" for name, length in lengths.items())
+        raise SceneError(f"survey: rows of values that go together are as long, got {listed}.")
+    points = _usual_chunk(scene, list(values)) if chunk is None else chunk
+    points = checked_count("survey: chunk", points, 1, "a whole number from")
+    plan = Plan(scene, values, fixed, together, question.checked(), points)
+    _check_count("points", plan.count, MOST_POINTS)
+    if plan.chunks > MOST_CHUNKS:
+        raise SceneError(
+            f"survey: {plan.chunks:.3g} chunks are too many; raise `chunk` to "
+            f"{math.ceil(points * plan.chunks / MOST_CHUNKS):,}, or ask for fewer points."
+        )
+    return plan
+
+
+def _check_count(what: str, count: int, most: int) -> None:
+    """Raise SceneError for more values or points than a survey can have."""
+    if count > most:
+        raise SceneError(f"survey: {count:.3g} {what} are too many; take at most {most:.0e}.")
+
+
+def _usual_chunk(scene: Scene, names: Sequence[str]) -> int:
+    if not scene.is_self_similar or scene.friction_law.fall_with_rate:
+        return MARCHED
+    return SWEPT if set(_SWEPT_TOGETHER) & set(names) else SOLVED

@@ -1,0 +1,252 @@
+"""The points of one chunk of a survey: swept together, solved, or marched; on whatever machine."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from time import process_time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipfront.surveys.parameters import Array, scene_at
+from slipfront.surveys.plan import Question
+from slipfront.surveys.quantities import QUANTITIES, TEXT
+from semianalytic.prediction import chosen_method, predict
+from semianalytic.results.answer import Answer
+from semianalytic.scene.errors import SlipfrontError
+from semianalytic.scene.scene import Scene
+from semianalytic.selfsimilar.solution import Solution
+from semianalytic.spacetime.marched import Marched
+from semianalytic.sweeps.contact_edge import at_contact_edge
+from semianalytic.sweeps.sweep import sweep
+
+Values = dict[str, Any]
+Columns = dict[str, NDArray[Any]]
+
+SWEPT = ("friction", "poisson_ratio")
+"""Parameters along which scenes are solved together."""
+DEFAULT_RTOL = 1e-6
+"""Of scenes that are solved; those that are marched have no rtol unless it is given."""
+SOLVED, MARCHED = "self-similar", "space-time"
+_REFUSED = {"method": "none", "origin": "refused"}
+
+
+def solved_chunk(
+    scene: Scene, values: Mapping[str, Array], fixed: Mapping[str, float], question: Question
+) -> bytes:
+    """All quantities at the points of a chunk, packed.
+
+    Parameters
+    ----------
+    scene : Scene
+    values : mapping of parameter to (m,) array
+    fixed : mapping of parameter to number
+    question : Question
+    """
+    count = len(next(iter(values.values())))
+    rows: list[Values] = [{} for _ in range(count)]
+    scenes: dict[int, Scene] = {}
+    for i, numbers in enumerate(zip(*(row.tolist() for row in values.values()), strict=True)):
+        try:
+            scenes[i] = scene_at(scene, {**fixed, **dict(zip(values, numbers, strict=True))})
+        except SlipfrontError as error:
+            rows[i] = _refused(error)
+    for group in _groups(scenes, values):
+        for places, found in _answered([(i, scenes[i]) for i in group], question):
+            for i, row in zip(places, found, strict=True):
+                rows[i] = row
+    return packed(_columns(rows, question))
+
+
+def _groups(scenes: Mapping[int, Scene], values: Mapping[str, Array]) -> list[list[int]]:
+    """Points whose scenes differ in what is swept alone."""
+    others = [values[name] for name in values if name not in SWEPT]
+    groups: dict[tuple[float, ...], list[int]] = {}
+    for i in scenes:
+        groups.setdefault(tuple(float(row[i]) for row in others), []).append(i)
+    return list(groups.values())
+
+
+Found = Iterator[tuple[list[int], list[Values]]]
+
+
+def _answered(points: Sequence[tuple[int, Scene]], question: Question) -> Found:
+    """Rows of points whose scenes differ in what is swept alone; by a sweep, or one by one where
+    that cannot be or is refused."""
+    places, scenes = [i for i, _ in points], [scene for _, scene in points]
+    if len(scenes) > 1 and chosen_method(scenes[0]) == SOLVED:
+        start = process_time()
+        try:
+            yield places, _swept(scenes, question, start)
+            return
+        except SlipfrontError:
+            ratios = sorted({scene.material.poisson_ratio for scene in scenes})
+        if len(ratios) > 1:  # the pressure, which refuses scenes, knows no friction
+            for ratio in ratios:
+                some = [one for one in points if one[1].material.poisson_ratio == ratio]
+                yield from _answered(some, question)
+            return
+    for i, scene in points:
+        yield [i], [_alone(scene, question)]
+
+
+def _swept(scenes: Sequence[Scene], question: Question, start: float) -> list[Values]:
+    """Rows of scenes that differ in friction and Poisson ratio."""
+    found = sweep(
+        scenes[0],
+        np.array([scene.friction for scene in scenes]),
+        question.rtol or DEFAULT_RTOL,
+        poisson_ratio=np.array([scene.material.poisson_ratio for scene in scenes]),
+    )
+    rates, intensities = at_contact_edge(found.solutions)
+    rows = [
+        _of_solution(solution, origin, float(rate), intensity, question)
+        for solution, origin, rate, intensity in zip(
+            found.solutions, found.origin, rates, intensities, strict=True
+        )
+    ]
+    seconds = (process_time() - start) / len(rows)
+    return [{**row, "seconds": seconds} for row in rows]
+
+
+def _alone(scene: Scene, question: Question) -> Values:
+    """The row of one scene."""
+    start = process_time()
+    try:
+        answer = _asked(scene, question)
+        if isinstance(answer, Solution):
+            rate, intensity = answer.edge_slip_rate, np.stack(answer.stress_intensity(1.0))
+            row = _of_solution(answer, "from scratch", rate, intensity, question)
+        else:
+            row = _of_march(answer, question)
+    except SlipfrontError as error:
+        row = _refused(error)
+    return {**row, "seconds": process_time() - start}
+
+
+def _asked(scene: Scene, question: Question) -> Solution | Marched:
+    if chosen_method(scene) == SOLVED:
+        return predict(scene, rtol=question.rtol or DEFAULT_RTOL)
+    options = {name: getattr(question, name) for name in ("nodes", "length", "rtol")}
+    return predict(scene, question.end_time, **options)
+
+
+def _refused(error: SlipfrontError) -> Values:
+    """The row of a scene that there is not, or that has no answer."""
+    return {**_REFUSED, "status": str(error), "seconds": 0.0}
+
+
+def _of_solution(
+    solution: Solution, origin: str, rate: float, intensity: Array, question: Question
+) -> Values:
+    end = question.end_time
+    row: Values = {
+        "edges": solution.edge_speeds,
+        "sense": [zone.sense for zone in solution.zones],
+        "edge_slip_rate": rate,
+        "stress_intensity": intensity,
+        "error_estimate": solution.error_estimate,
+        "status": solution.status,
+        "origin": origin,
+        "method": SOLVED,
+    }
+    for part in solution.openings:
+        row["opening"] = part.inner, part.outer
+    if end is not None:
+        row |= {"end_time": end, **_totals(solution, end)}
+        row["largest_slip"] = float(solution.max_slip(end))
+    return row | _fields(solution, question)
+
+
+def _of_march(marched: Marched, question: Question) -> Values:
+    seen, end = marched.seen, marched.end_time
+    slipped = np.isfinite(seen.onset)
+    return {
+        "end_time": end,
+        "largest_slip_rate": float(seen.slip_rate.max()),
+        "largest_slip": float(seen.slip.max()),
+        "onset": float(seen.onset.min()) if slipped.any() else np.nan,
+        "reach_of_slip": float(marched.grid.x[slipped].max(initial=0.0)),
+        **_totals(marched, end),
+        "error_estimate": marched.error_estimate,
+        "status": marched.caution or marched.status,
+        "origin": "marched",
+        "method": MARCHED,
+        **_fields(marched, question),
+    }
+
+
+def _totals(answer: Answer, end: float) -> Values:
+    return {
+        name: float(getattr(answer, name)(end)) for name in ("accumulated_slip", "frictional_work")
+    }
+
+
+def _fields(answer: Answer, question: Question) -> Values:
+    """What is asked at positions and times, (t, x)."""
+    x, t = np.array(question.x), np.array(question.t)
+    return {name: getattr(answer, name)(x, t[:, None]) for name in question.fields if len(x)}
+
+
+def _columns(rows: Sequence[Values], question: Question) -> Columns:
+    """Rows as arrays (m, ...), of those quantities that a point has."""
+    lengths = {
+        "edge": 2,
+        "mode": 2,
+        "zone": max((len(row["sense"]) for row in rows if "sense" in row), default=0),
+        "t": len(question.t),
+        "x": len(question.x),
+    }
+    columns: Columns = {}
+    for name, quantity in QUANTITIES.items():
+        known = [(i, row[name]) for i, row in enumerate(rows) if name in row]
+        if not known:
+            continue
+        if quantity.kind == TEXT:
+            columns[name] = np.array([row.get(name, "") for row in rows], dtype=object)
+            continue
+        shape = (len(rows), *(lengths[along] for along in quantity.along))
+        columns[name] = column = np.full(shape, quantity.absent, dtype=quantity.kind)
+        for i, value in known:
+            if quantity.along[:1] == ("zone",):
+                column[i, : len(value)] = value
+            else:
+                column[i] = value
+    return columns
+
+
+def packed(columns: Columns) -> bytes:
+    """Arrays in the bytes of a compressed .npz; words as codes and the table of them."""
+    arrays: dict[str, Any] = {}
+    for name, column in columns.items():
+        if QUANTITIES[name].kind == TEXT:
+            words, codes = np.unique(column.astype(str), return_inverse=True)
+            arrays[f"{name}.words"], arrays[name] = words, codes.astype(np.uint32)
+        else:
+            arrays[name] = column
+    stream = io.BytesIO()
+    np.savez_compressed(stream, **arrays)
+    return stream.getvalue()
+
+
+def held(data: bytes) -> tuple[set[str], int]:
+    """Names of what was packed, and the number of zones."""
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        zones = arrays["sense"].shape[1] if "sense" in arrays else 0
+        return set(arrays.files), zones
+
+
+def unpacked(data: bytes) -> Columns:
+    """What was packed."""
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        columns: Columns = {}
+        for name in QUANTITIES:
+            if name not in arrays:
+                continue
+            column = arrays[name]
+            if QUANTITIES[name].kind == TEXT:
+                column = arrays[f"{name}.words"].astype(object)[column]
+            columns[name] = column
+    return columns

@@ -1,0 +1,168 @@
+"""Surveys and studies on a Dask cluster: workers die, are old, or are not there."""
+
+import os
+import pickle
+import signal
+import sys
+from importlib.metadata import PackageNotFoundError
+
+import pytest
+from distributed import Client, LocalCluster
+from fault_tasks import kill_me
+
+import slipfront as sf
+from slipfront.cli.commands import main
+from slipfront.surveys import cluster, survey
+from compare.tasks.cluster import connected
+from compare.tasks.workers import run_tasks
+from semianalytic.scene.errors import ComputationError, SceneError
+
+SCENE = sf.find_scene("preloaded")
+VALUES = {"friction": [0.1, 0.2, 0.3, 0.5, 0.7, 0.9], "poisson_ratio": [0.1, 0.2, 0.45]}
+
+
+def local_cluster(workers):
+    """A cluster of processes on this machine."""
+    return LocalCluster(
+        n_workers=workers,
+        threads_per_worker=1,
+        processes=True,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
+    )
+
+
+@pytest.fixture(scope="module")
+def two_workers():
+    with local_cluster(2) as local:
+        yield local
+
+
+@pytest.fixture
+def client(two_workers):
+    with Client(two_workers, set_as_default=False) as one:
+        yield one
+
+
+def plain(data):
+    return data.drop_vars("seconds")
+
+
+@pytest.mark.slow
+def test_a_survey_whose_worker_is_killed_is_complete_and_equal(client, tmp_path):
+    """Half way, while it has work and results."""
+    known = survey(SCENE, chunk=1, workers=1, **VALUES)
+    victims = []
+
+    def kill_one(done, count):
+        if done >= count // 2 and not victims:
+            victims.append(min(client.run(os.getpid).values()))
+            os.kill(victims[0], signal.SIGKILL)
+
+    path = tmp_path / "a.nc"
+    data = survey(SCENE, chunk=1, client=client, path=path, progress=kill_one, **VALUES)
+    assert victims
+    assert plain(data).identical(plain(known))
+    client.wait_for_workers(2, timeout=60)
+    assert victims[0] not in client.run(os.getpid).values()
+
+
+def test_results_are_let_go_and_errors_come_back(client):
+    tasks = [(pow, (2, k)) for k in range(30)]
+    found = dict(run_tasks(tasks, client=client))
+    assert found == {k: 2**k for k in range(30)}
+    with pytest.raises(ZeroDivisionError):
+        dict(run_tasks([(pow, (0, -1)), *tasks], client=client))
+    assert dict(run_tasks(tasks[:3], client=client)) == {0: 1, 1: 2, 2: 4}
+
+
+@pytest.mark.slow
+def test_a_task_that_ends_every_worker_is_given_up(client):
+    client.run(sys.path.append, str(os.path.dirname(kill_me.__code__.co_filename)))
+    with pytest.raises(ComputationError, match="has ended several workers"):
+        dict(run_tasks([(kill_me, ())], client=client))
+
+
+@pytest.mark.parametrize(
+    ("there", "said"),
+    [("0.0.1", "has slipfront 0.0.1"), (PackageNotFoundError("slipfront"), "has no slipfront")],
+)
+def test_workers_of_another_version_are_refused(there, said, client, monkeypatch):
+    monkeypatch.setattr(client, "run", lambda *_, **__: {"tcp://there:1": there})
+    with pytest.raises(ComputationError, match=said) as raised:
+        survey(SCENE, client=client, **VALUES)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_cluster_without_workers_is_refused():
+    with (
+        local_cluster(0) as bare,
+        Client(bare, set_as_default=False) as one,
+        pytest.raises(ComputationError, match="has no workers"),
+    ):
+        cluster.check_workers(one, patience=0.2)
+
+
+def test_an_address_nobody_answers_at_is_refused(two_workers):
+    with (
+        pytest.raises(ComputationError, match="No Dask scheduler answers at tcp:"),
+        connected("tcp://127.0.0.1:1", patience=0.3),
+    ):
+        pass
+    for address in ("nowhere", "carrier://pigeon", "127.0.0.1:1"):
+        with pytest.raises(SceneError, match="must be an address"), connected(address):
+            pass
+    with connected(None) as nobody:
+        assert nobody is None
+
+
+def test_the_command_line_works_on_a_cluster(two_workers, tmp_path, capsys):
+    path = tmp_path / "a.zarr"
+    line = "survey preloaded --friction 0.1,0.2 --poisson-ratio 0.1:0.3:2 --quiet"
+    address = two_workers.scheduler_address
+    assert main([*line.split(), "--output", str(path), "--scheduler", address]) == 0
+    assert path.is_dir()
+    assert "converged" in capsys.readouterr().out
+
+
+class Asked(BaseException):
+    """That tasks were handed to a cluster; no Exception, which the commands report as a fault."""
+
+
+STUDIES = {
+    "regimes --quick": "regimes.study",
+    "stability --quick --solver": "stability.solver",
+    "stability --quick --fem": "stability.fem",
+    "stability --quick --space-time": "stability.spacetime",
+    "stability --quick --judge": "judge.trials",
+    "chart preloaded --quick": "chart.study",
+}
+
+
+@pytest.mark.thinned(6)
+@pytest.mark.parametrize("line", STUDIES)
+def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, monkeypatch):
+    def run_tasks(tasks, workers=None, progress=None, client=None):
+        assert client.scheduler.address == two_workers.scheduler_address
+        for function, arguments in tasks:
+            pickle.loads(pickle.dumps((function, arguments)))
+        raise Asked(len(tasks))
+
+    monkeypatch.setattr(f"compare.studies.{STUDIES[line]}.run_tasks", run_tasks)
+    options = ["--scheduler", two_workers.scheduler_address, "--output", str(tmp_path), "--quiet"]
+    with pytest.raises(Asked, match=r"[1-9]"):
+        main([*line.split(), *options])
+
+
+@pytest.mark.slow
+def test_a_chart_and_a_map_made_by_a_cluster(two_workers, tmp_path):
+    scheduler = ["--scheduler", two_workers.scheduler_address, "--quiet"]
+    for folder, options in (("here", ["--quiet"]), ("there", scheduler)):
+        to = ["--output", str(tmp_path / folder)]
+        assert main(["regimes", "--loading", "remote", "--quick", *to, *options]) == 0
+    for name in ("regimes-remote.csv", "boundaries.csv", "front-speeds.csv", "openings.csv"):
+        here, there = ((tmp_path / folder / name).read_text() for folder in ("here", "there"))
+        assert here == there
+    to = ["--output", str(tmp_path / "chart")]
+    assert main(["chart", "preloaded", "--quick", *to, *scheduler]) == 0
+    assert (tmp_path / "chart" / "data" / "chart.csv").read_text().count("preloaded") > 3

@@ -1,0 +1,90 @@
+"""The random campaign: what it finds, that it finds what is wrong, and that it goes on."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from docs.studies.pages import read_data
+from docs.studies.campaign import study as campaign
+from docs.studies.campaign.study import (
+    error_between,
+    marched_row,
+    run_campaign,
+    solved_row,
+    summary,
+)
+from semianalytic import march, solve
+from semianalytic.scene.named import find_scene
+
+
+def result(lines, what):
+    return next(much for name, much in lines if name.startswith(what))
+
+
+@pytest.mark.slow
+def test_a_share_of_the_campaign():
+    """Forty scenes and four histories of the campaign, in this process."""
+    solved = [solved_row(campaign.SEED, index) for index in range(40)]
+    marched = [marched_row(campaign.SEED, index) for index in range(4)]
+    lines = summary(solved, marched)
+    assert result(lines, "not converged") == "0"
+    assert float(result(lines, "error at 1e-8 over")) < 1
+    assert float(result(lines, "traction above friction")) < 1e-8
+    assert float(result(lines, "slip against")) < 1e-8
+    assert result(lines, '"no slip" without a word') == "0"
+    assert float(result(lines, "strength exceeded")) < 1e-9
+    assert float(result(lines, "work gained")) < 1e-12
+    _, shown = read_data("campaign")
+    assert [row["what"] for row in shown] == [what for what, _ in lines]
+
+
+@pytest.mark.slow
+def test_the_campaign():
+    """A tenth of what docs/campaign.md has, of another seed."""
+    solved = [solved_row(2, index) for index in range(500)]
+    lines = summary(solved, [marched_row(2, index) for index in range(30)])
+    assert result(lines, "not converged") == "0"
+    assert float(result(lines, "error at 1e-8 over")) < 1
+    assert result(lines, '"no slip" without a word') == "0"
+
+
+def test_it_sees_what_is_wrong(monkeypatch):
+    """Friction 3 % off, and a zone left out."""
+    scene = find_scene("preloaded")
+    exact, other = solve(scene, rtol=1e-11), solve(replace(scene, friction=0.309), rtol=1e-8)
+    assert error_between(solve(scene), exact) < 1e-8
+    assert error_between(other, exact) > 1e-3
+    one = replace(exact, zones=exact.zones[:1])
+    assert error_between(one, exact) == np.inf
+    monkeypatch.setattr(
+        campaign, "solve", lambda scene, rtol: solve(replace(scene, friction=1.03 * scene.friction))
+    )
+    assert campaign._broken_law(solve(scene), np.random.default_rng(1))[0] < 1e-8
+    spoilt = replace(solve(replace(scene, friction=0.309)), scene=scene)
+    assert campaign._broken_law(spoilt, np.random.default_rng(1))[0] == pytest.approx(
+        0.009, rel=0.01
+    )
+    weak = replace(march(scene, 1.0, 100), scene=replace(scene, friction=0.29))
+    assert campaign._excess(weak) > 0.01
+
+
+@pytest.mark.slow
+def test_it_goes_on_where_it_was(tmp_path, monkeypatch):
+    first = run_campaign(tmp_path, 3, 1)
+    table = tmp_path / "solvedrows-1.csv"
+    lines = table.read_text().splitlines()
+    assert len(lines) == 4
+    damaged = lines[2].replace("converged", "convergee").replace("refused", "refusee")
+    table.write_text("\n".join([*lines[:2], damaged, lines[3]]) + "\n" + lines[2][:20])
+    done = []
+
+    def again(seed, index):
+        done.append(index)
+        return solved_row(seed, index)
+
+    monkeypatch.setattr(campaign, "solved_row", again)
+    solved, marched = run_campaign(tmp_path, 3, 1)
+    assert done == [int(lines[2].split(",")[0])]
+    for new, old in zip([*solved, *marched], [*first[0], *first[1]], strict=True):
+        assert replace(new, seconds=0.0) == replace(old, seconds=0.0) or new.index == done[0]

@@ -1,0 +1,246 @@
+"""The committed studies, the command line's checkpoints, and histories as xarray."""
+
+import builtins
+import csv
+import importlib.util
+import io
+import re
+import time
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+import docs.studies.accuracy.fem
+import docs.studies.accuracy.fem_loads
+import compare.studies.stability.fem
+from slipfront.cli import commands as cli
+from compare.output.progress import progress_bar
+from docs.studies.accuracy.fem import (
+    PROFILE,
+    Smoothing,
+    accuracy,
+    damping_rows,
+    element_rows,
+    last_profile,
+    profile_errors,
+    simulated,
+    smoothing_rows,
+)
+from docs.studies.accuracy.fem_loads import (
+    VARIANTS,
+    change_rows,
+    cost_rows,
+    edge_rows,
+    slip_changes,
+    stuck_errors,
+    stuck_rows,
+)
+from compare.studies.stability.fem import fem_stability, trials
+from fem import load_simulation
+from semianalytic import solve
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.errors import MissingLibraryError
+from semianalytic.scene.loads import Ramp
+from semianalytic.scene.named import NAMED_SCENES
+
+
+def test_errors_of_the_exact_profile_are_zero():
+    solution = solve(NAMED_SCENES["preloaded"].scene)
+    exact = solution.slip_rate(PROFILE, 1.0)
+    errors = profile_errors(solution, exact, 1.01 * exact)
+    assert errors.last == 0
+    assert errors.averaged == pytest.approx(0.01)
+    assert errors.first_peak == pytest.approx(0.01)
+    assert errors.second_peak == pytest.approx(0.01)
+
+
+def test_accuracy_has_a_row_per_mesh_and_the_extrapolation():
+    coarse, fine, limit = accuracy("preloaded", (20, 40))
+    assert [row.h for row in (coarse, fine, limit)] == ["1/20", "1/40", "extrapolated"]
+    assert np.isnan(coarse.last_order)
+    assert fine.last_order == pytest.approx(np.log2(coarse.last / fine.last))
+    assert fine.last_order > 0.8
+    assert limit.seconds != limit.seconds
+
+
+@pytest.mark.slow
+def test_smoothing_has_a_row_per_scene_and_setting(monkeypatch):
+    monkeypatch.setattr(
+        docs.studies.accuracy.fem,
+        "SMOOTHING_TRIALS",
+        (Smoothing(40), Smoothing(40, "Q2", damping=0.0), Smoothing(40, damping=0.2)),
+    )
+    rows = smoothing_rows()
+    assert len(rows) == 12
+    assert {row.h for row in rows} == {"1/40"}
+    default, undamped, smeared = rows[:3]
+    assert [(row.element, row.damping) for row in rows[:3]] == [
+        ("Q1", 0.02),
+        ("Q2", 0.0),
+        ("Q1", 0.2),
+    ]
+    assert undamped.work > default.work
+    assert undamped.bar > default.bar > default.last  # it rings
+    assert smeared.second_zone > default.second_zone > 0
+    assert smeared.slip > default.slip
+
+
+@pytest.mark.slow
+def test_rows_say_how_stuck_tractions_and_slip_converge(monkeypatch):
+    monkeypatch.setattr(docs.studies.accuracy.fem_loads, "LOADS", {"ramp": Ramp(0.5)})
+    assert [row.h for row in stuck_rows((20, 40))] == ["1/20", "1/40"]
+    two = dict(list(VARIANTS.items())[:2])
+    monkeypatch.setattr(docs.studies.accuracy.fem_loads, "VARIANTS", two)
+    assert [row.variant for row in change_rows((10, 20, 40))] == list(VARIANTS)[:2]
+    pressure, shear, beside = stuck_errors(Ramp(0.5), 32)
+    assert max(pressure, beside) < 0.3 * shear < 0.02
+    changes = slip_changes(NAMED_SCENES["preloaded"].scene, (10, 20, 40))
+    assert changes[0] > 2 * changes[1]
+
+
+def test_edge_rows_say_what_the_place_of_the_edge_is_worth():
+    at_node, beside = edge_rows(("remote-shock",), (40,))
+    assert (at_node.edge, beside.edge) == (0.0, pytest.approx(0.2417, abs=1e-4))
+    for field in ("slip", "shear", "pressure"):
+        assert getattr(beside, field) < 0.5 * getattr(at_node, field)
+    stuck = edge_rows(("stuck",), (20,))
+    assert all(np.isnan(row.slip_rate) and np.isnan(row.slip) for row in stuck)
+
+
+def test_cost_is_that_of_the_mesh_that_is_simulated():
+    [cost], run = cost_rows("preloaded", (40,)), simulated("preloaded", 40, every=10**6)
+    assert cost.unknowns == run.unknowns
+    assert cost.ratio == pytest.approx(cost.step / cost.product)
+    assert cost.window > 1
+    assert cost.trimming > 1
+
+
+def test_elements_and_damping_have_a_row_each(monkeypatch):
+    monkeypatch.setattr(docs.studies.accuracy.fem, "ELEMENTS", (("Q1", "squares"),))
+    coarse, fine = element_rows("preloaded", (20, 40))
+    assert fine.unknowns > coarse.unknowns
+    assert fine.order == pytest.approx(np.log2(coarse.error / fine.error))
+    rows = damping_rows("preloaded", 20)
+    assert [row.damping for row in rows] == sorted(row.damping for row in rows)
+    assert rows[0].energy == pytest.approx(0, abs=1e-14)
+    assert rows[-1].critical_step < rows[0].critical_step == 1
+
+
+@pytest.mark.slow
+def test_default_mesh_and_three_meshes_reach_what_is_promised():
+    """At most 0.3 % in L1 with defaults, 0.1 % on the next mesh, and of first order or better."""
+    solution, errors = solve(NAMED_SCENES["preloaded"].scene), []
+    for resolution in (50, 100, 200):
+        profile = last_profile(simulated("preloaded", resolution, every=10**6))
+        errors.append(profile_errors(solution, profile, profile).last)
+    assert errors[1] < 3e-3
+    assert errors[2] < 1e-3
+    assert errors[0] > 2 * errors[1] > 4 * errors[2]
+
+
+@pytest.mark.slow
+def test_quick_stability_study_writes_its_files(tmp_path, monkeypatch):
+    planned = list(trials(quick=True))
+    chosen = [t for t in planned if t.step_ratio == 1.05] + planned[5:6] + planned[-1:]
+    monkeypatch.setattr(compare.studies.stability.fem, "trials", lambda quick: chosen)
+    seen = []
+    outcomes = fem_stability(tmp_path / "new", quick=True, progress=lambda *n: seen.append(n))
+    assert seen[-1] == (len(chosen), len(chosen))
+    assert outcomes[0].outcome == "stopped"
+    assert "lower `step_ratio`" in outcomes[0].message
+    assert outcomes[-1].switches <= 4
+    assert outcomes[-1].energy_gained < 1e-15
+    with (tmp_path / "new" / "fem-stability.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["study"] for row in rows] == [trial.study for trial in chosen]
+    assert (tmp_path / "new" / "fem-stability.png").stat().st_size > 10_000
+
+
+def test_command_resumes_and_removes_the_checkpoint(tmp_path, monkeypatch, capsys):
+    command = ["simulate", "preloaded", "--resolution", "16", "--no-snapshots", "--quiet"]
+    assert cli.main([*command, "--output", str(tmp_path / "whole")]) == 0
+    again = [*command, "--output", str(tmp_path / "run"), "--checkpoint-every", "5", "--resume"]
+    with monkeypatch.context() as patch:
+        patch.setattr("fem.record.Record.level", stop_at_level(23))
+        assert cli.main(again) == cli.INTERRUPTED
+    assert (tmp_path / "run" / "checkpoint.h5").is_file()
+    assert cli.main([*again, "--damping", "0.03"]) == 3
+    assert "its damping is 0.02, not 0.03" in capsys.readouterr().err
+    assert cli.main(again) == 0
+    assert [path.name for path in (tmp_path / "run").iterdir()] == ["simulation.h5"]
+    one, other = (load_simulation(tmp_path / name).interface for name in ("whole", "run"))
+    np.testing.assert_array_equal(one.slip_rate, other.slip_rate)
+
+
+def test_command_keeps_checkpoints_by_seconds(tmp_path, monkeypatch):
+    command = ["simulate", "preloaded", "--resolution", "16", "--no-snapshots", "--quiet"]
+    again = [*command, "--output", str(tmp_path), "--checkpoint-seconds"]
+    with monkeypatch.context() as patch:
+        patch.setattr("fem.record.Record.level", stop_at_level(23))
+        assert cli.main([*again, "3600"]) == cli.INTERRUPTED
+        assert not (tmp_path / "checkpoint.h5").exists()  # neither time nor 100 steps are up
+        assert cli.main([*again, "1e-9"]) == cli.INTERRUPTED
+    assert (tmp_path / "checkpoint.h5").is_file()
+    assert cli.main([*again, "0"]) == 2
+    assert cli.main([*again, "3600", "--resume"]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["simulation.h5"]
+
+
+def shown_progress(quiet, terminal):
+    console = Console(file=io.StringIO(), force_terminal=terminal, width=100)
+    with progress_bar(console, quiet) as progress:
+        for step in range(1, 51):
+            progress(step, 200)
+            time.sleep(1e-4)
+    return console.file.getvalue()
+
+
+def test_progress_bar_shows_percent_rate_and_time_left():
+    shown = shown_progress(quiet=False, terminal=True)
+    assert " 25%" in shown
+    assert "50/200" in shown
+    assert re.search(r"\d steps/s", shown)
+    assert re.search(r"\d:\d\d:\d\d", shown)
+
+
+@pytest.mark.parametrize(("quiet", "terminal"), [(True, True), (False, False)])
+def test_progress_bar_is_silent_when_quiet_or_without_a_terminal(quiet, terminal):
+    assert shown_progress(quiet, terminal).strip() == ""
+
+
+def stop_at_level(level):
+    from fem.record import Record
+
+    original = Record.level
+
+    def stop(self, step):
+        if step == level:
+            raise KeyboardInterrupt
+        original(self, step)
+
+    return stop
+
+
+HISTORY = InterfaceHistory(np.arange(3.0), np.arange(2.0), *np.arange(30.0).reshape(5, 2, 3))
+
+
+@pytest.mark.skipif(importlib.util.find_spec("xarray") is None, reason="xarray is not installed")
+def test_history_as_xarray():
+    dataset = HISTORY.to_xarray()
+    assert dict(dataset.sizes) == {"t": 2, "x": 3}
+    np.testing.assert_array_equal(dataset["pressure"], HISTORY.pressure)
+    np.testing.assert_array_equal(dataset["slip"].sel(t=1.0), HISTORY.slip[1])
+
+
+def test_without_xarray_it_is_asked_for(monkeypatch):
+    original = builtins.__import__
+
+    def without_xarray(name, *args, **kwargs):
+        if name == "xarray":
+            raise ModuleNotFoundError("No module named 'xarray'", name="xarray")
+        return original(name, *args, **kwargs)
+
+    monkeypatch.setattr(builtins, "__import__", without_xarray)
+    with pytest.raises(MissingLibraryError, match=r"pip install '\.\[xarray\]'"):
+        HISTORY.to_xarray()

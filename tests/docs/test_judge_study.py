@@ -1,0 +1,359 @@
+"""How far the judge can be trusted: what is spoilt, how it is searched, what it comes to."""
+
+import math
+
+import numpy as np
+import pytest
+
+from slipfront.cli.commands import main
+from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
+from docs.studies.pages import read_data
+from compare.output.tables import append_rows, started_rows
+from docs.studies.judge import spoils
+from docs.studies.judge import trials as judge_trials
+from docs.studies.judge.held_slot import held_slot
+from docs.studies.judge.scenes import (
+    HISTORIES,
+    OPENINGS,
+    STEPS,
+    draw,
+    power_scenes,
+)
+from docs.studies.judge.spoils import SPOILS, Window, effect, spoilt
+from docs.studies.judge.spoilt_answers import profiled
+from docs.studies.judge.tables import SURE, alarm_rows, bar_rows, power_rows
+from docs.studies.judge.trials import SHARES, TRUTH, JudgedRow, SpoiltRow, run_trials
+from semianalytic import Answer, CoulombFriction, SlipWeakening, march, solve
+from semianalytic.cut.load import contact_opens
+from semianalytic.scene.named import find_scene
+from tests.catalogue import REMOTE, SHOCK, over, unit_scene
+
+WINDOW = Window(end_time=1.0, time_step=0.01, reach=2.0)
+X = np.linspace(0.01, 2.0, 200)
+NAMED = {spoil.name: spoil for spoil in SPOILS}
+
+
+def wrong(name, right, share=1.0):
+    return spoilt(NAMED[name], right, WINDOW, share)
+
+
+# --- scenes -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", [STEPS, HISTORIES, OPENINGS])
+def test_draws_are_the_same_for_the_same_seed_only(kind):
+    one, same, other = (draw(kind, np.random.default_rng([1, index])) for index in (4, 4, 5))
+    assert one == same
+    assert one.scene != other.scene
+    assert one.scene.is_self_similar is (kind != HISTORIES)
+
+
+def test_draws_reach_all_kinds_of_step():
+    scenes = [draw(STEPS, np.random.default_rng([1, index])).scene for index in range(60)]
+    assert {scene.friction == 0 for scene in scenes} == {True, False}
+    assert {scene.load_on for scene in scenes} == {"slot", "remote"}
+    assert {math.copysign(1, scene.load.shear) for scene in scenes if scene.load.shear} == {1, -1}
+    assert {scene.load.pressure > 0 for scene in scenes} == {True, False}
+    ratios = [scene.material.poisson_ratio for scene in scenes]
+    assert min(ratios) < -0.5
+    assert max(ratios) > 0.4
+
+
+def test_openings_open_from_the_edge_and_ahead_and_steps_do_not():
+    scenes = [draw(OPENINGS, np.random.default_rng([1, index])).scene for index in range(12)]
+    inner = [solve(scene).openings[0].inner for scene in scenes]
+    assert {speed > 0 for speed in inner} == {True, False}
+    assert {scene.load.shear == 0 for scene in scenes} == {True, False}
+    steps = [draw(STEPS, np.random.default_rng([1, index])).scene for index in range(60)]
+    assert not any(contact_opens(scene) for scene in steps)
+
+
+def test_histories_weaken_with_slip_if_at_all():
+    scenes = [draw(HISTORIES, np.random.default_rng([1, index])).scene for index in range(40)]
+    laws = {type(scene.friction_law) for scene in scenes}
+    assert laws == {CoulombFriction, SlipWeakening}
+
+
+# --- spoilt answers -----------------------------------------------------------------------------
+
+
+@pytest.mark.thinned(12)
+@over("exact", without="thin")
+def test_a_profile_is_told_from_its_solution_by_digits_only(problem):
+    right = solve(problem.scene)
+    table, speed = profiled(right), problem.scene.material.shear_speed
+    for field in ("slip_rate", "slip", "shear_traction", "pressure"):
+        assert effect(field, table, right, speed * X, np.array([0.7, 1.0])) < 1e-4
+    for total in ("max_slip", "accumulated_slip", "frictional_work"):
+        expected = getattr(right, total)(0.7)
+        np.testing.assert_allclose(getattr(table, total)(0.7), expected, rtol=2e-3)
+    assert table.zones_at(0.7) == right.zones_at(0.7)
+
+
+def test_slip_of_a_bent_profile_is_the_integral_of_its_rate():
+    bent = wrong("c_R +0.5 %", solve(find_scene("preloaded")))
+    t = np.linspace(0.0, 1.0, 4001)
+    for x in (0.1, 0.5, 0.95):
+        integral = np.trapezoid(bent.slip_rate(x, t), t)
+        assert bent.slip(x, 1.0) == pytest.approx(integral, rel=1e-3)
+
+
+def test_friction_ratio_and_base_are_those_of_another_scene():
+    right = solve(unit_scene(0.3, (1.0, 0.1), (0.0, 1.0)))
+    assert wrong("friction +3 %", right).scene.friction == pytest.approx(0.309)
+    assert wrong("friction -3 %", right, 2.0).scene.friction == pytest.approx(0.282)
+    assert wrong("ν -0.01", right).scene.material.poisson_ratio == pytest.approx(1 / 3 - 0.01)
+    assert wrong("base shear forgotten", right).scene.base.shear == 0
+
+
+def test_a_marched_answer_is_marched_again():
+    right = march(find_scene("ramp"), 1.0, 100)
+    other = wrong("friction +3 %", right)
+    np.testing.assert_array_equal(other.interface.x, right.interface.x)
+    assert other.interface.t[-1] == right.interface.t[-1]
+    assert 0.01 < effect("slip_rate", other, right, X[:160], np.array([0.5, 1.0])) < 0.03
+
+
+@pytest.mark.parametrize("sign", ["+", "-"])
+def test_an_edge_is_moved_and_its_neighbours_are_not(sign):
+    right = solve(find_scene("preloaded"))
+    bent = wrong(f"edge {sign}2 %", right)
+    share = {"+": 1.02, "-": 0.98}[sign]
+    (_, end), (start, outer) = ((zone.start, zone.end) for zone in bent.zones_at(1.0))
+    assert end == pytest.approx(share * right.zones[0].outer)
+    assert (start, outer) == (right.zones[1].inner, right.zones[1].outer)
+    just = np.array([0.999, 1.001]) * end
+    assert list(bent.slip_rate(just, 1.0) > 0) == [True, False]
+
+
+def test_the_rayleigh_front_is_moved():
+    scene = find_scene("auxetic")
+    speed, right = scene.material.rayleigh_speed, solve(scene)
+    x = speed * np.linspace(0.98, 1.02, 2001)
+    place = x[np.argmin(right.slip_rate(x, 1.0))]
+    moved = x[np.argmin(wrong("c_R +0.5 %", right).slip_rate(x, 1.0))]
+    assert place == pytest.approx(speed, rel=1e-4)
+    assert moved == pytest.approx(1.005 * speed, rel=1e-4)
+
+
+def test_the_second_zone_is_left_out_or_reversed():
+    right = solve(find_scene("preloaded"))
+    zone = right.zones[1]
+    inside = (zone.inner < X) & (zone.outer > X)
+    for name, factor, senses in (("no second zone", 0, [1]), ("second zone reversed", -1, [1, -1])):
+        answer = wrong(name, right)
+        assert [part.sense for part in answer.zones_at(1.0)] == senses
+        rate = right.slip_rate(X, 1.0)
+        np.testing.assert_allclose(
+            answer.slip_rate(X, 1.0), np.where(inside, factor * rate, rate), atol=1e-4
+        )
+        # what slips behind the second zone has lost what that had slipped before
+        lost = right.slip(0.5, 1.0) - answer.slip(0.5, 1.0)
+        before = right.slip(0.5, 0.5 / zone.inner)
+        assert lost == pytest.approx((1 - factor) * before, rel=1e-3)
+
+
+def test_late_and_backward_answers():
+    right = solve(find_scene("preloaded"))
+    table = profiled(right)
+    late, back = wrong("a step late", right), wrong("all slip reversed", right)
+    np.testing.assert_array_equal(late.slip_rate(X, 1.0), table.slip_rate(X, 0.99))
+    assert late.frictional_work(1.0) == table.frictional_work(0.99)
+    assert late.zones_at(0.005) == ()
+    assert np.all(late.slip(X, 0.005) == 0)
+    np.testing.assert_array_equal(back.slip(X, 1.0), -table.slip(X, 1.0))
+    np.testing.assert_array_equal(back.shear_traction(X, 1.0), table.shear_traction(X, 1.0))
+    assert [zone.sense for zone in back.zones_at(1.0)] == [-1, -1]
+
+
+def test_the_articles_algorithm_is_far_off():
+    right = solve(SHOCK)
+    for name in ("signs as printed", "article's algorithm"):
+        assert effect("slip_rate", wrong(name, right), right, X, np.ones(1)) > 1
+
+
+def test_mistakes_that_make_no_sense_are_not_made():
+    stuck, free = solve(unit_scene(2.0, **REMOTE)), solve(unit_scene(0.0))
+    for name in ("edge +2 %", "no second zone", "slot held"):
+        assert wrong(name, stuck) is None
+    assert wrong("friction +3 %", free) is None
+    assert wrong("base shear forgotten", free) is None
+    assert wrong("article's algorithm", free) is None
+    assert wrong("edge +2 %", march(find_scene("ramp"), 1.0, 50)) is None
+    assert wrong("ν +0.01", solve(unit_scene(nu=0.495))) is None
+
+
+@pytest.mark.thinned(9)
+@over("witness", "exact", without="stuck")
+def test_spoilt_answers_answer_all_questions(problem, monkeypatch):
+    monkeypatch.setattr(spoils, "_HELD_NODES", 40)
+    right = solve(problem.scene)
+    for spoil in SPOILS:
+        answer: Answer | None = spoilt(spoil, right, WINDOW)
+        if answer is None:
+            continue
+        history = answer.history(X, np.array([0.0, 0.5, 1.0]))
+        assert np.isfinite(history.slip).all()
+        assert np.isfinite(history.shear_traction).all()
+        assert history.slip_rate.shape == (3, len(X))
+        assert answer.max_slip(1.0) >= 0.99 * np.abs(history.slip[-1]).max()
+        assert answer.scene.base.pressure == problem.scene.base.pressure
+        assert set(answer.to_xarray(X, history.t)) >= {"slip", "frictional_work"}
+
+
+def test_a_held_slot_matters_beside_it_only():
+    far, near = find_scene("pressure-drop"), find_scene("preloaded")
+    for scene, least, most in ((far, 0.0, 0.02), (near, 0.4, 0.7)):
+        right, held = solve(scene), held_slot(scene, 200)
+        exact = right.slip_rate(held.velocity, 1.0)
+        off = np.abs(held.slip_rate - exact).sum() / np.abs(exact).sum()
+        assert least <= off < most
+
+
+# --- the search for the least mistake -----------------------------------------------------------
+
+
+class Searched(judge_trials._Trial):
+    """A trial of which mistakes from a share on are caught."""
+
+    def __init__(self, least):
+        self.__dict__.update(right=solve(find_scene("preloaded")), window=WINDOW, least=least)
+
+    def outcome(self, answer):
+        share = (answer.scene.friction / 0.3 - 1) / 0.03
+        verdict = DIFFERS if share > 0.99 * self.least else AGREES
+        return judge_trials._Outcome(share, 0.0, share, verdict, "")
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize("least", [0.1, *SHARES, 10.0])
+def test_the_least_mistake_is_bisected(least):
+    outcomes = Searched(least).searched(NAMED["friction +3 %"], SHARES)
+    assert 1.0 in outcomes
+    assert len(outcomes) <= 4
+    assert all(one.over_bar == pytest.approx(share) for share, one in outcomes.items())
+    caught = [share for share, one in outcomes.items() if one.verdict == DIFFERS]
+    expected = [share for share in SHARES if share >= least]
+    assert min(caught, default=None) == min(expected, default=None)
+
+
+# --- what it comes to ---------------------------------------------------------------------------
+
+
+def judged(index, kind="slip", ratio=0.5, verdict=AGREES, group=STEPS, of=1):
+    facts = (group, index, of, 1, 40, 1.0, "name", kind, "1")
+    return JudgedRow(*facts, 2.0, ratio, 1.0, kind == "work", verdict)
+
+
+def test_false_alarms_are_counted_by_row_and_scene():
+    rows = [judged(0), judged(0, verdict=DIFFERS, ratio=2.0), judged(1), judged(2)]
+    rows += [judged(3, verdict=UNRESOLVED, ratio=math.nan), judged(0, group=HISTORIES)]
+    steps, histories = alarm_rows(rows)
+    assert (steps.scenes, steps.rows, steps.refusals) == (4, 5, 4)
+    assert (steps.false_rows, steps.false_scenes, steps.unresolved_rows) == (0.2, 0.25, 0.2)
+    assert (histories.scenes, histories.false_rows) == (1, 0)
+
+
+def test_coverage_leaves_out_what_is_not_held_against_a_bar():
+    rows = [judged(0, ratio=0.4), judged(1, ratio=0.9), judged(2, ratio=2.0, verdict=DIFFERS)]
+    rows += [judged(3, ratio=1.2, verdict=UNRESOLVED), judged(4, ratio=9.0, verdict=UNRESOLVED)]
+    rows += [judged(5, ratio=0.1, verdict=UNRESOLVED), judged(0, "work", 0.0)]
+    slip, work = bar_rows(rows)
+    assert (slip.rows, slip.without, slip.covered, slip.within_half) == (4, 2, 0.5, 0.25)
+    assert slip.bar == 0.5
+    assert (work.kind, work.covered, work.bar) == ("work", 1, 1)
+
+
+def test_power_is_that_of_scenes_without_a_false_alarm():
+    def row(scene, share, verdict, beyond=False, spoil="friction +3 %"):
+        over_bar = 2.0 if beyond else 1.4
+        return SpoiltRow(scene, 0, 1, spoil, share, 0.1, 0.1, over_bar, verdict, "")
+
+    rows = [row(scene, 0.0, AGREES, spoil=TRUTH) for scene in "abc"]
+    rows += [row("d", 0.0, DIFFERS, spoil=TRUTH), row("d", 1.0, DIFFERS, True)]
+    rows += [row("a", 1.0, DIFFERS, True), row("a", 0.5, DIFFERS), row("a", 0.25, AGREES)]
+    rows += [row("b", 1.0, AGREES, True), row("b", 2.0, AGREES), row("b", 4.0, DIFFERS)]
+    rows += [row("c", 1.0, AGREES), row("c", 2.0, AGREES), row("c", 4.0, AGREES)]
+    rows += [row("c", 8.0, AGREES), row("a", 1.0, DIFFERS, True, "all slip reversed")]
+    friction, reversed_ = power_rows(rows)
+    assert (friction.scenes, friction.beyond, friction.caught_beyond) == (3, 2, 0.5)
+    assert friction.sure == 0
+    assert friction.caught == pytest.approx(1 / 3)
+    assert friction.least == pytest.approx(4 * 3)  # [%]; 0.5, 4 and more than 8 times
+    assert reversed_.spoil == "all slip reversed"
+    assert math.isnan(reversed_.least)
+
+
+# --- the study ----------------------------------------------------------------------------------
+
+
+def fake_judged(group, seed, index):
+    return [judged(index, group=group, of=2) for _ in range(2)]
+
+
+def fake_spoilt(name, index, resolution, bisect):
+    return [SpoiltRow(name, index, 1, TRUTH, 0.0, 0.0, 0.0, 0.0, AGREES, "")]
+
+
+def test_trials_go_on_where_they_were_stopped(tmp_path, monkeypatch):
+    done = []
+
+    def in_order(tasks, workers, progress, client):
+        for number, (function, arguments) in enumerate(tasks):
+            done.append(arguments)
+            yield number, function(*arguments)
+
+    monkeypatch.setattr(judge_trials, "run_tasks", in_order)
+    monkeypatch.setattr(judge_trials, "judged_rows", fake_judged)
+    monkeypatch.setattr(judge_trials, "spoilt_rows", fake_spoilt)
+    first = run_trials(tmp_path, quick=True)
+    assert run_trials(tmp_path, quick=True) == first
+    counts = judge_trials.QUICK_COUNTS
+    assert len(done) == sum(counts.values()) + judge_trials.QUICK_POWER
+    table = tmp_path / "judge-rows-quick.csv"
+    rows = started_rows(table, JudgedRow)
+    table.unlink()
+    started_rows(table, JudgedRow)
+    append_rows(table, rows[:-1])
+    assert run_trials(tmp_path, quick=True) == first
+    assert done[-1] == (rows[-1].group, judge_trials.SEED, rows[-1].index)
+    assert len(done) == sum(counts.values()) + judge_trials.QUICK_POWER + 1
+
+
+@pytest.mark.slow
+def test_the_judge_is_right_at_a_glance(tmp_path):
+    """What `slipfront stability --judge --quick` does: few false alarms, mistakes caught."""
+    assert main(["stability", "--judge", "--quick", "--quiet", "--output", str(tmp_path)]) == 0
+    judged_ones, spoilt_ones = run_trials(tmp_path, quick=True)
+    alarms = alarm_rows(judged_ones)
+    assert sum(row.false_scenes * row.scenes for row in alarms) <= 1
+    assert all(row.verdict != DIFFERS for row in spoilt_ones if row.spoil == TRUTH)
+    sure = [row for row in spoilt_ones if row.over_bar > SURE]
+    assert sum(row.verdict == DIFFERS for row in sure) >= 0.9 * len(sure) > 0
+    for row in power_rows(spoilt_ones):
+        if row.spoil in ("friction +3 %", "all slip reversed", "slot held", "signs as printed"):
+            assert row.caught == 1, row.spoil
+    assert (tmp_path / "judge.png").stat().st_size > 0
+
+
+def test_the_docs_hold_what_was_promised():
+    """The figures of docs/judge.md: few false alarms, honest bars, mistakes beyond them caught."""
+    _, alarms = read_data("judge-alarms")
+    for row in alarms:
+        assert float(row["false_rows"]) <= 0.01
+        assert float(row["false_scenes"]) <= 0.03
+    _, power = read_data("judge-power")
+    assert {row["spoil"] for row in power} == set(NAMED)
+    for row in power:
+        for count, share in (("beyond", "caught_beyond"), ("sure", "caught_sure")):
+            assert row[count] == "0" or float(row[share]) >= 0.95, row["spoil"]
+    _, bars = read_data("judge-bars")
+    assert all(float(row["covered"]) >= 0.9 for row in bars)
+
+
+def test_power_scenes_differ():
+    scenes = power_scenes()
+    assert len({repr(scene) for scene in scenes.values()}) == len(scenes) >= 15
+    assert not all(scene.is_self_similar for scene in scenes.values())
+    assert sum(len(solve(one).zones) > 1 for one in scenes.values() if one.is_self_similar) >= 4
+    assert {one.friction == 0 for one in scenes.values()} == {True, False}

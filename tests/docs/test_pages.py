@@ -1,0 +1,249 @@
+"""Tables, names and links of README and docs: as the data and the code have them."""
+
+import ast
+import importlib
+import importlib.util
+import re
+from functools import cache
+
+import docs_pages
+import pytest
+from docs_pages import assert_page_says, quoted_numbers, read_number
+
+from compare import docs
+from docs.studies.pages import DATA, ROOT, Cell, filled, main, pages, read_data
+from semianalytic.scene.errors import DataFileError
+
+PAGES = pages()
+FILES = sorted(path.stem for path in DATA.glob("*.csv"))
+
+
+def name(part):
+    return part.name
+
+
+# --- tables -------------------------------------------------------------------------------------
+
+
+def test_pages_are_as_their_data_are(capsys):
+    assert main(["--check"]) == 0, capsys.readouterr().out
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("file", FILES)
+def test_every_data_file_names_a_command_there_is_and_is_shown(file):
+    command, rows = read_data(file)
+    assert rows
+    python, *words = command.partition(";")[0].split()
+    if python == "python":
+        module = importlib.util.find_spec(words[1])
+        assert module is not None
+        studies = getattr(importlib.import_module(words[1]), "STUDIES", {words[2]: None})
+        assert words[2] in studies
+    else:
+        assert python in ("slipfront", "pytest")
+    marks = (f"<!-- table: {file}", f"data/{file}.csv")
+    assert any(mark in page.read_text() for page in PAGES for mark in marks)
+
+
+@pytest.mark.parametrize(
+    ("text", "form", "shown"),
+    [
+        ("0.000234", ".2e", "2.34e-4"),
+        ("-0.244", "+.1%", "−24.4 %"),
+        ("0.0734", "+.1%", "+7.3 %"),
+        ("0.0023", ".2s%", "0.23 %"),
+        ("0.12", ".3s%", "12.0 %"),
+        ("1.5967e-08", ".2p", "1.60·10⁻⁸"),
+        ("82940.0", ",.0f", "82,940"),
+        ("0.3333333333333333", "r", "1/3"),
+        ("-0.9", "r", "−0.9"),
+        ("0.8843", ".4s", "0.8843"),
+        ("1", ".3f", "1.000"),
+        ("nan", ".3f", ""),
+        ("", "", ""),
+        ("accumulated |slip|", "", r"accumulated \|slip\|"),
+    ],
+)
+def test_cells_are_typeset(text, form, shown):
+    assert format(Cell(text), form) == shown
+
+
+BLOCK = """before
+<!-- table: some{rest}
+| nu | error |
+| {{nu:r}} | {{error:.1e}} |
+-->
+stale
+<!-- end -->
+after
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    lines = ("# python -m some", "nu,error,method", "0.5,0.001,a", "-0.5,0.02,b", "0.25,nan,a")
+    (tmp_path / "some.csv").write_text("\n".join(lines) + "\n")
+    return tmp_path
+
+
+def test_tables_are_filled_and_stay_filled(folder):
+    once = filled(BLOCK.format(rest=""), folder)
+    assert "-->\n| nu | error |\n|---|---|\n| 0.5 | 1.0e-3 |\n| −0.5 | 2.0e-2 |\n" in once
+    assert once.startswith("before")
+    assert once.endswith("| 0.25 |  |\n<!-- end -->\nafter\n")
+    assert filled(once, folder) == once
+    some = filled(BLOCK.format(rest=" where method=a; nu=0.5"), folder)
+    assert "1.0e-3" in some
+    assert "2.0e-2" not in some
+
+
+def test_tables_of_long_data_are_spread(folder):
+    lines = ("# python -m some", "nu,what,value", "1,error,0.1", "2,error,0.2", "2,order,1.5")
+    (folder / "some.csv").write_text("\n".join(lines) + "\n")
+    block = BLOCK.format(rest=" spread what by nu").replace("| error |", "| error | order |")
+    text = filled(block.replace(".1e} |", ".1f} | {order:.1f} |"), folder)
+    assert "| 1 | 0.1 |  |\n| 2 | 0.2 | 1.5 |\n" in text
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"error": "eror"}, "does not fit its table"),
+        ({"0.001": "small"}, "does not fit its table"),
+        ({"# ": ""}, "first line"),
+        ({"a\n": "c\n"}, "no row"),
+    ],
+)
+def test_data_that_do_not_fit_are_refused(folder, change, message):
+    text = (folder / "some.csv").read_text()
+    for old, new in change.items():
+        text = text.replace(old, new)
+    (folder / "some.csv").write_text(text)
+    with pytest.raises(DataFileError, match=message):
+        filled(BLOCK.format(rest=" where method=a"), folder)
+    with pytest.raises(DataFileError, match="cannot be read"):
+        filled(BLOCK.replace("some", "another").format(rest=""), folder)
+
+
+def test_command_names_a_stale_page_and_writes_it(tmp_path, monkeypatch, capsys):
+    page = tmp_path / "page.md"
+    block = "<!-- table: campaign\n| what |\n| {what} |\n-->\nstale\n<!-- end -->\n"
+    page.write_text(block)
+    monkeypatch.setattr(docs, "ROOT", tmp_path)
+    monkeypatch.setattr(docs, "pages", lambda: [page])
+    assert main(["--check"]) == 1
+    assert page.read_text() == block
+    assert main(["--write"]) == 0
+    assert "self-similar scenes solved" in page.read_text()
+    assert main(["--check"]) == 0
+    assert capsys.readouterr().out == "page.md: not up to date\npage.md: written\n"
+
+
+# --- numbers in sentences ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("written", "value", "unit"),
+    [
+        ("0.0575", 0.0575, 1e-4),
+        ("−24.4 %", -0.244, 1e-3),
+        ("+7.3 %", 0.073, 1e-3),
+        ("1.60·10⁻⁸", 1.60e-8, 1e-10),
+        ("10⁻¹⁵", 1e-15, 1e-15),
+        ("2.34e-3", 2.34e-3, 1e-5),
+        ("82,940", 82940, 1),
+        ("-7", -7, 1),
+    ],
+)
+def test_numbers_are_read_as_they_are_written(written, value, unit):
+    assert read_number(written) == (pytest.approx(value), pytest.approx(unit))
+
+
+def test_sentences_are_found_and_held(tmp_path, monkeypatch):
+    monkeypatch.setattr(docs_pages, "ROOT", tmp_path)
+    (tmp_path / "page.md").write_text(
+        "The edge is at 0.31\nspacings, or **1.6·10⁻⁸**; once 1, once 2."
+    )
+    [(edge, _), (other, _)] = quoted_numbers("page.md", "is at {} spacings, or **{}**")
+    assert (edge, other) == (0.31, pytest.approx(1.6e-8))
+    assert_page_says("page.md", "is at {} spacings", 0.3148)
+    with pytest.raises(AssertionError, match=r"0\.31 is 0\.317"):
+        assert_page_says("page.md", "is at {} spacings", 0.317)
+    with pytest.raises(AssertionError, match="does not say"):
+        quoted_numbers("page.md", "was at {}")
+    with pytest.raises(AssertionError, match="in several ways"):
+        quoted_numbers("page.md", "once {}")
+
+
+# --- names in the pages -------------------------------------------------------------------------
+
+
+@cache
+def functions_of(file):
+    tree = ast.parse((ROOT / file).read_text())
+    return {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_test_named_in_docs_exists(page):
+    text = page.read_text()
+    missing = [
+        f"{file}::{function}"
+        for file, function in re.findall(r"(tests/[\w/]+\.py)::(test_\w+)", text)
+        if not (ROOT / file).is_file() or function not in functions_of(file)
+    ]
+    alone = {one for one in re.findall(r"`(test_\w+)`", text)}
+    everywhere = set().union(
+        *(functions_of(str(p.relative_to(ROOT))) for p in (ROOT / "tests").rglob("test_*.py"))
+    )
+    assert missing == []
+    assert alone - everywhere == set()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_function_named_in_docs_exists(page):
+    for dotted in set(
+        re.findall(r"`((?:semianalytic|fem|meshes|compare)(?:\.\w+)+)`", page.read_text())
+    ):
+        module, *rest = dotted.split(".")
+        found = importlib.import_module(module)
+        for part in rest:
+            try:
+                found = getattr(found, part)
+            except AttributeError:
+                found = importlib.import_module(f"{found.__name__}.{part}")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_file_and_link_named_in_docs_exists(page):
+    text = page.read_text()
+    for target in re.findall(r"\]\(([^)#:]+)(?:#[\w-]+)?\)", text):
+        assert (page.parent / target).is_file(), target
+    folders = "semianalytic|fem|meshes|compare|tests|docs"
+    for path in re.findall(rf"`((?:{folders})/[\w/]+\.\w+)`", text):
+        assert (ROOT / path).is_file(), path
+
+
+def test_every_named_scene_has_its_section():
+    from semianalytic.scene.named import NAMED_SCENES
+
+    page = (ROOT / "docs" / "scenes.md").read_text()
+    sections = re.findall(r"^## (\S+)$", page, re.MULTILINE)
+    assert sections == list(NAMED_SCENES)
+
+
+def test_pictures_are_said_in_words():
+    seen = [
+        (path.name, words)
+        for path in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+        for words in re.findall(r"!\[([^\]]*)\]\(", path.read_text())
+    ]
+    assert len(seen) > 40
+    assert [pair for pair in seen if len(pair[1].split()) < 6] == []
+
+
+def test_figures_are_small():
+    for path in (ROOT / "docs" / "figures").glob("scene_*.png"):
+        assert path.stat().st_size < 150_000

@@ -1,0 +1,126 @@
+"""Studies as rows, on the terminal and in data files; the small studies of the docs."""
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from docs.studies.pages import read_data
+from compare.studies import wear
+from docs.studies.accuracy import scenes
+from compare.studies.article import study as article
+from compare.studies.regimes import tables
+from compare.studies.tables import run_studies
+
+
+@dataclass(frozen=True)
+class Row:
+    scene: str
+    unknowns: int
+    error: float
+
+
+ROWS = [Row("one", 82940, 1.23456789e-7), Row("two", 1, float("nan"))]
+
+
+def test_rows_are_printed_and_written_with_their_command(tmp_path, capsys):
+    command = ["errors", "--csv", str(tmp_path)]
+    assert run_studies("compare.some", "fem", {"errors": lambda: ROWS}, command) == 0
+    shown = capsys.readouterr().out
+    assert "82,940" in shown
+    assert "1.235e-07" in shown
+    assert "nan" not in shown
+    assert read_data("fem-errors", tmp_path) == (
+        "python -m compare.some errors --csv docs/data",
+        [
+            {"scene": "one", "unknowns": "82940", "error": "1.23456789e-07"},
+            {"scene": "two", "unknowns": "1", "error": "nan"},
+        ],
+    )
+
+
+def test_unknown_study_is_refused(capsys):
+    with pytest.raises(SystemExit, match="2"):
+        run_studies(
+            "compare.some", "fem", {"errors": lambda: ROWS, "cost": lambda: ROWS}, ["speed"]
+        )
+    assert "errors, cost" in capsys.readouterr().err.replace("'", "")
+
+
+@pytest.mark.slow
+def test_scenes_have_a_summary_and_every_quantity(monkeypatch):
+    few = ("preloaded", "stuck", "unload")
+    monkeypatch.setattr(scenes, "COMPARED", few)
+    chosen = {name: scenes.QUANTITIES[name] for name in few if name != "stuck"}
+    monkeypatch.setattr(scenes, "QUANTITIES", chosen)
+    rows = {row.scene: row for row in scenes.summary(32)}
+    assert tuple(rows) == few
+    assert rows["unload"].profile == rows["unload"].slip_rate > 0
+    assert rows["preloaded"].profile != rows["preloaded"].slip_rate
+    assert np.isnan(rows["stuck"].sense)
+    assert 0 < rows["stuck"].pressure < 0.1
+    assert rows["unload"].solver == "space-time"
+    for row in (rows["preloaded"], rows["unload"]):
+        assert 0 <= row.sense <= row.sense_bar
+        assert 0 < row.profile <= row.profile_bar
+    found = scenes.quantities(32)
+    assert len(found) == sum(len(named) + 1 for named in chosen.values())
+    assert found[0].at_nodes == pytest.approx(found[0].simulated, rel=0.1)
+    assert np.isnan(found[0].bar)
+    work = next(row for row in found if row.quantity == "frictional work, integral")
+    assert abs(work.simulated - work.at_nodes) < work.bar < 0.1 * work.at_nodes
+    assert work.verdict == "agrees"
+    missed = scenes.unresolved(32)
+    counts = Counter({row.scene: row.unresolved for row in rows.values()})
+    assert Counter(row.scene for row in missed) == counts
+    assert all(row.obstacle for row in missed)
+
+
+def test_no_named_scene_differs_anywhere():
+    """In the tables of docs/scenes.md, which says so."""
+    _, rows = read_data("scenes-summary")
+    assert [row["scene"] for row in rows] == list(scenes.COMPARED)
+    for row in rows:
+        assert row["verdict"] == "agrees"
+        assert (int(row["agree"]) > 5, int(row["differ"])) == (True, 0)
+    _, missed = read_data("scenes-unresolved")
+    assert len(missed) == sum(int(row["unresolved"]) for row in rows)
+
+
+@pytest.mark.slow
+def test_every_quantity_of_every_scene_is_in_its_report():
+    rows = scenes.quantities(60)
+    for scene, quantities in scenes.QUANTITIES.items():
+        found = [row.quantity for row in rows if row.scene == scene]
+        slips = ["largest forward V"] if scene not in ("lift-off", "tap") else []
+        assert found == slips + [name for name, _ in quantities]
+
+
+def test_tables_of_regimes(monkeypatch):
+    monkeypatch.setattr(tables, "POISSON_RATIOS", (1 / 3,))
+    monkeypatch.setattr(tables, "REVERSE_POISSON_RATIOS", (-0.5, 0.0))
+    [row] = tables.threshold_rows()
+    assert row.preload_nucleation < 1 < row.gap < row.stuck_front < row.remote_nucleation < row.edge
+    one, other = tables.reverse_rows()
+    assert one.threshold > other.threshold > 0
+    assert one.half_width > other.half_width > 0
+
+
+def test_most_wear_of_every_load(monkeypatch):
+    monkeypatch.setattr(wear, "NODES", 60)
+    monkeypatch.setattr(wear, "frictions", lambda count: [0.05, 0.2, 0.6, 1.5])
+    rows = wear.most_rows()
+    assert len(rows) == len(wear.LOADS) * len(wear.POISSON_RATIOS)
+    chi = {(row.load, row.poisson_ratio): row.chi for row in rows}
+    assert chi["pulse", 1 / 3] < chi["step", 1 / 3]
+
+
+def test_rows_of_the_article(monkeypatch):
+    monkeypatch.setattr(article, "RESOLUTION", 20)
+    cases = article.case_rows()
+    assert {(row.base, row.chi) for row in cases} > {("remote", 2.0), ("preloaded", 0.5)}
+    assert max(row.difference for row in cases) < 0.05
+    claims = article.claim_rows()
+    assert len(claims) == len(article.CLAIMS)
+    assert claims[0].exact.startswith("fails: ")

@@ -1,0 +1,513 @@
+"""The command line through its entry point."""
+
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import slipfront.cli.solve_command
+import compare.comparison.prediction
+from slipfront.cli.commands import main
+from compare.comparison.mesh_choice import two_digits
+from semianalytic import solve
+from semianalytic.scene.errors import ComputationError, MissingLibraryError
+
+COARSE = ("--resolution", "40", "--frames", "2")
+
+COMPARISON_FIGURES = {
+    f"{name}.png" for name in ("slip_rate", "tractions", "fronts", "sense", "history", "wear")
+}
+COMPARED_FIELDS = {"fields.png", "fields.csv"}
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path, monkeypatch):
+    """Relative paths of the commands end up in a fresh folder; tables get room."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "160")
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory):
+    """Folder of a coarse simulation of the default scene."""
+    folder = tmp_path_factory.mktemp("simulated") / "preloaded"
+    assert main(["simulate", "preloaded", *COARSE, "--output", str(folder)]) == 0
+    return folder
+
+
+def run_apart(*arguments, **variables):
+    """Run the command in a process of its own, with environment variables."""
+    code = "import sys; from slipfront.cli.commands import main; sys.exit(main())"
+    command = [sys.executable, "-c", code, *arguments]
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, env=os.environ | variables
+    )
+
+
+def one_sentence(captured):
+    assert captured.out == ""
+    assert "Traceback" not in captured.err
+    assert captured.err.count("\n") == 1
+    return captured.err
+
+
+def test_scenes_lists_every_name(capsys):
+    assert main(["scenes"]) == 0
+    out = capsys.readouterr().out
+    for name in ("preloaded", "remote-shock", "stuck"):
+        assert name in out
+
+
+def test_solve_prints_zones_and_edge(capsys):
+    assert main(["solve", "preloaded"]) == 0
+    out = capsys.readouterr().out
+    assert "sub-Rayleigh" in out
+    assert "c_t–c_l" in out
+    assert "converged" in out
+
+
+def test_viscosity_is_an_option_like_others(capsys):
+    assert main(["solve", "viscous", "--json"]) == 0
+    named = json.loads(capsys.readouterr().out)
+    assert main(["solve", "preloaded", "--friction", "0.2", "--viscosity", "0.1", "--json"]) == 0
+    given = json.loads(capsys.readouterr().out)
+    assert given["scene"]["friction_law"] == {"kind": "viscous", "viscosity": 0.1}
+    assert given["scene"] == named["scene"]
+    assert given["zones"] == named["zones"]
+
+
+def test_an_open_contact_edge_has_no_intensity_and_no_minus(capsys):
+    assert main(["solve", "lift-off-shear", "--load-shear", "-1"]) == 0
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if "K_I" in line]
+    assert "0, 0" in line
+    assert "-0" not in line
+
+
+def test_solve_of_a_stuck_scene_says_so(capsys):
+    assert main(["solve", "stuck"]) == 0
+    assert "stuck everywhere" in capsys.readouterr().out
+
+
+def test_solve_json_is_nothing_but_json(capsys):
+    assert main(["solve", "preloaded", "--json", "--friction", "1"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    (zone,) = document["zones"]
+    # Closed form of theory.md, section 4: c_t / ((1 - nu) (1 + chi)^2).
+    assert zone["outer"] == pytest.approx(0.375, rel=0.01)
+    assert zone["outer_regime"] == "sub-Rayleigh"
+
+
+def test_solve_draws_a_plot(tmp_path, capsys):
+    path = tmp_path / "plots" / "prediction.png"
+    assert main(["solve", "preloaded", "--plot", str(path)]) == 0
+    assert path.read_bytes().startswith(b"\x89PNG")
+    assert "prediction.png" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_solve_needs_no_finite_elements():
+    code = (
+        "import sys; from slipfront.cli.commands import main\n"
+        "main(['solve', 'preloaded']); main(['scenes'])\n"
+        "sys.exit(any(m in sys.modules for m in ('skfem', 'gmsh', 'meshio', 'matplotlib')))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+
+
+def test_a_scene_file_is_as_good_as_a_name(tmp_path, capsys):
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        "friction = 1\nmaterial = {shear_modulus = 1, density = 1, poisson_ratio = 0.3}\n"
+        "base = {pressure = 1, shear = 0}\nload = {pressure = 0, shear = 1}\n"
+    )
+    assert main(["solve", str(path), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["scene"]["material"]["poisson_ratio"] == 0.3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["solve", "preloadd"], "did you mean preloaded"),
+        (["solve", "absent.toml"], "Cannot read the scene file"),
+        (["solve", "preloaded", "--poisson-ratio", "0.7"], "--poisson-ratio must lie"),
+        (["solve", "preloaded", "--viscosity", "-1"], "--viscosity must be a finite number, 0 or"),
+        (["solve", "preloaded", "--plot", "a.docx"], "end the name in"),
+        (["simulate", "preloaded", "--resolution", "-3"], "resolution"),
+        (["compare", "--from", "absent", "--resolution", "40"], "--resolution has no effect"),
+    ],
+)
+def test_scene_errors_are_one_sentence_and_exit_with_two(arguments, sentence, capsys):
+    assert main(arguments) == 2
+    assert sentence in one_sentence(capsys.readouterr())
+
+
+@pytest.mark.parametrize(
+    "arguments", [["solve"], ["solve", "preloaded", "--frction", "1"], ["sovle"]]
+)
+def test_usage_errors_exit_with_two(arguments, capsys):
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "Traceback" not in captured.err
+
+
+def test_help_exits_with_zero(capsys):
+    assert main(["compare", "--help"]) == 0
+    out = capsys.readouterr().out
+    for option in ("--friction", "--base-pressure", "--resolution", "--from", "--no-snapshots"):
+        assert option in out
+
+
+def test_entry_point_as_a_process():
+    run = run_apart("solve", "nowhere")
+    assert run.returncode == 2
+    assert run.stdout == ""
+    assert run.stderr.startswith("There is no scene called 'nowhere'")
+
+
+@pytest.mark.parametrize(
+    ("error", "code"), [(ComputationError("It diverged."), 4), (MissingLibraryError("No GLU."), 5)]
+)
+def test_other_errors_have_exit_codes_of_their_own(error, code, monkeypatch, capsys):
+    def fail(scene):
+        raise error
+
+    monkeypatch.setattr(slipfront.cli.solve_command, "solve", fail)
+    assert main(["solve", "preloaded"]) == code
+    assert one_sentence(capsys.readouterr()) == f"{error}\n"
+
+
+UNCONVERGED = "no set of slip zones was found that fulfils Coulomb's law everywhere"
+
+
+@pytest.fixture
+def unconverged(monkeypatch):
+    """A solver that does not converge."""
+
+    def fail(scene):
+        return replace(solve(scene), status=UNCONVERGED, error_estimate=np.inf)
+
+    for module in (slipfront.cli.solve_command, compare.comparison.prediction):
+        monkeypatch.setattr(module, "solve", fail)
+
+
+def test_solve_prints_an_answer_that_has_not_converged_and_exits_with_four(unconverged, capsys):
+    assert main(["solve", "preloaded"]) == 4
+    captured = capsys.readouterr()
+    assert "sub-Rayleigh" in captured.out
+    assert captured.err.startswith(f"preloaded has not converged: {UNCONVERGED};")
+    assert captured.err.count("\n") == 1
+    assert main(["solve", "preloaded", "--json"]) == 4
+    captured = capsys.readouterr()
+    document = json.loads(captured.out, parse_constant=pytest.fail)
+    assert document["status"] == UNCONVERGED
+    assert document["error_estimate"] is None
+    assert document["zones"]
+    assert captured.err.count("\n") == 1
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_compare_with_an_answer_that_has_not_converged_writes_and_exits_with_four(
+    unconverged, simulated, tmp_path, capsys
+):
+    command = ["compare", "--from", str(simulated), "--no-snapshots", "--output", str(tmp_path)]
+    assert main(command) == 4
+    assert "has not converged" in capsys.readouterr().err
+    document = json.loads((tmp_path / "report.json").read_text(), parse_constant=pytest.fail)
+    assert document["semianalytic"]["error_estimate"] is None
+    assert "the prediction has not converged" in {row["obstacle"] for row in document["rows"]}
+
+
+def test_where_the_load_acts_is_an_option_a_key_and_said(tmp_path, capsys):
+    options = ["--friction", "1.25", "--base-pressure", "0", "--load-pressure", "1"]
+    assert main(["solve", "preloaded", *options, "--load-on", "remote", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert main(["solve", "remote-shock", "--json"]) == 0
+    known = json.loads(capsys.readouterr().out)
+    assert found["scene"] == known["scene"]
+    assert (found["scene"]["load_on"], found["zones"]) == ("remote", known["zones"])
+    assert main(["init", str(tmp_path / "shock.toml"), "--from", "remote-shock"]) == 0
+    assert 'load_on = "remote"' in (tmp_path / "shock.toml").read_text()
+    capsys.readouterr()
+    assert main(["solve", str(tmp_path / "shock.toml")]) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"pressure, shear before\s*│ 0, 0 ", shown)
+    assert re.search(r"load from far away\s*│ 1, 1 ", shown)
+    assert main(["solve", "ramp", "--load-on", "remote"]) == 2
+    assert "comes as a step" in capsys.readouterr().err
+    assert main(["solve", "preloaded", "--load-on", "far"]) == 2
+    assert one_sentence(capsys.readouterr()) == "--load-on must be slot or remote, got 'far'.\n"
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize(
+    "arguments", [["scenes"], ["solve", "remote-shock", "--friction", "0.5"], ["solve", "--help"]]
+)
+def test_a_terminal_of_ascii_is_no_obstacle(arguments):
+    run = run_apart(*arguments, PYTHONIOENCODING="ascii")
+    assert (run.returncode, run.stderr) == (0, "")
+    assert run.stdout.isascii()
+
+
+@pytest.mark.slow
+def test_names_that_cannot_be_printed_are_escaped(capsys):
+    assert main(["solve", "\udcff\n\x1b[31mß"]) == 2
+    assert r"called '\udcff\n\x1b[31mß'" in one_sentence(capsys.readouterr())
+    run = run_apart("solve", "ß", PYTHONIOENCODING="ascii")
+    assert run.returncode == 2
+    assert run.stderr.startswith(r"There is no scene called '\xdf'")
+
+
+@pytest.mark.slow
+def test_a_drawing_library_set_up_for_windows_that_do_not_exist_draws(tmp_path):
+    path = tmp_path / "plot.png"
+    run = run_apart("solve", "stuck", "--plot", str(path), MPLBACKEND="nonsense")
+    assert (run.returncode, run.stderr) == (0, "")
+    assert path.is_file()
+
+
+def test_huge_numbers_are_refused_in_one_sentence(tmp_path, capsys):
+    many = "1" * 400
+    path = tmp_path / "huge.toml"
+    path.write_text(
+        f"friction = {many}\nmaterial = {{shear_modulus = 1, density = 1, poisson_ratio = 0.3}}\n"
+        "base = {pressure = 1, shear = 0}\nload = {pressure = 0, shear = 1}\n"
+    )
+    for arguments in (
+        ["solve", str(path)],
+        ["solve", "preloaded", "--friction", many],
+        ["solve", "preloaded", "--density", "1e300"],
+        ["solve", "ramp", "--end-time", "1e300"],
+        ["solve", "ramp", "--nodes", many],
+        ["simulate", "ramp", "--end-time", "1e300"],
+        ["simulate", "ramp", "--resolution", many],
+        ["compare", "ramp", "--end-time", "1e300"],
+    ):
+        assert main(arguments) == 2
+        assert len(one_sentence(capsys.readouterr())) < 400
+
+
+def test_interrupt_is_a_short_sentence_and_130(monkeypatch, capsys):
+    def interrupt(scene):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(slipfront.cli.solve_command, "solve", interrupt)
+    assert main(["solve", "preloaded"]) == 130
+    assert "Interrupted" in one_sentence(capsys.readouterr())
+
+
+def test_simulate_writes_history_and_snapshots(simulated):
+    names = {path.name for path in simulated.iterdir()}
+    assert {"simulation.h5", "snapshots"} <= names
+    snapshots = {path.suffix for path in (simulated / "snapshots").iterdir()}
+    assert snapshots == {".vtu", ".pvd"}
+
+
+def test_simulate_quietly_and_without_snapshots(tmp_path, capsys):
+    folder = tmp_path / "short"
+    arguments = ["simulate", "stuck", "--resolution", "20", "--no-snapshots", "--quiet"]
+    assert main([*arguments, "--output", str(folder)]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert captured.out == f"Written to {folder}/\n"
+    assert not (folder / "snapshots").exists()
+
+
+def test_an_output_folder_that_is_a_file_exits_with_three(tmp_path, capsys):
+    taken = tmp_path / "taken"
+    taken.write_text("")
+    arguments = ["simulate", "stuck", "--resolution", "20", "--quiet", "--output", str(taken)]
+    assert main(arguments) == 3
+    assert "taken" in one_sentence(capsys.readouterr())
+
+
+@pytest.mark.slow
+def test_compare_with_an_earlier_simulation(simulated, tmp_path, capsys):
+    folder = tmp_path / "compared"
+    code = main(["compare", "preloaded", "--from", str(simulated), "--output", str(folder)])
+    document = json.loads((folder / "report.json").read_text())
+    assert code == (1 if document["verdict"] == "differs" else 0)
+    names = {path.name for path in folder.iterdir()}
+    assert names == COMPARISON_FIGURES | COMPARED_FIELDS | {"report.json"}
+    out = capsys.readouterr().out
+    for row in document["rows"]:
+        assert row["name"] in out
+    assert f"Verdict: {document['verdict']} (" in out
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_compare_reads_the_snapshots_too(simulated, tmp_path, capsys):
+    command = ["compare", "--from", str(simulated), "--output", str(tmp_path)]
+    main(command)
+    rows = {row["name"]: row for row in json.loads((tmp_path / "report.json").read_text())["rows"]}
+    # The last frame shows the final time, by single steps that flicker about those of the history.
+    history, frame = rows["slip rate, L1"], rows["slip rate of snapshot, L1"]
+    assert frame["simulated"] == pytest.approx(history["simulated"], rel=0.01)
+    assert frame["difference"] > history["difference"]
+    assert frame["bar"] > history["bar"]
+    assert frame["verdict"] == history["verdict"] == "agrees"
+    main([*command, "--no-snapshots"])
+    assert "slip rate of snapshot" not in (tmp_path / "report.json").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_compare_shows_how_far_whole_fields_are_off_and_does_not_judge_them(
+    simulated, tmp_path, capsys
+):
+    command = ["compare", "--from", str(simulated), "--output", str(tmp_path)]
+    main(command)
+    document, out = json.loads((tmp_path / "report.json").read_text()), capsys.readouterr().out
+    frames = document["fields"]["frames"]
+    assert len(frames) == 7 * len(list((simulated / "snapshots").glob("*.vtu")))
+    assert document["units"]["fields"]["frames"]["time"] == "time"
+    for error in frames[-7:]:
+        (line,) = (line for line in out.splitlines() if line.strip().startswith(error["component"]))
+        assert f"{two_digits(100 * error['whole'])} %" in line
+        assert 0 < error["outside"] < error["whole"] < 0.2
+    assert "Fields are not judged" in out
+    with (tmp_path / "fields.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["whole"]) for row in rows] == [error["whole"] for error in frames]
+    main([*command, "--no-snapshots"])
+    assert json.loads((tmp_path / "report.json").read_text())["fields"] is None
+    assert not COMPARED_FIELDS & {path.name for path in tmp_path.iterdir()}
+    assert "Fields" not in capsys.readouterr().out
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_compare_without_output_writes_beside_the_simulation(simulated):
+    main(["compare", "--from", str(simulated)])
+    document = json.loads((simulated / "report.json").read_text())
+    assert document["scene"] == simulated.name
+
+
+def test_compare_refuses_a_simulation_of_another_scene(simulated, capsys):
+    assert main(["compare", "stuck", "--from", str(simulated)]) == 2
+    assert "another scene" in one_sentence(capsys.readouterr())
+
+
+def test_compare_from_a_damaged_or_absent_simulation_exits_with_three(tmp_path, capsys):
+    assert main(["compare", "--from", str(tmp_path / "absent")]) == 3
+    one_sentence(capsys.readouterr())
+    (tmp_path / "simulation.h5").write_text("not HDF5")
+    assert main(["compare", "--from", str(tmp_path)]) == 3
+    one_sentence(capsys.readouterr())
+
+
+def test_main_job_writes_everything_under_the_name_of_the_scene(tmp_path, capsys):
+    code = main(["compare", "--resolution", "30", "--frames", "2", "--friction", "1"])
+    folder = tmp_path / "results" / "preloaded-friction-1"
+    names = {path.name for path in folder.iterdir()}
+    kept = {"report.json", "simulation.h5", "snapshots"}
+    assert names == COMPARISON_FIGURES | COMPARED_FIELDS | kept
+    captured = capsys.readouterr()
+    assert "results/preloaded-friction-1/" in captured.out
+    assert "mesh size" in captured.err
+    document = json.loads((folder / "report.json").read_text())
+    assert code == (1 if document["verdict"] == "differs" else 0)
+    assert document["parameters"]["friction"] == 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_a_prediction_that_differs_exits_with_one(simulated, monkeypatch, tmp_path, capsys):
+    """With the answer for more friction in place of the right one."""
+
+    def spoilt(scene):
+        return solve(replace(scene, friction=0.6))
+
+    monkeypatch.setattr(compare.comparison.prediction, "solve", spoilt)
+    arguments = ["compare", "--from", str(simulated), "--output", str(tmp_path / "out")]
+    assert main(arguments) == 1
+    out = capsys.readouterr().out
+    assert "Verdict: differs (" in out
+    document = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert document["verdict"] == "differs"
+    assert document["counts"]["differs"] >= 3
+    monkeypatch.undo()
+    assert main(arguments) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_what_a_mesh_cannot_show_is_listed_with_what_would_and_exits_with_zero(tmp_path, capsys):
+    options = ["--resolution", "20", "--no-snapshots", "--quiet", "--output", str(tmp_path / "out")]
+    assert main(["compare", "preloaded", "--friction", "0.15", *options]) == 0
+    out = capsys.readouterr().out
+    table, unresolved = out.split("Unresolved:\n")
+    assert "unresolved" in table
+    told = " ".join(unresolved.split())
+    assert (
+        "· zone 1, outer edge; zone 2, inner edge: the gap to the next zone is 0.00053 c_t" in told
+    )
+    assert "(resolution 7498, h = 0.00013: " in told
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("columns", ["80", "100"])
+def test_a_table_shows_all_columns_in_a_narrow_terminal(columns, simulated, monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", columns)
+    main(["compare", "--from", str(simulated)])
+    lines = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    assert max(map(len, lines)) <= int(columns)
+    assert "…" not in "".join(lines)
+    (heads,) = (" ".join(line.split()) for line in lines if line.startswith(" quantity"))
+    assert heads == "quantity exact at nodes FEM differ by bar ± verdict"
+    verdicts = [line.split()[-1] for line in lines[3 : lines.index("", 3)] if line.split()]
+    document = json.loads((simulated / "report.json").read_text())
+    assert [one for one in verdicts if one in ("agrees", "differs", "unresolved")] == [
+        row["verdict"] for row in document["rows"]
+    ]
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("quiet", [False, True])
+def test_long_simulations_say_what_they_will_cost(quiet, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("slipfront.cli.simulate_command.WORTH_SAYING", 0.0)
+    options = ["--resolution", "16", "--no-snapshots", "--output", str(tmp_path / "out")]
+    assert main(["simulate", "preloaded", *options, *["--quiet"] * quiet]) == 0
+    first, *_ = (capsys.readouterr().err or "\n").splitlines()
+    cost = r"preloaded: [\d,]+ unknowns and 36 steps will take about 1 minute and 0\.\d GB\."
+    assert bool(re.fullmatch(cost, first)) == (not quiet)
+
+
+def test_short_simulations_do_not(tmp_path, capsys):
+    options = ["--resolution", "16", "--no-snapshots", "--output", str(tmp_path / "out")]
+    assert main(["simulate", "preloaded", *options]) == 0
+    assert "will take" not in capsys.readouterr().err
+
+
+def test_too_much_memory_is_refused_before_anything_is_built(tmp_path, capsys):
+    options = ["--poisson-ratio", "0.4999", "--resolution", "40", "--no-snapshots"]
+    folder = tmp_path / "out"
+    arguments = ["simulate", "preloaded", *options, "--memory", "2", "--output", str(folder)]
+    assert main(arguments) == 2
+    told = one_sentence(capsys.readouterr())
+    assert "and 2 GB are allowed; lower --resolution to" in told
+    assert not folder.exists()
+
+
+def test_loads_too_fast_for_the_mesh_are_refused(tmp_path, capsys):
+    assert main(["simulate", "harmonic", "--resolution", "30", "--output", str(tmp_path)]) == 2
+    assert "at least 36" in one_sentence(capsys.readouterr())
+
+
+def test_help_shows_units(capsys):
+    """In brackets, which the help would otherwise take for markup."""
+    assert main(["solve", "--help"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "Shear modulus [stress]." in shown
+    assert "[mass / length³]" in shown
+    assert "[GB]" in shown

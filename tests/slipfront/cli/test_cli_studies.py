@@ -1,0 +1,57 @@
+"""The longer commands through their entry point; what they compute is tested elsewhere."""
+
+import numpy as np
+import pytest
+
+from slipfront.cli.commands import main
+from compare.studies.chart.benchmark import TOLERANCES, measure, median_times
+from compare.studies.chart.costs import FILMS, OPENINGS, measure_costs
+from semianalytic.cut.load import contact_opens
+
+
+def test_stability_wants_to_know_what(capsys):
+    assert main(["stability"]) == 2
+    assert "--solver, --fem, --space-time, --judge or several" in capsys.readouterr().err
+
+
+def test_regimes_refuses_an_unknown_loading(tmp_path, capsys):
+    assert main(["regimes", "--loading", "sideways", "--output", str(tmp_path)]) == 2
+    assert "preload" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_studies_write_their_files(tmp_path, capsys):
+    regimes, stability, article = (tmp_path / name for name in ("regimes", "stability", "article"))
+    assert main(["regimes", "--quick", "--size", "4", "--output", str(regimes)]) == 0
+    assert main(["stability", "--solver", "--quick", "--output", str(stability)]) == 0
+    assert main(["article", "--quick", "--quiet", "--output", str(article)]) == 0
+    assert (regimes / "boundaries.csv").stat().st_size > 0
+    assert (stability / "stability-solver.csv").stat().st_size > 0
+    assert "claim" in capsys.readouterr().out
+    assert (article / "figure6.png").stat().st_size > 0
+
+
+@pytest.mark.slow
+def test_benchmark_reports_time_next_to_error():
+    assert len(median_times([lambda: None, lambda: sum(range(1000))], 3)) == 2
+    rows = measure(repetitions=1)
+    assert {row.rtol for row in rows} == set(TOLERANCES)
+    for row in rows:
+        assert row.error < row.rtol
+        assert row.warm > 0
+        assert row.cold > 0
+
+
+@pytest.mark.parametrize("kind", OPENINGS)
+def test_scenes_that_open_are_timed_beside_some_that_do_not(kind):
+    for _, (scene, plain) in zip(range(20), OPENINGS[kind](np.random.default_rng(1)), strict=False):
+        assert contact_opens(scene)
+        assert not contact_opens(plain)
+        assert (scene.friction, scene.material) == (plain.friction, plain.material)
+
+
+@pytest.mark.slow
+def test_costs_are_reported_next_to_errors():
+    for row in measure_costs(FILMS | OPENINGS, scenes=4):
+        assert 0 < row.median <= row.ninth_decile <= row.worst
+        assert 0 < row.error < 1

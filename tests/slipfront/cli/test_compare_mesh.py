@@ -1,0 +1,205 @@
+"""`slipfront compare` chooses its mesh, and simulations carry their error bars."""
+
+import json
+import re
+
+import pytest
+
+import fem.budget
+from slipfront.cli.commands import main
+from compare.comparison.mesh_choice import choose_mesh
+from fem import load_simulation
+from semianalytic.scene.named import find_scene
+
+COARSE = ("--resolution", "32", "--no-snapshots")
+GAP = ("preloaded", "--friction", "0.15", "--no-snapshots")
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path, monkeypatch):
+    """Relative paths of the commands end up in a fresh folder, on a machine of known pace."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(fem.budget, "machine_pace", lambda: 1.0)
+
+
+@pytest.fixture
+def unrepeatable(monkeypatch):
+    """From the call on no simulation can be run."""
+
+    def stop(error):
+        def fail(*arguments, **options):
+            raise error
+
+        monkeypatch.setattr("fem.simulate", fail)
+        monkeypatch.setattr("fem.companions.run_plan", fail)
+
+    return stop
+
+
+def budget_for(resolution):
+    """Time that is enough for the default scene at a resolution and not for the next one."""
+    choice = choose_mesh(None, find_scene("preloaded"), resolution=resolution)
+    return f"{1.01 * choice.seconds:.6f}s"
+
+
+def companions(folder):
+    """Resolutions of a simulation in a folder and of what it carries."""
+    run, resolutions = load_simulation(folder), []
+    while run is not None:
+        resolutions.append(run.resolution)
+        run = run.companion
+    return resolutions
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_compare_says_its_mesh_and_what_stays_unresolved_before_it_starts(tmp_path, capsys):
+    assert main(["compare", *GAP, "--budget", budget_for(48), "--output", "out"]) == 0
+    captured = capsys.readouterr()
+    chosen, unresolved, ran = captured.err.splitlines()[:3]
+    resolution, *coarser = companions(tmp_path / "out")
+    assert resolution == 48
+    assert coarser == [resolution // 2, resolution // 4]
+    assert chosen.startswith(
+        f"preloaded: resolution {resolution} (the finest within budget and memory): about 0."
+    )
+    gap = "preloaded: stays unresolved: the gap between 0.9323 and 0.9328 c_t (resolution 7498: "
+    assert unresolved.startswith(gap)
+    assert unresolved.endswith(" GB, more than a mesh may hold).")
+    assert ran.startswith("preloaded: mesh size")
+    assert "preloaded: slip rate at the end within " in captured.err
+    rows = json.loads((tmp_path / "out" / "report.json").read_text())["rows"]
+    remedies = {row["resolution"] for row in rows if "gap" in row["obstacle"]}
+    assert remedies == {7498}
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_quiet_says_nothing_of_the_mesh(capsys):
+    main(["compare", *GAP, "--budget", budget_for(48), "--quiet"])
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert "stays unresolved" not in captured.out
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_a_resolution_is_taken_and_what_it_leaves_is_said(tmp_path, capsys):
+    main(["compare", "preloaded", *COARSE, "--output", "out"])
+    told = capsys.readouterr().err
+    assert "preloaded: resolution 32 (as given): about" in told
+    assert "stays unresolved: the gap between 0.8843 and 0.9769 c_t (resolution 44:" in told
+    assert companions(tmp_path / "out") == [32, 16, 8]
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_march_gets_its_mesh_by_its_loads(tmp_path, capsys):
+    main(["compare", "pulse", "--budget", budget_for(48), "--no-snapshots", "--output", "out"])
+    assert "stays unresolved" not in capsys.readouterr().err
+    assert companions(tmp_path / "out") == [48, 24, 12]
+
+
+@pytest.mark.parametrize(
+    ("time", "seconds"),
+    [("60s", 60), ("60", 60), ("2min", 120), ("1.5 m", 90), ("1h", 3600), (".5H", 1800)],
+)
+def test_times_are_typed_as_people_write_them(time, seconds, monkeypatch, capsys):
+    given = []
+
+    def choose(*_, budget, **__):
+        given.append(budget)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("slipfront.cli.compare_command.choose_mesh", choose)
+    assert main(["compare", "stuck", "--budget", time]) == 130
+    assert given == [seconds]
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("time", ["soon", "", "-3s", "0", "1 year", "1e3s", "60 s s", "9" * 400])
+def test_what_is_no_time_is_refused_in_one_sentence(time, tmp_path, capsys):
+    assert main(["compare", "stuck", "--budget", time]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("--budget must be a time such as 60s, 5min or 1h, got '")
+    assert told.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "other"),
+    [(("--resolution", "40"), "--resolution"), (("--from", "anywhere"), "--from")],
+)
+def test_a_budget_goes_with_nothing_that_sets_the_mesh(options, other, capsys):
+    assert main(["compare", "--budget", "60s", *options]) == 2
+    sentence = f"--budget has no effect with {other}; leave one of the two out.\n"
+    assert capsys.readouterr().err == sentence
+
+
+def test_a_budget_that_reaches_no_mesh_is_refused(tmp_path, capsys):
+    assert main(["compare", "stuck", "--budget", "0.001s"]) == 2
+    told = capsys.readouterr().err
+    assert "raise --budget, or give a --resolution." in told
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_what_compare_has_simulated_needs_no_other_run(tmp_path, capsys, unrepeatable):
+    main(["compare", "preloaded", *COARSE, "--output", "out"])
+    capsys.readouterr()
+    unrepeatable(AssertionError("it was run again"))
+    assert main(["compare", "--from", "out"]) == 0
+    assert capsys.readouterr().err == ""
+    assert (tmp_path / "out" / "report.json").exists()
+
+
+def test_an_interruption_of_companions_loses_nothing_of_the_simulation(
+    tmp_path, capsys, monkeypatch
+):
+    with monkeypatch.context() as patch:
+
+        def interrupt(*arguments, **options):
+            raise KeyboardInterrupt
+
+        patch.setattr("fem.companions.run_plan", interrupt)
+        assert main(["compare", "preloaded", *COARSE, "--output", "out"]) == 130
+    assert companions(tmp_path / "out") == [32]
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_error_bars_that_are_missing_are_made_and_kept(tmp_path, capsys, unrepeatable):
+    arguments = ["simulate", "preloaded", *COARSE, "--no-companions", "--output", "out"]
+    assert main(arguments) == 0
+    assert "within" not in capsys.readouterr().err
+    assert companions(tmp_path / "out") == [32]
+    before = (tmp_path / "out" / "simulation.h5").read_bytes()
+    assert main(["compare", "--from", "out", "--output", "elsewhere"]) == 0
+    assert (tmp_path / "out" / "simulation.h5").read_bytes() == before
+    assert not (tmp_path / "elsewhere" / "simulation.h5").exists()
+    assert main(["compare", "--from", "out"]) == 0
+    assert "out: slip rate at the end within" in capsys.readouterr().err
+    assert companions(tmp_path / "out") == [32, 16, 8]
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize(
+    ("scene", "sentence"),
+    [
+        ("preloaded", r"slip rate at the end within \d+(\.\d+)? %, slip within \d+(\.\d+)? %, by"),
+        ("stuck", r"slip rate at the end within 1e-06 V₀, slip within 1e-06 V₀ T, by"),
+    ],
+)
+def test_simulate_says_how_far_it_may_be_off(scene, sentence, tmp_path, capsys):
+    assert main(["simulate", scene, *COARSE, "--output", "out"]) == 0
+    assert companions(tmp_path / "out") == [32, 16, 8]
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert re.fullmatch(rf"{scene}: {sentence} coarser meshes\.", last)
+
+
+def test_simulate_says_that_there_are_no_error_bars(tmp_path, capsys):
+    arguments = ["simulate", "stuck", "--resolution", "12", "--no-snapshots", "--output", "out"]
+    assert main(arguments) == 0
+    told = capsys.readouterr().err
+    assert "stuck: no error bars, for there is no coarser mesh." in told
+    assert companions(tmp_path / "out") == [12]

@@ -1,0 +1,122 @@
+"""`slipfront field`: what it writes, what it refuses, and how it ends."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from slipfront.cli.commands import main
+from compare.figures import animation
+from semianalytic import find_scene, solve
+
+
+def field(*words):
+    return main(["field", *words, "--quiet"])
+
+
+@pytest.mark.slow
+def test_all_that_can_be_asked_for_is_written(tmp_path, capsys):
+    folder = tmp_path / "out"
+    asked = ["--animate", "2", "--vtu", "--grid", "4,4", "--gauge", "0.4,0.2"]
+    size = ["--points", "8", "--samples", "5"]
+    assert field("preloaded", "--of", "vx", *asked, *size, "--output", str(folder)) == 0
+    assert "".join(capsys.readouterr().out.split()) == f"Writtento{folder}/"  # lines are folded
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "fields-0001.vtu", "fields-0002.vtu", "fields.pvd",
+        "preloaded_gauge-1.csv", "preloaded_gauge-1.png",
+        "preloaded_vx.gif", "preloaded_vx.png",
+    ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_face_is_told_by_its_sign(tmp_path, undrawn):
+    """Records at y = 0 and y = -0 are those of the upper and of the lower face of the slot."""
+    gauges = ["--gauge=-0.5,0", "--gauge=-0.5,-0", "--points", "4", "--samples", "3"]
+    assert field("preloaded", *gauges, "--friction", "0.2", "--output", str(tmp_path)) == 0
+    upper, lower = (
+        np.array(list(csv.reader((tmp_path / name).read_text().splitlines()[2:])), dtype=float)
+        for name in ("preloaded_gauge-1.csv", "preloaded_gauge-2.csv")
+    )
+    first = (tmp_path / "preloaded_gauge-2.csv").read_text().splitlines()[0]
+    assert first == (
+        "# slipfront field preloaded --friction=0.2 --gauge=-0.5,-0.0 --time=1.0 --samples=3"
+    )
+    solution = solve(find_scene("preloaded"))
+    assert upper[:, 1] == pytest.approx(-lower[:, 1])
+    assert upper[-1, 1] != pytest.approx(solution.velocity(-0.5, 0.0, 1.0)[0], rel=1e-4)
+
+
+def test_results_go_where_those_of_the_scene_are(tmp_path, undrawn, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert field("antiplane", "--of", "syz", "--friction", "0.6", "--points", "4") == 0
+    (path,) = (tmp_path / "results").rglob("*.png")
+    assert path == tmp_path / "results" / "antiplane-friction-0.6" / "field" / "antiplane_syz.png"
+
+
+@pytest.mark.thinned(5)
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--of", "szz"], "--of must be one of speed, pressure"),
+        (["--of", "vz"], "which only antiplane scenes have."),
+        (["--time", "0"], "--time must be positive"),
+        (["--time", "nan"], "--time must be positive"),
+        (["--window", "1,2,3"], "--window must be four numbers"),
+        (["--window", "1,1,0,1"], "--window must be four numbers"),
+        (["--window", "0,inf,0,1"], "--window must be a finite number"),
+        (["--points", "1"], "--points must be a whole number from 2"),
+        (["--points", "99999"], "--points must be a whole number from 2"),
+        (["--animate=-1"], "--animate must be a whole number"),
+        (["--format", "avi"], "--format must be one of gif, mp4"),
+        (["--grid", "3,3"], "--grid is that of --vtu"),
+        (["--vtu", "--grid", "3,x"], "--grid must be two whole numbers"),
+        (["--vtu", "--grid", "3.5,3"], "--grid must be two whole numbers"),
+        (["--gauge", "1"], "--gauge must be two numbers"),
+        (["--samples", "1"], "--samples must be a whole number"),
+        (["--thickness", "1"], "--of fringes"),
+        (["--of", "fringes", "--thickness", "1"], "give both."),
+        (
+            ["--of", "fringes", "--thickness", "1", "--stress-optical", "0"],
+            "--stress-optical must be positive",
+        ),
+        (["--nodes", "100"], "--nodes is for the space-time solver"),
+    ],
+)
+def test_refusals_come_before_anything_is_made(words, sentence, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert field("preloaded", *words) == 2
+    error = capsys.readouterr().err
+    assert sentence in error
+    assert error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_a_marched_scene_is_drawn(tmp_path):
+    words = ["--nodes", "60", "--points", "6", "--time", "0.5", "--output", str(tmp_path)]
+    assert field("ramp", *words) == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["ramp_speed.png"]
+
+
+def test_mp4_without_ffmpeg_is_one_sentence(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(animation.FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
+    assert field("preloaded", "--animate", "2", "--format", "mp4") == 5
+    assert "ffmpeg" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_taken_place_is_refused(tmp_path, capsys):
+    (tmp_path / "taken").touch()
+    assert field("preloaded", "--output", str(tmp_path / "taken")) == 3
+    assert "it is not a folder" in capsys.readouterr().err
+
+
+def test_interruption_leaves_what_is_whole(tmp_path, undrawn, monkeypatch):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("compare.output.field_files.write_frames", interrupt)
+    words = ["--points", "4", "--vtu", "--output", str(tmp_path)]
+    assert field("preloaded", *words) == 130
+    assert [path.name for path in tmp_path.iterdir()] == ["preloaded_speed.png"]

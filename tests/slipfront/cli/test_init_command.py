@@ -1,0 +1,126 @@
+"""``slipfront init``: a scene file to start from, which is read back as the scene it is of."""
+
+import re
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slipfront.cli.commands import main
+from semianalytic import RateWeakening, SlipWeakening, find_scene, march, solve
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.scene import FRICTION_LAWS, HISTORY_KINDS
+from semianalytic.scene.template import in_si_units, scene_text
+
+X = np.linspace(0.03, 1.2, 40)
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def slip(scene):
+    """Slip at x when a shear wave has come to 1, over the load over the shear modulus."""
+    end, marched = 1 / scene.material.shear_speed, not scene.is_self_similar
+    answer = march(scene, end, nodes=120, companion=False) if marched else solve(scene)
+    load = max(abs(scene.load.pressure), abs(scene.load.shear))
+    return answer.slip(X, end) * scene.material.shear_modulus / load
+
+
+@pytest.mark.thinned(6)
+@pytest.mark.parametrize("name", NAMED_SCENES)
+def test_what_is_written_is_read_back_and_solved(name, capsys):
+    assert main(["init", "plain.toml", "--from", name]) == 0
+    assert main(["init", "si.toml", "--from", name, "--units", "SI"]) == 0
+    assert capsys.readouterr().out.count("Written to") == 2
+    plain, si = find_scene("plain.toml"), find_scene("si.toml")
+    assert plain == find_scene(name)
+    assert (plain.units, si.units) == ("", "SI")
+    assert si.material.shear_speed == 1000.0
+    bar = 1e-6 if plain.is_self_similar else 0.01  # a jump may fall behind a step by rounding
+    np.testing.assert_allclose(slip(si), slip(plain), atol=bar)
+
+
+def test_weakening_laws_are_the_same_in_si_units():
+    scene = find_scene("preloaded")
+    for law in (SlipWeakening(0.5, 0.3), RateWeakening(0.1, 2.0)):
+        weakening = replace(scene, friction_law=law)
+        plain, si = (march(one, None, nodes=200) for one in (weakening, in_si_units(weakening)))
+        np.testing.assert_allclose(
+            si.interface.slip[-1], 1e-3 * plain.interface.slip[-1], rtol=1e-9, atol=1e-15
+        )
+
+
+@pytest.mark.parametrize("units", [(), ("--units", "SI")])
+def test_each_alternative_works_once_its_marks_are_moved(units, capsys):
+    assert main(["init", "-", *units]) == 0
+    text = capsys.readouterr().out
+    kinds = {"shear_history": HISTORY_KINDS, "friction_law": FRICTION_LAWS}
+    for table, known in kinds.items():
+        before, head, part = text.partition(f"[{table}]")
+        part, gap, after = part.partition("\n\n")
+        own = [line for line in part.splitlines()[1:] if not line.startswith("# ")]
+        for kind in known:
+            block = re.search(rf'# kind = "{kind}".*(\n# (?!kind).*)*', part)
+            if block is None:
+                assert any(f'"{kind}"' in line for line in own)
+                continue
+            chosen = block[0].replace("\n# ", "\n").removeprefix("# ")
+            whole = before + head + "\n" + chosen + gap + after
+            with open("mine.toml", "w") as stream:
+                stream.write(whole)
+            scene = find_scene("mine.toml")
+            assert type(getattr(scene, table)) is known[kind]
+            assert f'kind = "{kind}"' in scene_text(scene)
+
+
+def test_every_number_has_its_unit_and_meaning():
+    for units, expected in (("", ("[stress]", "[time]", "[1/time]")), ("SI", ("[Pa]", "[s]"))):
+        scene = find_scene("harmonic")
+        text = scene_text(in_si_units(scene) if units else scene)
+        for measure in expected:
+            assert measure in text
+        for line in text.splitlines():
+            if re.match(r"(# )?\w+ = ", line) and "units" not in line:
+                assert re.search(r"= \S.*  # \w", line), line
+
+
+def test_comments_leave_a_file_that_is_toml_and_nothing_unknown():
+    document = tomllib.loads(scene_text(find_scene("viscous"), "viscous"))
+    assert document["friction_law"] == {"kind": "viscous", "viscosity": 0.1}
+    assert "lower_material" not in document
+
+
+def test_a_file_that_is_there_stays_unless_forced(tmp_path, capsys):
+    path = tmp_path / "scene.toml"
+    assert main(["init"]) == 0
+    path.write_text("mine")
+    capsys.readouterr()
+    assert main(["init"]) == 2
+    captured = capsys.readouterr()
+    assert "is there already" in captured.err
+    assert captured.out == ""
+    assert path.read_text() == "mine"
+    assert main(["init", "--force", "--from", "tap"]) == 0
+    assert find_scene(str(path)) == find_scene("tap")
+
+
+def test_places_that_cannot_be_written_are_refused(tmp_path, capsys):
+    assert main(["init", str(tmp_path)]) == 2
+    assert "is a folder" in capsys.readouterr().err
+    (tmp_path / "file").write_text("")
+    assert main(["init", str(tmp_path / "file" / "a.toml")]) == 3
+
+
+def test_scenes_of_other_units_are_not_turned(capsys):
+    scene = find_scene("preloaded")
+    other = replace(scene, material=replace(scene.material, density=2.0))
+    with pytest.raises(SceneError, match="unit shear modulus and density"):
+        in_si_units(other)
+    si = in_si_units(scene)
+    assert in_si_units(si) is si
+    assert main(["init", "--units", "cgs"]) == 2
+    assert "--units must be SI" in capsys.readouterr().err

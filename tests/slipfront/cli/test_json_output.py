@@ -1,0 +1,247 @@
+"""What commands print with --json: one envelope, a schema, nothing else on standard output."""
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import jsonschema
+import pytest
+import typer
+
+import docs.studies.schema
+from slipfront.cli.commands import app, main
+from compare.comparison.documents import envelope, json_text
+from compare.output.places import working_folder
+from docs.studies.schema import DOCUMENTS, schema
+from compare.studies.article.claims import Claim, Verdict
+from compare.studies.article.study import Article
+from compare.studies.chart.study import read_points
+from compare.studies.documents import (
+    article_document,
+    chart_document,
+    evidence_document,
+    regimes_document,
+    stability_document,
+    wear_document,
+)
+from compare.studies.evidence.study import ClosedForm, Evidence
+from compare.studies.regimes.figures import RegimeResults
+from compare.studies.regimes.points import BoundaryPoint, MapPoint
+from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
+from semianalytic import find_scene
+from semianalytic.scene.scene import scene_document
+
+VALIDATOR = jsonschema.Draft202012Validator(schema())
+ROOT = Path(__file__).parents[3]
+
+
+def commands(group=None, before=""):
+    """(name, command) of the app, those of its groups included."""
+    for name, command in (group or typer.main.get_command(app)).commands.items():
+        yield f"{before}{name}", command
+        if hasattr(command, "commands"):
+            yield from commands(command, f"{before}{name} ")
+
+
+def checked(text):
+    """A document that fits the schema."""
+    document = json.loads(text, parse_constant=pytest.fail)
+    VALIDATOR.validate(document)
+    return document
+
+
+def run(capsys, *arguments, code=0):
+    capsys.readouterr()
+    assert main([*arguments, "--json"]) == code
+    return checked(capsys.readouterr().out)
+
+
+# --- all commands ---------------------------------------------------------------------------------
+
+
+def test_every_command_has_json_and_a_schema():
+    for name, command in commands():
+        assert "--json" in {word for one in command.params for word in one.opts}, name
+        assert name in DOCUMENTS, name
+    assert set(DOCUMENTS) == {name for name, _ in commands()}
+
+
+def test_schema_and_table_are_up_to_date(tmp_path, capsys):
+    (tmp_path / "data").mkdir()
+    docs.studies.schema.write(tmp_path)
+    for name in ("schema.json", "data/json-keys.csv"):
+        assert (tmp_path / name).read_text() == (ROOT / "docs" / name).read_text(), name
+    assert docs.studies.schema.main(["--check"]) == 0
+    jsonschema.Draft202012Validator.check_schema(schema())
+
+
+def test_a_document_with_another_key_or_without_one_does_not_fit():
+    scene = scene_document(find_scene("ramp"))
+    good = envelope("init", {"scene": scene, "text": ""})
+    assert VALIDATOR.is_valid(good)
+    assert not VALIDATOR.is_valid({**good, "more": 1})
+    assert not VALIDATOR.is_valid({key: value for key, value in good.items() if key != "text"})
+    assert not VALIDATOR.is_valid({**good, "scene": {**scene, "friction": "0.3"}})
+
+
+def test_the_envelope_keeps_what_a_document_says_itself():
+    whole = envelope("solve", {"status": "converged", "zones": []}, files=[Path("a")])
+    assert list(whole) == ["command", "version", "status", "zones", "units", "files"]
+    assert (whole["status"], whole["files"]) == ("converged", ["a"])
+
+
+# --- commands that are quick ----------------------------------------------------------------------
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("preloaded",),
+        ("preloaded", "--end-time", "2"),
+        ("tap",),
+        ("ramp", "--nodes", "60"),
+        ("harmonic", "--nodes", "200", "--end-time", "0.5"),
+    ],
+    ids=" ".join,
+)
+def test_solve_fits_its_schema(arguments, capsys):
+    document = run(capsys, "solve", *arguments)
+    assert document["status"] in ("converged", "resolved", "unresolved")
+
+
+def test_solve_names_the_files_it_wrote(capsys):
+    saved = run(capsys, "solve", "ramp", "--nodes", "60", "--save", "a.h5", "--plot", "a.png")
+    assert saved["files"] == ["a.h5", "a.png"]
+    assert run(capsys, "solve", "stuck", "--plot", "b.png")["files"] == ["b.png"]
+
+
+def test_scenes_and_init_fit_their_schema(capsys):
+    assert len(run(capsys, "scenes")["scenes"]) > 10
+    document = run(capsys, "init", "a.toml", "--from", "viscous", "--units", "SI")
+    assert document["files"] == ["a.toml"]
+    assert document["units"]["scene"]["friction_law"] == {"viscosity": "Pa s/m"}
+    assert run(capsys, "init", "-")["files"] == []
+
+
+def test_benchmark_fits_its_schema(capsys):
+    assert run(capsys, "benchmark")["sheets"]
+    shown = run(capsys, "benchmark", "show", "tap")
+    assert shown["units"]["answers"]["pressure"] == "stress"
+    run(capsys, "benchmark", "enter", "march", "stuck", "--cells", "20", "--output", "a.csv")
+    scored = run(capsys, "benchmark", "score", "a.csv", "--output", "scores")
+    assert scored["files"] == [f"scores/scores.{form}" for form in ("csv", "json", "png")]
+    written = run(capsys, "benchmark", "export", "out", "stuck")["files"]
+    assert "out/stuck/stuck.md" in written
+    assert all(Path(path).is_file() for path in written)
+
+
+def test_json_of_a_group_goes_behind_its_command(capsys):
+    assert main(["benchmark", "--json", "show", "tap"]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "benchmark show --json" in captured.err
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_field_fits_its_schema(capsys):
+    gauge = ("--gauge", "0.4,0.2", "--samples", "20", "--points", "20", "--output", "f")
+    document = run(capsys, "field", "preloaded", *gauge)
+    assert document["gauges"] == [{"x": 0.4, "y": 0.2}]
+    assert document["units"]["gauges"] == "length"
+    assert "f/preloaded_speed.png" in document["files"]
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
+def test_simulate_compare_and_validate_fit_their_schema(capsys):
+    coarse = ("--resolution", "30", "--frames", "2", "--quiet", "--output", "run")
+    simulated = run(capsys, "simulate", "preloaded", *coarse)
+    assert simulated["files"] == ["run/simulation.h5", "run/snapshots"]
+    assert [row["name"] for row in simulated["own_bars"]]
+    capsys.readouterr()
+    code = main(["compare", "--from", "run", "--quiet", "--json"])
+    document = checked(capsys.readouterr().out)
+    assert code == (document["verdict"] == "differs")
+    assert document["status"] == document["verdict"]
+    assert "run/report.json" in document["files"]
+    assert "run/simulation.h5" not in document["files"]
+    report = json.loads(Path("run/report.json").read_text())
+    assert report == {key: document[key] for key in report}
+    main(["benchmark", "enter", "march", "stuck", "--cells", "20", "--output", "a.csv"])
+    capsys.readouterr()
+    main(["validate", "a.csv", "--scene", "stuck", "--json"])
+    document = checked(capsys.readouterr().out)
+    assert document["files"][-1].endswith("validation.png")
+
+
+def test_errors_leave_standard_output_empty(capsys):
+    for arguments in (["solve", "nowhere"], ["scenes", "--no"], ["init", "a.toml", "--units", "k"]):
+        assert main([*arguments, "--json"]) == 2
+        captured = capsys.readouterr()
+        assert captured.out == ""
+        assert captured.err
+
+
+def test_files_are_what_is_new_or_changed(tmp_path):
+    (tmp_path / "old").write_text("old")
+    (tmp_path / "changed").write_text("old")
+    with working_folder(tmp_path) as files:
+        (tmp_path / "changed").write_text("newer")
+        (tmp_path / "new").write_text("")
+        (tmp_path / ".hidden").write_text("")
+        assert files == []
+    assert files == [tmp_path / "changed", tmp_path / "new"]
+
+
+# --- studies --------------------------------------------------------------------------------------
+
+
+def test_documents_of_studies_fit_their_schema():
+    wear = [
+        WearRow(load, nu, chi, 1.0, chi, 0.5)
+        for load in LOADS
+        for nu in POISSON_RATIOS
+        for chi in (0.1, 0.2)
+    ]
+    claim = Claim("1", "all", "preload", {"exact": Verdict("holds", "by 1")})
+    point = MapPoint("preload", 0.3, 0.1, "two", "0:1:+1", "converged", 1e-9)
+    curve = BoundaryPoint("preload", "gap", 0.3, -1.0)
+    maps = RegimeResults({"preload": [point, point]}, [curve], [], [])
+    forms = (ClosedForm("words", {"march": 0.1}, None, None),)
+    evidence = Evidence((), forms, None, (claim,), True, {"numpy": "2"}, 1.0)
+    documents = {
+        "wear": wear_document(wear),
+        "article": article_document(Article((claim,), (), 0.1, ())),
+        "regimes": regimes_document(maps),
+        "chart": chart_document(read_points(ROOT / "docs" / "data" / "chart.csv")),
+        "stability": stability_document({"solver": {"rows": wear[:1]}}),
+        "evidence": evidence_document(evidence),
+    }
+    for command, document in documents.items():
+        checked(json_text(envelope(command, document)))
+    assert documents["regimes"]["regimes"] == {"preload": Counter(two=2)}
+    assert documents["wear"]["most"][0]["chi"] == 0.2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("wear", "--quick"),
+        ("regimes", "--quick", "--size", "4"),
+        ("stability", "--solver", "--space-time", "--quick"),
+        ("article", "--quick"),
+        ("chart", "preloaded", "--quick"),
+        ("evidence", "preloaded", "--quick", "--output", "evidence.html"),
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_studies_print_what_their_schema_says(arguments, capsys):
+    capsys.readouterr()
+    assert main([*arguments, "--json"]) in (0, 1)
+    assert checked(capsys.readouterr().out)["files"]

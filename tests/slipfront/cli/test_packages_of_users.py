@@ -1,0 +1,316 @@
+"""Scenes, laws, histories and figures of a package of a user's own, found by entry points."""
+
+import json
+import sys
+from dataclasses import replace
+
+import numpy as np
+import packages
+import pytest
+
+import slipfront as sf
+from slipfront.cli.commands import main
+from semianalytic.scene import plugins
+from semianalytic.scene.scene import scene_document, scene_from_document
+
+RATE_LAW = '''
+from dataclasses import dataclass
+import slipfront as sf
+from semianalytic.scene.friction import ViscousFriction
+
+@dataclass(frozen=True)
+class Oil(sf.RateFriction):
+    """ViscousFriction under another name, by its own methods."""
+    viscosity: float
+    strength = ViscousFriction.strength
+    slip_speed = ViscousFriction.slip_speed
+    rate_slopes = ViscousFriction.rate_slopes
+    fall_with_rate = 0.0
+
+OILED = sf.Scene(
+    sf.Material(1.0, 1.0, 1 / 3), 0.2, sf.Tractions(1.0, 0.0), sf.Tractions(0.0, 1.0),
+    friction_law=Oil(0.01),
+)
+'''
+
+
+@pytest.fixture
+def installed(tmp_path, monkeypatch):
+    """Installs packages for this process; their modules are forgotten at the end."""
+    folder = tmp_path / "site"
+    folder.mkdir()
+    monkeypatch.syspath_prepend(str(folder))
+    before = set(sys.modules)
+
+    def forget():
+        plugins.plugins.cache_clear()
+        plugins._kind_brought.cache_clear()
+
+    def install(pyproject, files):
+        packages.install(folder, pyproject, files)
+        forget()
+
+    forget()
+    yield install
+    forget()
+    for name in set(sys.modules) - before:
+        if str(getattr(sys.modules[name], "__file__", "")).startswith(str(folder)):
+            del sys.modules[name]
+
+
+@pytest.fixture
+def granite(installed):
+    """The package of docs/extending.md, installed; its module."""
+    installed(*packages.documented_package())
+    import granite as module
+
+    return module
+
+
+def refusal(capsys, *arguments, code=5):
+    assert main(list(arguments)) == code
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    return captured.err
+
+
+# --- the package of the documentation ------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_the_documented_package_works_from_the_shell(tmp_path):
+    folder = tmp_path / "site"
+    folder.mkdir()
+    packages.install(folder, *packages.documented_package())
+    run = packages.run(folder, "init", "mine.toml", "--from", "granite", cwd=tmp_path)
+    assert (run.returncode, run.stderr) == (0, "")
+    solve = ("--end-time", "1e-4", "--nodes", "200", "--json", "--figure", "slip", "--plot")
+    run = packages.run(folder, "solve", "mine.toml", *solve, "slip.png", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr
+    document = json.loads(run.stdout)
+    assert document["scene"]["friction_law"]["kind"] == "exponential-weakening"
+    assert document["scene"]["shear_history"] == {"kind": "two-steps", "delay": 5e-5}
+    assert document["units"]["scene"]["shear_history"] == {"delay": "s"}
+    assert document["units"]["scene"]["friction_law"] == {"reduction": "1", "distance": "m"}
+    assert document["largest_slip"] > 0
+    assert (tmp_path / "slip.png").read_bytes().startswith(b"\x89PNG")
+    assert document["files"] == ["slip.png"]
+
+
+def test_a_law_of_a_package_is_one_like_ours(granite):
+    scene = sf.find_scene("granite")
+    assert scene_from_document(scene_document(scene)) == scene
+    marched = sf.march(scene, 1e-4, nodes=200)
+    strength = scene.friction_law.strength(
+        scene.friction * scene.base.pressure, 0.0, marched.interface.slip[-1]
+    )
+    np.testing.assert_allclose(marched.interface.shear_traction[-1, :20], strength[:20], rtol=1e-4)
+    constant = sf.march(
+        sf.Scene(scene.material, 0.6, scene.base, scene.load, shear_history=granite.TwoSteps(5e-5)),
+        1e-4,
+        nodes=200,
+    )
+    assert marched.interface.slip[-1].max() > 1.01 * constant.interface.slip[-1].max()
+
+
+def test_a_saved_march_of_a_package_is_read_again(granite, tmp_path):
+    marched = sf.march(sf.find_scene("granite"), 5e-5, nodes=100)
+    marched.save(tmp_path / "march.h5")
+    assert sf.Marched.load(tmp_path / "march.h5").scene == marched.scene
+
+
+def test_finite_elements_take_a_law_of_a_package_too(granite):
+    scene = sf.find_scene("granite")
+    simulation = sf.simulate(scene, 1e-4, resolution=30)
+    slips = simulation.interface.slip_rate[-1] > 1e-3 * simulation.interface.slip_rate.max()
+    strength = scene.friction_law.strength(
+        scene.friction * simulation.interface.pressure[-1],
+        simulation.interface.slip_rate[-1],
+        simulation.interface.slip[-1],
+    )
+    traction = simulation.interface.shear_traction[-1]
+    assert np.count_nonzero(slips) > 5
+    np.testing.assert_allclose(traction[slips][:-1], strength[slips][:-1], rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_a_law_of_slip_rate_is_solved_exactly(installed):
+    installed(
+        packages.brought("oil", "oil", laws=["oil = Oil"], scenes=["oiled = OILED"]),
+        {"oil.py": RATE_LAW},
+    )
+    x = np.linspace(0.05, 1.0, 20)
+    scene = sf.find_scene("oiled")
+    ours = sf.solve(replace(scene, friction_law=sf.ViscousFriction(0.01))).slip_rate(x, 1.0)
+    np.testing.assert_allclose(sf.solve(scene).slip_rate(x, 1.0), ours, rtol=1e-6)
+    covering = sf.solve(replace(scene, friction_law=sys.modules["oil"].Oil(0.1)))
+    assert "no slip rate that agrees" in covering.status
+
+
+def test_scenes_of_packages_are_listed_with_them(granite, capsys):
+    assert main(["scenes", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    (row,) = [row for row in document["scenes"] if row["package"]]
+    assert (row["name"], row["package"], row["problem"]) == ("granite", "granite", "")
+    assert row["summary"].startswith("Granite that loses a third")
+    assert row["scene"]["units"] == "SI"
+    brought = {(one["what"], one["name"]) for one in document["brought"]}
+    assert ("friction law", "exponential-weakening") in brought
+    assert ("figure", "slip") in brought
+    assert main(["scenes"]) == 0
+    assert "Of other packages" in capsys.readouterr().out
+
+
+def test_names_of_packages_are_among_what_one_could_have_meant(granite, capsys):
+    assert "did you mean granite?" in refusal(capsys, "solve", "granit", code=2)
+    figure = refusal(capsys, "solve", "stuck", "--plot", "a.png", "--figure", "slipp", code=2)
+    assert "did you mean slip?" in figure
+    document = scene_document(sf.find_scene("granite"))
+    document["friction_law"]["kind"] = "else"
+    with pytest.raises(sf.SceneError, match="slip-weakening, exponential-weakening, got 'else'"):
+        scene_from_document(document)
+
+
+def test_a_figure_without_a_file_is_refused(capsys):
+    assert "give both" in refusal(capsys, "solve", "stuck", "--figure", "interface", code=2)
+
+
+# --- packages that are broken, alike or in the way -----------------------------------------------
+
+
+def test_names_of_ours_cannot_be_taken(installed, capsys):
+    installed(
+        packages.brought("thief", "thief", scenes=["preloaded = S"], laws=["coulomb = S"]),
+        {"thief.py": "raise RuntimeError('imported')"},
+    )
+    assert sf.find_scene("preloaded").friction == 0.3
+    assert main(["scenes", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    (row,) = [row for row in document["scenes"] if row["package"] == "thief"]
+    assert "one of its own" in row["problem"]
+    assert "thief" not in sys.modules
+
+
+def test_two_packages_of_one_name_are_refused_by_name(installed, capsys):
+    for name in ("first", "second"):
+        installed(
+            packages.brought(name, name, scenes=["mine = S"], figures=["mine = S"]),
+            {f"{name}.py": "S = None"},
+        )
+    for arguments in (["mine"], ["stuck", "--plot", "a.png", "--figure", "mine"]):
+        sentence = refusal(capsys, "solve", *arguments)
+        assert "The packages first and second each bring a" in sentence
+    assert main(["scenes"]) == 0
+
+
+@pytest.mark.thinned(5)
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("import no_such_module", "cannot be imported (ModuleNotFoundError: No module"),
+        ("raise SystemExit(7)", "cannot be imported (SystemExit: 7)"),
+        ("other = 1", "cannot be imported (AttributeError"),
+        ("def S():\n    raise ValueError('a\\nb')", "cannot be made (ValueError: a b)"),
+        ("S = 3", "must be a Scene, or a function that returns one, not 3"),
+        ("def S():\n    return 3", "must be a Scene, or a function that returns one, not 3"),
+        ("def S(x):\n    return 3", "cannot be made (TypeError"),
+    ],
+)
+def test_a_broken_scene_is_one_sentence_that_names_its_package(text, reason, installed, capsys):
+    installed(packages.brought("broken", "broken", scenes=["mine = S"]), {"broken.py": text})
+    sentence = refusal(capsys, "solve", "mine")
+    assert sentence.startswith(f"The scene 'mine' of the package broken {reason}")
+    assert main(["solve", "stuck"]) == 0
+    assert main(["scenes", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out.partition("{")[2].join(["{", ""]))["scenes"]
+    assert sentence.startswith(rows[-1]["problem"])
+
+
+LAW = """
+from dataclasses import dataclass
+import slipfront as sf
+
+@dataclass(frozen=True)
+class S(sf.FrictionLaw):
+    reduction: float
+    distance: float
+    def strength(self, frictional, slip_rate, path): return frictional
+    def slip_speed(self, stopping, frictional, impedance, path): return 0 * stopping
+    fall_with_rate = 0.0
+    fall_with_slip = 0.0
+"""
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ("    fall_with_slip = 0.0\n", "", "lacks fall_with_slip;"),
+        ("impedance, path)", "path)", "(stopping, frictional, impedance, path) in slip_speed;"),
+        ("frozen=True", "frozen=False", "must be a dataclass with frozen=True;"),
+        ("@dataclass(frozen=True)\n", "", "must be a dataclass with frozen=True;"),
+        ("sf.FrictionLaw", "sf.SlipWeakening", "itself, not SlipWeakening"),
+        ("sf.FrictionLaw", "sf.LoadHistory", "must be a class that inherits FrictionLaw"),
+    ],
+)
+def test_what_a_law_lacks_is_said_at_once(old, new, reason, installed, tmp_path, capsys):
+    assert old in LAW
+    installed(
+        packages.brought("lawless", "lawless", laws=["mine = S"]),
+        {"lawless.py": LAW.replace(old, new)},
+    )
+    path = tmp_path / "scene.toml"
+    assert main(["init", str(path)]) == 0
+    mine = '"mine"\nreduction = 0.5\ndistance = 1.0'
+    path.write_text(path.read_text().replace('"coulomb"', mine))
+    capsys.readouterr()
+    sentence = refusal(capsys, "solve", str(path))
+    assert sentence.startswith("The friction law 'mine' of the package lawless ")
+    assert reason in sentence
+
+
+def test_a_law_that_no_package_brings_is_refused_with_the_way_to_bring_it(installed):
+    names: dict = {}
+    exec(LAW, names)
+    scene = sf.find_scene("preloaded")
+    with pytest.raises(sf.SceneError, match=r"of a package that brings it \(docs/extending.md\)"):
+        sf.Scene(scene.material, 0.3, scene.base, scene.load, friction_law=names["S"](0.5, 1.0))
+
+
+def test_a_broken_law_of_another_package_is_no_obstacle(granite, installed):
+    installed(packages.brought("aaa", "aaa", laws=["aaa = S"]), {"aaa.py": "import nothing"})
+    assert sf.find_scene("granite").friction_law == granite.ExponentialWeakening(1 / 3, 2e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("S = 3", "must be a function of an answer, not 3"),
+        ("def S(answer):\n    return 3", "must return a matplotlib Figure, not 3"),
+        ("def S(answer):\n    return 1 / 0", "cannot be drawn (ZeroDivisionError"),
+    ],
+)
+def test_a_broken_figure_is_one_sentence_that_names_its_package(
+    text, reason, installed, tmp_path, capsys
+):
+    installed(packages.brought("broken", "broken", figures=["mine = S"]), {"broken.py": text})
+    path = tmp_path / "a.png"
+    sentence = refusal(capsys, "solve", "stuck", "--plot", str(path), "--figure", "mine")
+    assert sentence.startswith(f"The figure 'mine' of the package broken {reason}")
+    assert not path.exists()
+
+
+@pytest.mark.slow
+def test_nothing_is_looked_up_for_what_is_ours():
+    code = (
+        "import importlib.metadata as metadata\n"
+        "def refuse(**asked): raise AssertionError('looked up')\n"
+        "metadata.entry_points = refuse\n"
+        "import slipfront as sf\n"
+        "sf.march(sf.find_scene('ramp'), nodes=50)\n"
+        "from slipfront.cli.commands import main\n"
+        "raise SystemExit(main(['solve', 'preloaded', '--json']))"
+    )
+    run = packages.run("", "-c", code)
+    assert run.returncode == 0, run.stderr

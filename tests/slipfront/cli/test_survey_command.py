@@ -1,0 +1,118 @@
+"""``slipfront survey``: values as they are typed, what is printed, and refusals."""
+
+import json
+import shlex
+
+import pytest
+import xarray
+
+from slipfront.cli.commands import main
+from slipfront.cli.survey_command import typed_values
+from semianalytic.scene.errors import SceneError
+
+GRID = ["survey", "preloaded", "--friction", "0.2,0.9", "--poisson-ratio", "0.1:0.7:3", "--quiet"]
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("0.3", 0.3),
+        ("1e-3", 1e-3),
+        ("0.3,", None),
+        ("0.1,0.2,0.5", [0.1, 0.2, 0.5]),
+        ("0:1:5", [0, 0.25, 0.5, 0.75, 1]),
+        ("-1:1:3", [-1, 0, 1]),
+        ("1e-2:1:3:log", [0.01, 0.1, 1]),
+        ("0.1:0.9", None),
+        ("0.1:0.9:0", None),
+        ("0.1:0.9:2.5", None),
+        ("0:1:3:log", None),
+        ("0.1:0.9:3:square", None),
+        ("much", None),
+        ("", None),
+    ],
+)
+def test_values_are_read_as_they_are_typed(text, values):
+    if values is None:
+        with pytest.raises(SceneError, match="--base-shear must be a number, a row"):
+            typed_values("base_shear", text)
+    else:
+        assert typed_values("base_shear", text) == pytest.approx(values, rel=1e-12)
+
+
+def test_a_survey_is_written_and_summed_up(tmp_path, capsys, monkeypatch):
+    path = tmp_path / "a.nc"
+    line = [*GRID, "--output", str(path)]
+    monkeypatch.setattr("sys.argv", ["/bin/slipfront", *line])
+    assert main(line) == 0
+    shown = capsys.readouterr().out
+    assert "6 points" in shown
+    assert "converged" in shown
+    assert f"Written to {path}" in shown.replace("\n", "")
+    with xarray.open_dataset(path, engine="h5netcdf") as data:
+        assert data.status.dims == ("poisson_ratio", "friction")
+        assert shlex.split(data.attrs["command"]) == ["slipfront", *line]
+        assert (data.status.sel(poisson_ratio=0.7).values != "converged").all()
+
+
+def test_json_holds_numbers_with_units(tmp_path, capsys):
+    line = [*GRID[:4], "--vary", "base.pressure=1,2", "--load-shear", "1.5", "--json"]
+    line += ["--x", "0.2,0.4", "--t", "1", "--rtol", "1e-7", "--output", str(tmp_path / "a.zarr")]
+    assert main(line) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["points"] == 4
+    assert document["statuses"] == {"converged": 4}
+    assert document["parameters"]["base_pressure"] == {"least": 1.0, "largest": 2.0, "count": 2}
+    assert document["units"]["parameters"]["load_shear"] == "stress"
+    assert document["units"]["variables"]["slip_rate"] == "length/time"
+    assert document["largest_error_estimate"] <= 1e-7
+    assert document["dimensions"]["x"] == 2
+
+
+def test_lists_and_marches_from_the_command_line(tmp_path, capsys):
+    line = ["survey", "ramp", "--together", "--friction", "0.1,0.3", "--base-pressure", "1:2:2"]
+    options = ["--nodes", "40", "--end-time", "0.6", "--json", "--output", str(tmp_path / "a.nc")]
+    assert main([*line, *options]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["methods"] == {"space-time": 2}
+    assert document["dimensions"]["point"] == 2
+    assert document["units"]["variables"]["largest_slip"] == "length"
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize(
+    ("options", "code", "said"),
+    [
+        (["--friction", "some"], 2, "--friction must be"),
+        (["--friction", "0.1:0.9:10000000000"], 2, "--friction must be at most 1e+07 values"),
+        (["--friction", "0.1:1e400:3"], 2, "--friction must be a number, a row"),
+        (["--friction", "0:1:9000000", "--poisson-ratio", "0:0.4:90"], 2, "8.1e+08 points are too"),
+        (
+            ["--friction", "0.1,0.2", "--x", "0.1:1:40000", "--t", "0.1:1:40000"],
+            2,
+            "numbers would take 192 GB",
+        ),
+        (["--vary", "friction"], 2, "--vary must be a name and values"),
+        (["--vary", "friction=a"], 2, "--vary must be"),
+        (["--vary", "speed=1,2"], 2, "no parameter 'speed'"),
+        (["--friction", "0.2"], 2, "give a row of values"),
+        (["--friction", "0.1,0.2", "--workers", "0"], 2, "--workers must be"),
+        (["--friction", "0.1,0.2", "--rtol", "-1"], 2, "--rtol must be positive"),
+        (["--friction", "0.1,0.2", "--rtol", "nan"], 2, "--rtol must be a finite number"),
+        (["--friction", "0.1,0.2", "--output", "a.txt"], 2, "let its name end in .nc or .zarr"),
+        (["--friction", "0.1,0.2", "--output", "file/a.nc"], 3, "Cannot write file/a.nc"),
+        (["--friction", "0.1,0.2", "--output", "file.nc"], 3, "cannot be read as a survey"),
+        (["--friction", "0.1,0.2", "--output", "folder.zarr"], 3, "cannot be read as a survey"),
+        (["--friction", "0.1,0.2", "--scheduler", "there"], 2, "--scheduler must be an address"),
+    ],
+)
+def test_refusals_are_one_sentence(options, code, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    (tmp_path / "file.nc").write_text("")
+    (tmp_path / "folder.zarr").mkdir()
+    assert main(["survey", "preloaded", "--quiet", *options]) == code
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["file", "file.nc", "folder.zarr"]

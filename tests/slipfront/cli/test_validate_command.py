@@ -1,0 +1,79 @@
+"""``slipfront validate``: what it says, writes and returns."""
+
+import json
+
+import numpy as np
+import pytest
+
+from slipfront.cli.commands import main
+from compare.records.record import QUANTITIES
+from semianalytic import solve
+from semianalytic.scene.named import find_scene
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    path = tmp_path_factory.mktemp("other") / "run.csv"
+    t, x = (
+        grid.ravel() for grid in np.meshgrid(np.linspace(0.01, 1, 80), [0.1, 0.5], indexing="ij")
+    )
+    answer = solve(find_scene("preloaded"))
+    columns = [t, x, *(getattr(answer, name)(x, t) for name in QUANTITIES)]
+    columns[2] = -0.5 * columns[2]
+    lines = [",".join(["t", "x", *QUANTITIES])]
+    lines += [",".join(map(repr, map(float, row))) for row in zip(*columns, strict=True)]
+    path.write_text("\n".join(lines))
+    return path
+
+
+@pytest.mark.slow
+def test_right_records_return_0_and_say_first_what_was_detected(result, tmp_path, capsys):
+    output = tmp_path / "out"
+    arguments = ["validate", str(result), "--scene", "preloaded", "--spacing", "0.01"]
+    assert main([*arguments, "--output", str(output)]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("Note: slip rate: half of the relative one")
+    assert "Verdict: agrees" in said
+    report = json.loads((output / "report.json").read_text())
+    assert report["verdict"] == "agrees"
+    assert report["notes"][0].startswith("slip rate: half")
+    assert {row["verdict"] for row in report["rows"]} == {"agrees"}
+    assert (output / "validation.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_wrong_friction_returns_1(result, tmp_path, capsys):
+    arguments = ["validate", str(result), "--scene", "preloaded", "--spacing", "0.01"]
+    assert main([*arguments, "--friction", "0.309", "--output", str(tmp_path)]) == 1
+    assert "Verdict: differs" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_without_spacing_the_option_is_named(result, tmp_path, capsys):
+    arguments = ["validate", str(result), "--scene", "preloaded", "--output", str(tmp_path)]
+    assert main(arguments) == 0
+    assert "give --spacing" in capsys.readouterr().out
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--scale", "mass=2"], "nothing called 'mass' to scale"),
+        (["--scale", "length"], "--scale must be a name and a number"),
+        (["--scale", "length=2", "--length-unit", "mm"], "given twice"),
+        (["--length-unit", "mile"], "--length-unit must be one of m, km, cm, mm, um"),
+        (["--slip", "double"], "--slip must be one of relative, half, face"),
+    ],
+)
+def test_options_that_are_none_are_refused(result, options, sentence, capsys):
+    assert main(["validate", str(result), "--scene", "preloaded", *options]) == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_what_cannot_be_read_returns_2_with_the_line(tmp_path, capsys):
+    path = tmp_path / "odd.csv"
+    path.write_text("time,x\n1,2\n")
+    assert main(["validate", str(path), "--scene", "preloaded"]) == 2
+    assert "line 1" in capsys.readouterr().err
+    assert not (tmp_path / "results").exists()
