@@ -1,105 +1,161 @@
 """Where, when, how fast and which way a frictional interface slips after a sudden load.
 
-``import slipfront as sf``: everything under the name it is installed by.  Nothing is made here:
-scenes and semi-analytic solvers come from `semianalytic`, finite elements from `fem`, which needs
-the extra ``slipfront[fem]``, the judge of other codes' results from `compare.validation`, many
-scenes at once from `slipfront.surveys`, readers of gauges and samples of posteriors from
-`slipfront.fits`.  What a plain solution does without is imported when one of its names is first
-used.
+``import slipfront as sf`` gives every public name of the package.  Scenes and semi-analytic solvers
+come from `semianalytic`, finite elements from `fem`, which needs the extra ``slipfront[fem]``, the
+judge of other codes' results from `compare.validation`, many scenes at once from
+`slipfront.surveys`, readers of gauges and samples of posteriors from `slipfront.fits`.  A module is
+imported when one of its names is first used, so that the command line starts at once.
 """
 
-from importlib.metadata import version
+import sys
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import semianalytic
+_NAMES = {
+    "semianalytic": (
+        "Answer",
+        "ComputationError",
+        "CoulombFriction",
+        "DataFileError",
+        "Derivative",
+        "Fit",
+        "FrictionLaw",
+        "Gauge",
+        "Harmonic",
+        "InterfaceHistory",
+        "LoadHistory",
+        "LogNormal",
+        "Marched",
+        "Material",
+        "MissingLibraryError",
+        "Normal",
+        "OpenDerivative",
+        "OpenInterval",
+        "OpenZone",
+        "PluginError",
+        "Pulse",
+        "Ramp",
+        "RateFriction",
+        "RateWeakening",
+        "Scene",
+        "SceneError",
+        "Setup",
+        "SlipInterval",
+        "SlipWeakening",
+        "SlipZone",
+        "SlipfrontError",
+        "Solution",
+        "Statistics",
+        "Step",
+        "Sweep",
+        "Tabulated",
+        "TensionError",
+        "Tractions",
+        "Uniform",
+        "ViscousFriction",
+        "ZoneDerivative",
+        "find_scene",
+        "fit",
+        "fringe_order",
+        "fringes",
+        "march",
+        "march_on",
+        "predict",
+        "solve",
+        "strain",
+        "sweep",
+    ),
+    "fem": (
+        "BACKWARD",
+        "Cost",
+        "EnergyHistory",
+        "FORWARD",
+        "Model",
+        "OPEN",
+        "Opening",
+        "STICK",
+        "Settings",
+        "Simulation",
+        "SlotHistory",
+        "cost",
+        "load_simulation",
+        "opening_sentence",
+        "prepare",
+        "simulate",
+        "with_companions",
+    ),
+    "compare.validation": (
+        "Conventions",
+        "Validation",
+        "validate",
+    ),
+    "slipfront.fits": (
+        "Posterior",
+        "posterior",
+        "read_gauges",
+    ),
+    "slipfront.surveys": ("survey",),
+}
+"""All public names by the module that they come from."""
 
-__version__ = version("slipfront")
+_ALL = ("semianalytic", "fem", "meshes", "compare")
+_NEEDED = {"semianalytic": ("semianalytic",), "fem": ("semianalytic", "fem", "meshes")}
+"""Packages beside this one, and those that a module imports where it does without the others."""
 
-__all__ = [
-    "BACKWARD",
-    "FORWARD",
-    "OPEN",
-    "STICK",
-    "Conventions",
-    "Cost",
-    "EnergyHistory",
-    "Model",
-    "Opening",
-    "Posterior",
-    "Settings",
-    "Simulation",
-    "SlotHistory",
-    "Validation",
-    "__version__",
-    "cost",
-    "load_simulation",
-    "opening_sentence",
-    "posterior",
-    "prepare",
-    "read_gauges",
-    "simulate",
-    "survey",
-    "validate",
-    "with_companions",
-]
-__all__ += semianalytic.__all__
-_VALIDATION = ("Conventions", "Validation", "validate")
-_INVERSION = ("Posterior", "posterior", "read_gauges")
+_PLACES = {name: module for module, names in _NAMES.items() for name in names}
 
+__all__ = ["__version__"]
+__all__ += _PLACES
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
-    from slipfront.fits import Posterior, posterior, read_gauges
-    from slipfront.surveys import survey
-    from compare.validation import Conventions, Validation, validate
-    from fem import (
-        BACKWARD,
-        FORWARD,
-        OPEN,
-        STICK,
-        Cost,
-        EnergyHistory,
-        Model,
-        Opening,
-        Settings,
-        Simulation,
-        SlotHistory,
-        cost,
-        load_simulation,
-        opening_sentence,
-        prepare,
-        simulate,
-        with_companions,
-    )
+    from compare.validation import *
+    from fem import *
     from semianalytic import *
+    from slipfront.fits import *
+    from slipfront.surveys import *
+
+    __version__: str
 else:
 
     def __getattr__(name: str) -> Any:
-        """A name of `semianalytic`, `compare.validation`, `.surveys` or `.inversion`, or `fem`.
+        """A public name, from the module that defines it.
 
         Raises
         ------
         MissingLibraryError
-            If a package that the finite elements need is not installed.
+            If a package that the name needs is not installed.
+        ImportError
+            If a file of the user hides a package of slipfront.
         """
-        if name not in __all__:
+        if name == "__version__":
+            from importlib.metadata import version
+
+            value = version("slipfront")
+        elif name in _PLACES:
+            if _PLACES[name] not in sys.modules:
+                _check_that_none_is_hidden(_NEEDED.get(_PLACES[name], _ALL))
+            value = getattr(import_module(_PLACES[name]), name)
+        else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        if name in semianalytic.__all__:
-            return getattr(semianalytic, name)
-        if name in _INVERSION:
-            from compare import inversion
+        globals()[name] = value
+        return value
 
-            return getattr(inversion, name)
-        if name in _VALIDATION:
-            from compare import validation
 
-            return getattr(validation, name)
-        if name == "survey":
-            from slipfront.surveys import survey
+def _check_that_none_is_hidden(packages: tuple[str, ...]) -> None:
+    """Raise a sentence that names the user's file, if it would be imported as a package of ours.
 
-            return survey
-        import fem
-
-        return getattr(fem, name)
+    Python looks in the folder of a script first, so that a ``fem.py`` beside it becomes `fem`.
+    """
+    house = Path(__file__).parents[1]
+    for name in packages:
+        spec = find_spec(name)
+        if spec is None or spec.origin is None or Path(spec.origin).parent != house / name:
+            raise ImportError(
+                f"{spec and (spec.origin or spec.name)} hides the package {name!r} of slipfront; "
+                "rename or move it."
+            )
 
 
 def __dir__() -> list[str]:

@@ -7,8 +7,8 @@ from importlib import import_module
 
 import pytest
 
-from slipfront.explore.chromium import CHROMIUM, Browser
 from meshes.build import APT_PACKAGES
+from slipfront.explore.chromium import CHROMIUM, Browser
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # as many processes as cores: one thread each
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

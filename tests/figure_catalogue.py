@@ -28,14 +28,12 @@ from compare.benchmarks.sheets import SHEETS
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import judge, side_by_side
 from compare.comparison.rows import AGREES, DIFFERS
-from docs.examples.__main__ import EXAMPLES
 from compare.figures import histories, interface
 from compare.figures.fields import field_figure
 from compare.figures.fronts import reach
 from compare.figures.quantities import find_quantity
 from compare.figures.records import record_figure
 from compare.figures.snapshots import snapshot_figure
-from slipfront.fits.figures import fit_figure
 from compare.output.field_files import record_fields
 from compare.studies.article import study as article
 from compare.studies.article.cases import SlotCheck, run_cases
@@ -44,9 +42,6 @@ from compare.studies.chart.study import SCENES as CHARTED
 from compare.studies.chart.study import read_points
 from compare.studies.evidence import figures as evidence
 from compare.studies.evidence.study import SceneEvidence, published_answer
-from docs.studies.judge.figure import judge_figure
-from docs.studies.judge.spoils import SPOILS
-from docs.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 from compare.studies.regimes import figures as regimes
 from compare.studies.regimes import viscosity
 from compare.studies.regimes.openings import AHEAD, EDGE, OpeningPoint, openings_figure
@@ -59,8 +54,13 @@ from compare.studies.stability.sweeps import StudyRow
 from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow, sweep_figure
 from compare.validation.figure import validation_figure
 from compare.validation.validation import validate
+from docs.examples.__main__ import EXAMPLES
+from docs.studies.judge.figure import judge_figure
+from docs.studies.judge.spoils import SPOILS
+from docs.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 from fem import simulate
 from semianalytic import Gauge, find_scene, fit, march, solve
+from slipfront.fits.figures import fit_figure
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "docs" / "data"
@@ -274,12 +274,12 @@ def _fit() -> Figure:
 
 CATALOGUE: dict[str, Callable[[], Figure]] = {
     **{
-        f"figures.histories.{name}_figure/{scene}": partial(_of_case, name, scene)
+        f"compare.figures.histories.{name}_figure/{scene}": partial(_of_case, name, scene)
         for scene, names in (("auxetic", "sense history wear"), ("lift-off-shear", "sense gap"))
         for name in names.split()
     },
     **{
-        f"figures.interface.{draw.__name__}/{scene}": partial(_of_run, draw, scene)
+        f"compare.figures.interface.{draw.__name__}/{scene}": partial(_of_run, draw, scene)
         for draw in (
             interface.slip_rate_figure,
             interface.tractions_figure,
@@ -287,51 +287,58 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         )
         for scene in ("auxetic", "lift-off-shear", "preloaded")
     },
-    "figures.interface.prediction_figure": lambda: interface.prediction_figure(_solved("tap")),
-    "figures.histories.march_figure": lambda: histories.march_figure(_marched("unload")),
-    "figures.snapshots.snapshot_figure": _snapshots,
-    "figures.records.record_figure": _record,
+    "compare.figures.interface.prediction_figure": lambda: interface.prediction_figure(
+        _solved("tap")
+    ),
+    "compare.figures.histories.march_figure": lambda: histories.march_figure(_marched("unload")),
+    "compare.figures.snapshots.snapshot_figure": _snapshots,
+    "compare.figures.records.record_figure": _record,
     **{
-        f"figures.fields.FieldPicture/{of} of {name}": partial(_field, name, of)
+        f"compare.figures.fields.FieldPicture/{of} of {name}": partial(_field, name, of)
         for name, of in (("auxetic", "speed"), ("tap", "pressure"), ("antiplane", "fringes"))
     },
-    "validation.figure.validation_figure": _validation,
-    "inversion.figures.fit_figure": _fit,
-    "benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
-    "benchmarks.figures.score_figure": _scores,
+    "compare.validation.figure.validation_figure": _validation,
+    "slipfront.fits.figures.fit_figure": _fit,
+    "compare.benchmarks.figures.sheet_figure": lambda: sheet_figure(SHEETS["preloaded"]),
+    "compare.benchmarks.figures.score_figure": _scores,
     **{
-        f"studies.evidence.figures.{name}_figure": lambda draw=name: getattr(
+        f"compare.studies.evidence.figures.{name}_figure": lambda draw=name: getattr(
             evidence, f"{draw}_figure"
         )(_evidence())
         for name in ("rates", "tractions", "energy", "opening")
     },
     **{
-        f"studies.article.study.figure_{number}": lambda draw=number: getattr(
+        f"compare.studies.article.study.figure_{number}": lambda draw=number: getattr(
             article, f"figure_{draw}"
         )(_cases())
         for number in (2, 5, 6)
     },
-    "studies.article.study.slot_figure": _slot,
-    **{f"studies.chart.figure.chart_figure/{name}": partial(_chart, name) for name in CHARTED},
-    "studies.judge.figure.judge_figure": _judge,
+    "compare.studies.article.study.slot_figure": _slot,
     **{
-        f"studies.regimes.figures.regimes_figure/{loading}": lambda of=loading: (
+        f"compare.studies.chart.figure.chart_figure/{name}": partial(_chart, name)
+        for name in CHARTED
+    },
+    "docs.studies.judge.figure.judge_figure": _judge,
+    **{
+        f"compare.studies.regimes.figures.regimes_figure/{loading}": lambda of=loading: (
             regimes.regimes_figure(of, _regimes())
         )
         for loading in ("preload", "remote")
     },
-    "studies.regimes.figures.front_speeds_figure": lambda: regimes.front_speeds_figure(_regimes()),
-    "studies.regimes.figures.reverse_figure": lambda: regimes.reverse_figure(_regimes()),
-    "studies.regimes.viscosity.viscosity_figure": _viscosity,
-    "studies.regimes.openings.openings_figure": _openings,
+    "compare.studies.regimes.figures.front_speeds_figure": lambda: regimes.front_speeds_figure(
+        _regimes()
+    ),
+    "compare.studies.regimes.figures.reverse_figure": lambda: regimes.reverse_figure(_regimes()),
+    "compare.studies.regimes.viscosity.viscosity_figure": _viscosity,
+    "compare.studies.regimes.openings.openings_figure": _openings,
     **{
-        f"studies.stability.figures.{name}_figure": lambda draw=name: getattr(
+        f"compare.studies.stability.figures.{name}_figure": lambda draw=name: getattr(
             stability, f"{draw}_figure"
         )(_solver_rows())
         for name in ("limits", "thresholds", "grids", "rules")
     },
-    "studies.stability.fem.stability_figure": _fem_stability,
-    "studies.stability.spacetime.stability_figure": _spacetime,
-    "studies.wear.sweep_figure": _wear,
-    **{f"examples.{name}.main": partial(_example, name) for name in EXAMPLES},
+    "compare.studies.stability.fem.stability_figure": _fem_stability,
+    "compare.studies.stability.spacetime.stability_figure": _spacetime,
+    "compare.studies.wear.sweep_figure": _wear,
+    **{f"docs.examples.{name}.main": partial(_example, name) for name in EXAMPLES},
 }

@@ -17,9 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
+from semianalytic.scene.named import find_scene
 from slipfront.explore.chromium import CHROMIUM, Browser
 from slipfront.explore.controls import defaults, query_of
-from semianalytic.scene.named import find_scene
 
 DOCS = Path(__file__).parents[2] / "docs"
 SCENES = ("preloaded", "remote-shock", "auxetic", "viscous", "antiplane", "lift-off-shear", "tap")

@@ -1,7 +1,7 @@
 """Tables of the documentation, filled from docs/data; nothing is computed here.
 
-``python -m docs.studies.pages --write`` fills them, ``--check`` says which pages are not as their data
-are.  A table stands in a page as ::
+``python -m docs.studies.pages --write`` fills them, ``--check`` says which pages are not as their
+data are.  A table stands in a page as ::
 
     <!-- table: NAME where COLUMN=VALUE; COLUMN=VALUE spread COLUMN by COLUMN
     | heading | heading |
@@ -30,7 +30,7 @@ from pathlib import Path
 from compare.output.files import write_text
 from semianalytic.scene.errors import DataFileError
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT / "docs" / "data"
 
 _BLOCK = re.compile(

@@ -1,7 +1,7 @@
 """JSON Schema of what every command prints with ``--json``, and the table of docs/json.md.
 
-``python -m docs.studies.schema --write`` writes docs/schema.json and docs/data/json-keys.csv from what
-stands here and from the fields of the rows; ``--check`` says whether they are up to date.
+``python -m docs.studies.schema --write`` writes docs/schema.json and docs/data/json-keys.csv from
+what stands here and from the fields of the rows; ``--check`` says whether they are up to date.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from compare.studies.regimes.points import BoundaryPoint
 from compare.studies.wear import MostRow, WearRow
 from compare.validation.norms import Norm
 
-DOCS = Path(__file__).resolve().parents[1] / "docs"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 COMMAND = "python -m docs.studies.schema --write"
 
 Schema = Mapping[str, Any]

@@ -20,11 +20,11 @@ import numpy as np
 
 from compare.studies.tables import Study, run_studies
 from compare.tasks.cluster import on_cluster
+from compare.tasks.workers import run_tasks
+from semianalytic.scene.named import NAMED_SCENES
 from slipfront.surveys.dataset import dataset_of, netcdf_bytes, write_zarr
 from slipfront.surveys.plan import SWEPT, Plan, Question, planned
 from slipfront.surveys.points import solved_chunk
-from compare.tasks.workers import run_tasks
-from semianalytic.scene.named import NAMED_SCENES
 
 SIDE = 100
 RTOL = 1e-6

@@ -12,6 +12,8 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from semianalytic.scene.errors import ComputationError, DataFileError, SlipfrontError
+from semianalytic.scene.extras import needing
 from slipfront.cli import study_commands as studies
 from slipfront.cli.compare_command import compare_command
 from slipfront.cli.explore_command import explore_command
@@ -26,8 +28,6 @@ from slipfront.cli.scenes.commands import init, scenes
 from slipfront.cli.simulate_command import simulate_command
 from slipfront.cli.solve_command import solve_command
 from slipfront.cli.survey_command import survey_command
-from semianalytic.scene.errors import ComputationError, DataFileError, SlipfrontError
-from semianalytic.scene.extras import needing
 
 NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a larger machine."
 

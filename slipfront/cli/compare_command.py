@@ -9,25 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from slipfront.cli import terminal
-from slipfront.cli.options import (
-    MESH_OPTIONS,
-    SCENE_OPTIONS,
-    AsJson,
-    Budget,
-    FiguresForm,
-    Method,
-    NoSnapshots,
-    Output,
-    Quiet,
-    in_bytes,
-    in_seconds,
-    option_name,
-    with_options,
-)
-from slipfront.cli.scenes.completion import scene_names
-from slipfront.cli.simulate_command import simulate_into, with_error_bars
-from slipfront.cli.solve_command import check_converged
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
@@ -55,6 +36,25 @@ from semianalytic.scene.named import (
     scene_label,
 )
 from semianalytic.scene.scene import scene_document
+from slipfront.cli import terminal
+from slipfront.cli.options import (
+    MESH_OPTIONS,
+    SCENE_OPTIONS,
+    AsJson,
+    Budget,
+    FiguresForm,
+    Method,
+    NoSnapshots,
+    Output,
+    Quiet,
+    in_bytes,
+    in_seconds,
+    option_name,
+    with_options,
+)
+from slipfront.cli.scenes.completion import scene_names
+from slipfront.cli.simulate_command import simulate_into, with_error_bars
+from slipfront.cli.solve_command import check_converged
 
 if TYPE_CHECKING:
     from fem import Simulation

@@ -9,12 +9,12 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from slipfront.cli.options import SCENE_OPTIONS, AsJson, with_options
-from slipfront.cli.scenes.completion import scene_names
-from slipfront.cli.terminal import print_json
 from semianalytic.scene.extras import EXPLORE, PLOT, require
 from semianalytic.scene.named import DEFAULT_SCENE, find_scene, override_scene
 from semianalytic.scene.scene import scene_document
+from slipfront.cli.options import SCENE_OPTIONS, AsJson, with_options
+from slipfront.cli.scenes.completion import scene_names
+from slipfront.cli.terminal import print_json
 
 
 @with_options(overrides=SCENE_OPTIONS)

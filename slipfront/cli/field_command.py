@@ -12,6 +12,18 @@ import numpy as np
 import typer
 from rich.console import Console
 
+from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
+from compare.comparison.prediction import method_of
+from compare.output.places import working_folder
+from compare.output.progress import progress_bar
+from semianalytic import Marched, Scene, Solution, march, solve
+from semianalytic.prediction import chosen_method
+from semianalytic.results.answer import WholeFields
+from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.extras import FEM, PLOT, require
+from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
+from semianalytic.scene.scene import scene_document
 from slipfront.cli.marching import check_rtol
 from slipfront.cli.options import (
     MARCH_OPTIONS,
@@ -29,18 +41,6 @@ from slipfront.cli.options import (
 from slipfront.cli.scenes.completion import FORMATS, QUANTITIES, one_of
 from slipfront.cli.solve_command import check_converged
 from slipfront.cli.terminal import print_json
-from compare.comparison.documents import SCENE_DIMENSIONS, Dimensions, units_document
-from compare.comparison.prediction import method_of
-from compare.output.places import working_folder
-from compare.output.progress import progress_bar
-from semianalytic import Marched, Scene, Solution, march, solve
-from semianalytic.prediction import chosen_method
-from semianalytic.results.answer import WholeFields
-from semianalytic.scene.checks import checked_number, checked_size, shown
-from semianalytic.scene.errors import SceneError
-from semianalytic.scene.extras import FEM, PLOT, require
-from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
-from semianalytic.scene.scene import scene_document
 
 if TYPE_CHECKING:
     from compare.figures.quantities import Quantity

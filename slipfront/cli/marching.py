@@ -9,9 +9,6 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.console import Console
 
-from slipfront.cli import terminal
-from slipfront.cli.interruption import INTERRUPTED
-from slipfront.cli.options import in_bytes, option_name
 from compare.comparison.documents import march_document
 from compare.output.places import check_file, save_somewhere
 from compare.output.progress import progress_bar
@@ -19,6 +16,9 @@ from semianalytic import Marched, Scene, march, march_on
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import HDF5, require
+from slipfront.cli import terminal
+from slipfront.cli.interruption import INTERRUPTED
+from slipfront.cli.options import in_bytes, option_name
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw

@@ -13,6 +13,9 @@ from typing import Annotated, Any
 import typer
 from rich.markup import escape
 
+from semianalytic.results.memory import GIGABYTE
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
 from slipfront.cli.scenes.completion import (
     LOADED,
     MESH_NAMES,
@@ -21,9 +24,6 @@ from slipfront.cli.scenes.completion import (
     one_of,
     scene_names,
 )
-from semianalytic.results.memory import GIGABYTE
-from semianalytic.scene.checks import shown
-from semianalytic.scene.errors import SceneError
 
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
 """Units of time as they are typed."""

@@ -10,6 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
+from compare.comparison.report import simulation_document
+from compare.output.leftovers import SNAPSHOTS, forget_other_runs
+from compare.output.places import save_somewhere, working_folder
+from compare.output.progress import progress_bar
+from semianalytic import Scene
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.extras import FEM, require
+from semianalytic.scene.named import find_blocks, override_scene, scene_folder, scene_label
 from slipfront.cli import terminal
 from slipfront.cli.options import (
     CHECKPOINT_OPTIONS,
@@ -25,14 +33,6 @@ from slipfront.cli.options import (
     in_bytes,
     with_options,
 )
-from compare.comparison.report import simulation_document
-from compare.output.leftovers import SNAPSHOTS, forget_other_runs
-from compare.output.places import save_somewhere, working_folder
-from compare.output.progress import progress_bar
-from semianalytic import Scene
-from semianalytic.scene.errors import DataFileError
-from semianalytic.scene.extras import FEM, require
-from semianalytic.scene.named import find_blocks, override_scene, scene_folder, scene_label
 
 if TYPE_CHECKING:
     from fem import Simulation

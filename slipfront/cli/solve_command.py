@@ -9,6 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
+from compare.comparison.documents import solution_document
+from compare.output.places import check_file
+from semianalytic import Scene, Solution, solve
+from semianalytic.prediction import chosen_method
+from semianalytic.scene.checks import checked_size
+from semianalytic.scene.errors import ComputationError, SceneError
+from semianalytic.scene.extras import PLOT, require
+from semianalytic.scene.named import find_scene, override_scene, scene_label
 from slipfront.cli import terminal
 from slipfront.cli.marching import march_command
 from slipfront.cli.options import (
@@ -22,14 +30,6 @@ from slipfront.cli.options import (
     with_options,
 )
 from slipfront.cli.scenes.completion import figure_names
-from compare.comparison.documents import solution_document
-from compare.output.places import check_file
-from semianalytic import Scene, Solution, solve
-from semianalytic.prediction import chosen_method
-from semianalytic.scene.checks import checked_size
-from semianalytic.scene.errors import ComputationError, SceneError
-from semianalytic.scene.extras import PLOT, require
-from semianalytic.scene.named import find_scene, override_scene, scene_label
 
 if TYPE_CHECKING:
     from compare.figures.named import Draw

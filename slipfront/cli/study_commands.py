@@ -11,14 +11,14 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from slipfront.cli.options import AsJson, FiguresForm, Quiet
-from slipfront.cli.scenes.completion import CHARTED, LOADINGS, one_of, scene_names
-from slipfront.cli.terminal import print_json
 from compare.comparison.rows import DIFFERS
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import CLUSTER, FEM, PLOT, require
+from slipfront.cli.options import AsJson, FiguresForm, Quiet
+from slipfront.cli.scenes.completion import CHARTED, LOADINGS, one_of, scene_names
+from slipfront.cli.terminal import print_json
 
 Output = Annotated[
     Path | None,

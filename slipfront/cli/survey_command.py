@@ -15,6 +15,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from compare.output.progress import progress_bar
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.named import find_scene, scene_label
+from semianalytic.scene.units import unit
 from slipfront.cli.options import (
     SCENE_OPTIONS,
     AsJson,
@@ -25,10 +29,6 @@ from slipfront.cli.options import (
 )
 from slipfront.cli.study_commands import Scheduler, on_scheduler
 from slipfront.cli.terminal import print_json
-from compare.output.progress import progress_bar
-from semianalytic.scene.errors import SceneError
-from semianalytic.scene.named import find_scene, scene_label
-from semianalytic.scene.units import unit
 
 _VALUES = "Values: 0.3, a row 0.1,0.2,0.5, or start:stop:count, with :log in equal ratios"
 

@@ -13,8 +13,6 @@ from rich.box import SIMPLE_HEAD
 from rich.markup import escape
 from rich.table import Table
 
-from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
-from slipfront.cli.refusals import in_options
 from compare.comparison.documents import (
     END_DIMENSIONS,
     edge_state,
@@ -33,6 +31,8 @@ from semianalytic import Marched, Scene, Solution
 from semianalytic.results.answer import digits_apart
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
+from slipfront.cli.options import MARCH_OPTIONS, MESH_OPTIONS
+from slipfront.cli.refusals import in_options
 
 if TYPE_CHECKING:
     from compare.validation.validation import Validation

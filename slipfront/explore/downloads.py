@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any
 
-from slipfront.explore.views import end_time, interface_view
 from semianalytic import Marched, Scene, Solution
 from semianalytic.scene.template import scene_text
 from semianalytic.scene.units import unit
+from slipfront.explore.views import end_time, interface_view
 
 Content = tuple[str, str, bytes]
 """Name of a file, its MIME type, and what it holds."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from semianalytic import Marched, Scene, march, solve
 from slipfront.explore.views import (
     FieldView,
     InterfaceView,
@@ -14,7 +15,6 @@ from slipfront.explore.views import (
     interface_view,
     space_time_view,
 )
-from semianalytic import Marched, Scene, march, solve
 
 Progress = Callable[[int, int], object]
 

@@ -22,6 +22,12 @@ from bokeh.server.views.static_handler import StaticHandler
 from jinja2 import Environment, Template
 
 from compare.comparison.scales import reference_values
+from semianalytic import Marched, Scene, SlipZone, Solution, solve
+from semianalytic.prediction import chosen_method
+from semianalytic.results.answer import digits_apart
+from semianalytic.scene.errors import SlipfrontError
+from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.units import unit
 from slipfront.explore.controls import (
     CHOICES,
     HISTORIES,
@@ -47,12 +53,6 @@ from slipfront.explore.pictures import (
 )
 from slipfront.explore.views import NODES, FieldView, end_time, interface_view, space_time_view
 from slipfront.explore.work import Worker
-from semianalytic import Marched, Scene, SlipZone, Solution, solve
-from semianalytic.prediction import chosen_method
-from semianalytic.results.answer import digits_apart
-from semianalytic.scene.errors import SlipfrontError
-from semianalytic.scene.named import NAMED_SCENES
-from semianalytic.scene.units import unit
 
 MOVING_RTOL, RTOL = 1e-4, 1e-8
 """Of answers while a slider moves, and when it stands still."""

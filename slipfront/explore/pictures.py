@@ -21,8 +21,6 @@ from bokeh.models import (
 from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
-from slipfront.explore.maps import REGIMES, RegimeMap
-from slipfront.explore.views import KINDS, Array, FieldView, InterfaceView, SpaceTimeView
 from compare.figures.style import (
     BLACK,
     BLUE,
@@ -34,6 +32,8 @@ from compare.figures.style import (
     shade,
 )
 from compare.studies.regimes.figures import COLOURS
+from slipfront.explore.maps import REGIMES, RegimeMap
+from slipfront.explore.views import KINDS, Array, FieldView, InterfaceView, SpaceTimeView
 
 SHADES = {kind: shade(kind) for kind in KINDS}
 REGIME_COLOURS = {**COLOURS, "open": PURPLE}

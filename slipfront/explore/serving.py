@@ -22,9 +22,9 @@ from tornado.httputil import HTTPHeaders, HTTPServerRequest
 from tornado.ioloop import IOLoop
 from tornado.web import OutputTransform, RequestHandler
 
-from slipfront.explore.page import Session
 from semianalytic import Scene
 from semianalytic.scene.errors import SceneError
+from slipfront.explore.page import Session
 
 HOST = "127.0.0.1"
 NAMES = ("localhost", HOST)

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
-from slipfront.fits.posterior import Posterior
 from semianalytic.inversion.fitting import Fit
 from semianalytic.inversion.priors import Normal
 from semianalytic.inversion.unknowns import DIMENSIONS
 from semianalytic.scene.scene import scene_document
+from slipfront.fits.posterior import Posterior
 
 WELL = 3.0
 """Standard deviations of chi2 above its freedom up to which a fit is as good as noise allows."""

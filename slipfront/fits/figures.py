@@ -23,12 +23,12 @@ from compare.figures.style import (
     new_figure,
     styled,
 )
-from slipfront.fits.documents import dimension
-from slipfront.fits.posterior import Posterior
 from compare.records.record import Array
 from semianalytic.inversion.fitting import Fit
 from semianalytic.inversion.gauges import QUANTITIES, Gauge
 from semianalytic.scene.units import unit
+from slipfront.fits.documents import dimension
+from slipfront.fits.posterior import Posterior
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

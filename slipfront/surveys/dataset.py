@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.documents import SCENE_DIMENSIONS
-from slipfront.surveys.parameters import MATERIAL, Array, parameters_of
-from slipfront.surveys.plan import Plan
-from slipfront.surveys.points import DEFAULT_RTOL, held, unpacked
-from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
 from semianalytic.halfplane.families import rayleigh_family
 from semianalytic.scene.friction import ViscousFriction
 from semianalytic.scene.parameters import part_parameters
 from semianalytic.scene.scene import scene_document
 from semianalytic.scene.units import unit
+from slipfront.surveys.parameters import MATERIAL, Array, parameters_of
+from slipfront.surveys.plan import Plan
+from slipfront.surveys.points import DEFAULT_RTOL, held, unpacked
+from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
 
 Chunks = Callable[[], Iterable[tuple[int, bytes]]]
 """Index and packed columns of every chunk, as often as they are asked for."""

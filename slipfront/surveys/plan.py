@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from slipfront.surveys.parameters import Array, checked_values, parameter_name
 from semianalytic.results.answer import FIELDS
 from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene, checked_scene, scene_document
+from slipfront.surveys.parameters import Array, checked_values, parameter_name
 
 Region = tuple[slice, ...]
 

@@ -10,9 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from slipfront.surveys.parameters import Array, scene_at
-from slipfront.surveys.plan import Question
-from slipfront.surveys.quantities import QUANTITIES, TEXT
 from semianalytic.prediction import chosen_method, predict
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SlipfrontError
@@ -21,6 +18,9 @@ from semianalytic.selfsimilar.solution import Solution
 from semianalytic.spacetime.marched import Marched
 from semianalytic.sweeps.contact_edge import at_contact_edge
 from semianalytic.sweeps.sweep import sweep
+from slipfront.surveys.parameters import Array, scene_at
+from slipfront.surveys.plan import Question
+from slipfront.surveys.quantities import QUANTITIES, TEXT
 
 Values = dict[str, Any]
 Columns = dict[str, NDArray[Any]]

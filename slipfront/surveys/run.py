@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compare.output.places import check_file
-from slipfront.surveys.plan import Plan, Question, planned
-from slipfront.surveys.points import solved_chunk
-from slipfront.surveys.store import Store, check_folder, opened_store, seal_folder
 from compare.tasks.workers import Progress, Task, run_tasks
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import require
 from semianalytic.scene.scene import Scene
+from slipfront.surveys.plan import Plan, Question, planned
+from slipfront.surveys.points import solved_chunk
+from slipfront.surveys.store import Store, check_folder, opened_store, seal_folder
 
 SUFFIXES = {".nc": ("xarray", "h5netcdf", "h5py"), ".zarr": ("xarray", "zarr")}
 """What a survey is written as, and with what."""

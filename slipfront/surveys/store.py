@@ -10,9 +10,9 @@ from pathlib import Path
 
 from compare.output.files import write_text
 from compare.output.places import working_folder
-from slipfront.surveys.plan import Plan
 from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.errors import DataFileError
+from slipfront.surveys.plan import Plan
 
 _PLAN = "survey.json"
 _SUMS = "sha256.txt"

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from docs.studies.pages import read_data
 from docs.studies.campaign import study as campaign
 from docs.studies.campaign.study import (
     error_between,
@@ -14,6 +13,7 @@ from docs.studies.campaign.study import (
     solved_row,
     summary,
 )
+from docs.studies.pages import read_data
 from semianalytic import march, solve
 from semianalytic.scene.named import find_scene
 

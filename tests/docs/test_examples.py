@@ -9,15 +9,15 @@ from pathlib import Path
 import pytest
 
 import docs.examples
-from slipfront.cli.commands import main
 from docs.examples import __main__ as gallery
 from docs.examples.fit_friction import TRUE
 from semianalytic import Marched, Ramp, SlipWeakening
 from semianalytic.scene.named import read_scene
+from slipfront.cli.commands import main
 
 FOLDER = Path(docs.examples.__file__).parent
 EXAMPLES = sorted(path.stem for path in FOLDER.glob("[a-z]*.py"))
-DOCS = FOLDER.parents[1] / "docs"
+DOCS = FOLDER.parent
 SECTIONS = dict(
     re.findall(r"^## (\w+)$(.+?)(?=^## |\Z)", (DOCS / "gallery.md").read_text(), re.M | re.S)
 )

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+import compare.studies.stability.fem
 import docs.studies.accuracy.fem
 import docs.studies.accuracy.fem_loads
-import compare.studies.stability.fem
-from slipfront.cli import commands as cli
 from compare.output.progress import progress_bar
+from compare.studies.stability.fem import fem_stability, trials
 from docs.studies.accuracy.fem import (
     PROFILE,
     Smoothing,
@@ -36,13 +36,13 @@ from docs.studies.accuracy.fem_loads import (
     stuck_errors,
     stuck_rows,
 )
-from compare.studies.stability.fem import fem_stability, trials
 from fem import load_simulation
 from semianalytic import solve
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import MissingLibraryError
 from semianalytic.scene.loads import Ramp
 from semianalytic.scene.named import NAMED_SCENES
+from slipfront.cli import commands as cli
 
 
 def test_errors_of_the_exact_profile_are_zero():

@@ -5,9 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from slipfront.cli.commands import main
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED
-from docs.studies.pages import read_data
 from compare.output.tables import append_rows, started_rows
 from docs.studies.judge import spoils
 from docs.studies.judge import trials as judge_trials
@@ -23,9 +21,11 @@ from docs.studies.judge.spoils import SPOILS, Window, effect, spoilt
 from docs.studies.judge.spoilt_answers import profiled
 from docs.studies.judge.tables import SURE, alarm_rows, bar_rows, power_rows
 from docs.studies.judge.trials import SHARES, TRUTH, JudgedRow, SpoiltRow, run_trials
+from docs.studies.pages import read_data
 from semianalytic import Answer, CoulombFriction, SlipWeakening, march, solve
 from semianalytic.cut.load import contact_opens
 from semianalytic.scene.named import find_scene
+from slipfront.cli.commands import main
 from tests.catalogue import REMOTE, SHOCK, over, unit_scene
 
 WINDOW = Window(end_time=1.0, time_step=0.01, reach=2.0)

@@ -10,7 +10,7 @@ import docs_pages
 import pytest
 from docs_pages import assert_page_says, quoted_numbers, read_number
 
-from compare import docs
+import docs.studies.pages
 from docs.studies.pages import DATA, ROOT, Cell, filled, main, pages, read_data
 from semianalytic.scene.errors import DataFileError
 
@@ -130,8 +130,8 @@ def test_command_names_a_stale_page_and_writes_it(tmp_path, monkeypatch, capsys)
     page = tmp_path / "page.md"
     block = "<!-- table: campaign\n| what |\n| {what} |\n-->\nstale\n<!-- end -->\n"
     page.write_text(block)
-    monkeypatch.setattr(docs, "ROOT", tmp_path)
-    monkeypatch.setattr(docs, "pages", lambda: [page])
+    monkeypatch.setattr(docs.studies.pages, "ROOT", tmp_path)
+    monkeypatch.setattr(docs.studies.pages, "pages", lambda: [page])
     assert main(["--check"]) == 1
     assert page.read_text() == block
     assert main(["--write"]) == 0
@@ -205,7 +205,7 @@ def test_every_test_named_in_docs_exists(page):
 @pytest.mark.parametrize("page", PAGES, ids=name)
 def test_every_function_named_in_docs_exists(page):
     for dotted in set(
-        re.findall(r"`((?:semianalytic|fem|meshes|compare)(?:\.\w+)+)`", page.read_text())
+        re.findall(r"`((?:semianalytic|fem|meshes|compare|slipfront)(?:\.\w+)+)`", page.read_text())
     ):
         module, *rest = dotted.split(".")
         found = importlib.import_module(module)
@@ -221,7 +221,7 @@ def test_every_file_and_link_named_in_docs_exists(page):
     text = page.read_text()
     for target in re.findall(r"\]\(([^)#:]+)(?:#[\w-]+)?\)", text):
         assert (page.parent / target).is_file(), target
-    folders = "semianalytic|fem|meshes|compare|tests|docs"
+    folders = "semianalytic|fem|meshes|compare|slipfront|tests|docs"
     for path in re.findall(rf"`((?:{folders})/[\w/]+\.\w+)`", text):
         assert (ROOT / path).is_file(), path
 

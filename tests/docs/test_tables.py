@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from docs.studies.pages import read_data
 from compare.studies import wear
-from docs.studies.accuracy import scenes
 from compare.studies.article import study as article
 from compare.studies.regimes import tables
 from compare.studies.tables import run_studies
+from docs.studies.accuracy import scenes
+from docs.studies.pages import read_data
 
 
 @dataclass(frozen=True)

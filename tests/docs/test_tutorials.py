@@ -12,7 +12,7 @@ import pytest
 from jupyter_client import AsyncKernelManager
 from jupyter_client.kernelspec import KernelSpec, KernelSpecManager
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "tutorials"
 LESSONS = re.findall(r"\]\((\w+)\.ipynb\)", (FOLDER / "index.md").read_text())
 LONGEST = 290

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from faults import FULL, ROOM, full_disk, small_disk
 
-from slipfront.cli.commands import main
 from compare.comparison.snapshots import last_snapshot
 from fem import load_simulation, simulate
 from fem.checkpoint import Keeper
@@ -18,6 +17,7 @@ from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
+from slipfront.cli.commands import main
 
 SCENE = Scene(Material(1.0, 1.0, 1 / 3), 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
 SMALL = {"resolution": 16, "frames": 4}

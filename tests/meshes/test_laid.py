@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from faults import FULL, full_disk
 
-from slipfront.cli.commands import main
 from fem import simulate
 from meshes import Blocks, build_mesh, cached_mesh, read_mesh
 from meshes.build import APT_PACKAGES
 from semianalytic.scene.errors import DataFileError, MissingLibraryError
 from semianalytic.scene.scene import Material, Scene, Tractions
+from slipfront.cli.commands import main
 
 ROOT = Path(__file__).parents[2]
 BLOCKS = Blocks(size=0.1, left=4, right=6, height=3, lower=True)

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from compare.figures.saving import save_figure
 from compare.figures.style import describe, new_figure, scene_words, styled
 from compare.output.files import write_text
-from docs.studies.accuracy.fem import errors_of
+from compare.studies.profiles import errors_of
 from compare.tasks.workers import Progress, run_tasks
 from semianalytic import Scene, Tractions, solve
 from semianalytic.scene.errors import ComputationError, SlipfrontError

@@ -15,7 +15,7 @@ from matplotlib.ticker import NullFormatter
 from compare.figures.saving import save_figure
 from compare.figures.style import cycle, describe, new_figure, styled
 from compare.output.tables import write_rows
-from docs.studies.accuracy.spacetime import last_march, step_error
+from compare.studies.profiles import last_march, step_error
 from compare.studies.stability.sweeps import StudyRow
 from compare.tasks.workers import Progress, run_tasks
 from semianalytic import Marched, Material, Scene, march

@@ -15,8 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import norm
+from compare.studies.profiles import (
+    PROFILE,
+    Errors,
+    averaged_profile,
+    errors_of,
+    last_profile,
+    profile_errors,
+)
 from compare.studies.tables import Study, run_studies
-from semianalytic import Solution, solve
+from semianalytic import solve
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.scene import Material, Scene, Tractions
 
@@ -24,72 +32,6 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 Array = NDArray[np.float64]
-
-PROFILE = np.linspace(0.02, 1.9, 3761)
-"""Velocities x / (c_t t) at which profiles are compared."""
-
-AVERAGED = 0.6
-"""Self-similar profiles are averaged over times from this fraction of T to T."""
-
-
-@dataclass(frozen=True)
-class Errors:
-    """Errors of a simulated slip-rate profile V(x/t) of a self-similar scene.
-
-    Attributes
-    ----------
-    last : float
-        Relative L1 error at the final time.
-    averaged : float
-        The same of the profile averaged over x/t in the last 40 % of the time.
-    first_peak, second_peak : float
-        Error of the averaged profile where the exact slip rate of the first and the second zone
-        is largest, over the exact value there; nan where there is no such zone.
-    second_over_largest : float
-        Error at the second peak over the largest exact slip rate of all.
-    """
-
-    last: float
-    averaged: float
-    first_peak: float
-    second_peak: float
-    second_over_largest: float
-
-
-def last_profile(simulation: Simulation) -> Array:
-    """Slip rate at the final time at the velocities `PROFILE`, between nodes by straight lines."""
-    return _sampled(simulation, -1)
-
-
-def averaged_profile(simulation: Simulation) -> Array:
-    """Slip rate averaged over x/t in the last 40 % of the time, at the velocities `PROFILE`."""
-    t = simulation.interface.t
-    rows = np.flatnonzero(t >= AVERAGED * t[-1]).tolist()
-    return np.mean([_sampled(simulation, row) for row in rows], axis=0)
-
-
-def profile_errors(solution: Solution, last: Array, averaged: Array) -> Errors:
-    """Errors of two profiles at the velocities `PROFILE`."""
-    speed = solution.scene.material.shear_speed
-    exact = solution.slip_rate(PROFILE * speed, 1.0)
-    peaks = []
-    for zone in solution.zones:
-        inside = (PROFILE * speed > zone.inner) & (PROFILE * speed < zone.outer)
-        peaks.append(int(np.argmax(np.where(inside, np.abs(exact), 0.0))))
-    at_peak = [float(averaged[peak] - exact[peak]) for peak in peaks]
-    relative = [error / exact[peak] for error, peak in zip(at_peak, peaks, strict=True)]
-    return Errors(
-        last=norm(last - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
-        averaged=norm(averaged - exact, PROFILE, 1) / norm(exact, PROFILE, 1),
-        first_peak=relative[0] if peaks else math.nan,
-        second_peak=relative[1] if len(peaks) > 1 else math.nan,
-        second_over_largest=at_peak[1] / np.abs(exact).max() if len(peaks) > 1 else math.nan,
-    )
-
-
-def errors_of(simulation: Simulation, solution: Solution) -> Errors:
-    """Errors of the profiles of a simulation."""
-    return profile_errors(solution, last_profile(simulation), averaged_profile(simulation))
 
 
 @dataclass(frozen=True)
@@ -352,12 +294,6 @@ def simulated(scene: str, resolution: int, **options: Any) -> Simulation:
     from fem import simulate
 
     return simulate(NAMED_SCENES[scene].scene, resolution=resolution, **options)
-
-
-def _sampled(simulation: Simulation, row: int) -> Array:
-    history = simulation.interface
-    place = PROFILE * simulation.scene.material.shear_speed * history.t[row]
-    return np.interp(place, history.x, history.slip_rate[row])
 
 
 def observed_order(coarse: float, fine: float, refinement: float = 2.0) -> float:

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.measures import norm
-from docs.studies.accuracy.fem import PROFILE
 from compare.studies.tables import Study, run_studies
+from docs.studies.accuracy.fem import PROFILE
 from semianalytic import solve
 from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
 from semianalytic.scene.friction import RateWeakening, SlipWeakening

@@ -10,16 +10,17 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.measures import in_profile, relative_error
+from compare.comparison.measures import relative_error
+from compare.studies.profiles import LENGTH, last_march, step_error
+from compare.studies.tables import Study, run_studies
 from docs.studies.accuracy.march_error import error, weakening
 from docs.studies.accuracy.march_fields import fields
-from compare.studies.tables import Study, run_studies
-from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Solution, Tractions, march, solve
+from semianalytic import Harmonic, Marched, Material, Ramp, Scene, Tractions, march
 from semianalytic.halfplane.stuck_histories import stuck_shear
 from semianalytic.reference import static_zone
 from semianalytic.scene.loads import Step
@@ -29,8 +30,6 @@ from semianalytic.spacetime.resolution import zone_at_edge
 
 Array = NDArray[np.float64]
 
-LENGTH = 2.0
-"""Observed contact [length] until t = 1/c_t = 1."""
 GRIDS = (128, 256, 512, 1024, 2048, 4096)
 COST_GRIDS = (256, 512, 1024, 2048, 4096, 8192)
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10)
@@ -40,40 +39,6 @@ STEPS_PER_PERIOD = (16, 32)
 NODES_IN_ZONE = (1, 2, 4, 8)
 FINEST = 4096
 """Nodes of the marches that the study of resolution compares with."""
-
-
-def step_error(scene: Scene, marched: Marched) -> float:
-    """Relative L1 error of the slip rate at the end on 0.02 < x/(c_t t) < 1.9, a step load."""
-    x, end = marched.grid.x, marched.end_time
-    seen = in_profile(x / (end * scene.material.shear_speed))
-    exact = _exact(scene).slip_rate(x[seen], end)
-    return relative_error(marched.interface.slip_rate[-1, seen], exact, x[seen], 1)
-
-
-@lru_cache(maxsize=4)
-def _exact(scene: Scene) -> Solution:
-    return solve(scene, rtol=1e-9)
-
-
-def last_march(
-    scene: Scene,
-    nodes: int,
-    *,
-    step_ratio: float = 0.5,
-    damping: float = 0.7,
-    tolerance: float = 1e-6,
-) -> Marched:
-    """A march of which only the end is kept; without a companion, as all marches here."""
-    return march(
-        scene,
-        nodes=nodes,
-        length=LENGTH,
-        step_ratio=step_ratio,
-        damping=damping,
-        tolerance=tolerance,
-        every=10**9,
-        companion=False,
-    )
 
 
 @dataclass(frozen=True)

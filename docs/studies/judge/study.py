@@ -17,6 +17,8 @@ from rich.console import Console
 from compare.figures.saving import save_figure
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
+from compare.studies.tables import Study, run_studies
+from compare.tasks.workers import Progress
 from docs.studies.judge.figure import judge_figure
 from docs.studies.judge.tables import (
     AlarmRow,
@@ -27,8 +29,6 @@ from docs.studies.judge.tables import (
     power_rows,
 )
 from docs.studies.judge.trials import JudgedRow, SpoiltRow, run_trials
-from compare.studies.tables import Study, run_studies
-from compare.tasks.workers import Progress
 
 FOLDER = Path("results", "stability")
 """Where the command leaves its trials unless told otherwise, and the tables of docs look."""

@@ -16,6 +16,8 @@ from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import predict_like
 from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
 from compare.output.tables import append_rows, started_rows
+from compare.tasks.workers import Progress, run_tasks
+from compare.tasks.workers import Task as WorkerTask
 from docs.studies.judge.scenes import (
     HISTORIES,
     OPENINGS,
@@ -24,8 +26,6 @@ from docs.studies.judge.scenes import (
     power_scenes,
 )
 from docs.studies.judge.spoils import SPOILS, Spoil, Window, effect, spoilt
-from compare.tasks.workers import Progress, run_tasks
-from compare.tasks.workers import Task as WorkerTask
 from semianalytic import Answer, Scene, SceneError
 
 if TYPE_CHECKING:

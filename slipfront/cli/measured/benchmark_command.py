@@ -12,12 +12,12 @@ from rich.console import Console
 from rich.table import Table
 
 from compare.benchmarks.sheets import SHEETS, Sheet, find_sheet
-from slipfront.cli.options import AsJson, FiguresForm
-from slipfront.cli.scenes.completion import CODES, one_of, sheet_names
-from slipfront.cli.terminal import print_json
 from compare.output.places import check_file, working_folder
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
+from slipfront.cli.options import AsJson, FiguresForm
+from slipfront.cli.scenes.completion import CODES, one_of, sheet_names
+from slipfront.cli.terminal import print_json
 
 if TYPE_CHECKING:
     from compare.benchmarks.scores import Score

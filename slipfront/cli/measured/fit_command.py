@@ -13,12 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from slipfront.cli.options import SCENE_OPTIONS, AsJson, Quiet, option_name, with_options
-from slipfront.cli.scenes.completion import scene_names
 from compare.comparison.documents import envelope, json_text
-from slipfront.fits.data import read_gauges
-from slipfront.fits.documents import dimension, fit_document, known_by_prior, misfit_sentence
-from slipfront.fits.posterior import Posterior, posterior
 from compare.output.files import write_text
 from compare.output.places import check_file
 from compare.output.progress import progress_bar
@@ -30,6 +25,11 @@ from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import BAYES, PLOT, require
 from semianalytic.scene.named import find_scene, override_scene
 from semianalytic.scene.units import unit
+from slipfront.cli.options import SCENE_OPTIONS, AsJson, Quiet, option_name, with_options
+from slipfront.cli.scenes.completion import scene_names
+from slipfront.fits.data import read_gauges
+from slipfront.fits.documents import dimension, fit_document, known_by_prior, misfit_sentence
+from slipfront.fits.posterior import Posterior, posterior
 
 PRIORS: Mapping[str, type] = {"normal": Normal, "lognormal": LogNormal, "uniform": Uniform}
 _PRIOR = re.compile(r"([^=]+)=\s*(\w+)\s*\(\s*([^,()]+?)\s*,\s*([^,()]+?)\s*\)\s*$")

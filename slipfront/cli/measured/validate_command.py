@@ -9,16 +9,6 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from slipfront.cli import terminal
-from slipfront.cli.options import (
-    SCENE_OPTIONS,
-    AsJson,
-    FiguresForm,
-    Output,
-    option_name,
-    with_options,
-)
-from slipfront.cli.scenes.completion import scene_names
 from compare.comparison.rows import DIFFERS
 from compare.output.leftovers import REPORT
 from compare.output.places import working_folder
@@ -30,6 +20,16 @@ from compare.validation.validation import Validation, validate
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
+from slipfront.cli import terminal
+from slipfront.cli.options import (
+    SCENE_OPTIONS,
+    AsJson,
+    FiguresForm,
+    Output,
+    option_name,
+    with_options,
+)
+from slipfront.cli.scenes.completion import scene_names
 
 FIGURE = "validation"
 _UNITS = "Units and conventions of the file (detected and said unless given)"

@@ -12,10 +12,6 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from slipfront.cli.options import AsJson
-from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
-from slipfront.cli.scenes.completion import one_of, scene_names
-from slipfront.cli.terminal import print_json
 from compare.comparison.documents import SCENE_DIMENSIONS, units_document
 from compare.output.files import write_text
 from compare.output.places import check_file
@@ -41,6 +37,10 @@ from semianalytic.scene.plugins import (
 from semianalytic.scene.scene import FRICTION_LAWS, HISTORY_KINDS, scene_document
 from semianalytic.scene.template import in_si_units, scene_text
 from semianalytic.scene.units import SI
+from slipfront.cli.options import AsJson
+from slipfront.cli.scenes.completion import FIGURES as OWN_FIGURES
+from slipfront.cli.scenes.completion import one_of, scene_names
+from slipfront.cli.terminal import print_json
 
 STDOUT = Path("-")
 

@@ -11,8 +11,8 @@ from compare.benchmarks.classes import CLASSES, tolerance_class, tolerances
 from compare.benchmarks.entries import Run, enter, read_run, told_apart, write_run
 from compare.benchmarks.scores import score
 from compare.benchmarks.sheets import SHEETS, STATIONS
-from docs.studies.league import ROOT, league_rows
 from compare.records.record import QUANTITIES, Record, Records
+from docs.studies.league import ROOT, league_rows
 from semianalytic import solve
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.named import override_scene

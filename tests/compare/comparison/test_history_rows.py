@@ -12,7 +12,6 @@ import pytest
 from compare_cases import sampled_run
 
 from compare import judge
-from slipfront.cli.commands import main
 from compare.comparison.case import worn_by
 from compare.comparison.history_rows import beside_edges, event_rows, sense_rows, slip_sense
 from compare.comparison.judgement import side_by_side
@@ -31,6 +30,7 @@ from semianalytic import (
 )
 from semianalytic.scene.named import NAMED_SCENES, find_scene
 from semianalytic.scene.scene import scene_document, scene_from_document
+from slipfront.cli.commands import main
 
 HISTORIES = ["ramp", "unload", "pulse", "harmonic"]
 

@@ -8,7 +8,6 @@ import pytest
 from compare_cases import sampled_run
 
 from compare import judge
-from slipfront.cli.commands import main
 from compare.comparison.documents import march_document, solution_document
 from compare.comparison.measures import norm, relative_error
 from compare.comparison.report import report_document
@@ -18,6 +17,7 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import scene_document, scene_from_document
 from semianalytic.scene.units import unit
+from slipfront.cli.commands import main
 
 STEEL = Scene(
     Material(80e9, 7800.0, 0.3), 0.3, Tractions(1e6, 0.0), Tractions(0.0, 1e6), units="SI"

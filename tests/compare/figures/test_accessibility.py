@@ -158,16 +158,20 @@ def test_figures_say_poisson_ratio_friction_and_units(name):
     assert [fact for fact, pattern in FACTS.items() if not re.search(pattern, words)] == []
 
 
+DRAWING = ("compare", "slipfront", "docs/studies", "docs/examples")
+
+
 def test_the_catalogue_has_every_figure_of_the_package():
-    root = Path(compare.__file__).parent
+    root = Path(compare.__file__).parents[1]
+    sources = [path for folder in DRAWING for path in (root / folder).rglob("*.py")]
     made = {
         f"{'.'.join(path.relative_to(root).with_suffix('').parts)}.{name}"
-        for path in root.rglob("*.py")
+        for path in sources
         for name in re.findall(r"^@styled\ndef (\w+)", path.read_text(), re.M)
     }
     assert len(made) > 30
     assert made <= {name.partition("/")[0] for name in CATALOGUE}
-    for path in root.rglob("*.py"):
+    for path in sources:
         makes = re.search(r"new_figure\(|= Figure\(", path.read_text())
         assert not makes or re.search(r"@styled|@look\(\)|def new_figure", path.read_text()), path
 

@@ -9,11 +9,11 @@ from matplotlib import rc_context, rcParams, rcParamsDefault
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from slipfront.cli.commands import main
 from compare.figures.interface import prediction_figure
 from compare.figures.saving import save_figure
 from compare.figures.style import BLUE, describe, new_figure, style_sheet, styled
 from semianalytic import find_scene, solve
+from slipfront.cli.commands import main
 
 SOLUTION = solve(find_scene("preloaded"), rtol=1e-6)
 LARGE = {"font.size": 17.0}

@@ -14,12 +14,12 @@ from fault_tasks import history, kill_me
 from faults import ROOT, identity_of, start
 
 import slipfront.cli.commands
-from slipfront.cli.commands import main
-from slipfront.cli.interruption import INTERRUPTION
 from compare.output.places import working_folder
 from compare.tasks.workers import run_tasks
 from semianalytic import InterfaceHistory, Marched
 from semianalytic.scene.errors import ComputationError
+from slipfront.cli.commands import main
+from slipfront.cli.interruption import INTERRUPTION
 
 PATIENCE = 120
 """Of a test for a process that should end at once [s]; longer is a failure."""

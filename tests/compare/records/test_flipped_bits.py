@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from faults import flip_bits, randomness
 
-from slipfront.cli.commands import main
 from compare.records.read import read_records
 from semianalytic.scene.errors import DataFileError
+from slipfront.cli.commands import main
 
 T, X = np.linspace(0.0, 1.0, 30), np.array([0.25, 0.5, 0.75])
 RATE = np.outer(T, X)

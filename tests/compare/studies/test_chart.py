@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slipfront.cli.commands import main
 from compare.comparison.measures import relative_error
 from compare.output.tables import write_rows
 from compare.studies.chart import study as chart
@@ -40,6 +39,7 @@ from fem.run import peak_memory
 from semianalytic import SlipZone
 from semianalytic.scene.errors import ComputationError, DataFileError, SceneError
 from semianalytic.scene.named import find_scene
+from slipfront.cli.commands import main
 
 MINI = {
     "self-similar": (1e-2, 1e-8),

@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from slipfront.cli.commands import main
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, shown_number
 from compare.studies.evidence import film as evidence_film
 from compare.studies.evidence import page as evidence_page
@@ -35,6 +34,7 @@ from compare.studies.evidence.study import (
 from semianalytic import Marched, Solution, solve
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import NAMED_SCENES
+from slipfront.cli.commands import main
 
 pytestmark = pytest.mark.slow
 

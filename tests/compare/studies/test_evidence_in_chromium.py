@@ -7,9 +7,9 @@ import time
 
 import pytest
 
-from slipfront.cli.commands import main
 from compare.studies.evidence.figures import FRAMES
 from semianalytic.scene.named import NAMED_SCENES
+from slipfront.cli.commands import main
 
 LARGEST_PAGE = 12e6
 """Bytes of a page that may be sent around."""

@@ -5,7 +5,8 @@ import csv
 import numpy as np
 import pytest
 
-from slipfront.cli.commands import main
+from compare.studies.stability.spacetime import stability_rows
+from compare.studies.wear import LOADS, most_wear, wear_after
 from docs.studies.accuracy import spacetime
 from docs.studies.accuracy.march_fields import field_errors
 from docs.studies.accuracy.spacetime import (
@@ -16,10 +17,9 @@ from docs.studies.accuracy.spacetime import (
     ramp_errors,
     resolution,
 )
-from compare.studies.stability.spacetime import stability_rows
-from compare.studies.wear import LOADS, most_wear, wear_after
 from semianalytic.reference import StaticZone
 from semianalytic.scene.named import NAMED_SCENES
+from slipfront.cli.commands import main
 
 
 def test_static_zone_closes_smoothly():

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from slipfront.cli.commands import main
 from compare.records.read import read_records
 from compare.validation import validate
 from semianalytic import find_scene
+from slipfront.cli.commands import main
 
 ENTRANTS = Path(__file__).parents[2] / "data" / "entrants"
 SHEETS = ("lift-off-shear", "preloaded", "remote-shock", "tap")

@@ -10,7 +10,6 @@ from catalogue import unit_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from slipfront.cli.terminal import end_table, zones_table
 from semianalytic import (
     Answer,
     Harmonic,
@@ -31,6 +30,7 @@ from semianalytic.results.answer import FIELDS, TOTALS, digits_apart
 from semianalytic.results.datasets import QUANTITIES
 from semianalytic.results.sampled import SampledAnswer, Totals, open_intervals, slip_intervals
 from semianalytic.scene.named import NAMED_SCENES
+from slipfront.cli.terminal import end_table, zones_table
 
 NODES = 400
 END = 1.0

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED, SHOCK, over, problems, unit_scene
 
-from slipfront.cli.commands import main
 from compare.comparison.documents import march_document
 from docs.studies.accuracy.march_error import (
     WEAKENING,
@@ -38,6 +37,7 @@ from semianalytic.scene.process_zone import process_zone
 from semianalytic.spacetime import march as march_module
 from semianalytic.spacetime.exponentials import InPlane
 from semianalytic.spacetime.tuning import ERROR_SAFETY, MEMORY_SAFETY, MOST_NODES, READING_SAFETY
+from slipfront.cli.commands import main
 
 WEAK = unit_scene(0.6, (1.0, 0.4), (0.0, 0.4), nu=0.25, friction_law=SlipWeakening(2 / 3, 0.05))
 

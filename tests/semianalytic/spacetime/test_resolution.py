@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from catalogue import UNIT
 
-from slipfront.cli.commands import main
 from compare.comparison.documents import march_document
 from semianalytic import (
     Harmonic,
@@ -29,6 +28,7 @@ from semianalytic.scene.named import find_scene
 from semianalytic.spacetime import grid_pressure as grid_pressure_module
 from semianalytic.spacetime.grid_pressure import GridPressure
 from semianalytic.spacetime.resolution import nodes_for_loads, zone_at_edge
+from slipfront.cli.commands import main
 
 
 def sheared(history, friction=0.1, **parts):

@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import slipfront.cli.solve_command
 import compare.comparison.prediction
-from slipfront.cli.commands import main
+import slipfront.cli.solve_command
 from compare.comparison.mesh_choice import two_digits
 from semianalytic import solve
 from semianalytic.scene.errors import ComputationError, MissingLibraryError
+from slipfront.cli.commands import main
 
 COARSE = ("--resolution", "40", "--frames", "2")
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from slipfront.cli.commands import main
 from compare.studies.chart.benchmark import TOLERANCES, measure, median_times
 from compare.studies.chart.costs import FILMS, OPENINGS, measure_costs
 from semianalytic.cut.load import contact_opens
+from slipfront.cli.commands import main
 
 
 def test_stability_wants_to_know_what(capsys):

@@ -6,10 +6,10 @@ import re
 import pytest
 
 import fem.budget
-from slipfront.cli.commands import main
 from compare.comparison.mesh_choice import choose_mesh
 from fem import load_simulation
 from semianalytic.scene.named import find_scene
+from slipfront.cli.commands import main
 
 COARSE = ("--resolution", "32", "--no-snapshots")
 GAP = ("preloaded", "--friction", "0.15", "--no-snapshots")

@@ -5,8 +5,6 @@ import re
 import packages
 import pytest
 
-from slipfront.cli.commands import main
-from slipfront.cli.scenes import completion
 from compare.figures.named import OWN_FIGURES
 from compare.figures.quantities import QUANTITIES, find_quantity
 from compare.studies.chart.study import SCENES as CHARTED
@@ -17,6 +15,8 @@ from semianalytic.prediction import chosen_method
 from semianalytic.scene.loading import LOADED
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.scene import MODES
+from slipfront.cli.commands import main
+from slipfront.cli.scenes import completion
 
 RUN = "from slipfront.cli.entry import main; raise SystemExit(main())"
 

@@ -8,7 +8,6 @@ import pytest
 from compare_cases import sampled_run
 
 from compare import judge
-from slipfront.cli.commands import main
 from compare.comparison.documents import json_text, solution_document
 from compare.comparison.judgement import side_by_side
 from compare.comparison.measures import is_nothing
@@ -20,6 +19,7 @@ from compare.figures.histories import comparison_figures
 from semianalytic import solve
 from semianalytic.scene.named import NAMED_SCENES, override_scene
 from semianalytic.scene.scene import scene_from_document
+from slipfront.cli.commands import main
 
 STEEL = {"shear_modulus": 80e9, "density": 7800.0}
 SI = {"base_pressure": 1e6, "load_shear": 1e6, **STEEL}
@@ -262,9 +262,9 @@ def random_document(rng):
 @pytest.mark.parametrize("seed", range(60))
 def test_random_extremes_end_in_a_report(seed, tmp_path, capsys):
     """Scenes that the solvers take; the others end in a sentence (test_fuzz.py)."""
-    from slipfront.cli.compare_command import write_comparison
     from fem import simulate
     from semianalytic.scene.errors import SceneError
+    from slipfront.cli.compare_command import write_comparison
 
     rng = np.random.default_rng(seed)
     while True:

@@ -5,9 +5,9 @@ import csv
 import numpy as np
 import pytest
 
-from slipfront.cli.commands import main
 from compare.figures import animation
 from semianalytic import find_scene, solve
+from slipfront.cli.commands import main
 
 
 def field(*words):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from catalogue import PRELOADED
 
-from slipfront.cli.commands import main
 from semianalytic import solve
+from slipfront.cli.commands import main
 
 NOISE = 0.02
 LINE = "--scene preloaded --friction 0.4 --parameters friction"

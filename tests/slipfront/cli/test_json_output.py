@@ -9,10 +9,8 @@ import pytest
 import typer
 
 import docs.studies.schema
-from slipfront.cli.commands import app, main
 from compare.comparison.documents import envelope, json_text
 from compare.output.places import working_folder
-from docs.studies.schema import DOCUMENTS, schema
 from compare.studies.article.claims import Claim, Verdict
 from compare.studies.article.study import Article
 from compare.studies.chart.study import read_points
@@ -28,8 +26,10 @@ from compare.studies.evidence.study import ClosedForm, Evidence
 from compare.studies.regimes.figures import RegimeResults
 from compare.studies.regimes.points import BoundaryPoint, MapPoint
 from compare.studies.wear import LOADS, POISSON_RATIOS, WearRow
+from docs.studies.schema import DOCUMENTS, schema
 from semianalytic import find_scene
 from semianalytic.scene.scene import scene_document
+from slipfront.cli.commands import app, main
 
 VALIDATOR = jsonschema.Draft202012Validator(schema())
 ROOT = Path(__file__).parents[3]

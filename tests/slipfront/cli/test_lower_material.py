@@ -2,11 +2,11 @@
 
 import pytest
 
-from slipfront.cli.commands import main
 from fem import load_simulation
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import find_blocks, find_scene, read_scene
 from semianalytic.scene.scene import Material
+from slipfront.cli.commands import main
 
 FILE = """friction = 0.3
 [material]

@@ -9,9 +9,9 @@ import packages
 import pytest
 
 import slipfront as sf
-from slipfront.cli.commands import main
 from semianalytic.scene import plugins
 from semianalytic.scene.scene import scene_document, scene_from_document
+from slipfront.cli.commands import main
 
 RATE_LAW = '''
 from dataclasses import dataclass

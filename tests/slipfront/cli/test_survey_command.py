@@ -6,9 +6,9 @@ import shlex
 import pytest
 import xarray
 
+from semianalytic.scene.errors import SceneError
 from slipfront.cli.commands import main
 from slipfront.cli.survey_command import typed_values
-from semianalytic.scene.errors import SceneError
 
 GRID = ["survey", "preloaded", "--friction", "0.2,0.9", "--poisson-ratio", "0.1:0.7:3", "--quiet"]
 

@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from slipfront.cli.commands import main
 from compare.records.record import QUANTITIES
 from semianalytic import solve
 from semianalytic.scene.named import find_scene
+from slipfront.cli.commands import main
 
 
 @pytest.fixture(scope="module")

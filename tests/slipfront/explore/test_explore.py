@@ -15,13 +15,6 @@ from bokeh.models import ColumnDataSource, Range1d
 from catalogue import unit_scene
 from matplotlib.path import Path
 
-from slipfront.cli.commands import main
-from slipfront.explore import controls, downloads, maps, views
-from slipfront.explore.jobs import marched_views
-from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, Session
-from slipfront.explore.pictures import SHADES, Board, SpaceTimePicture
-from slipfront.explore.serving import make_server
-from slipfront.explore.work import Worker
 from compare.figures.fronts import moving_parts
 from semianalytic import (
     Harmonic,
@@ -38,6 +31,13 @@ from semianalytic import (
 from semianalytic.regimes import regime
 from semianalytic.scene.named import NAMED_SCENES, find_scene
 from semianalytic.scene.units import unit
+from slipfront.cli.commands import main
+from slipfront.explore import controls, downloads, maps, views
+from slipfront.explore.jobs import marched_views
+from slipfront.explore.page import MOVING_NODES, MOVING_RTOL, Session
+from slipfront.explore.pictures import SHADES, Board, SpaceTimePicture
+from slipfront.explore.serving import make_server
+from slipfront.explore.work import Worker
 
 STEEL = Scene(
     Material(80e9, 7800.0, 0.29), 0.25, Tractions(5e6, 0.0), Tractions(0.0, 5e6), units="SI"

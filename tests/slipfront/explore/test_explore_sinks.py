@@ -18,13 +18,13 @@ from tornado.httpclient import AsyncHTTPClient, HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
 from compare.benchmarks.pages import Code, Heading, Picture, Table, Text, as_html
-from slipfront.explore import controls, page
-from slipfront.explore.serving import content_policy, make_server
 from compare.output.files import filled_template
 from compare.studies.evidence import html
 from compare.studies.evidence.page import _program_digest
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.named import NamedScene, find_scene
+from slipfront.explore import controls, page
+from slipfront.explore.serving import content_policy, make_server
 
 ROOT = Path(__file__).parents[3]
 ATTACK = (

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from slipfront.fits import read_gauges
 from semianalytic import DataFileError
+from slipfront.fits import read_gauges
 
 TABLE = """# strain gauges and one of slip rate on the interface
 t [us]; x [mm]; y [mm]; exx [ustrain]; sigma_xy [MPa]; slip_rate; slip_rate_noise; noise

@@ -7,9 +7,9 @@ import pytest
 from catalogue import PRELOADED
 
 from compare.figures.saving import figure_png
+from semianalytic import Gauge, LogNormal, SceneError, fit, solve
 from slipfront.fits import posterior
 from slipfront.fits.figures import fit_figure
-from semianalytic import Gauge, LogNormal, SceneError, fit, solve
 
 T = np.linspace(0.5, 2.0, 10)
 NOISE = 0.02

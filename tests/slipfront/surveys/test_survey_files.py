@@ -9,10 +9,10 @@ import xarray
 from faults import FULL, ROOT, flip_bits, full_disk, randomness, start
 
 import slipfront as sf
+from semianalytic.scene.errors import DataFileError
 from slipfront.cli.commands import main
 from slipfront.surveys import run, survey
 from slipfront.surveys.store import store_folder
-from semianalytic.scene.errors import DataFileError
 
 SCENE = sf.find_scene("preloaded")
 VALUES = {"friction": [0.1, 0.3, 0.9], "poisson_ratio": [0.2, 0.4], "base_pressure": [1.0, -1.0]}
