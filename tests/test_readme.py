@@ -14,6 +14,8 @@ from slipfront.cli.commands import app
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
+COMMANDS_PAGE = (ROOT / "docs" / "commands.md").read_text()
+LAYOUT = (ROOT / "docs" / "contributing.md").read_text()
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 COMMANDS = {command.name or command.callback.__name__ for command in app.registered_commands} | {
     group.name for group in app.registered_groups
@@ -33,8 +35,15 @@ def test_first_answer_of_the_readme():
     assert shown.getvalue().count("SlipZone") == 2
 
 
-def test_fringes_of_the_readme_are_ten_lines():
-    code = README.split("```python\n")[2].split("```")[0]
+def python_block(page, words):
+    """The example of a page of the documentation in which these words stand."""
+    text = (ROOT / "docs" / page).read_text()
+    (found,) = [one for one in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if words in one]
+    return found
+
+
+def test_fringes_are_ten_lines():
+    code = python_block("fields.md", "fringe_order(stress, thickness=")
     assert sum(bool(line.strip()) for line in code.splitlines()) <= 10
     shown, names = io.StringIO(), {}
     with contextlib.redirect_stdout(shown):
@@ -47,8 +56,8 @@ def test_fringes_of_the_readme_are_ten_lines():
     assert order[0] == pytest.approx(sheared, rel=1e-3)
 
 
-def test_fit_of_the_readme_is_ten_lines():
-    code = README.split("```python\n")[3].split("```")[0]
+def test_a_fit_is_ten_lines():
+    code = python_block("inversion.md", "sf.fit(")
     assert sum(bool(line.strip()) for line in code.splitlines()) <= 10
     shown, names = io.StringIO(), {}
     with contextlib.redirect_stdout(shown), contextlib.chdir(ROOT):
@@ -60,14 +69,14 @@ def test_fit_of_the_readme_is_ten_lines():
     assert fit.standard_errors[0] < 0.02
 
 
-def test_readme_names_every_command_and_extra():
-    assert set(re.findall(r"^\| `slipfront ([a-z]+)", README, re.MULTILINE)) == COMMANDS
-    extras = set(re.findall(r"^\| `'\.\[(\w+)\]'`", README, re.MULTILINE))
+def test_every_command_and_extra_has_its_line():
+    assert set(re.findall(r"^\| `slipfront ([a-z]+)", COMMANDS_PAGE, re.MULTILINE)) == COMMANDS
+    extras = set(re.findall(r"^\| `'\.\[(\w+)\]'`", COMMANDS_PAGE, re.MULTILINE))
     assert extras | {"test"} == set(PROJECT["optional-dependencies"])
 
 
-@pytest.mark.parametrize("line", re.findall(r"^    slipfront (.+)$", README, re.MULTILINE))
-def test_options_of_the_readme_exist(line, capsys):
+@pytest.mark.parametrize("line", re.findall(r"^    slipfront (.+)$", COMMANDS_PAGE, re.MULTILINE))
+def test_options_of_the_page_of_commands_exist(line, capsys):
     command, *rest = line.split()
     with pytest.raises(SystemExit):
         app([command, "--help"], prog_name="slipfront")
@@ -75,11 +84,11 @@ def test_options_of_the_readme_exist(line, capsys):
     assert [word for word in rest if word.startswith("--") and word not in shown] == []
 
 
-def test_every_folder_is_in_the_house():
-    house = README.split("## The house")[1].split("## Documentation")[0]
+def test_every_folder_is_in_the_code_layout():
+    layout = LAYOUT.split("## Code layout")[1].split("## Conventions")[0]
     folders = {path.parent.name for path in ROOT.glob("*/__init__.py")}
     folders |= {path.parent.name for path in (ROOT / "semianalytic").glob("*/__init__.py")}
-    assert [name for name in sorted(folders) if f"`{name}/`" not in house] == []
+    assert [name for name in sorted(folders) if f"`{name}/`" not in layout] == []
 
 
 def test_title_of_the_article_stands_where_it_is_cited_only():
@@ -102,6 +111,10 @@ def test_reference_holds_every_public_name():
         re.MULTILINE,
     )
     assert sorted(held) == sorted(set(PUBLIC) - {"__version__"})
+
+
+def test_readme_is_read_in_two_minutes():
+    assert len(README.split()) < 760  # a third of what it was
 
 
 def test_every_page_is_in_the_site():
