@@ -22,7 +22,7 @@ def written(node):
 
 def refusals():
     """Kind and message of all refusals of the four packages."""
-    for package in ("semianalytic", "fem", "meshes", "compare"):
+    for package in ("semianalytic", "fem", "meshes", "compare", "slipfront"):
         for path in sorted((ROOT / package).rglob("*.py")):
             for node in ast.walk(ast.parse(path.read_text())):
                 raised = node.exc if isinstance(node, ast.Raise) else None

@@ -11,11 +11,12 @@ from distributed import Client, LocalCluster
 from fault_tasks import kill_me
 
 import slipfront as sf
+from compare.tasks import cluster
 from compare.tasks.cluster import connected
 from compare.tasks.workers import run_tasks
 from semianalytic.scene.errors import ComputationError, SceneError
 from slipfront.cli.commands import main
-from slipfront.surveys import cluster, survey
+from slipfront.surveys import survey
 
 SCENE = sf.find_scene("preloaded")
 VALUES = {"friction": [0.1, 0.2, 0.3, 0.5, 0.7, 0.9], "poisson_ratio": [0.1, 0.2, 0.45]}

@@ -140,7 +140,7 @@ def test_the_page_holds_no_program_of_its_own(ask):
 
 
 def test_the_program_of_the_page_writes_text_only():
-    program = (ROOT / "compare" / "explore" / "page.js").read_text()
+    program = (ROOT / "slipfront" / "explore" / "page.js").read_text()
     for sink in (
         "innerHTML",
         "outerHTML",

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import compare
+from docs.studies import samples
 from slipfront.cli.commands import main
-from slipfront.fits import read_gauges, samples
+from slipfront.fits import read_gauges
 
 DATA = Path(compare.__file__).parents[1] / "docs" / "data"
 TRUTH = {"friction": 0.35, "load_shear": 4e6, "t0": 3e-6}
