@@ -11,7 +11,8 @@ import numpy as np
 from semianalytic.cut import tuning
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, per_set
-from semianalytic.cut.panels import Panels, Power, RunningIntegral, lay_panels
+from semianalytic.cut.panels import Panels, lay_panels
+from semianalytic.cut.running import Power, RunningIntegral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import StuckTraction, traction_of

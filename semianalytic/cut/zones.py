@@ -34,7 +34,8 @@ from numpy.typing import NDArray
 from semianalytic.cut.canonical import CanonicalFunction
 from semianalytic.cut.layout import Layout, Zone, lies_between, outline
 from semianalytic.cut.load import Load, normal_load, per_set
-from semianalytic.cut.panels import Panels, Power, RunningIntegral, lay_panels, split_power
+from semianalytic.cut.panels import Panels, lay_panels
+from semianalytic.cut.running import Power, RunningIntegral, split_power
 from semianalytic.cut.strength import PressurePart
 from semianalytic.halfplane.rayleigh import (
     Array,

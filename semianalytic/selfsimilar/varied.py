@@ -16,8 +16,9 @@ from functools import cached_property
 
 import numpy as np
 
-from semianalytic.cut.panels import Panels, RunningIntegral
+from semianalytic.cut.panels import Panels
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.running import RunningIntegral
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.selfsimilar.variation import NodeFields, Variation
