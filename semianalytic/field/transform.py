@@ -150,9 +150,8 @@ class Transform:
         distances, place = self._offsets(centre), centre.place
         power = tuning.FADING + len(self._borders)
         fading = self._weights * (1 + (distances + place) / (1j * scale)) ** -power
-        carried, least = fading * self._values, float(np.abs(offset).min())
-        sizes = (np.abs(carried) + np.abs(fading)) / (np.abs(distances) + least)
-        kept = sizes > tuning.NEGLIGIBLE * self.fields.panels.rule.tolerance * sizes.max()
+        carried = fading * self._values
+        kept = self._kept(np.abs(carried) + np.abs(fading), np.abs(distances), np.abs(offset))
         parts = (carried.real, carried.imag, fading.real, fading.imag)
         weights = np.stack([part[kept] for part in parts], axis=1)
         above, below = _cauchy(distances[kept], weights, offset.ravel())
@@ -160,6 +159,18 @@ class Transform:
         for border in self._borders:
             result /= offset + border.distance(centre)
         return result
+
+    def _kept(self, weights: Array, distances: Array, offsets: Array) -> np.ndarray:
+        """(m,) nodes that count at some of the offsets: next to a front on which T is infinite a
+        node may outweigh all of those that matter farther off."""
+        share = tuning.NEGLIGIBLE * self.fields.panels.rule.tolerance
+        nearest, farthest = np.log(offsets.min()), np.log(offsets.max())
+        count = int(np.ceil((farthest - nearest) / tuning.SIFTED)) + 1
+        kept = np.zeros(len(weights), dtype=bool)
+        for offset in np.exp(np.linspace(nearest, farthest, count)):
+            sizes = weights / (distances + offset)
+            kept |= sizes > share * sizes.max()
+        return kept
 
 
 def _cauchy(place: Array, weights: Array, at: Complex) -> tuple[Complex, Complex]:

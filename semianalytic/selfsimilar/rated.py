@@ -111,6 +111,41 @@ class RateStep:
 
 
 @dataclass(frozen=True)
+class SettledStrength:
+    """Strength linear about the slip rate of a profile that Newton's method has settled, on any
+    panels of its zones: there the last step changes nothing.
+
+    Attributes
+    ----------
+    step : RateStep
+    profile : Profile
+    """
+
+    step: RateStep
+    profile: Profile
+
+    def carried(self, frictional: Array, speed: Array) -> Array:
+        """See `LinearisedStrength`."""
+        return self.step.carried(frictional, speed)
+
+    def at(self, points: CutPoints, senses: Array, jacobian: Array) -> tuple[Array, Array]:
+        """See `LinearisedStrength`."""
+        inside = [self.profile.slip_rate_inside(i, points[i]) for i in range(len(points.v))]
+        rate = np.stack(inside)
+        step = replace(self.step, before=rate, density=np.zeros_like(rate), last=rate)
+        return step.at(points, senses, jacobian)
+
+
+def on_any_panels(profile: Profile) -> ZoneFields:
+    """The fields of a profile, such that they may be formed on other panels of the same zones."""
+    fields = profile.fields
+    step = fields.load.linearised
+    if not isinstance(step, RateStep):
+        return fields
+    return replace(fields, load=replace(fields.load, linearised=SettledStrength(step, profile)))
+
+
+@dataclass(frozen=True)
 class Rated:
     """Zones under strength that depends on slip rate, as Newton's method left them.
 
