@@ -21,19 +21,23 @@ class Power:
     """A density with the integral amount s^exponent beside an end of a panel, of any exponent above
     -1: s is the share of the panel up to there, 1 at its other end.
 
-    A negative exponent counts with its finite part, as if the integral were 0 where s is.
+    A negative exponent counts with its finite part, as if the integral were 0 where s is.  The
+    derivative of such a density with respect to a parameter on which its exponent depends has the
+    integral (amount + of_log ln s) s^exponent.
 
     Attributes
     ----------
     panel : int
     at_left : bool, whether the end is its left one
     exponent, amount : (..., 1) arrays
+    of_log : (..., 1) array, or 0 where there is no logarithm
     """
 
     panel: int
     at_left: bool
     exponent: Array
     amount: Array
+    of_log: Array | float = 0.0
 
     def share(self, panels: Panels) -> Array:
         """s at the nodes, (..., n)."""
@@ -47,18 +51,34 @@ class Power:
 
     def by_y(self, panels: Panels) -> Array:
         """The density at the nodes times dv/dy, (..., n); like v^-3 on an unbounded panel."""
-        share, exponent = self.share(panels), self.exponent
-        power = (self.amount if self.at_left else -self.amount) * exponent * share**exponent
+        share = self.share(panels)
+        per_share = self._slope(panels, share)
+        return np.asarray((per_share if self.at_left else -per_share) * share * (1 - share))
+
+    def _slope(self, panels: Panels, share: Array) -> Array:
+        """What its integral grows by per s."""
+        exponent, rest = self.exponent, 1.0
+        factor, by_exponent = exponent, np.ones_like(exponent)
         if panels.right[self.panel] is None:
-            power = power * (1 + exponent) * (1 - share)
-        return np.asarray(power * (1 - share))
+            rest = 1 - share
+            factor, by_exponent = exponent * (1 + exponent), 1 + 2 * exponent
+        slope = self.amount * factor * rest * share ** (exponent - 1)
+        if np.any(self.of_log):
+            of_log = by_exponent + factor * np.log(share)
+            slope = slope + self.of_log * of_log * rest * share ** (exponent - 1)
+        return np.asarray(slope)
 
     def _up_to(self, panels: Panels, share: Array) -> Array:
         """Its integral from the left end of the panel."""
-        power = np.where(share > 0, np.where(share > 0, share, 1.0) ** self.exponent, 0.0)
+        exponent, inside = self.exponent, np.where(share > 0, share, 1.0)
+        factor, by_exponent = np.ones_like(share), np.zeros_like(share)
         if panels.right[self.panel] is None:
-            power = power * (1 + self.exponent * (1 - share))
-        return np.asarray(self.amount * (power if self.at_left else power - 1))
+            factor, by_exponent = 1 + exponent * (1 - share), 1 - share
+        power = self.amount * factor
+        if np.any(self.of_log):
+            power = power + self.of_log * (by_exponent + factor * np.log(inside))
+        value = np.where(share > 0, power * inside**exponent, 0.0)
+        return np.asarray(value if self.at_left else value - self.amount)
 
     def at_nodes(self, panels: Panels) -> Array:
         """Its integrals from the left end of the panel to the nodes, (..., n)."""
@@ -70,6 +90,20 @@ class Power:
         distance = at.minus(left) if self.at_left or right is None else -at.minus(right)
         return self._up_to(panels, self._over_width(panels, np.maximum(distance, 0.0)))
 
+    def slope(self, panels: Panels, at: CutPoints) -> Array:
+        """The density itself at points (m,) inside (one set of zones); infinite at an end where its
+        exponent is below 1."""
+        left, right = panels.left[self.panel], panels.right[self.panel]
+        distance = at.minus(left) if self.at_left or right is None else -at.minus(right)
+        share = self._over_width(panels, np.maximum(distance, 0.0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            per_share = self._slope(panels, share)
+        if right is None:
+            per_v = np.square(1 - share) / panels.skew[self.panel]
+        else:
+            per_v = (1.0 if self.at_left else -1.0) / panels.widths[self.panel]
+        return np.asarray(per_share * per_v)
+
     def moment_by_y(self, panels: Panels) -> Array:
         """The density times v less the end, at the nodes, times dv/dy, (..., n)."""
         from_end = panels.from_left if self.at_left else -panels.from_right
@@ -77,7 +111,12 @@ class Power:
 
     def end(self, panels: Panels) -> Array:
         """Where the end is, (..., 1)."""
-        return np.asarray(panels.ends.v[self.panel + (not self.at_left)])
+        return np.asarray(panels.ends.v[self.end_index])
+
+    @property
+    def end_index(self) -> int:
+        """Which of the ends of all panels it is."""
+        return self.panel + (not self.at_left)
 
     @property
     def total(self) -> Array:
@@ -152,7 +191,8 @@ class RunningIntegral:
             result[power.panel] += power.at_nodes(panels)[..., len(panels.rule.y) // 2]
         return result
 
-    def _powers_on(self, panel: int) -> list[Power]:
+    def powers_on(self, panel: int) -> list[Power]:
+        """The powers beside ends of a panel."""
         return [power for power in self.powers if power.panel == panel]
 
     @cached_property
@@ -205,7 +245,7 @@ class RunningIntegral:
         if panels.right[panel] is None:
             density = self.tail * panels.from_left[panel] / np.square(v)
             moment = moment - density * panels.jacobian[panel]
-        for power in self._powers_on(panel):
+        for power in self.powers_on(panel):
             moment = moment + power.moment_by_y(panels)
         return moment
 
@@ -217,7 +257,7 @@ class RunningIntegral:
 
     def _of_powers(self, panel: int, at: CutPoints) -> Array | float:
         """Closed form of the powers' part of the integral of g."""
-        return sum(power.inside(self.panels, at) for power in self._powers_on(panel))
+        return sum(power.inside(self.panels, at) for power in self.powers_on(panel))
 
     def slope(self, panel: int, at: CutPoints) -> Array:
         """What the integral grows by per v inside a panel, g between its nodes (one set of zones).
@@ -233,6 +273,13 @@ class RunningIntegral:
         if right is None:
             pole = pole * np.square(self.c / v)
         return np.asarray(self.panels.rule.interpolate(y, self._regular[panel]) / per_y + pole)
+
+    def slope_of_powers(self, panel: int, at: CutPoints) -> Array:
+        """What its powers grow by per v at points (m,) inside a panel (one set of zones)."""
+        slope = np.zeros(at.v.shape)
+        for power in self.powers_on(panel):
+            slope += power.slope(self.panels, at)
+        return slope
 
     @cached_property
     def at_nodes(self) -> Array:
@@ -259,7 +306,7 @@ class RunningIntegral:
                 moment = moment + residue * self.c * (log - np.log(at.v / left.v))
         if not bounded:
             moment = moment + self.tail * (np.log(at.v / left.v) + left.v / at.v - 1)
-        for power in self._powers_on(panel):
+        for power in self.powers_on(panel):
             moment = moment + power.end(self.panels) * power.inside(self.panels, at)
         return plain + self._of_pole(panel, at) + self._of_powers(panel, at), moment
 

@@ -206,6 +206,9 @@ BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 
 VARIED_STEP = 3e-3
 """Of logits and logarithms between neighbours: truncation is some 1e-11, rounding as much."""
+MOST_NARROWINGS, FASTEST_NARROWING = 8, 1e-2
+"""Times such a step is made shorter where it changes the width of a panel by more than that share,
+and by how much at most each time: a strip of 1e-14 is reached."""
 VARIED_OPENING = 1e-12
 """Accuracy of the openings between which is differenced."""
 DIRECTION_RULE = 1e-6
