@@ -1,4 +1,4 @@
-"""Derivatives by what scaling alone says of them, without differences: where a film opens, above all.
+"""Derivatives by what scaling alone says of them: where a film opens, above all.
 
 Slip and shear of a scene double with all of its tractions, and stay as they are when friction is
 halved while pressures double.
