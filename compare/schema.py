@@ -98,7 +98,7 @@ SCENE, UNITS = {"$ref": "#/$defs/scene"}, {"$ref": "#/$defs/units"}
 _MATERIAL = _object(shear_modulus=NUMBER, density=NUMBER, poisson_ratio=NUMBER)
 _TRACTIONS = _object(pressure=NUMBER, shear=NUMBER)
 _KIND: Schema = {"type": "object", "properties": {"kind": TEXT}, "required": ["kind"]}
-_OPTIONAL = ("pressure_history", "shear_history", "friction_law", "mode", "units")
+_OPTIONAL = ("pressure_history", "shear_history", "friction_law", "mode", "load_on", "units")
 _DEFINITIONS: Schema = {
     "scene": _object(
         _OPTIONAL,
@@ -110,6 +110,7 @@ _DEFINITIONS: Schema = {
         shear_history=_KIND,
         friction_law=_KIND,
         mode=TEXT,
+        load_on=TEXT,
         units=TEXT,
     ),
     "units": _of({"anyOf": [TEXT, UNITS]}),

@@ -194,7 +194,7 @@ OPEN = 2
 
 class InterfaceWork(NamedTuple):
     """Work per unit thickness [stress length^2] taken by friction and by closing gaps, and done
-    by the base tractions on slip and opening."""
+    by the tractions in place on slip and opening."""
 
     friction: float
     impact: float
@@ -216,7 +216,7 @@ class Interface:
     Parameters
     ----------
     scene : Scene
-        Friction and base tractions.
+        Friction and tractions in place.
     length : (n,) array
         Tributary lengths of the pairs [length].
     sliding : Faces or None
@@ -227,7 +227,7 @@ class Interface:
     Attributes
     ----------
     pressure, shear : (n,) arrays
-        Total tractions of the last kick, base included [stress].
+        Total tractions of the last kick, those in place included [stress].
     strength : (n,) array
         Largest shear traction at the last kick, under the scene's law [stress]; 0 where open.
     path : (n,) array
@@ -247,8 +247,9 @@ class Interface:
     ) -> None:
         self.scene, self.length = scene, length
         self.sliding, self.pressing = sliding, pressing
-        self.pressure = np.full(len(length), float(scene.base.pressure))
-        self.shear = np.full(len(length), float(scene.base.shear))
+        self.held = scene.superposition.in_place
+        self.pressure = np.full(len(length), self.held.pressure)
+        self.shear = np.full(len(length), self.held.shear)
         self.strength = scene.friction * self.pressure
         self.path = np.zeros(len(length))
         self.offset = np.zeros(len(length))
@@ -303,29 +304,29 @@ class Interface:
             self._slide(self.sliding, part)
 
     def _press(self, faces: Faces, part: float) -> None:
-        base = self.scene.base.pressure
+        held = self.held.pressure
         self.offset = faces.offset()
         self.pressure = contact_pressure(
-            self.offset, faces.increment(), base, part * faces.compliance
+            self.offset, faces.increment(), held, part * faces.compliance
         )
-        faces.push(self.pressure - base, part)
+        faces.push(self.pressure - held, part)
         work = part * self.length * faces.mean_increment()
         self._impact -= float(work @ self.pressure)
-        self._external -= float(work.sum()) * base
+        self._external -= float(work.sum()) * held
 
     def _slide(self, faces: Faces, part: float) -> None:
-        base, law = self.scene.base.shear, self.scene.friction_law
+        held, law = self.held.shear, self.scene.friction_law
         increment, compliance = faces.increment(), part * faces.compliance
         self.path += np.abs(faces.past_increment())
         frictional = self.scene.friction * self.pressure
-        stopping = base + increment / compliance
+        stopping = held + increment / compliance
         self.strength = strength(law, frictional, self.path, stopping, faces.step / compliance)
         if self.pressing is not None:
             self.strength[self.pressure == 0] = 0.0  # open: nothing rubs, whatever the law
-        self.shear = coulomb_traction(increment, base, self.strength, compliance)
-        faces.push(base - self.shear, part)
+        self.shear = coulomb_traction(increment, held, self.strength, compliance)
+        faces.push(held - self.shear, part)
         slip = part * faces.mean_increment()
         rubbed = slip * self.shear
         self._rubbed += rubbed
         self._friction += float(self.length @ rubbed)
-        self._external += float(self.length @ slip) * base
+        self._external += float(self.length @ slip) * held

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
@@ -175,11 +175,11 @@ def prepare(
     return build(make_plan(scene, end_time, settings, options, full=full))
 
 
-def build(plan: Plan) -> Model:
-    """Mesh and model of a plan."""
+def build(plan: Plan, tell: Callable[[str], object] | None = None) -> Model:
+    """Mesh and model of a plan; `tell` gets a sentence if the mesh is built without gmsh."""
     seconds: dict[str, float] = {}
     with timed(seconds, "mesh"):
-        mesh = cached_mesh(plan.blocks).translated((plan.edge, 0.0))
+        mesh = cached_mesh(plan.blocks, tell).translated((plan.edge, 0.0))
         space = make_space(mesh, plan.family)
     with timed(seconds, "assembly"):
         model = build_model(plan, space)
@@ -319,7 +319,7 @@ class _Parts:
         """Unknowns on a slot face and the forces on them at f = 1: (Q_0, -P_0) on the upper
         block, Q_0 along x or z."""
         nodes, length = tributary_length(self.space, f"{block}_slot")
-        load = self.scene.load
+        load = self.scene.superposition.taken_off
         tractions = {Z if self.scene.antiplane else X: load.shear, Y: -load.pressure}
         sign = 1 if block == "upper" else -1
         force = sign * tractions.get(component, 0.0) * length

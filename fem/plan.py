@@ -31,7 +31,7 @@ from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
 from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Material, Scene
+from semianalytic.scene.scene import Material, Scene, checked_scene
 
 LEAST_RESOLUTION = 8
 STABLE_RATIO = 1.0
@@ -180,9 +180,10 @@ def choose_model(scene: Scene, model: str, lower_material: Material | None = Non
         return TWO_MATERIALS
     if model == "two-blocks":
         return TWO_BLOCKS
-    if scene.load.pressure == 0:
+    held, load = scene.superposition
+    if load.pressure == 0:
         return ANTIPLANE if scene.antiplane else ANTISYMMETRIC
-    if scene.load.shear == 0 == scene.base.shear:
+    if load.shear == 0 == held.shear:
         return SYMMETRIC
     return ANTIPLANE_LOCKSTEP if scene.antiplane else LOCKSTEP
 
@@ -223,9 +224,9 @@ class Plan:
         if self.name == TWO_MATERIALS and self.scene.far_slip_rate:
             raise SceneError(
                 "simulate: blocks of different materials cannot slide ahead of all waves; "
-                "raise friction or lower the base shear (docs/limits.md)."
+                "raise friction or lower the shear of the load (docs/limits.md)."
             )
-        if self.name == TWO_MATERIALS and self.scene.antiplane and self.scene.load.pressure:
+        if self.name == TWO_MATERIALS and self.scene.antiplane and self._pressed:
             raise SceneError(
                 "simulate: blocks of different materials slip along x as well where their "
                 "pressure changes; keep the pressure of antiplane shear constant "
@@ -259,7 +260,12 @@ class Plan:
             return tuple(OUT_OF_PLANE if one == Z else IN_PLANE for one in self.halves)
         if not self.scene.antiplane:
             return (IN_PLANE,)
-        return (OUT_OF_PLANE, IN_PLANE) if self.scene.load.pressure else (OUT_OF_PLANE,)
+        return (OUT_OF_PLANE, IN_PLANE) if self._pressed else (OUT_OF_PLANE,)
+
+    @property
+    def _pressed(self) -> bool:
+        """Whether pressure acts on the slot."""
+        return self.scene.superposition.taken_off.pressure != 0
 
     @property
     def fastest_speed(self) -> float:
@@ -279,7 +285,7 @@ class Plan:
         is not known: of Q2, and unstructured ones.
         """
         family, pattern = self.family, self.settings.mesh
-        if not self.scene.load.pressure or family.spacing > 1 or pattern == "triangles":
+        if not self._pressed or family.spacing > 1 or pattern == "triangles":
             return 0.0
         return self.size * edge_offset(self.materials.values(), family)
 
@@ -381,6 +387,7 @@ def make_plan(
     SceneError
         As `Settings` and `Plan`.
     """
+    checked_scene("simulate", scene)
     if settings is None:
         settings = Settings()
     if not isinstance(settings, Settings):

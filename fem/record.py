@@ -199,6 +199,5 @@ class Record:
 
 def displacement_scale(scene: Scene, end_time: float) -> float:
     """Displacement that the largest traction causes within a time [length]."""
-    tractions = (scene.load, scene.base)
-    largest = max(max(abs(one.pressure), abs(one.shear)) for one in tractions)
+    largest = max(max(abs(one.pressure), abs(one.shear)) for one in scene.superposition)
     return largest / scene.material.shear_modulus * scene.material.shear_speed * end_time

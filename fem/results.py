@@ -181,6 +181,8 @@ class Simulation(SampledAnswer):
         snapshots carry it too.
     unwritten : str
         What could not be written during the run, as a sentence; empty if nothing.
+    remark : str
+        That the mesh was laid without gmsh, as a sentence; empty otherwise.
     companion : Simulation or None
         The same run at twice the element size, which carries its own; see `with_companions`.
     """
@@ -211,6 +213,7 @@ class Simulation(SampledAnswer):
     peak_memory: int
     run: str
     unwritten: str
+    remark: str = ""
     companion: Simulation | None = None
 
     def __repr__(self) -> str:

@@ -87,7 +87,7 @@ def simulate(
         take too much memory, different materials slide ahead of all waves, or friction falls with
         slip rate faster than the interface can radiate.
     MissingLibraryError
-        If a mesh has to be built and gmsh cannot be loaded.
+        If a mesh has to be built that only gmsh can build, and gmsh cannot be loaded.
     DataFileError
         If the mesh cache cannot be used, the folder of snapshots or checkpoints cannot be written
         or has no room for them, or the checkpoint is damaged or of another run.  A disk that gets
@@ -145,7 +145,8 @@ def run_plan(
     SceneError, MissingLibraryError, DataFileError, ComputationError, KeyboardInterrupt
         As `simulate`.
     """
-    model = build(plan)
+    remarks: list[str] = []
+    model = build(plan, remarks.append)
     seconds = dict(model.seconds)
     with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
         record, identity = Record(model), run_identity(model)
@@ -167,11 +168,17 @@ def run_plan(
                     raise KeyboardInterrupt
                 if progress is not None and 0 < step <= model.steps:
                     progress(step, model.steps)
-    return _result(model, record, seconds, run, pictures.missing if pictures else "")
+    unwritten = pictures.missing if pictures else ""
+    return _result(model, record, seconds, run, unwritten, " ".join(remarks))
 
 
 def _result(
-    model: Model, record: Record, seconds: dict[str, float], run: str, unwritten: str
+    model: Model,
+    record: Record,
+    seconds: dict[str, float],
+    run: str,
+    unwritten: str,
+    remark: str,
 ) -> Simulation:
     plan, settings = model.plan, model.plan.settings
     return Simulation(
@@ -193,6 +200,7 @@ def _result(
         peak_memory=peak_memory(),
         run=run,
         unwritten=unwritten,
+        remark=remark,
         **record.results(),
     )
 

@@ -134,7 +134,7 @@ class Snapshots:
 
     def _stress(self, displacement: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         materials, scene = self.model.plan.materials, self.model.plan.scene
-        base, antiplane = scene.base, scene.antiplane
+        held, antiplane = scene.superposition.in_place, scene.antiplane
         (uxx, uxy), (uyx, uyy), (uzx, uzy) = self._gradient(displacement)
         lower = self._points[self._cells[0][1], 1].mean(axis=1) < 0
         mu, bulk = (
@@ -146,11 +146,11 @@ class Snapshots:
         )
         stress = {
             "sigma_xx": bulk * uxx + (bulk - 2 * mu) * uyy,
-            "sigma_yy": bulk * uyy + (bulk - 2 * mu) * uxx - base.pressure,
-            "sigma_xy": mu * (uxy + uyx) + (0.0 if antiplane else base.shear),
+            "sigma_yy": bulk * uyy + (bulk - 2 * mu) * uxx - held.pressure,
+            "sigma_xy": mu * (uxy + uyx) + (0.0 if antiplane else held.shear),
         }
         if antiplane:
-            stress |= {"sigma_xz": mu * uzx, "sigma_yz": mu * uzy + base.shear}
+            stress |= {"sigma_xz": mu * uzx, "sigma_yz": mu * uzy + held.shear}
         return stress
 
     def _gradient(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:

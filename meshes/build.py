@@ -1,4 +1,4 @@
-"""Building the blocks with gmsh's built-in geometry kernel."""
+"""Building the blocks with gmsh's built-in geometry kernel, or without gmsh where it is missing."""
 
 from __future__ import annotations
 
@@ -6,28 +6,29 @@ import errno
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from meshes.blocks import GROWTH, Blocks
+from meshes.laid import LEAST_SIDES, write_laid
 from semianalytic.results.files import Seal, new_file
 from semianalytic.scene.errors import MissingLibraryError
-from semianalytic.scene.extras import needing
 
-APT_PACKAGES = (
-    "libglu1-mesa libgl1 libxrender1 libxcursor1 libxfixes3 libxext6 libxft2 libfontconfig1 "
-    "libxinerama1 libx11-6 libgomp1"
-)
-"""Debian packages of the shared libraries that libgmsh is linked against."""
+APT_PACKAGES = files("meshes").joinpath("apt-packages.txt").read_text(encoding="ascii").strip()
+"""Debian packages of the shared libraries that libgmsh is linked against; CI installs them too."""
+
+Tell = Callable[[str], object]
+"""Gets a sentence."""
 
 LAST_LINE = b"$EndElements\n"
 """Of a mesh file that gmsh could write to its end."""
 
 
-def build_mesh(blocks: Blocks, path: str | Path) -> None:
+def build_mesh(blocks: Blocks, path: str | Path, tell: Tell | None = None) -> None:
     """Mesh the blocks and write them as binary MSH 4.1.
 
     The file appears under its name only when complete.
@@ -37,16 +38,18 @@ def build_mesh(blocks: Blocks, path: str | Path) -> None:
     blocks : Blocks
     path : path
         Where to write; the folder must exist.
+    tell : callable, optional
+        Called with a sentence if gmsh cannot be loaded and the mesh is laid without it.
 
     Raises
     ------
     MissingLibraryError
-        If gmsh cannot be loaded because a system library is missing.
+        If gmsh cannot be loaded and the mesh cannot be laid without it.
     DataFileError
         If the file cannot be written.
     """
     with new_mesh_file(blocks, path) as part:
-        write_mesh(blocks, part)
+        write_mesh(blocks, part, tell)
 
 
 def new_mesh_file(blocks: Blocks, path: str | Path) -> AbstractContextManager[Path]:
@@ -54,17 +57,69 @@ def new_mesh_file(blocks: Blocks, path: str | Path) -> AbstractContextManager[Pa
     return new_file(path, _size(blocks), Seal.MSH, suffix=".msh")
 
 
-def write_mesh(blocks: Blocks, part: Path) -> None:
-    """Mesh the blocks into a file that is there.
+def write_mesh(blocks: Blocks, part: Path, tell: Tell | None = None) -> None:
+    """Mesh the blocks into a file that is there; `tell` as in `build_mesh`.
 
     Raises
     ------
     MissingLibraryError
-        If gmsh cannot be loaded because a system library is missing.
+        As `build_mesh`.
     OSError
         If the file cannot be written.
     """
-    with _gmsh_model() as gmsh:
+    try:
+        gmsh = _loaded_gmsh()
+    except (ImportError, OSError) as error:
+        if not _can_be_laid(blocks):
+            raise MissingLibraryError(_refusal(blocks, error)) from error
+        write_laid(blocks, part)
+        if tell is not None:
+            tell(
+                f"gmsh cannot be loaded ({error}), so the {_pattern(blocks)} is laid without it, "
+                "node for node the same."
+            )
+    else:
+        _write_with(gmsh, blocks, part)
+    # gmsh goes on without a word when the disk is full
+    with part.open("rb") as stream:
+        stream.seek(-min(len(LAST_LINE), stream.seek(0, os.SEEK_END)), os.SEEK_END)
+        if stream.read() != LAST_LINE:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def _loaded_gmsh() -> Any:
+    """The module, which loads libgmsh and all that it is linked against."""
+    import gmsh
+
+    return gmsh
+
+
+def _can_be_laid(blocks: Blocks) -> bool:
+    """Whether `meshes.laid` can lay the blocks."""
+    shortest = min(blocks.left, blocks.right, blocks.height)
+    return blocks.pattern != "triangles" and shortest >= LEAST_SIDES
+
+
+def _pattern(blocks: Blocks) -> str:
+    """The mesh in words."""
+    return "graded mesh" if blocks.pattern == "graded" else f"mesh of {blocks.pattern}"
+
+
+def _refusal(blocks: Blocks, error: Exception) -> str:
+    """Why blocks cannot be meshed without gmsh, and what to do about it."""
+    triangles = blocks.pattern == "triangles"
+    what = _pattern(blocks) + ("" if triangles else " with a side of a single element")
+    other = "choose squares or a graded mesh" if triangles else "make every side longer"
+    if isinstance(error, ImportError):
+        remedy = "run `pip install '.[fem]'` in the folder of slipfront"
+    else:
+        remedy = f"install its libraries with `apt install {APT_PACKAGES}`"
+    return f"a {what} needs gmsh, which cannot be loaded ({error}); {remedy}, or {other}."
+
+
+def _write_with(gmsh: Any, blocks: Blocks, part: Path) -> None:
+    """Have gmsh mesh the blocks into a file that is there."""
+    with _empty_model(gmsh):
         for block in blocks.names:
             _add_block(gmsh, blocks, block)
         gmsh.option.setNumber("Mesh.Algorithm", 6)  # frontal Delaunay, for triangles
@@ -73,11 +128,6 @@ def write_mesh(blocks: Blocks, part: Path) -> None:
         gmsh.option.setNumber("Mesh.Binary", 1)
         part.stat()  # a folder that has gone meanwhile is found out here
         gmsh.write(str(part))
-    # gmsh goes on without a word when the disk is full
-    with part.open("rb") as stream:
-        stream.seek(-min(len(LAST_LINE), stream.seek(0, os.SEEK_END)), os.SEEK_END)
-        if stream.read() != LAST_LINE:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def _size(blocks: Blocks) -> int:
@@ -134,17 +184,8 @@ def _signals_kept() -> Iterator[None]:
 
 
 @contextmanager
-def _gmsh_model() -> Iterator[Any]:
+def _empty_model(gmsh: Any) -> Iterator[None]:
     """An empty gmsh model; gmsh is silent and leaves Ctrl-C and its configuration alone."""
-    try:
-        with needing("the mesh of a finite-element model"):
-            import gmsh
-    except OSError as error:
-        raise MissingLibraryError(
-            f"gmsh cannot be loaded ({error}); install its libraries with "
-            f"`apt install {APT_PACKAGES}`."
-        ) from error
-
     ours = not gmsh.isInitialized()
     if ours:
         with _signals_kept():
@@ -152,7 +193,7 @@ def _gmsh_model() -> Iterator[Any]:
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.model.add("slipfront")
     try:
-        yield gmsh
+        yield
     finally:
         gmsh.model.remove()
         if ours:

@@ -12,7 +12,7 @@ from platformdirs import user_cache_dir
 from skfem import MeshQuad, MeshTri
 
 from meshes.blocks import Blocks
-from meshes.build import new_mesh_file, write_mesh
+from meshes.build import Tell, new_mesh_file, write_mesh
 from meshes.read import read_mesh
 from semianalytic.results.files import check_seal
 from semianalytic.scene.errors import DataFileError
@@ -31,7 +31,7 @@ def cache_path(blocks: Blocks) -> Path:
     return cache_directory() / f"blocks-{hashlib.sha256(key.encode()).hexdigest()[:20]}.msh"
 
 
-def cached_mesh(blocks: Blocks) -> MeshQuad | MeshTri:
+def cached_mesh(blocks: Blocks, tell: Tell | None = None) -> MeshQuad | MeshTri:
     """Mesh of the blocks, from the cache if it is there, else built and kept.
 
     A cached file that turns out damaged is built again: nothing but time is lost.
@@ -39,6 +39,8 @@ def cached_mesh(blocks: Blocks) -> MeshQuad | MeshTri:
     Parameters
     ----------
     blocks : Blocks
+    tell : callable, optional
+        Called with a sentence if a mesh is built without gmsh; see `build_mesh`.
 
     Returns
     -------
@@ -48,19 +50,19 @@ def cached_mesh(blocks: Blocks) -> MeshQuad | MeshTri:
     Raises
     ------
     MissingLibraryError
-        If a mesh has to be built and gmsh cannot be loaded.
+        If a mesh has to be built that only gmsh can build, and gmsh cannot be loaded.
     DataFileError
         If the cache folder cannot be written, or a mesh just built cannot be read.
     """
     path = cache_path(blocks)
-    if path.is_file():
-        # what is damaged is replaced
-        with suppress(DataFileError, OSError, ValueError):
+    # what is damaged is replaced, and what cannot be looked at is not there
+    with suppress(DataFileError, OSError, ValueError):
+        if path.is_file():
             check_seal(path)
             return read_mesh(path, blocks)
     try:
         with new_mesh_file(blocks, path) as part:
-            write_mesh(blocks, part)
+            write_mesh(blocks, part, tell)
             mesh = read_mesh(part, blocks)
     except DataFileError as error:
         raise DataFileError(

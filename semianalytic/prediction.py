@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Scene
+from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 from semianalytic.spacetime.march import march
@@ -26,6 +26,7 @@ def chosen_method(scene: Scene, method: str = "auto") -> str:
     SceneError
         If the method is unknown, or the self-similar one is asked for a scene that is not.
     """
+    checked_scene("predict", scene)
     if method not in METHODS:
         raise SceneError(f"method must be one of {', '.join(METHODS)}, got {shown(method)}.")
     if method == "auto":

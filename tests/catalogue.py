@@ -75,11 +75,11 @@ def unit_scene(
     return Scene(Material(1.0, 1.0, nu), friction, Tractions(*base), Tractions(*load), **parts)
 
 
-REMOTE = (1.0, 1.0), (1.0, 1.0)
-"""Base and load of a sudden remote load."""
+REMOTE: dict[str, Any] = {"base": (0.0, 0.0), "load": (1.0, 1.0), "load_on": "remote"}
+"""A sudden remote load, on nothing before."""
 
 PRELOADED = unit_scene()
-SHOCK = unit_scene(1.25, *REMOTE)
+SHOCK = unit_scene(1.25, **REMOTE)
 """The two scenes of the article's kind: a shear step under pressure, a sudden remote load."""
 
 
@@ -97,16 +97,22 @@ def _other(name: str, tags: str, scene: Scene) -> Problem:
 _STEEL_SCENE = Scene(STEEL, 0.3, Tractions(5e6, 0.0), Tractions(0.0, 5e6))
 
 PROBLEMS = (
-    _exact("stuck under a shock", "", "stuck remote witness", unit_scene(2.0, *REMOTE)),
+    _exact("stuck under a shock", "", "stuck remote witness", unit_scene(2.0, **REMOTE)),
     _exact("pressed further", "", "stuck witness", unit_scene(load=(1.0, 0.0))),
     _exact("one zone", "+", "witness", unit_scene(1.2)),
     _exact("one zone, strong", "+", "", unit_scene(2.5)),
     _exact("two zones", "++", "witness", PRELOADED),
     _exact("backward", "--", "", unit_scene(load=(0.0, -1.0))),
     _exact("two zones under a shock", "++", "remote witness", SHOCK),
-    _exact("slip everywhere", "+", "remote slides witness", unit_scene(0.5, *REMOTE)),
+    _exact("slip everywhere", "+", "remote slides witness", unit_scene(0.5, **REMOTE)),
+    _exact(
+        "a shock on a base",
+        "++",
+        "remote thin",
+        unit_scene(0.6, (1.0, -0.5), (1.0, 1.6), load_on="remote"),
+    ),
     _exact("narrow gap around c_R", "++", "thin", unit_scene(0.1)),
-    _exact("gap of 1e-6 around c_R", "++", "thin remote", unit_scene(1.1, *REMOTE, nu=0.2)),
+    _exact("gap of 1e-6 around c_R", "++", "thin remote", unit_scene(1.1, **REMOTE, nu=0.2)),
     _exact("gap of 1e-9 around c_R", "++", "thin", unit_scene(0.3, (0.25, 0.075), (1.2, 1.3))),
     _exact("auxetic", "+-+", "reverse thin", NAMED_SCENES["auxetic"].scene),
     _exact("auxetic, more friction", "++", "", unit_scene(0.05, nu=-0.5)),
@@ -121,7 +127,7 @@ PROBLEMS = (
         "viscous slip everywhere",
         "+",
         "remote slides",
-        unit_scene(0.5, *REMOTE, friction_law=ViscousFriction(0.25)),
+        unit_scene(0.5, **REMOTE, friction_law=ViscousFriction(0.25)),
     ),
     _exact(
         "viscous, both senses",
@@ -139,12 +145,12 @@ PROBLEMS = (
     _exact(
         "antiplane backward", "-", "", unit_scene(1.5, (1.0, 0.3), (0.0, -2.0), mode="antiplane")
     ),
-    _exact("antiplane shock", "+", "remote witness", unit_scene(1.0, *REMOTE, mode="antiplane")),
+    _exact("antiplane shock", "+", "remote witness", unit_scene(1.0, **REMOTE, mode="antiplane")),
     _exact(
         "antiplane slip everywhere",
         "+",
         "remote slides",
-        unit_scene(0.5, *REMOTE, mode="antiplane"),
+        unit_scene(0.5, **REMOTE, mode="antiplane"),
     ),
     _exact(
         "antiplane, viscous",

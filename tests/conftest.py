@@ -2,10 +2,13 @@
 
 import os
 from collections import Counter
+from functools import cache
+from importlib import import_module
 
 import pytest
 
 from compare.explore.chromium import CHROMIUM, Browser
+from meshes.build import APT_PACKAGES
 
 if "PYTEST_XDIST_WORKER" in os.environ:  # as many processes as cores: one thread each
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -35,6 +38,22 @@ def browser(tmp_path_factory):
     browser = Browser(tmp_path_factory.mktemp("profile"))
     yield browser
     browser.close()
+
+
+@cache
+def what_gmsh_lacks():
+    """Why gmsh cannot be loaded here; empty if it can."""
+    try:
+        import_module("gmsh")
+    except (ImportError, OSError) as error:
+        return str(error)
+    return ""
+
+
+def pytest_runtest_setup(item):
+    """Tests marked `gmsh` call for what nothing else can do: triangles, and meshes of its own."""
+    if item.get_closest_marker("gmsh") and what_gmsh_lacks():
+        pytest.skip(f"no gmsh ({what_gmsh_lacks()}): apt install {APT_PACKAGES}")
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -16,7 +16,7 @@ def history():
 
 
 def say_and_sleep(seconds):
-    print(os.getpid(), flush=True)
+    print(f"{os.getpid()}\n", end="", flush=True)  # in one piece, beside another process
     time.sleep(seconds)
 
 

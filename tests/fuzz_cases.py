@@ -48,6 +48,7 @@ LAWS = [
     'kind = "slip-weakening"\nreduction = 2\ndistance = 1',
     'kind = "aging"',
 ]
+PLACES = ['"remote"', '"remote"', '"slot"', '"far"', "1", '["remote"]']
 STRANGE = [
     '"x"',
     "'0.3'",
@@ -171,6 +172,9 @@ REFUSED = [
     ["solve", "ramp", "--nodes", "16", "--quiet", "--save", "taken/march.h5"],
     ["field", "preloaded", "--quiet", "--output", "taken"],
     ["field", "preloaded", "--points", "1000000000"],
+    ["survey", "preloaded", "--friction", "0.1:0.9:10000000000"],
+    ["survey", "preloaded", "--friction", "0.1,0.2", "--x", "0.1:1:40000", "--t", "0.1:1:40000"],
+    ["survey", "preloaded", "--friction", "0:1:900000", "--poisson-ratio", "0:0.4:900000"],
 ]
 """Beyond any machine, or nowhere to write, a file `taken` being there: to be refused at once."""
 
@@ -275,6 +279,8 @@ def random_file(rng: random.Random) -> bytes:
     ):
         if rng.random() < 0.2:
             lines += [f"[{name}]", *rng.choice(parts).split("\n")]
+    if rng.random() < 0.2:
+        lines.insert(0, f"load_on = {rng.choice(PLACES)}")
     for _ in range(rng.choice([0, 0, 0, 0, 1, 1, 2, 3])):
         _break(lines, rng)
     text = ("\ufeff" if rng.random() < 0.02 else "") + "\n".join(lines)

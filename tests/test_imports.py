@@ -114,6 +114,28 @@ def test_folders_say_what_they_are_for_and_stay_small(package):
         assert len(list(face.parent.glob("*.py"))) <= 17, face.parent
 
 
+SHOWN = {"scene.py", "sampled.py", "style.py"}
+"""Where the base is checked, shown, or what there is before t = 0."""
+
+
+def of_the_base(node):
+    """Whether it asks for a traction of something that is called base."""
+    inner = getattr(node, "value", None)
+    traction = isinstance(node, ast.Attribute) and node.attr in ("pressure", "shear")
+    return traction and isinstance(inner, ast.Attribute) and inner.attr == "base"
+
+
+def test_what_is_in_place_after_the_load_is_asked_of_the_superposition():
+    """The base of a scene is what was there before; the contact carries a remote load as well."""
+    asked = {
+        path.name
+        for package in ("semianalytic", "fem", "compare")
+        for path in sources(package)
+        if any(map(of_the_base, ast.walk(ast.parse(path.read_text()))))
+    }
+    assert asked == SHOWN
+
+
 def test_files_hold_no_numerics():
     path = ROOT / "semianalytic" / "results" / "files.py"
     allowed = {"h5py", "semianalytic.scene.errors", "semianalytic.scene.extras"}

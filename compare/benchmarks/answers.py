@@ -68,7 +68,8 @@ def answer_to(sheet: Sheet, nodes: int = SCORING_NODES) -> Solution | Marched:
 def arrival_level(sheet: Sheet) -> float:
     """Slip rate above which, or pressure below which, a station counts as reached."""
     scene = sheet.scene
-    unit = scene.base.pressure if sheet.arrival == OPENING else stress_scale(scene)
+    held = scene.superposition.in_place.pressure
+    unit = held if sheet.arrival == OPENING else stress_scale(scene)
     return THRESHOLD * unit
 
 

@@ -13,6 +13,7 @@ from compare.benchmarks.sheets import OPENING, SI_SCALES, STATIONS, Sheet
 from compare.output.files import filled_template
 from compare.output.tables import markdown_table
 from semianalytic import Pulse, Scene, ViscousFriction
+from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
 FIGURE, RECORDS, ANSWERS = "figure.png", "records.csv", "answers.json"
@@ -102,11 +103,10 @@ def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
 def _problem(scene: Scene) -> str:
     """The statement in words."""
     along = "along z, the edge" if scene.antiplane else "along x"
-    remote = scene.base == scene.load
     start = (
         "At t = 0 a uniform pressure P_0 and shear Q_0 come from afar, everywhere on y = 0 at "
         "once; the faces of the slot stay free"
-        if remote
+        if scene.load_on == REMOTE
         else "Everything is at rest under the base tractions P_b, Q_b; from t = 0 on the faces of "
         "the slot, x < 0, receive the change of tractions (-P_0, -Q_0)"
     )

@@ -49,13 +49,13 @@ def _shear_until(scene: Scene) -> float:
 
 def _is_pressed(scene: Scene) -> bool:
     """Whether the load changes the pressure, so that both bodies have to be there."""
-    return scene.load.pressure != 0
+    return scene.superposition.taken_off.pressure != 0
 
 
 def uguca_parameters(sheet: Sheet) -> str:
     """The parameters that ``uguca_sheet.cc`` reads."""
     scene, law = sheet.scene, sheet.scene.friction_law
-    axis, pressed = 2 if scene.antiplane else 0, _is_pressed(scene)
+    axis, pressed, (held, load) = 2 * scene.antiplane, _is_pressed(scene), scene.superposition
     fields = [f"cohesion_{axis}", "cohesion_1", f"top_disp_{axis}", f"top_velo_{axis}"]
     if pressed:
         fields += ["bot_disp_0", "bot_velo_0"]
@@ -71,10 +71,10 @@ def uguca_parameters(sheet: Sheet) -> str:
         ("double", "poisson_ratio", repr(scene.material.poisson_ratio)),
         ("double", "friction", scene.friction),
         ("double", "viscosity", law.viscosity if isinstance(law, ViscousFriction) else 0.0),
-        ("double", "contact_pressure", scene.base.pressure),
-        ("double", "contact_shear", scene.base.shear),
-        ("double", "slot_pressure", scene.load.pressure),
-        ("double", "slot_shear", scene.load.shear),
+        ("double", "contact_pressure", held.pressure),
+        ("double", "contact_shear", held.shear),
+        ("double", "slot_pressure", load.pressure),
+        ("double", "slot_shear", load.shear),
         ("double", "shear_until", _shear_until(scene)),
         ("string", "dump_fields", ",".join(fields)),
     )
@@ -92,13 +92,10 @@ def sem2dpack_files(sheet: Sheet) -> dict[str, str]:
         return {}
     elements = CELLS // (NGLL - 1)
     pressed, steps = _is_pressed(scene), _steps(scene, elements)
-    loads = {"up.x": scene.load.shear}
+    load = scene.superposition.taken_off
+    loads = {"up.x": load.shear}
     if pressed:
-        loads |= {
-            "up.y": -scene.load.pressure,
-            "low.x": -scene.load.shear,
-            "low.y": scene.load.pressure,
-        }
+        loads |= {"up.y": -load.pressure, "low.x": -load.shear, "low.y": load.pressure}
     files = {
         name: _load_table(value, _shear_until(scene) if name.endswith("x") else 2.0, SCALE / steps)
         for name, value in loads.items()
@@ -164,22 +161,22 @@ def _material(scene: Scene) -> list[str]:
 
 
 def _friction(scene: Scene, shear: float) -> list[str]:
-    """The contact under its base: friction that slip does not weaken."""
+    """The contact under what is in place: friction that slip does not weaken."""
     return [
-        f"&BC_DYNFLT friction='SWF', Tn={-scene.base.pressure:g}, Tt={shear:g}, "
+        f"&BC_DYNFLT friction='SWF', Tn={-scene.superposition.in_place.pressure:g}, Tt={shear:g}, "
         f"otd={SCALE / 200:g} /",
         f"&BC_DYNFLT_SWF Dc=1d0, MuS={scene.friction:.10g}, MuD={scene.friction:.10g} /",
     ]
 
 
 def _sheared_bounds(scene: Scene) -> list[str]:
-    base = -scene.base.shear if scene.antiplane else scene.base.shear
+    held = scene.superposition.in_place.shear
     return [
         "&BC_DEF tag=5, kind='DIRNEU' /",
         "&BC_DIRNEU h='N', v='N', hstf='TAB' /",
         "&STF_TAB file='up.x' /",
         "&BC_DEF tag=1, kind='DYNFLT' /",
-        *_friction(scene, base),
+        *_friction(scene, -held if scene.antiplane else held),
     ]
 
 
@@ -193,7 +190,8 @@ def _pressed_bounds(scene: Scene) -> list[str]:
             f"&STF_TAB file='{side}.y' /",
         ]
     tags = f"{CONTACT['low']},{CONTACT['up']}"
-    return [*lines, f"&BC_DEF tags={tags}, kind='DYNFLT' /", *_friction(scene, scene.base.shear)]
+    held = scene.superposition.in_place.shear
+    return [*lines, f"&BC_DEF tags={tags}, kind='DYNFLT' /", *_friction(scene, held)]
 
 
 def _steps(scene: Scene, elements: int) -> int:

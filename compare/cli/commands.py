@@ -10,24 +10,44 @@ from io import TextIOWrapper
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from compare.cli import study_commands as studies
 from compare.cli.compare_command import compare_command
 from compare.cli.explore_command import explore_command
+from compare.cli.faults import READER_GONE, crashed, printable
 from compare.cli.field_command import field_command
 from compare.cli.interruption import INTERRUPTED, INTERRUPTION
 from compare.cli.measured.benchmark_command import app as benchmark_app
 from compare.cli.measured.fit_command import fit_command
 from compare.cli.measured.validate_command import validate_command
-from compare.cli.refusals import in_options, printable
+from compare.cli.refusals import in_options
 from compare.cli.scenes.commands import init, scenes
 from compare.cli.simulate_command import simulate_command
 from compare.cli.solve_command import solve_command
 from compare.cli.survey_command import survey_command
-from semianalytic.scene.errors import DataFileError, SlipfrontError
+from semianalytic.scene.errors import ComputationError, DataFileError, SlipfrontError
 from semianalytic.scene.extras import needing
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a larger machine."
+
+
+class _Commands(TyperGroup):
+    """Commands that end with 1 only where answers differ, which typer does not care for."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; a file that ends too early, and a library that ends, are faults."""
+        try:
+            return super().invoke(ctx)
+        except EOFError as error:
+            raise RuntimeError("a file ends before it should") from error
+        except SystemExit as end:
+            if isinstance(end.__context__, BrokenPipeError):  # `main` knows
+                raise
+            raise RuntimeError(f"a library ended the program with {end.code!r}") from end
+
+
+app = typer.Typer(cls=_Commands, no_args_is_help=True, pretty_exceptions_enable=False)
 
 
 def _show_version(asked: bool) -> None:
@@ -88,8 +108,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         0 if all went well, 1 if two answers differ by more than their error bars allow, 2 for a
         usage or scene error, 3 for a damaged file, 4 for a failed computation, 5 for a missing
-        or broken package, 130 when interrupted (the program itself returns 143 if that was by
-        SIGTERM).
+        or broken package, 70 for a fault of the program, 130 when interrupted (the program itself
+        returns 143 if that was by SIGTERM), 141 if whoever reads the output has gone.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     _make_streams_lenient()
@@ -104,10 +124,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         reason = f"Cannot use {error.filename or 'a file'}: {error.strerror or error}."
         print(printable(reason), file=sys.stderr)
         return DataFileError.exit_code
+    except MemoryError:
+        print(NO_MEMORY, file=sys.stderr)
+        return ComputationError.exit_code
     except SystemExit as end:
+        if isinstance(end.__context__, BrokenPipeError):
+            return READER_GONE
         if end.code == INTERRUPTED:
             print(INTERRUPTION, file=sys.stderr)
         return int(end.code or 0)
+    except Exception as error:
+        return crashed(error, arguments)
     return 0
 
 

@@ -31,7 +31,12 @@ from compare.cli.solve_command import check_converged
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
-from compare.comparison.prediction import check_predictable, predict_before, predict_like
+from compare.comparison.prediction import (
+    check_marched,
+    check_predictable,
+    predict_before,
+    predict_like,
+)
 from compare.comparison.report import report_document, write_report
 from compare.comparison.rows import DIFFERS
 from compare.comparison.snapshots import last_snapshot
@@ -106,6 +111,7 @@ def compare_command(
         if from_ is None:
             prediction = predict_before(scene, method)
             choice = _mesh(prediction, scene, seconds, settings, snapshots=snapshots)
+            check_marched(scene, method, choice.resolution, settings.get("end_time"))
             simulation = simulate_into(
                 directory,
                 scene,

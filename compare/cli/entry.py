@@ -11,7 +11,11 @@ import signal
 import sys
 from types import FrameType
 
+from compare.cli.faults import READER_GONE, crashed, printable
 from compare.cli.interruption import INTERRUPTED, INTERRUPTION, TERMINATED
+
+BROKEN_FILE, BROKEN_PACKAGE = 3, 5
+"""As those of `DataFileError` and `PluginError`, which may not be there to be imported."""
 
 
 def main() -> int:
@@ -20,7 +24,7 @@ def main() -> int:
     Returns
     -------
     int
-        143 if it was ended by SIGTERM.
+        143 if it was ended by SIGTERM, 5 if a package that it imports is missing or broken.
     """
     terminated = False
 
@@ -45,14 +49,35 @@ def main() -> int:
         signal.signal(signal.SIGTERM, terminate)
         if heeded:
             signal.signal(signal.SIGINT, signal.default_int_handler)
-        code = cli.main()
+        code = _flushed(cli.main())
     except KeyboardInterrupt:
         print(INTERRUPTION, file=sys.stderr)
         code = INTERRUPTED
+    except ImportError as error:
+        reason = f"slipfront cannot start ({error}); install it anew with all it needs."
+        print(printable(reason), file=sys.stderr)
+        code = BROKEN_PACKAGE
+    except Exception as error:
+        code = crashed(error, sys.argv[1:])
     # all is done; what is left is to end
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     return TERMINATED if terminated and code == INTERRUPTED else code
+
+
+def _flushed(code: int) -> int:
+    """The exit code once all output has been handed over: Python itself would end with 120."""
+    if sys.stdout is None:  # closed before the program began
+        return code
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            return code or READER_GONE
+        print(f"Cannot write the output: {error.strerror or error}.", file=sys.stderr)
+        return code or BROKEN_FILE
+    return code
 
 
 def _leave(number: int, frame: FrameType | None) -> None:

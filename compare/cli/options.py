@@ -14,6 +14,7 @@ import typer
 from rich.markup import escape
 
 from compare.cli.scenes.completion import (
+    LOADED,
     MESH_NAMES,
     METHODS,
     MODES,
@@ -93,6 +94,12 @@ _SCENE_PANEL = "Scene (in place of the scene's own values)"
 
 SCENE_OPTIONS: Mapping[str, Any] = {
     "mode": _option(str, _SCENE_PANEL, "Which way shear acts: in-plane or antiplane.", *MODES),
+    "load_on": _option(
+        str,
+        _SCENE_PANEL,
+        "Where the load acts: taken off the faces of the slot, or arriving from far away (remote).",
+        *LOADED,
+    ),
 } | {
     name: _option(float, _SCENE_PANEL, text)
     for name, text in {
@@ -102,8 +109,8 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         "friction": "Coulomb friction coefficient.",
         "base_pressure": "Pressure in place before the load [stress].",
         "base_shear": "Shear traction in place before the load [stress].",
-        "load_pressure": "Pressure taken off the slot faces at t = 0 [stress].",
-        "load_shear": "Shear traction taken off the slot faces at t = 0 [stress].",
+        "load_pressure": "Pressure of the load, from t = 0 [stress].",
+        "load_shear": "Shear traction of the load, from t = 0 [stress].",
         "viscosity": "Strength of a viscous film over relative slip rate [stress time / length].",
     }.items()
 }

@@ -31,8 +31,3 @@ def in_options(sentence: str, options: Collection[str]) -> str:
         return option_name(name) if name in options else match[0]
 
     return _NAMED.sub(replaced, _SUBJECT.sub(replaced, sentence))
-
-
-def printable(message: object) -> str:
-    """A message on one line that a terminal shows as it is, whatever names it quotes."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(message))

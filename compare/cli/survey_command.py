@@ -40,7 +40,7 @@ VALUE_OPTIONS: Mapping[str, Any] = {
     for name, _help in (
         (name, hint.__metadata__[0].help.replace("\\[", "["))
         for name, hint in SCENE_OPTIONS.items()
-        if name != "mode"
+        if name not in ("mode", "load_on")
     )
 }
 SAMPLES: Mapping[str, Any] = {
@@ -131,22 +131,26 @@ def typed_values(name: str, text: str) -> Any:
     Raises
     ------
     SceneError
-        If they are nothing of the kind.
+        If they are nothing of the kind, or too many.
     """
+    from compare.surveys.plan import MOST_VALUES
+
     try:
         if ":" not in text:
             row = [float(part) for part in text.split(",")]
             return np.array(row) if "," in text else row[0]
         start, stop, count, *scale = text.split(":")
         ends, number = (float(start), float(stop)), int(count)
-        if number < 1 or scale not in ([], ["log"]):
+        if number < 1 or scale not in ([], ["log"]) or not np.all(np.isfinite(ends)):
             raise ValueError(count)
-        return np.geomspace(*ends, number) if scale else np.linspace(*ends, number)
+        if number <= MOST_VALUES:
+            return np.geomspace(*ends, number) if scale else np.linspace(*ends, number)
     except ValueError as error:
         raise SceneError(
             f"{option_name(name)} must be a number, a row as 0.1,0.2,0.5, or start:stop:count as "
             f"0.1:0.9:100, got {text!r}."
         ) from error
+    raise SceneError(f"{option_name(name)} must be at most {MOST_VALUES:.0e} values, got {text!r}.")
 
 
 def _others(vary: Sequence[str]) -> dict[str, Any]:

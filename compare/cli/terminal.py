@@ -30,6 +30,8 @@ from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
 from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
 from compare.comparison.scales import WAVE_SYMBOLS, reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
+from semianalytic.results.answer import digits_apart
+from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.units import unit
 
 if TYPE_CHECKING:
@@ -60,13 +62,16 @@ def zones_table(solution: Solution, title: str) -> Table:
         for number, zone in enumerate(solution.zones, start=1)
     ]
     parts += [("open", part.inner, part.outer, "") for part in solution.openings]
+    edges = [end for _, inner, outer, _ in parts for end in (inner, outer)]
+    over_c_t = [speed / material.shear_speed for speed in edges]
+    places, places_over_c_t = (digits_apart(column, 6, "f") for column in (edges, over_c_t))
     for name, inner, outer, sense in sorted(parts, key=lambda part: part[1]):
         for end, speed in (("inner", inner), ("outer", outer)):
             table.add_row(
                 name if end == "inner" else "",
                 end,
-                _decimals(speed),
-                _decimals(speed / material.shear_speed),
+                _decimals(speed, places),
+                _decimals(speed / material.shear_speed, places_over_c_t),
                 speed_regime(speed, scene),
                 sense if end == "inner" else "",
             )
@@ -82,6 +87,7 @@ def facts_table(solution: Solution) -> Table:
     when = _measure(1.0, "time", solution.scene)
     table = Table("quantity", "value", "unit", show_header=False)
     for name, value, dimension in (
+        *_tractions(solution.scene),
         (
             ", ".join(WAVE_SYMBOLS[name] for name in fronts),
             ", ".join(f"{speed:.6g}" for speed in fronts.values()),
@@ -104,16 +110,25 @@ def facts_table(solution: Solution) -> Table:
     return table
 
 
+def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
+    """What is on the interface before, what comes, and where: name, value and dimension."""
+    where = "from far away" if scene.load_on == REMOTE else "on the slot"
+    for name, part in (("pressure, shear before", scene.base), (f"load {where}", scene.load)):
+        yield name, f"{part.pressure:.6g}, {part.shear:.6g}", "stress"
+
+
 def end_table(solution: Solution, end_time: float) -> Table:
     """What has happened until an end time: zones in positions, slip, work."""
     scene, end = solution.scene, end_document(solution, end_time)
     units = units_document(end, END_DIMENSIONS, scene)
     table = Table("quantity", "value", "unit", title=f"t = {_measure(end['time'], 'time', scene)}")
+    ends = [part[name] for part in (*end["zones"], *end["openings"]) for name in ("start", "end")]
+    digits = digits_apart(ends, 6)
     for number, zone in enumerate(end["zones"], start=1):
-        place = f"{zone['start']:.6g} < x < {_number(zone['end'])}"
+        place = f"{zone['start']:.{digits}g} < x < {_number(zone['end'], digits)}"
         table.add_row(f"zone {number}, {_sense(zone['sense'])}", place, units["zones"]["start"])
     for part in end["openings"]:
-        place = f"{part['start']:.6g} < x < {part['end']:.6g}"
+        place = f"{part['start']:.{digits}g} < x < {part['end']:.{digits}g}"
         table.add_row("open", place, units["openings"]["start"])
     for name in ("largest_slip", "accumulated_slip", "frictional_work"):
         table.add_row(_label(name), _number(end[name]), units[name])
@@ -128,6 +143,8 @@ def march_table(marched: Marched, title: str) -> Table:
     scene, document = marched.scene, march_document(marched)
     statistics, units = document["statistics"], document["units"]
     table = Table("quantity", "value", "unit", title=title)
+    for name, value, dimension in _tractions(scene):
+        table.add_row(name, value, unit(dimension, scene.units))
     for onset in document["onset"]:
         time = "never" if onset["time"] is None else f"{onset['time']:.6g}"
         place = _measure(onset["x"], "length", scene)
@@ -299,12 +316,12 @@ def _sense(sense: int) -> str:
     return "slip" if sense > 0 else "reverse slip"
 
 
-def _number(value: float) -> str:
-    return "∞" if math.isinf(value) else f"{value:.6g}"
+def _number(value: float, digits: int = 6) -> str:
+    return "∞" if math.isinf(value) else f"{value:.{digits}g}"
 
 
-def _decimals(speed: float) -> str:
-    return "∞" if math.isinf(speed) else f"{speed:.6f}"
+def _decimals(speed: float, places: int) -> str:
+    return "∞" if math.isinf(speed) else f"{speed:.{places}f}"
 
 
 def _plain(value: object) -> str:

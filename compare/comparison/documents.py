@@ -186,10 +186,9 @@ def march_document(marched: Marched) -> dict[str, Any]:
     largest = float(seen.slip_rate.max())
     length = scene.material.shear_speed * marched.end_time
     threshold = SENSE_THRESHOLD * largest
+    load = scene.superposition.taken_off
     intensities = [
-        intensity_history(history, scene.load, scene.material, marched.end_time, scene.shear_mode)[
-            number
-        ]
+        intensity_history(history, load, scene.material, marched.end_time, scene.shear_mode)[number]
         for number, history in enumerate((scene.pressure_history, scene.shear_history))
     ]
     document = {

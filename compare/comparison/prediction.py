@@ -13,6 +13,7 @@ from semianalytic.cut.load import check_pressure
 from semianalytic.prediction import chosen_method
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
+from semianalytic.spacetime.march import check_march
 from semianalytic.spacetime.resolution import nodes_for_loads
 from semianalytic.spacetime.tuning import MOST_NODES
 
@@ -35,6 +36,33 @@ def check_predictable(scene: Scene, method: str = "auto") -> None:
     """
     if chosen_method(scene, method) == "self-similar":
         check_pressure(scene)
+
+
+def check_marched(scene: Scene, method: str, resolution: int, end_time: float | None) -> None:
+    """Raise what `predict_like` would for the loads of a marched scene, before it is simulated.
+
+    Parameters
+    ----------
+    scene : Scene
+    method : str
+        As for `predict_like`.
+    resolution : int
+        Elements per c_t T of the mesh that is to be simulated.
+    end_time : float or None
+        T [time]; as for `simulate` if it is not given.
+
+    Raises
+    ------
+    SceneError, TensionError
+        As `predict_like`.
+    """
+    if chosen_method(scene, method) == "self-similar":
+        return
+    speed = scene.material.shear_speed
+    end_time = 1 / speed if end_time is None else end_time
+    reach = scene.fastest_speed * end_time
+    nodes, length = _grid(scene, reach, end_time, speed * end_time / resolution, resolution)
+    check_march(scene, end_time, nodes, length)
 
 
 def predict_before(scene: Scene, method: str = "auto") -> Solution | None:
@@ -97,14 +125,22 @@ def _marched(
     progress: Callable[[int, int], None] | None,
 ) -> Marched:
     """A march as far and as long as a simulation was recorded, on finer nodes."""
-    scene, spacing = simulation.scene, simulation.element_size / FINER
+    scene, element = simulation.scene, simulation.element_size
+    nodes, length = _grid(scene, reach, end_time, element, simulation.resolution)
+    return march(scene, end_time, nodes, length=length, progress=progress)
+
+
+def _grid(
+    scene: Scene, reach: float, end_time: float, element: float, resolution: int
+) -> tuple[int, float]:
+    """Nodes and length of a march that reaches as far as a simulation, on finer nodes."""
+    spacing = element / FINER
     nodes = int(np.ceil(reach / spacing)) + 1
     length, most = nodes * spacing, max(nodes, MOST_NODES)
     needed, name = nodes_for_loads(scene, end_time, length, nodes)
     if needed > most:
         raise SceneError(
             f"march: the {name} history turns faster than {most} nodes follow; raise `resolution` "
-            f"from {simulation.resolution} to {math.ceil(simulation.resolution * needed / nodes)} "
-            "(docs/limits.md)."
+            f"from {resolution} to {math.ceil(resolution * needed / nodes)} (docs/limits.md)."
         )
-    return march(scene, end_time, needed, length=length, progress=progress)
+    return needed, length

@@ -107,7 +107,7 @@ def wear_rows(case: Case) -> Iterator[Row]:
         if kind == "work" and case.scene.friction == 0 == case.prediction.scene.friction:
             continue
         start = NEAREST * case.length
-        if kind == "work" and case.scene.load.pressure:
+        if kind == "work" and case.scene.superposition.taken_off.pressure:
             start = max(start, _beside_edge(case))  # where pressure can be singular
         reach = start, FARTHEST * case.length
         yield case.profile_row(

@@ -10,7 +10,9 @@ from urllib.parse import parse_qsl, urlencode
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import Scene
+from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loading import LOADED, SLOT
 from semianalytic.scene.loads import PULSE_SHAPES
 from semianalytic.scene.scene import (
     IN_PLANE,
@@ -40,6 +42,7 @@ HISTORIES: Mapping[str, tuple[str, ...]] = {
 
 CHOICES: Mapping[str, tuple[str, ...]] = {
     "mode": MODES,
+    "load_on": LOADED,
     "law": tuple(LAWS),
     "history": tuple(HISTORIES),
     "shape": tuple(PULSE_SHAPES),
@@ -62,7 +65,13 @@ class Slider:
 
 def sliders(scene: Scene) -> tuple[Slider, ...]:
     """The sliders for scenes like one, in its units: tractions to twice its own, rates and lengths
-    by what its waves do in the time they take over a length of 1."""
+    by what its waves do in the time they take over a length of 1.
+
+    Raises
+    ------
+    SceneError
+        If a range cannot be divided, as where an impedance underflows; or as `values_of`.
+    """
     stress, rate = 2 * stress_scale(scene), slip_rate_scale(scene)
     time, impedance = 1 / scene.material.shear_speed, scene.material.shear_impedance
     given = (
@@ -85,9 +94,23 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
     for name, label, dimension, low, high in given:
         own = values.get(name, low)
         low, high = min(low, own), max(high, own)
+        if not (math.isfinite(high - low) and (high - low) / 200 > 0):
+            raise SceneError(
+                f"explore cannot draw a slider for {label} from {low:g} to {high:g}; choose units "
+                "in which its numbers are neither so large nor so small."
+            )
         named = "" if dimension == "1" else unit(dimension, scene.units)
         result.append(Slider(name, label, named, low, high, _step(high - low)))
     return tuple(result)
+
+
+def serve_for(sliders_of: Scene, values: Mapping[str, Any]) -> bool:
+    """Whether the sliders of a scene serve for that of other values too: in the same units, of
+    bodies with the same waves, and none that it calls for out of range."""
+    own, called_for = values_of(sliders_of), values_of(scene_of(values))
+    return all(values[name] == own[name] for name in FIXED) and all(
+        one.low <= called_for.get(one.name, one.low) <= one.high for one in sliders(sliders_of)
+    )
 
 
 def _step(width: float) -> float:
@@ -115,7 +138,8 @@ def values_of(scene: Scene) -> Values:
         If pressure and shear come with different histories, or a law or history has no control.
     """
     document = scene_document(scene)
-    values: Values = {**document["material"], "friction": scene.friction, "mode": scene.mode}
+    words = {"mode": scene.mode, "load_on": scene.load_on}
+    values: Values = {**document["material"], "friction": scene.friction, **words}
     values |= {
         f"{part}_{kind}": document[part][kind]
         for part in ("base", "load")
@@ -154,6 +178,7 @@ def scene_of(values: Mapping[str, Any]) -> Scene:
         "base": {kind: numbers[f"base_{kind}"] for kind in ("pressure", "shear")},
         "load": {kind: numbers[f"load_{kind}"] for kind in ("pressure", "shear")},
         "mode": values.get("mode", IN_PLANE),
+        "load_on": values.get("load_on", SLOT),
         "units": values.get("units", ""),
         "friction_law": _part(values, "law", LAWS),
     }
@@ -180,7 +205,7 @@ def _part(values: Mapping[str, Any], name: str, known: Mapping[str, tuple[str, .
     """A law or history as `scene_from_document` takes it."""
     kind = values.get(name, next(iter(known)))
     if kind not in known:
-        raise SceneError(f"{name} must be one of {', '.join(known)}, got {kind!r}.")
+        raise SceneError(f"{name} must be one of {', '.join(known)}, got {shown(kind)}.")
     return {"kind": kind} | {
         one: values.get(one) if one in CHOICES else _number(values, one) for one in known[kind]
     }
@@ -188,22 +213,28 @@ def _part(values: Mapping[str, Any], name: str, known: Mapping[str, tuple[str, .
 
 def _number(values: Mapping[str, Any], name: str) -> float:
     try:
-        return float(values[name])
+        number = float(values[name])
     except KeyError:
         raise SceneError(f"{name} is missing; give it a number.") from None
-    except (TypeError, ValueError):
-        raise SceneError(f"{name} must be a number, got {values[name]!r}.") from None
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise SceneError(f"{name} must be a number, got {shown(values[name])}.")
+    return number
 
 
 def query_of(values: Mapping[str, Any]) -> str:
     """The query of an address, ``?friction=0.3&...``, that holds all that its scene calls for."""
-    names = [*_NUMBERS, "mode", "units", "law", *LAWS[values["law"]], "history"]
+    names = [*_NUMBERS, "mode", "load_on", "units", "law", *LAWS[values["law"]], "history"]
     names += HISTORIES[values["history"]]
     return "?" + urlencode({name: values[name] for name in names})
 
 
 def values_from_query(query: str, start: Scene) -> Values:
-    """Values of all controls that an address gives; those of a scene for what it leaves out.
+    """Values of all controls that an address gives.
+
+    What it leaves out is that of a scene; what the two do not call for is in the middle of its
+    range.
 
     Raises
     ------
@@ -211,14 +242,14 @@ def values_from_query(query: str, start: Scene) -> Values:
         If a name is unknown or a value no such number or word, or there is no such scene.
     """
     base = defaults(start)
-    given = dict(parse_qsl(query.removeprefix("?"), keep_blank_values=True))
-    values = dict(base)
-    for name, text in given.items():
+    texts = dict(parse_qsl(query.removeprefix("?"), keep_blank_values=True))
+    given: Values = {}
+    for name, text in texts.items():
         if name not in base and name not in FIXED:
-            raise SceneError(f"the address names {name!r}, which no scene has; take it out.")
+            raise SceneError(f"the address names {shown(name)}, which no scene has; take it out.")
         word = name in CHOICES or name == "units"
-        values[name] = text if word else _number(given, name)
+        given[name] = text if word else _number(texts, name)
         if name in CHOICES and text not in CHOICES[name]:
-            raise SceneError(f"{name} must be one of {', '.join(CHOICES[name])}, got {text!r}.")
-    scene_of(values)
-    return values
+            known = ", ".join(CHOICES[name])
+            raise SceneError(f"{name} must be one of {known}, got {shown(text)}.")
+    return defaults(scene_of(base | given)) | given

@@ -49,7 +49,7 @@ class RegimeMap:
 def map_key(scene: Scene) -> tuple[object, ...]:
     """What maps depend on: all but Poisson ratio and friction, in units of the scene."""
     stress = stress_scale(scene)
-    tractions = (scene.base.pressure, scene.base.shear, scene.load.pressure, scene.load.shear)
+    tractions = [one for part in scene.superposition for one in (part.pressure, part.shear)]
     shares = tuple(round(one / stress, 9) for one in tractions)
     return (*shares, scene.mode, scene.friction_law, _highest(scene))
 

@@ -10,17 +10,17 @@
   const BEHIND = 500; // after which a field that is late is grey [ms]
   const LOST = 5000; // after which an answer is not waited for any more [ms]
 
-  function show(values) {
+  // values of controls, and the ranges, steps and units of sliders for them
+  function show({ values, sliders, message }) {
     fixed = values;
-    for (const [name, value] of Object.entries(values)) {
-      const control = by(name);
-      if (!control || !form.contains(control)) continue;
-      if (control.type === "range") {
-        if (value < +control.min) control.min = value;
-        if (value > +control.max) control.max = value;
-      }
-      control.value = value;
+    by("message").textContent = message;
+    for (const { name, label, unit, low, high, step } of sliders) {
+      const slider = by(name);
+      Object.assign(slider, { min: low, max: high, step });
+      slider.labels[0].textContent = unit ? `${label} [${unit}]` : label;
     }
+    for (const [name, value] of Object.entries(values))
+      if (by(name) && form.contains(by(name))) by(name).value = value;
     label();
   }
 
@@ -79,20 +79,18 @@
       by("progress").hidden = !("progress" in news) || news.progress >= 1;
     }
     if ("program" in news) by("program").textContent = news.program;
-    if ("readings" in news)
-      by("readings").replaceChildren(...news.readings.flatMap(([name, value]) => {
-        const [term, text] = [document.createElement("dt"), document.createElement("dd")];
-        term.textContent = name; text.textContent = value;
-        return [term, text];
-      }));
+    for (const list of ["readings", "scales"])
+      if (list in news)
+        by(list).replaceChildren(...news[list].flatMap(([name, value]) => {
+          const [term, text] = [document.createElement("dt"), document.createElement("dd")];
+          term.textContent = name; text.textContent = value;
+          return [term, text];
+        }));
+    by("measures").hidden = !by("scales").children.length;
     if ("since" in news || "field" in news) late(!news.field);
     if ("map" in news) by("map-words").textContent = news.map;
     if ("regimes" in news)
-      by("regimes").replaceChildren(...news.regimes.map(({ name, colour }) => {
-        const one = document.createElement("span");
-        one.textContent = name; one.style.setProperty("--colour", colour);
-        return one;
-      }));
+      key("regimes", "--colour", news.regimes.map(({ name, colour }) => [name, colour]));
   }
 
   // whether the field is that of an earlier scene; it turns grey if it stays so
@@ -140,7 +138,7 @@
       words(news);
       if ("since" in news) setTimeout(() => times.push(performance.now() - news.since));
     });
-    if ("values" in news) { show(news.values); ask(false); }
+    if ("values" in news) { show(news); ask(false); }
     if ("file" in news) save(news.file);
     if ("query" in news && !news.moving) keep(news.query);
     if ("since" in news) next();
@@ -152,6 +150,15 @@
     by("message").textContent = "";
     if (event.target.type === "range") ask(true);
     pause = setTimeout(() => ask(false), event.target.type === "range" ? STILL : 0);
+  }
+
+  // what colours and dashes stand for, beside the pictures
+  function key(id, property, meanings) {
+    by(id).replaceChildren(...meanings.map(([name, look]) => {
+      const one = document.createElement("span");
+      one.textContent = name; one.style.setProperty(property, look);
+      return one;
+    }));
   }
 
   function start(documents) {
@@ -171,12 +178,15 @@
       record = "replace";
       send({ query: location.search });
     });
-    show(given.values);
+    key("kinds", "--colour", given.kinds);
+    key("curves", "--line", given.curves);
+    show(given);
     ask(false);
   }
 
+  Bokeh.embed.embed_items({}, JSON.parse(by("documents").textContent));
   const wait = setInterval(() => {
-    const documents = window.Bokeh ? Bokeh.documents : [];
+    const documents = Bokeh.documents;
     if (documents.length && documents[0].get_model_by_name("told")) {
       clearInterval(wait);
       start(documents);

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -16,8 +17,11 @@ from typing import Any
 
 from bokeh.document import Document
 from bokeh.models import TextInput
-from jinja2 import Template
+from bokeh.resources import Resources
+from bokeh.server.views.static_handler import StaticHandler
+from jinja2 import Environment, Template
 
+from compare.comparison.scales import reference_values
 from compare.explore.controls import (
     CHOICES,
     HISTORIES,
@@ -25,6 +29,7 @@ from compare.explore.controls import (
     defaults,
     query_of,
     scene_of,
+    serve_for,
     sliders,
     values_from_query,
 )
@@ -40,10 +45,11 @@ from compare.explore.pictures import (
     MapPicture,
     SpaceTimePicture,
 )
-from compare.explore.views import NODES, FieldView, interface_view, space_time_view
+from compare.explore.views import NODES, FieldView, end_time, interface_view, space_time_view
 from compare.explore.work import Worker
-from semianalytic import Marched, Scene, Solution, solve
+from semianalytic import Marched, Scene, SlipZone, Solution, solve
 from semianalytic.prediction import chosen_method
+from semianalytic.results.answer import digits_apart
 from semianalytic.scene.errors import SlipfrontError
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.units import unit
@@ -72,10 +78,10 @@ class Session:
     """
 
     def __init__(self, document: Document, start: Scene, query: str) -> None:
-        self._start = start
+        self._start = self._ruled = start
         self._answer: Solution | Marched | None = None
         self._shown: Scene | None = None
-        self._map_key: tuple[object, ...] | None = None
+        self._map_key: tuple[object, ...] | None = ()  # of no scene
         self._field_worker, self._map_worker, self._march_worker = Worker(), Worker(), Worker()
         self._asked_field: tuple[Scene, int, float] | None = None
         self._board = board = Board()
@@ -90,7 +96,6 @@ class Session:
 
     def _open(self, query: str) -> None:
         """Fill the document."""
-        values, message = self._read(query)
         document = self._document
         document.title = "slipfront explore"
         roots = (
@@ -104,29 +109,34 @@ class Session:
         )
         for root in roots:
             document.add_root(root)
-        parts = files("compare.explore")
-        document.template = Template(parts.joinpath("page.html").read_text(encoding="utf-8"))
+        document.template = template()
         document.template_variables.update(
-            style=parts.joinpath("page.css").read_text(encoding="utf-8"),
-            program=parts.joinpath("page.js").read_text(encoding="utf-8"),
-            sliders=[asdict(one) for one in sliders(self._start)],
+            scripts=_bokeh_scripts(),
+            sliders=[one.name for one in sliders(self._start)],
             choices=CHOICES,
-            shown={"law": LAWS, "history": HISTORIES},
-            values=values,
-            message=message,
-            shades=SHADES,
-            curves=CURVES,
             scenes=_known_queries(),
+            given={
+                **self._opened(query),
+                "shown": {"law": LAWS, "history": HISTORIES},
+                "kinds": list(SHADES.items()),
+                "curves": [(name, f"{dash} {colour}") for name, (colour, dash) in CURVES.items()],
+            },
         )
         document.add_periodic_callback(self._listen, LISTEN)
         document.on_session_destroyed(lambda _: self._end())
 
-    def _read(self, query: str) -> tuple[dict[str, Any], str]:
-        """Values of controls for an address, and what is wrong with it."""
+    def _opened(self, query: str) -> dict[str, Any]:
+        """What an address has the controls show: values, the sliders for them, and what is wrong
+        with it.  Sliders stay as they are while they serve for the values."""
         try:
-            return values_from_query(query, self._start), ""
+            values, message = values_from_query(query, self._start), ""
         except SlipfrontError as error:
-            return defaults(self._start), f"The address is no scene: {error}"
+            values = defaults(self._start)
+            message = f"The address is no scene: {error} The scene of the command is shown instead."
+        if not serve_for(self._ruled, values):
+            self._ruled = scene_of(values)
+        ruled = [asdict(one) for one in sliders(self._ruled)]
+        return {"values": values, "sliders": ruled, "message": message}
 
     def _end(self) -> None:
         for worker in (self._field_worker, self._map_worker, self._march_worker):
@@ -141,8 +151,7 @@ class Session:
     def _answer_to(self, asked: Mapping[str, Any]) -> None:
         """What the browser asks for: an address, a file, or pictures of the controls' scene."""
         if "query" in asked:
-            values, message = self._read(asked["query"])
-            self._tell(values=values, message=message)
+            self._tell(**self._opened(asked["query"]))
         elif "file" in asked:
             self._send_file(asked["file"])
         else:
@@ -150,7 +159,7 @@ class Session:
 
     def _send_file(self, form: str) -> None:
         if self._answer is None:
-            self._tell(message="There is no answer yet to take home; wait for it.")
+            self._tell(message="There is no answer to take home.")
             return
         name, mime, content = FILES[form](self._answer)
         text = base64.b64encode(content).decode()
@@ -163,25 +172,39 @@ class Session:
         try:
             scene = scene_of(values)
             self._map.place(scene.friction, scene.material.poisson_ratio)
-            exact = chosen_method(scene) == "self-similar"
-            if exact:
+            if chosen_method(scene) == "self-similar":
                 self._show_solution(scene, moving, since, query_of(values))
             else:
-                self._answer = None
-                self._tell(
-                    stale=True,
-                    query=query_of(values),
-                    moving=moving,
-                    since=since,
-                    status="let go of the slider to march it" if moving else "marching",
-                )
-                if not moving:
-                    self._march_worker.start(marched_views, scene)
+                self._march(scene, moving, since, query_of(values))
             if not moving:
                 self._draw_map(scene)
         except SlipfrontError as error:
-            self._answer = None
-            self._tell(stale=True, message=str(error), since=since)
+            self._refuse(str(error), since=since)
+        except Exception as error:
+            # a mistake in a solver must not leave the answer before it on the page as if it were
+            # this one's; the server writes the traceback
+            self._refuse(f"There is no answer ({type(error).__name__}: {error}).", since=since)
+            raise
+
+    def _refuse(self, message: str, **news: Any) -> None:
+        """Say why there is no answer, and nothing else that holds only where there is one."""
+        self._answer = self._shown = None
+        self._tell(stale=True, status="no answer", message=message, readings=[], scales=[], **news)
+
+    def _march(self, scene: Scene, moving: bool, since: float, query: str) -> None:
+        """Have a scene marched, once its slider stands still."""
+        self._answer = None
+        self._tell(
+            stale=True,
+            query=query,
+            moving=moving,
+            since=since,
+            status="let go of the slider to march it" if moving else "marching",
+            readings=[],
+            scales=_scales(scene),
+        )
+        if not moving:
+            self._march_worker.start(marched_views, scene)
 
     def _show_solution(self, scene: Scene, moving: bool, since: float, query: str) -> None:
         began = time.perf_counter()
@@ -200,6 +223,7 @@ class Session:
             error=f"{solution.error_estimate:.1e}",
             solved=1e3 * solved,
             readings=_readings(solution),
+            scales=_scales(scene),
             program=program(scene),
         )
         points, rtol = (MOVING_POINTS, MOVING_RTOL) if moving else (POINTS, RTOL)
@@ -242,6 +266,8 @@ class Session:
         elif kind == "result" and isinstance(content, FieldView):
             self._field.draw(content)
             self._tell(field=self._asked_field is None)
+        elif kind == "refusal":
+            self._tell(message=f"The field is that of an earlier scene: {content}")
         self._next_field()
 
     def _map_news(self, kind: str, content: Any) -> None:
@@ -269,7 +295,24 @@ class Session:
                 field=True,
             )
         else:
-            self._tell(stale=True, message=str(content), progress=1.0)
+            self._refuse(str(content), progress=1.0)
+
+
+def template() -> Template:
+    """The page; whatever is filled in is escaped."""
+    text = files("compare.explore").joinpath("page.html").read_text(encoding="utf-8")
+    return Environment(autoescape=True).from_string(text)
+
+
+def _bokeh_scripts() -> list[str]:
+    """Where the server has the programs of Bokeh that the page runs."""
+    resources = Resources(
+        mode="server",
+        root_url="/",
+        components=["bokeh", "bokeh-widgets"],
+        path_versioner=StaticHandler.append_version,
+    )
+    return [str(address) for address in resources.js_files]
 
 
 def _readings(answer: Solution | Marched) -> list[list[str]]:
@@ -279,18 +322,31 @@ def _readings(answer: Solution | Marched) -> list[list[str]]:
         slip = float(answer.max_slip(answer.end_time))
         return [["largest slip", f"{slip:.4g} {unit('length', scene.units)}"]]
     speed = scene.material.shear_speed
+    parts = [(_kind(zone), zone.inner / speed, zone.outer / speed) for zone in answer.zones]
+    parts += [("open", one.inner / speed, one.outer / speed) for one in answer.openings]
+    digits = digits_apart((end for _, *ends in parts for end in ends), 5)
     rows = [
-        [
-            "slip" if zone.sense > 0 else "reverse slip",
-            f"{zone.inner / speed:.5g} … {zone.outer / speed:.5g} c_t",
-        ]
-        for zone in answer.zones
-    ]
-    rows += [
-        ["open", f"{one.inner / speed:.5g} … {one.outer / speed:.5g} c_t"]
-        for one in answer.openings
+        [kind, f"{inner:.{digits}g} … {_infinite(outer, digits)} c_t"]
+        for kind, inner, outer in sorted(parts, key=lambda part: part[1])
     ]
     return rows or [["interface", "sticks everywhere"]]
+
+
+def _kind(zone: SlipZone) -> str:
+    return "slip" if zone.sense > 0 else "reverse slip"
+
+
+def _infinite(speed: float, digits: int) -> str:
+    return "∞" if math.isinf(speed) else f"{speed:.{digits}g}"
+
+
+def _scales(scene: Scene) -> list[list[str]]:
+    """What the axes are measured in: symbol, value with its unit."""
+    time = end_time(scene)
+    named = reference_values(scene, time)
+    named["c_t T"] = (scene.material.shear_speed * time, unit("length", scene.units))
+    shown = {symbol: named[symbol] for symbol in ("c_t T", "T", "τ₀", "V₀")}
+    return [[symbol, f"{value:.4g} {name}"] for symbol, (value, name) in shown.items()]
 
 
 def _known_queries() -> dict[str, str]:

@@ -167,7 +167,7 @@ class InterfacePictures:
         board.fill(
             self._zones,
             left=[inner for _, inner, _ in space_time.wedges],
-            right=[outer for *_, outer in space_time.wedges],
+            right=[min(outer, space_time.reach) for *_, outer in space_time.wedges],
             colour=[SHADES[kind] for kind, *_ in space_time.wedges],
         )
         board.fill(self._waves, x=list(space_time.waves.values()))
@@ -213,10 +213,11 @@ class SpaceTimePicture:
         board, image = self._board, [] if view.image is None else [view.image]
         if image or len(self._image.data["image"]):
             self._image.data = {"image": image, "dw": [view.reach] * len(image)}
+        shapes = [_wedge(inner, outer, view.reach) for _, inner, outer in view.wedges]
         board.fill(
             self._wedges,
-            xs=[[0.0, inner, outer] for _, inner, outer in view.wedges],
-            ys=[[0.0, 1.0, 1.0] for _ in view.wedges],
+            xs=[x for x, _ in shapes],
+            ys=[y for _, y in shapes],
             colour=[SHADES[kind] for kind, *_ in view.wedges],
         )
         board.fill(
@@ -231,6 +232,14 @@ class SpaceTimePicture:
             side=["left" if name == "S" else "right" for name in view.waves],
         )
         board.limit(self.panel.x_range, 0.0, view.reach)
+
+
+def _wedge(inner: float, outer: float, reach: float) -> tuple[list[float], list[float]]:
+    """Corners of what lies between two edges until T; all of the picture beyond the first if the
+    other is at infinity."""
+    if math.isinf(outer):
+        return [0.0, inner, reach, reach], [0.0, 1.0, 1.0, 0.0]
+    return [0.0, inner, outer], [0.0, 1.0, 1.0]
 
 
 class FieldPicture:

@@ -110,7 +110,9 @@ class SpaceTimeView:
 
     Attributes
     ----------
-    wedges : tuple of (kind, inner, outer), edges of zones at T over c_t T; of a march none
+    wedges : tuple of (kind, inner, outer)
+        Edges of zones at T over c_t T, infinity for slip that a remote load sets off everywhere; of
+        a march none.
     image : (m, n) array of numbers of `KINDS` over 0 < x < reach, 0 < t < T; of a solution None
     reach : float, over c_t T
     waves : dict, x at T over c_t T by the name of the wave
@@ -133,7 +135,7 @@ def space_time_view(answer: Solution | Marched) -> SpaceTimeView:
         return SpaceTimeView((), _senses(answer), reach, waves)
     length = speed * end_time(scene)
     wedges = tuple(
-        (part.kind, part.start / length, min(part.end / length, far))
+        (part.kind, part.start / length, part.end / length)
         for part in moving_parts(answer, end_time(scene))
     )
     return SpaceTimeView(wedges, None, far, waves)

@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import signal
 from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any, Literal, NamedTuple
 
@@ -79,16 +80,14 @@ def _serve(pipe: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "nice"):
         os.nice(10)
-    while True:
-        try:
+    with suppress(EOFError, BrokenPipeError):  # the page is gone
+        while True:
             function, arguments = pipe.recv()
-        except EOFError:
-            return
 
-        def progress(done: int, steps: int) -> None:
-            pipe.send(("progress", (done, steps)))
+            def progress(done: int, steps: int) -> None:
+                pipe.send(("progress", (done, steps)))
 
-        try:
-            pipe.send(("result", function(*arguments, progress)))
-        except SlipfrontError as error:
-            pipe.send(("refusal", str(error)))
+            try:
+                pipe.send(("result", function(*arguments, progress)))
+            except SlipfrontError as error:
+                pipe.send(("refusal", str(error)))

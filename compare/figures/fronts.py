@@ -86,7 +86,8 @@ def fronts(fields: WholeFields, time: float) -> Iterator[Front]:
         if name in speeds:
             radius = speeds[name] * time
             yield Front(name, radius * np.cos(angle), radius * np.sin(angle), share)
-    for name, load in (("P", scene.load.pressure), ("S", scene.load.shear)):
+    taken_off = scene.superposition.taken_off
+    for name, load in (("P", taken_off.pressure), ("S", taken_off.shear)):
         if load and name in speeds:
             far = 1e3 * scene.fastest_speed * time
             right = far if name == "S" and scene.far_slip_rate else 0.0

@@ -181,7 +181,7 @@ def gap_figure(case: Case) -> Figure:
     upper.legend(handles=method_handles(), loc="upper right")
     opened = np.flatnonzero((case.at_nodes.gap + seen.gap).max(axis=0))
     right = min(2 * seen.x[opened[-1]], seen.x[-1]) / length
-    calm = 2 * case.scene.base.pressure / case.stress
+    calm = 2 * case.scene.superposition.in_place.pressure / case.stress
     lower.set(xlabel=PLACE_LABEL, ylabel=PRESSURE_LABEL, xlim=(0, right), ylim=(-0.05 * calm, calm))
     for opening in case.prediction.openings_at(end):
         for panel in (upper, lower):

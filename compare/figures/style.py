@@ -22,6 +22,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 from compare.comparison.scales import WAVE_SYMBOLS, stress_scale
 from semianalytic import CoulombFriction, Scene
+from semianalytic.scene.loading import REMOTE
 
 LineStyle = Literal["-", "--", "-.", ":"]
 P = ParamSpec("P")
@@ -130,12 +131,15 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def scene_words(scene: Scene) -> str:
-    """What a figure of one scene must say of it: Poisson ratio, friction, the units of its axes."""
+    """What a figure of one scene must say of it: Poisson ratio, friction, pressure and shear that
+    were there before, the units of its axes."""
     law = scene.friction_law
     kind = "" if isinstance(law, CoulombFriction) else f" ({type(law).__name__})"
     mode = "antiplane shear,  " if scene.antiplane else ""
+    base = f"base ({scene.base.pressure:.3g}, {scene.base.shear:.3g}),  "
+    base += "remote load,  " if scene.load_on == REMOTE else ""
     return (
-        f"{mode}ν = {scene.material.poisson_ratio:.3g},  f = {scene.friction:.3g}{kind},  "
+        f"{mode}ν = {scene.material.poisson_ratio:.3g},  f = {scene.friction:.3g}{kind},  {base}"
         f"τ₀ = {_unit_name(scene)} = {stress_scale(scene):.3g},  V₀ = 2 τ₀ / ρcₜ"
     )
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,8 @@ from compare.records.options import ReadingOptions
 from compare.records.read import ARRAYS, HDF5, MESHES, read_records
 from compare.records.record import Array
 from compare.records.text import Table, read_table
-from semianalytic.inversion.gauges import FIELDS, INTERFACE, QUANTITIES, Gauge
+from semianalytic.inversion.gauges import FIELDS, INTERFACE, QUANTITIES, Gauge, checked_noise
+from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
 
 NOISE = "noise"
@@ -54,7 +56,7 @@ class _Column:
 
 
 def read_gauges(
-    paths: Sequence[str | Path], noise: Mapping[str, float] | None = None
+    paths: str | Path | Sequence[str | Path], noise: Mapping[str, float] | None = None
 ) -> tuple[Gauge, ...]:
     """Gauges from files.
 
@@ -66,7 +68,7 @@ def read_gauges(
 
     Parameters
     ----------
-    paths : sequence of path
+    paths : path, or sequence of path
     noise : mapping from quantity to number, optional
         Standard deviation where no column says it; "" for all other quantities.
 
@@ -79,8 +81,13 @@ def read_gauges(
     ------
     DataFileError
         If a file cannot be read, or does not say what is needed; the message names it.
+    SceneError
+        If `noise` is no such mapping, or a number in it is out of range.
     """
-    given = dict(noise or {})
+    given = _checked_noise({} if noise is None else noise)
+    paths = [paths] if isinstance(paths, str | PathLike) else paths
+    if not isinstance(paths, Iterable) or not all(isinstance(p, str | PathLike) for p in paths):
+        raise SceneError(f"read_gauges: paths must be a path or several, got {shown(paths)}.")
     parts: list[_Made] = []
     for path in map(Path, paths):
         table = _table(path)
@@ -96,6 +103,20 @@ def read_gauges(
         counts[quantity] = counts.get(quantity, 0) + 1
         gauges.append(make(f"{quantity}-{counts[quantity]}"))
     return tuple(gauges)
+
+
+def _checked_noise(noise: object) -> dict[str, float]:
+    """Standard deviations by quantity; raise SceneError if they are none."""
+    if not isinstance(noise, Mapping):
+        raise SceneError(
+            "read_gauges: noise must be numbers by quantity, as "
+            f'{{"slip": 1e-6}}, or {{"": ...}} for all, got {shown(noise)}.'
+        )
+    for name in noise:
+        if name not in ("", *QUANTITIES):
+            known = ", ".join(QUANTITIES)
+            raise SceneError(f"read_gauges: noise knows {known}, got {shown(name)}.")
+    return {name: checked_size(f"noise of {name or 'all'}", one) for name, one in noise.items()}
 
 
 def _table(path: Path) -> Table | None:
@@ -225,6 +246,8 @@ def _maker(
             f"{path} does not say how exact its {quantity} is; add a column {NOISE} of standard "
             f"deviations, or give --noise {quantity}=NUMBER."
         )
+    if error is None:  # what was given, not the file, is then to blame
+        checked_noise(known, values[order])
     spread: float | Array = known if isinstance(known, float | int) else known[order]
 
     def make(name: str) -> Gauge:

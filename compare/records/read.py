@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
+from tokenize import TokenError
 
 from compare.records.arrays import read_hdf5, read_npz, read_simulation
 from compare.records.bodies import read_bodies
@@ -17,6 +19,8 @@ MESHES = (".vtu", ".vtk", ".pvd", ".xdmf", ".xmf")
 ARRAYS = (".npz", ".npy")
 HDF5 = (".h5", ".hdf5", ".hdf")
 SIMULATION = "simulation.h5"
+_DAMAGES = (zlib.error, TokenError, SyntaxError, TypeError, NotImplementedError, RecursionError)
+"""What numpy and zipfile raise, beside what readers expect, where a bit of a file is flipped."""
 
 
 def read_records(
@@ -65,6 +69,15 @@ def read_records(
 
 def _read_file(path: Path, options: ReadingOptions, at: float | None) -> tuple[Records, bool]:
     """Records of a file, and whether it is one station of a run."""
+    try:
+        return _read_kind(path, options, at)
+    except _DAMAGES as error:
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        raise DataFileError(f"{path} is damaged ({reason}); write it anew.") from error
+
+
+def _read_kind(path: Path, options: ReadingOptions, at: float | None) -> tuple[Records, bool]:
+    """The same, by what kind of file it is."""
     suffix = path.suffix.lower()
     if not path.exists():
         raise DataFileError(f"{path} does not exist; give a file that does.")

@@ -17,9 +17,10 @@ from numpy.typing import ArrayLike
 
 from compare.surveys.parameters import Array, checked_values, parameter_name
 from semianalytic.results.answer import FIELDS
+from semianalytic.results.memory import check_memory
 from semianalytic.scene.checks import checked_count, checked_size, shown
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Scene, scene_document
+from semianalytic.scene.scene import Scene, checked_scene, scene_document
 
 Region = tuple[slice, ...]
 
@@ -29,6 +30,16 @@ one, and that are marched.  Each takes seconds on one core."""
 _SWEPT_TOGETHER = {"poisson_ratio": 100, "friction": 25}
 """A chunk of the plane: long in Poisson ratio, along which zones change less.  Of 10,000 points in
 chunks of 100 x 25, 67 x 34, 50 x 50 and 25 x 100 that is the order of processor time."""
+
+
+MOST_VALUES, MOST_POINTS, MOST_CHUNKS = 10**7, 10**8, 10**5
+"""Of one row, of a survey, and of its chunks.  A hundred million points take a day on one core; a
+hundred thousand chunks take seconds, and some 100 MB, to lay out."""
+_POINT_BYTES = 250
+"""What a point takes without fields, at most: 115 as a dataset, 223 while NetCDF is written."""
+_NUMBER_BYTES = 20
+"""What a number of a field takes, at most: 8 as a dataset, 10 while NetCDF is written, 18 in a
+chunk that is solved and packed."""
 
 
 @dataclass(frozen=True)
@@ -133,6 +144,12 @@ class Plan:
             for name, length in block.items()
         }
 
+    @property
+    def chunks(self) -> int:
+        """Number of chunks."""
+        pairs = zip(self.sizes.values(), self.block.values(), strict=True)
+        return math.prod(math.ceil(size / length) for size, length in pairs)
+
     @cached_property
     def regions(self) -> list[Region]:
         """The chunks, as slices along the dimensions."""
@@ -170,6 +187,28 @@ class Plan:
             "chunk": self.chunk,
             **asdict(self.question),
         }
+
+    def check_memory(self, whole: bool) -> None:
+        """Refuse what would take more memory than there is: a chunk of it, or all of it.
+
+        Raises
+        ------
+        SceneError
+            With what to ask for instead.
+        """
+        asked = self.question
+        numbers = len(asked.fields) * len(asked.x) * len(asked.t)
+        each = _POINT_BYTES + _NUMBER_BYTES * numbers
+        fields = f" of {numbers:,} numbers" if numbers else ""
+        least = math.prod(self.block.values())
+        advice = "ask for fewer positions and times"
+        if least > 1:
+            advice += ", or lower `chunk`"
+        what = f"survey: a chunk of {least:,} points{fields}"
+        check_memory(each * least, None, what, advice)
+        if whole:
+            advice = "write it as .zarr, chunk by chunk, or ask for less"
+            check_memory(each * self.count, None, f"survey: {self.count:,} points{fields}", advice)
 
     @property
     def digest(self) -> str:
@@ -209,6 +248,7 @@ def planned(
         If there is no such parameter, no value, lists that go together differ in length, or an
         option is out of range.
     """
+    checked_scene("survey", scene)
     values: dict[str, Array] = {}
     fixed: dict[str, float] = {}
     for given, row in parameters.items():
@@ -218,6 +258,7 @@ def planned(
         numbers = checked_values(name, row)
         if numbers.ndim:
             values[name] = numbers
+            _check_count(f"values of {name}", len(numbers), MOST_VALUES)
         else:
             fixed[name] = float(numbers)
     if not values:
@@ -228,7 +269,20 @@ def planned(
         raise SceneError(f"survey: rows of values that go together are as long, got {listed}.")
     points = _usual_chunk(scene, list(values)) if chunk is None else chunk
     points = checked_count("survey: chunk", points, 1, "a whole number from")
-    return Plan(scene, values, fixed, together, question.checked(), points)
+    plan = Plan(scene, values, fixed, together, question.checked(), points)
+    _check_count("points", plan.count, MOST_POINTS)
+    if plan.chunks > MOST_CHUNKS:
+        raise SceneError(
+            f"survey: {plan.chunks:.3g} chunks are too many; raise `chunk` to "
+            f"{math.ceil(points * plan.chunks / MOST_CHUNKS):,}, or ask for fewer points."
+        )
+    return plan
+
+
+def _check_count(what: str, count: int, most: int) -> None:
+    """Raise SceneError for more values or points than a survey can have."""
+    if count > most:
+        raise SceneError(f"survey: {count:.3g} {what} are too many; take at most {most:.0e}.")
 
 
 def _usual_chunk(scene: Scene, names: Sequence[str]) -> int:

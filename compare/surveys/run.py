@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike
 from compare.output.places import check_file
 from compare.surveys.plan import Plan, Question, planned
 from compare.surveys.points import solved_chunk
-from compare.surveys.store import Store, opened_store
+from compare.surveys.store import Store, check_folder, opened_store, seal_folder
 from compare.surveys.workers import Progress, Task, run_tasks
-from semianalytic.results.files import write_bytes
+from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.checks import shown
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.extras import require
@@ -129,6 +129,7 @@ def run_survey(
     command: str,
 ) -> Any:
     """Do what was planned; raises and returns as `survey`.  `command` is how it was asked for."""
+    plan.check_memory(whole=path is None or path.suffix == ".nc")
     if path is None:
         require("A survey", "xarray")
         from compare.surveys.dataset import dataset_of
@@ -188,11 +189,12 @@ def _write(path: Path, plan: Plan, store: Store, command: str) -> Any:
 
     if path.suffix == ".nc":
         result = dataset_of(plan, chunks, command)
-        write_bytes(path, netcdf_bytes(result))
+        write_bytes(path, netcdf_bytes(result), Seal.TRAILING)
         return result
     part = path.with_name(f".{path.name}.part")
     try:
         write_zarr(part, plan, chunks, command)
+        seal_folder(part)
         os.replace(part, path)
     except OSError as error:
         raise DataFileError(f"Cannot write {path}: {error.strerror or error}.") from error
@@ -205,10 +207,12 @@ def _written(path: Path, plan: Plan) -> Any:
 
     try:
         if path.suffix == ".nc":
+            check_seal(path)
             found = xarray.load_dataset(path, engine="h5netcdf")
         else:
+            check_folder(path)
             found = xarray.open_zarr(path, chunks=None)
-    except (OSError, ValueError, KeyError) as error:
+    except Exception as error:  # what is no survey at all makes its readers fail in any way
         raise DataFileError(
             f"{path} cannot be read as a survey ({error}); move it away or give another path."
         ) from error

@@ -1,7 +1,8 @@
-"""Chunks of a survey on the disk, until all of them are there."""
+"""Chunks of a survey on the disk, until all of them are there; and the seal of a Zarr store."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -14,6 +15,8 @@ from semianalytic.results.files import Seal, check_seal, write_bytes
 from semianalytic.scene.errors import DataFileError
 
 _PLAN = "survey.json"
+_SUMS = "sha256.txt"
+"""Of a Zarr store, whose readers do not look at it; ``sha256sum -c`` does."""
 
 
 class Store:
@@ -54,6 +57,46 @@ class Store:
 def store_folder(path: Path) -> Path:
     """Where the chunks of a survey are kept until it is whole: beside its file."""
     return path.with_name(f".{path.name}.survey")
+
+
+def seal_folder(folder: Path) -> None:
+    """Put the checksums of all files of a folder into one more.
+
+    Raises
+    ------
+    DataFileError
+        If it cannot be written.
+    """
+    write_text(folder / _SUMS, "".join(f"{sum_}  {name}\n" for name, sum_ in _sums(folder)))
+
+
+def check_folder(folder: Path) -> None:
+    """Raise unless a folder holds the files that it was sealed with, as they were.
+
+    Raises
+    ------
+    OSError
+        If one cannot be read.
+    ValueError
+        If one is damaged or missing, or the seal is.
+    """
+    lines = (folder / _SUMS).read_text(encoding="utf-8").splitlines()
+    known = {line[_DIGITS + 2 :]: line[:_DIGITS] for line in lines}
+    wrong = [name for name, sum_ in _sums(folder) if known.pop(name, sum_) != sum_]
+    for name in (*wrong, *known):
+        raise ValueError(f"the checksum of {name} does not fit what it holds: it is damaged")
+
+
+_DIGITS = 64
+
+
+def _sums(folder: Path) -> Iterator[tuple[str, str]]:
+    """Names and SHA-256 of the files of a folder, in the order of names."""
+    for path in sorted(folder.rglob("*")):
+        if path.is_file() and path.name != _SUMS:
+            with path.open("rb") as stream:
+                digest = hashlib.file_digest(stream, "sha256")
+            yield path.relative_to(folder).as_posix(), digest.hexdigest()
 
 
 @contextmanager

@@ -265,7 +265,8 @@ def _signs(name: str, scene: Scene, conventions: Conventions) -> Iterator[Choice
             yield from ((2 * sign, 0.0, f"{half}{words}{note}") for sign, words in signs)
         yield from ((sign, 0.0, flip) for sign, words in signs if words)
         return
-    base = getattr(scene.base, "shear" if name == "shear_traction" else "pressure")
+    held = scene.superposition.in_place
+    base = held.shear if name == "shear_traction" else held.pressure
     fixed = conventions.sign if name == "shear_traction" else conventions.pressure
     if fixed is None:
         word = flip if name == "shear_traction" else "tension is positive; read with it changed"

@@ -21,6 +21,7 @@ from compare.validation.rows import quantity_norms, rows
 from semianalytic import Scene
 from semianalytic.scene.checks import checked_size
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.scene import checked_scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +111,7 @@ def validate(
     SceneError
         If spacings do not fit, or a march cannot follow the scene.
     """
+    checked_scene("validate", scene)
     conventions = conventions or Conventions()
     runs = [_with_rates(run, conventions) for run in as_runs(data)]
     detection = detect(runs[-1], scene, conventions)

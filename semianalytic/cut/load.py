@@ -140,7 +140,7 @@ def per_set(value: float | Array) -> float | Array:
 
 def scaled_load(scene: Scene) -> tuple[Load, float]:
     """Load of a scene in units of its largest traction, and that unit [stress]."""
-    f, base, load = scene.friction, scene.base, scene.load
+    f, (base, load) = scene.friction, scene.superposition
     parts = (load.shear, f * load.pressure, base.shear, f * base.pressure)
     unit = max(abs(part) for part in parts) or 1.0
     return _in_unit(scene, f, scene.far_slip_rate, unit), unit
@@ -156,7 +156,7 @@ def common_load(scenes: Sequence[Scene], unit: float) -> Load:
 def _in_unit(
     scene: Scene, friction: float | Array, far_slip_rate: float | Array, unit: float
 ) -> Load:
-    base, load, impedance = scene.base, scene.load, scene.material.shear_impedance
+    (base, load), impedance = scene.superposition, scene.material.shear_impedance
     law = scene.friction_law
     viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
     return Load(
@@ -172,7 +172,7 @@ def _in_unit(
 
 def check_pressure(scene: Scene) -> None:
     """Raise TensionError where the contact of a scene would open all the way to infinity."""
-    base, step = scene.base.pressure, scene.load.pressure
+    base, step = (part.pressure for part in scene.superposition)
     if base < 0 or (step != 0 and base <= max(tuning.LEAST_BASE * step, 0.0)):
         raise TensionError(
             f"scene: under a base pressure of {base:.4g} nothing holds the contact together far "
@@ -184,6 +184,6 @@ def check_pressure(scene: Scene) -> None:
 def contact_opens(scene: Scene) -> bool:
     """Whether the contact opens: at its edge for P_0 < 0, else where a closed one would pull, at
     the Rayleigh front first, P_b + P_0 p*(c) < 0."""
-    base, step = scene.base.pressure, scene.load.pressure
+    base, step = (part.pressure for part in scene.superposition)
     stuck = stuck_traction(scene.material.poisson_ratio, "I")
     return step < -tuning.LEAST_BASE * base or base + step * stuck.at_rayleigh_front < 0

@@ -26,7 +26,6 @@ resistance where it borders on an opening: V, or its finite part, is 0 there (do
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +36,7 @@ from semianalytic.cut.load import Load, normal_load, per_set
 from semianalytic.cut.panels import Panels, lay_panels
 from semianalytic.cut.running import Power, RunningIntegral, split_power
 from semianalytic.cut.strength import PressurePart
+from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import (
     Array,
     CutPoints,

@@ -17,6 +17,7 @@ from semianalytic.field.transform import Transform
 from semianalytic.halfplane.rayleigh import Array, rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loading import traction_ahead
 from semianalytic.scene.scene import Scene
 
 _SHEARED = np.array([-1, 1, -1, -1, 1, -1, 1])
@@ -57,8 +58,8 @@ class Bodies:
         """See `Solution.stress`."""
         rows = self._rows(x, y, t)[[2, 3, 4, 8, 9] if self.scene.antiplane else [2, 3, 4]]
         rows *= self.stress_unit
-        rows[1] -= self.scene.base.pressure
-        rows[-1] += self.scene.base.shear
+        rows[1] -= traction_ahead(self.scene, "pressure", t)
+        rows[-1] += traction_ahead(self.scene, "shear", t)
         return rows
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:

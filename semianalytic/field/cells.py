@@ -195,10 +195,14 @@ class Primitives:
         return list(order)
 
     def _form(self, cells: list[Cell]) -> None:
-        """Add cells, each after that from which it takes its constant."""
-        nodes, matrix = _pattern()
+        """Add cells, each after that from which it takes its constant.
+
+        Threads may form the same cell at a time.  Each comes to the same digits, whatever it forms
+        beside it, and what is added is complete, so that readers need not wait for one another.
+        """
+        fresh: dict[Cell, Complex] = {}
         middles = np.array([self._middle(cell) for cell in cells])
-        offsets = np.exp(middles[:, None] + _HALF * nodes)
+        offsets = np.exp(middles[:, None] + _HALF * _pattern()[0])
         offsets = offsets.real + 1j * np.maximum(offsets.imag, 0.0)
         largest = np.maximum(np.abs(offsets).max(axis=1), 1.0)
         sizes = np.floor(np.log(largest) / np.log(tuning.SCALES))
@@ -207,27 +211,36 @@ class Primitives:
             for size in np.unique(sizes[owners == owner]):
                 these = np.flatnonzero((owners == owner) & (sizes == size))
                 scale = tuning.SCALES ** float(size + 1)
-                values = self._densities(int(owner), offsets[these], scale)
-                integrands = values * (offsets[these] * _HALF)
-                grown = np.einsum("nm,fcm->cnf", matrix, integrands)
-                grown /= np.arange(1.0, len(matrix) + 1)[:, None]
-                coefs = np.concatenate([np.zeros_like(grown[:, :1]), grown], axis=1)
-                if self.kept is not None:
-                    series = np.einsum("nm,cm->cn", matrix, values[self.kept])
-                    coefs[:, :, self.kept] = np.pad(series, ((0, 0), (0, 1)))
-                self._cells.update(zip((cells[i] for i in these), coefs, strict=True))
+                coefs = self._coefficients(int(owner), offsets[these], scale)
+                fresh.update(zip((cells[i] for i in these), coefs, strict=True))
         for cell in cells:
-            self._add_constant(cell)
+            self._add_constant(cell, fresh)
+        self._cells.update(fresh)
 
-    def _add_constant(self, cell: Cell) -> None:
-        """Make a new cell begin with what the one before it ends with."""
-        link, coefs = self._link(cell), self._cells[cell]
+    def _coefficients(self, owner: int, offsets: Complex, scale: float) -> Complex:
+        """(c, n, f): polynomials of cells about a centre, their constants still at will."""
+        matrix = _pattern()[1]
+        values = self._densities(owner, offsets, scale)
+        integrands = np.ascontiguousarray(np.moveaxis(values * (offsets * _HALF), 0, -1))
+        grown = matrix @ integrands
+        grown /= np.arange(1.0, len(matrix) + 1)[:, None]
+        coefs = np.concatenate([np.zeros_like(grown[:, :1]), grown], axis=1)
+        if self.kept is not None:
+            series = matrix @ values[self.kept][..., None]
+            coefs[:, :-1, self.kept], coefs[:, -1, self.kept] = series[..., 0], 0.0
+        return coefs
+
+    def _add_constant(self, cell: Cell, fresh: dict[Cell, Complex]) -> None:
+        """Make a new cell begin with what the one before it ends with, which is new or there."""
+        link, coefs = self._link(cell), fresh[cell]
         if link is None:
             half = np.log(self._gaps[cell.centre, cell.left] / 2)
             known, own = self._ahead, complex(half, np.pi)
         else:
-            (known,), own = self._values(link[0], np.array([link[2]])), link[1]
-        (gained,) = self._values(cell, np.array([own]))
+            before, own = link[0], link[1]
+            inner = fresh[before] if before in fresh else self._cells[before]
+            (known,) = self._values(before, inner, np.array([link[2]]))
+        (gained,) = self._values(cell, coefs, np.array([own]))
         kept = coefs[0, self.kept] if self.kept is not None else 0.0
         coefs[0] += known - gained
         if self.kept is not None:
@@ -256,9 +269,8 @@ class Primitives:
         at_zero = float(load.load_shear - np.asarray(load.far_slip_rate).ravel()[0])
         return self._ahead - plane_wave(at_zero, self._mode, factors.a)
 
-    def _values(self, cell: Cell, log: Complex) -> Complex:
-        """(m, f): all integrals at points of a cell, from ln(k - centre)."""
-        coefs = self._cells[cell]
+    def _values(self, cell: Cell, coefs: Complex, log: Complex) -> Complex:
+        """(m, f): all integrals at points of a cell, from its polynomials and ln(k - centre)."""
         within = (log - self._middle(cell)) / _HALF
         return np.vander(within, len(coefs), increasing=True) @ coefs
 
@@ -297,5 +309,5 @@ class Primitives:
         result = np.empty((len(k), self._cells[names[0]].shape[1]), dtype=complex)
         for index, name in enumerate(names):
             here = order[starts[index] : starts[index + 1]]
-            result[here] = self._values(name, logs[here])
+            result[here] = self._values(name, self._cells[name], logs[here])
         return result

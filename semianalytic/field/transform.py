@@ -146,31 +146,29 @@ class Transform:
         return np.concatenate([left.ravel(), right])
 
     def near(self, centre: Centre, offset: Complex, scale: float) -> Complex:
-        """T at k = centre + offset, (m,), Im >= 0, with |k| not far above `scale`."""
+        """T at k = centre + offset, (c, m), Im >= 0, with |k| not far above `scale`.
+
+        Each row is summed alone, over nodes that its own distance decides on: its digits do not
+        depend on what else is asked for.
+        """
         distances, place = self._offsets(centre), centre.place
         power = tuning.FADING + len(self._borders)
         fading = self._weights * (1 + (distances + place) / (1j * scale)) ** -power
         carried = fading * self._values
-        kept = self._kept(np.abs(carried) + np.abs(fading), np.abs(distances), np.abs(offset))
-        parts = (carried.real, carried.imag, fading.real, fading.imag)
-        weights = np.stack([part[kept] for part in parts], axis=1)
-        above, below = _cauchy(distances[kept], weights, offset.ravel())
-        result = np.asarray(above / below).reshape(offset.shape)
+        weights = np.stack([carried.real, carried.imag, fading.real, fading.imag], axis=1)
+        weight, away = np.abs(carried) + np.abs(fading), np.abs(distances)
+        result = np.empty(offset.shape, dtype=complex)
+        least = np.floor(np.log(np.abs(offset).min(axis=1)) / np.log(tuning.SCALES))
+        for size in np.unique(least):
+            sizes = weight / (away + tuning.SCALES**size)
+            kept = sizes > tuning.NEGLIGIBLE * self.fields.panels.rule.tolerance * sizes.max()
+            nodes, their_weights = distances[kept], weights[kept]
+            for row in np.flatnonzero(least == size):
+                above, below = _cauchy(nodes, their_weights, offset[row])
+                result[row] = above / below
         for border in self._borders:
             result /= offset + border.distance(centre)
         return result
-
-    def _kept(self, weights: Array, distances: Array, offsets: Array) -> np.ndarray:
-        """(m,) nodes that count at some of the offsets: next to a front on which T is infinite a
-        node may outweigh all of those that matter farther off."""
-        share = tuning.NEGLIGIBLE * self.fields.panels.rule.tolerance
-        nearest, farthest = np.log(offsets.min()), np.log(offsets.max())
-        count = int(np.ceil((farthest - nearest) / tuning.SIFTED)) + 1
-        kept = np.zeros(len(weights), dtype=bool)
-        for offset in np.exp(np.linspace(nearest, farthest, count)):
-            sizes = weights / (distances + offset)
-            kept |= sizes > share * sizes.max()
-        return kept
 
 
 def _cauchy(place: Array, weights: Array, at: Complex) -> tuple[Complex, Complex]:

@@ -10,10 +10,8 @@ MIDDLE = 1.0
 then sees no panel under more than a right angle, within the strip of the rule."""
 CACHED_KERNEL = 60_000
 """Values of the kernel formed at once, so that they stay in the processor's cache."""
-NEGLIGIBLE, SIFTED = 0.01, 3.0
-"""Share of the tolerance of a rule that a node may carry, over its distance, and be left out; and
-the steps of the logarithm of the distance at which that is looked at.  Looked at only next to a
-front, where weights grow like its power -1/2, nodes were left out that carry stresses elsewhere."""
+NEGLIGIBLE = 0.01
+"""Share of the tolerance of a rule that a node may carry, over its distance, and be left out."""
 
 LONGER = 28.0
 """How much farther in y the rule of transforms goes than that of zones: T grows like k^1/2 at a

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from semianalytic.field.derived import strain
 from semianalytic.halfplane.rayleigh import Array
-from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.checks import LARGEST, SMALLEST, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.solution import Solution
@@ -103,12 +103,9 @@ class Gauge:
             raise SceneError("gauge: t and values must be two rows of as many numbers.")
         if not np.all(np.isfinite(t)) or not np.all(np.isfinite(values)) or np.any(np.diff(t) <= 0):
             raise SceneError("gauge: t and values must be finite numbers, and t ascending.")
-        noise = _numbers("noise", self.noise)
-        if noise.shape not in ((), t.shape) or not np.all((noise > 0) & np.isfinite(noise)):
-            raise SceneError(
-                "gauge: noise must be positive and finite, one number or one for each sample."
-            )
-        object.__setattr__(self, "noise", noise if noise.ndim else float(noise))
+        if max(np.abs(t).max(), np.abs(values).max()) > LARGEST:
+            raise SceneError(f"gauge: t and values must not exceed {LARGEST:g}; use other units.")
+        object.__setattr__(self, "noise", checked_noise(self.noise, values))
 
     @property
     def on_interface(self) -> bool:
@@ -134,6 +131,28 @@ def _numbers(name: str, given: ArrayLike) -> Array:
         return np.array(given, dtype=float)
     except (TypeError, ValueError):
         raise SceneError(f"gauge: {name} must be numbers, got {shown(given)}.") from None
+
+
+def checked_noise(given: ArrayLike, values: Array) -> float | Array:
+    """Standard deviation of samples (n,): one number or (n,).
+
+    Raises
+    ------
+    SceneError
+        If it is neither, or one is not positive, or no more than what values are rounded by.
+    """
+    noise = _numbers("noise", given)
+    if noise.shape not in ((), values.shape) or not np.all((noise > 0) & np.isfinite(noise)):
+        raise SceneError(
+            "gauge: noise must be positive and finite, one number or one for each sample."
+        )
+    least = max(SMALLEST, float(np.finfo(float).eps * np.abs(values).max()))
+    if noise.min() < least or noise.max() > LARGEST:
+        raise SceneError(
+            f"gauge: noise must lie within {least:.2g}, to which the largest value is rounded, and "
+            f"{LARGEST:g}; give the standard deviation of the samples."
+        )
+    return noise if noise.ndim else float(noise)
 
 
 def check_quantity(quantity: str, scene: Scene) -> None:

@@ -94,12 +94,13 @@ class Trials:
         return self._solved(self.at(scaled)[0])
 
     def _solved(self, scene: Scene) -> Solution:
-        if scene not in self._known:
+        solution = self._known.get(scene)
+        if solution is None:
             self.count += 1
-            self._known[scene] = solve(scene, rtol=self.rtol)
+            solution = self._known[scene] = solve(scene, rtol=self.rtol)
             for oldest in list(self._known)[:-_KEPT]:
-                del self._known[oldest]
-        return self._known[scene]
+                self._known.pop(oldest, None)  # unless another thread has
+        return solution
 
     def misfit(self, scaled: Array) -> Array:
         """(n,) of samples and priors, in standard deviations; infinite where there is no scene."""
@@ -133,8 +134,15 @@ class Trials:
         """(n,) the same of a solution that is known."""
         samples = self.samples
         seen = samples.gain(setup) * samples.of(solution, setup)
-        known = [prior.misfit(value)[0] for _, prior, value in self._known_before(scaled)]
+        known = list(self.pulls(scaled).values())
         return np.concatenate([(seen - samples.values) / samples.noise, known])
+
+    def pulls(self, scaled: Array) -> dict[str, float]:
+        """Standard deviations of unknowns from the middle of their priors, by name."""
+        return {
+            self.unknowns.names[number]: prior.misfit(value)[0]
+            for number, prior, value in self._known_before(scaled)
+        }
 
     @property
     def rows(self) -> int:

@@ -51,22 +51,22 @@ def closed_form(scene: Scene) -> KnownAnswer:
     SceneError
         If the scene is of another kind.
     """
-    material, friction, load = scene.material, scene.friction, scene.load
+    material, friction, (held, load) = scene.material, scene.friction, scene.superposition
     pressure, shear = load.pressure, load.shear
     if not (scene.is_step and scene.friction_law == CoulombFriction()):
         raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
     if scene.antiplane:
         return _antiplane_form(scene)
-    if scene.base == load and friction * pressure <= shear:
+    if held == load and friction * pressure <= shear:
         return KnownAnswer(
             lambda speed: slip_rate_under_remote_shock(material, pressure, shear, friction, speed),
             None,
         )
-    if pressure or scene.base.shear or not shear:
+    if pressure or held.shear or not shear:
         raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
     if friction == 0:
         return KnownAnswer(lambda speed: slip_rate_without_friction(material, shear, speed), None)
-    ratio = friction * scene.base.pressure / shear
+    ratio = friction * held.pressure / shear
     return KnownAnswer(
         lambda speed: slip_rate_under_shear_step(material, shear, ratio, speed),
         edge_speed_under_shear_step(material, ratio),
@@ -75,11 +75,12 @@ def closed_form(scene: Scene) -> KnownAnswer:
 
 def _antiplane_form(scene: Scene) -> KnownAnswer:
     """The closed form of a step of antiplane shear under constant pressure."""
-    material, shear = scene.material, scene.load.shear
-    if scene.load.pressure or not shear or scene.far_slip_rate:
+    material, (held, load) = scene.material, scene.superposition
+    shear = load.shear
+    if load.pressure or not shear or scene.far_slip_rate:
         raise SceneError("no closed form is known of this scene; see semianalytic.reference.")
-    along = math.copysign(1, shear) * scene.base.shear
-    ratio = max(scene.friction * scene.base.pressure - along, 0.0) / abs(shear)
+    along = math.copysign(1, shear) * held.shear
+    ratio = max(scene.friction * held.pressure - along, 0.0) / abs(shear)
     return KnownAnswer(
         lambda speed: antiplane_slip_rate(material, shear, ratio, speed),
         antiplane_edge_speed(material, ratio),
@@ -97,16 +98,18 @@ def published_obstacle(scene: Scene) -> str:
         return "its strength depends on slip"
     if scene.antiplane:
         return "its shear is in plane"
-    if scene.base != scene.load:
-        return "its only load is a sudden remote one, base and load equal"
-    return "" if scene.friction * scene.load.pressure * scene.load.shear > 0 else "f P_0 is zero"
+    held, load = scene.superposition
+    if held != load:
+        return "its only load is a sudden remote one, on no base"
+    return "" if scene.friction * load.pressure * load.shear > 0 else "f P_0 is zero"
 
 
 def published_answer(scene: Scene) -> PublishedSlip | None:
     """The published algorithm by its default reading, where it applies."""
     if published_obstacle(scene):
         return None
-    ratio = scene.friction * scene.load.pressure / scene.load.shear
+    load = scene.superposition.taken_off
+    ratio = scene.friction * load.pressure / load.shear
     return published_slip(ratio, poisson_ratio=scene.material.poisson_ratio)
 
 
@@ -115,4 +118,5 @@ def published_unit(scene: Scene) -> float:
 
     2 f P_0/(mu b) [length / time].
     """
-    return 2 * scene.friction * scene.load.pressure / scene.material.shear_impedance
+    load = scene.superposition.taken_off
+    return 2 * scene.friction * load.pressure / scene.material.shear_impedance

@@ -44,10 +44,9 @@ class StaticZone:
 
 def static_zone(scene: Scene, t: float) -> StaticZone:
     """The static zone at a time of a scene with slow shear under constant pressure."""
-    load = scene.load.shear * float(scene.shear_history.value(t))
-    strength = scene.friction * scene.base.pressure - scene.base.shear + load
-    _, intensity = intensity_history(
-        scene.shear_history, scene.load, scene.material, t, scene.shear_mode
-    )
+    held, load = scene.superposition
+    gone = load.shear * float(scene.shear_history.value(t))
+    strength = scene.friction * held.pressure - held.shear + gone
+    _, intensity = intensity_history(scene.shear_history, load, scene.material, t, scene.shear_mode)
     length = np.pi / 8 * (float(intensity) / strength) ** 2
     return StaticZone(strength, float(length), scene.static_modulus)

@@ -28,7 +28,8 @@ def regime(solution: Solution) -> Regime:
     if solution.status != "converged":
         return "failed"
     scene = solution.scene
-    forward = math.copysign(1, scene.load.shear or scene.base.shear)
+    held, load = scene.superposition
+    forward = math.copysign(1, load.shear or held.shear)
     if any(zone.sense != forward for zone in solution.zones):
         return "reverse"
     if not solution.zones:

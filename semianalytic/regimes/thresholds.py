@@ -26,16 +26,17 @@ from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors, r
 from semianalytic.halfplane.rules import rule_for
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.scene.errors import ComputationError
-from semianalytic.scene.scene import Material, Scene, Tractions
+from semianalytic.scene.loading import REMOTE, SLOT, Tractions
+from semianalytic.scene.scene import Material, Scene
 from semianalytic.selfsimilar.solver import solve
 
 Loading = Literal["preload", "remote"]
 
 NARROWEST = 1e-14  # half-width of a stick gap that positions x / t in double precision resolve
 _TRACTIONS = {
-    "preload": ((1.0, 0.0), (0.0, 1.0)),
-    "remote": ((1.0, 1.0), (1.0, 1.0)),
-}  # base and step, each pressure and shear
+    "preload": (Tractions(1.0, 0.0), Tractions(0.0, 1.0), SLOT),
+    "remote": (Tractions(0.0, 0.0), Tractions(1.0, 1.0), REMOTE),
+}  # base, load and where it acts
 SLOW_FRONTS = (math.log(1e-6), math.log(1e6))  # logarithms of v - c, from c_R to nearly 0
 NEGLIGIBLE = 5e-4  # what a zone just born at the shear front may still be left out for
 RULE = rule_for(1e-12)  # the traction at a front is right to 40 times that at worst
@@ -78,14 +79,15 @@ def scene_of(loading: Loading, poisson_ratio: float, chi: float) -> Scene:
     SceneError
         If the Poisson ratio is not in (-1, 0.5) or chi < 0.
     """
-    base, step = _TRACTIONS[loading]
-    return Scene(Material(1.0, 1.0, poisson_ratio), chi, Tractions(*base), Tractions(*step))
+    base, load, place = _TRACTIONS[loading]
+    return Scene(Material(1.0, 1.0, poisson_ratio), chi, base, load, load_on=place)
 
 
 def load_of(loading: Loading, chi: float, viscosity: float = 0.0) -> Load:
     """Load of a scene in its own units, of a viscosity [rho c_t / 2]."""
-    base, step = _TRACTIONS[loading]
-    return Load(chi, *base, *step, far_slip_rate=0.0, resistance=viscosity or None)
+    held, off = scene_of(loading, 0.0, 0.0).superposition
+    tractions = (held.pressure, held.shear, off.pressure, off.shear)
+    return Load(chi, *tractions, far_slip_rate=0.0, resistance=viscosity or None)
 
 
 def one_zone(

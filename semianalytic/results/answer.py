@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -50,6 +52,29 @@ class OpenInterval:
 
     start: float
     end: float
+
+
+def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "g") -> int:
+    """Digits with which edges that differ are shown as different, and distances to two digits.
+
+    Strips about the Rayleigh front, of reverse slip without friction or of stick with little of
+    it, may be narrower than 1e-12 of its speed, and would else be shown as if they were empty.
+
+    Parameters
+    ----------
+    edges : iterable of float
+        Velocities or positions; infinite ones are left out, and what agrees to 15 significant
+        digits is taken to be the same.
+    least : int
+        How many digits at least.
+    form : str
+        Whether digits are significant ones ("g") or those after the point ("f").
+    """
+    different = {float(f"{edge:.15g}") for edge in edges if math.isfinite(edge)}
+    for digits in range(least, 17):
+        if len({f"{one:.{digits}{form}}" for one in different}) == len(different):
+            return digits if digits == least else digits + 1
+    return 17
 
 
 class Answer(Protocol):

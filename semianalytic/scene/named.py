@@ -6,12 +6,14 @@ import difflib
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
+from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_document
@@ -23,7 +25,7 @@ TABLES = {
 }
 LOWER_MATERIAL = "lower_material"
 OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
-WORDS = ("mode", "units")
+WORDS = ("mode", "load_on", "units")
 """Optional keys that are no numbers; what they may be is for the scene to judge."""
 
 
@@ -36,7 +38,8 @@ class NamedScene:
 
 
 _UNIT_SOLID = Material(shear_modulus=1.0, density=1.0, poisson_ratio=1 / 3)
-_PRELOAD, _SHEAR = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
+_NOTHING, _PRELOAD = Tractions(0.0, 0.0), Tractions(1.0, 0.0)
+_SHEAR, _BOTH = Tractions(0.0, 1.0), Tractions(1.0, 1.0)
 
 DEFAULT_SCENE = "preloaded"
 
@@ -46,11 +49,11 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
         "constant pressure, sudden shear: two slip zones, one ahead of the shear wave",
     ),
     "remote-shock": NamedScene(
-        Scene(_UNIT_SOLID, 1.25, base=Tractions(1.0, 1.0), load=Tractions(1.0, 1.0)),
+        Scene(_UNIT_SOLID, 1.25, base=_NOTHING, load=_BOTH, load_on=REMOTE),
         "sudden remote pressure and shear, friction just low enough for the edge to slip",
     ),
     "stuck": NamedScene(
-        Scene(_UNIT_SOLID, 2.0, base=Tractions(1.0, 1.0), load=Tractions(1.0, 1.0)),
+        Scene(_UNIT_SOLID, 2.0, base=_NOTHING, load=_BOTH, load_on=REMOTE),
         "sudden remote pressure and shear, friction high enough to hold everywhere",
     ),
     "auxetic": NamedScene(
@@ -100,7 +103,7 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
 }
 
 
-def find_scene(source: str) -> Scene:
+def find_scene(source: str | PathLike[str]) -> Scene:
     """Scene called by its name or by the path of a TOML file.
 
     Parameters
@@ -117,6 +120,11 @@ def find_scene(source: str) -> Scene:
     PluginError
         If the package that brings the scene is broken, or not the only one.
     """
+    if not isinstance(source, str | PathLike):
+        raise SceneError(
+            f"find_scene: give the name of a scene or the path of a TOML file, got {shown(source)}."
+        )
+    source = fspath(source)
     return _identical(source, *find_blocks(source))
 
 
@@ -192,8 +200,8 @@ def read_scene(path: str | Path) -> Scene:
     ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units; and if
     wanted ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
     ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).
-    Before the tables, ``mode = "antiplane"`` turns shear and slip along z, and ``units = "SI"``
-    makes all output say m, s and Pa.
+    Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on = "remote"``
+    lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s and Pa.
 
     Raises
     ------
@@ -255,6 +263,7 @@ def override_scene(
     load_shear: float | None = None,
     viscosity: float | None = None,
     mode: str | None = None,
+    load_on: str | None = None,
 ) -> Scene:
     """The scene with every parameter that is not None replaced.
 
@@ -278,6 +287,7 @@ def override_scene(
         friction=scene.friction if friction is None else friction,
         friction_law=_with_viscosity(scene.friction_law, viscosity),
         mode=scene.mode if mode is None else mode,
+        load_on=scene.load_on if load_on is None else load_on,
     )
 
 

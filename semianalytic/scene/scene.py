@@ -8,6 +8,7 @@ lower face), positive towards +x, or +z.  Any consistent set of units will do.
 
 from __future__ import annotations
 
+import difflib
 import math
 import sys
 from collections.abc import Mapping
@@ -17,7 +18,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from semianalytic.scene.checks import checked_number, checked_size, shown
+from semianalytic.scene.checks import checked_number, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import (
     CoulombFriction,
@@ -27,7 +28,9 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.loading import LOADED, REMOTE, SLOT, Superposition, Tractions, superposition
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
+from semianalytic.scene.material import Material
 from semianalytic.scene.plugins import HISTORIES, LAWS, kind_of, known_class, plugin_names
 from semianalytic.scene.units import SI
 
@@ -69,87 +72,6 @@ _PARTS: Mapping[str, _Part] = {
 
 
 @dataclass(frozen=True)
-class Material:
-    """Isotropic linear elastic solid, the same on both sides of the interface.
-
-    Parameters
-    ----------
-    shear_modulus : float
-        Shear modulus [stress], positive.
-    density : float
-        Mass density [mass / length^3], positive.
-    poisson_ratio : float
-        Poisson ratio, -1 < poisson_ratio < 0.5.
-
-    Raises
-    ------
-    SceneError
-        If a parameter is not a finite number or outside its range.
-    """
-
-    shear_modulus: float
-    density: float
-    poisson_ratio: float
-
-    def __post_init__(self) -> None:
-        for name in ("shear_modulus", "density"):
-            object.__setattr__(self, name, checked_size(f"material: {name}", getattr(self, name)))
-        poisson_ratio = checked_number(
-            "material: poisson_ratio",
-            self.poisson_ratio,
-            "lie strictly between -1 and 0.5",
-            lambda given: -1 < given < 0.5,
-        )
-        object.__setattr__(self, "poisson_ratio", poisson_ratio)
-
-    @cached_property
-    def shear_speed(self) -> float:
-        """Speed c_t of shear waves [length / time]."""
-        return math.sqrt(self.shear_modulus / self.density)
-
-    @cached_property
-    def longitudinal_speed(self) -> float:
-        """Speed c_l of pressure waves [length / time] (article, (3.18))."""
-        nu = self.poisson_ratio
-        return self.shear_speed * math.sqrt(2 * (1 - nu) / (1 - 2 * nu))
-
-    @cached_property
-    def rayleigh_speed(self) -> float:
-        """Speed c_R of Rayleigh waves [length / time]: the root of the Rayleigh function (4.17).
-
-        Found from the cubic in (c_R/c_t)^2 (the article's closed form, Appendix A, is garbled).
-        """
-        ratio2 = (self.shear_speed / self.longitudinal_speed) ** 2
-
-        def cubic(r: float) -> float:
-            return ((r - 8) * r + 24 - 16 * ratio2) * r - 16 * (1 - ratio2)
-
-        low, high = 0.1, 1.0
-        while low < (middle := (low + high) / 2) < high:
-            low, high = (middle, high) if cubic(middle) < 0 else (low, middle)
-        return self.shear_speed * math.sqrt(high)
-
-    @property
-    def shear_impedance(self) -> float:
-        """Traction per particle velocity of a plane shear wave, mu b [stress time / length]."""
-        return self.density * self.shear_speed
-
-
-@dataclass(frozen=True)
-class Tractions:
-    """A uniform pair of tractions [stress]: pressure (compression positive) and shear."""
-
-    pressure: float
-    shear: float
-
-    def __post_init__(self) -> None:
-        for name in ("pressure", "shear"):
-            object.__setattr__(
-                self, name, checked_number(f"tractions: {name}", getattr(self, name))
-            )
-
-
-@dataclass(frozen=True)
 class Scene:
     """Two identical half-planes, Coulomb friction, base tractions and a load.
 
@@ -160,11 +82,9 @@ class Scene:
     friction : float
         Coulomb friction coefficient f >= 0.
     base : Tractions
-        Uniform tractions (P_b, Q_b) on the whole line y = 0.
+        Uniform tractions (P_b, Q_b), in place on the whole line y = 0 and at rest before t = 0.
     load : Tractions
-        Load (P_0, Q_0): from t = 0 the slot faces x < 0 receive the traction change
-        (-P_0 f(t), -Q_0 f(t)).  With base == load and f a step this is a sudden uniform remote
-        load.
+        Load (P_0, Q_0); `load_on` says where it acts.
     pressure_history, shear_history : LoadHistory
         How P_0 and Q_0 rise and fall, f(t); steps unless given.
     friction_law : FrictionLaw
@@ -172,6 +92,10 @@ class Scene:
     mode : str
         "in-plane": shear and slip along x, plane strain; "antiplane": shear and slip along z.
         Pressure acts in plane strain in both.
+    load_on : str
+        "slot": from t = 0 the slot faces x < 0 receive the traction change (-P_0 f(t), -Q_0 f(t)).
+        "remote": a plane wave of normal incidence arrives from far away at t = 0, a step, and far
+        ahead of the slot the contact then carries (P_b + P_0, Q_b + Q_0).
     units : str
         "SI" if all numbers are in metres, seconds, kilograms and pascals, which tables then say;
         "" for any consistent set.  Scenes that differ in it alone are equal.
@@ -179,10 +103,10 @@ class Scene:
     Raises
     ------
     SceneError
-        If friction is negative or not finite, if the mode is unknown, if the base presses the
-        interface apart, if neither the base nor the state before a remote shock (base - load) can
-        be at rest, or if friction falls with slip rate faster than radiation can balance under the
-        base pressure.
+        If friction is negative or not finite, if the mode or the place of the load is unknown, if
+        the base, or what a remote load makes of it, presses the interface apart, if the base cannot
+        be at rest, if a remote load is no step, or if friction falls with slip rate faster than
+        radiation can balance under the pressure in place.
     """
 
     material: Material
@@ -193,7 +117,21 @@ class Scene:
     shear_history: LoadHistory = field(default_factory=Step)
     friction_law: FrictionLaw = field(default_factory=CoulombFriction)
     mode: str = IN_PLANE
+    load_on: str = SLOT
     units: str = field(default="", compare=False)
+
+    def __new__(cls, *args: Any, **given: Any) -> Scene:
+        """A scene to be filled, unless a parameter is none: Python's own words do not help."""
+        for name in given.keys() - cls.__dataclass_fields__.keys():
+            if name == "lower_material":
+                raise SceneError(
+                    "scene: both bodies are of one material; give lower_material to simulate."
+                )
+            known = [one.name for one in fields(cls)]
+            close = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
+            raise SceneError(f"scene: there is no parameter {shown(name)}; {hint}")
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         for name, kind in (("material", Material), ("base", Tractions), ("load", Tractions)):
@@ -212,6 +150,10 @@ class Scene:
                 )
         if self.mode not in MODES:
             raise SceneError(f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)}.")
+        if self.load_on not in LOADED:
+            raise SceneError(
+                f"scene: load_on must be {' or '.join(LOADED)}, got {shown(self.load_on)}."
+            )
         if self.units not in ("", SI):
             raise SceneError(f'scene: units must be "SI" or left out, got {shown(self.units)}.')
         if self.friction < 0:
@@ -221,17 +163,40 @@ class Scene:
                 "scene: base pressure must not be negative (compression is positive), "
                 f"got {self.base.pressure}."
             )
-        before = Tractions(
-            self.base.pressure - self.load.pressure, self.base.shear - self.load.shear
-        )
-        shock = self.is_step and self._at_rest(before)
-        if not (self._at_rest(self.base) or shock):
-            raise SceneError(
-                "scene: the interface would already slide before the load arrives; lower the base "
-                "shear below friction times base pressure, or make base and load equal "
-                "for a sudden remote load (docs/limits.md)."
+        self._check_rest()
+        if self.load_on == REMOTE:
+            self._check_remote()
+        self.check_weakening(self.superposition.in_place.pressure)
+
+    def _check_rest(self) -> None:
+        """Raise SceneError unless friction holds the base."""
+        if self._at_rest(self.base):
+            return
+        before = self.base.plus(Tractions(-self.load.pressure, -self.load.shear))
+        advice = "lower the base shear below friction times base pressure"
+        if self.is_step and self._at_rest(before):
+            advice += (
+                ", or, for a load that comes suddenly from far away, write "
+                f'base = Tractions({before.pressure:g}, {before.shear:g}) and load_on = "{REMOTE}"'
             )
-        self.check_weakening(self.base.pressure)
+        raise SceneError(
+            "scene: the interface would already slide before the load arrives; "
+            f"{advice} (docs/limits.md)."
+        )
+
+    def _check_remote(self) -> None:
+        """Raise SceneError unless a load from far away is a step that leaves a contact."""
+        if not self.is_step:
+            raise SceneError(
+                "scene: a load from far away comes as a step; leave out its histories, or take "
+                f'load_on = "{SLOT}" (docs/limits.md).'
+            )
+        pressure = self.superposition.in_place.pressure
+        if pressure < 0:
+            raise SceneError(
+                "scene: a load from far away must leave the contact pressed together, base and "
+                f"load pressure are {pressure:g} in all; raise one of them (docs/limits.md)."
+            )
 
     def __repr__(self) -> str:
         """As it is made, without what is left at its default."""
@@ -259,6 +224,11 @@ class Scene:
         strength = self.friction * tractions.pressure
         return tractions.pressure >= 0 and abs(tractions.shear) <= strength * (1 + 1e-12)
 
+    @cached_property
+    def superposition(self) -> Superposition:
+        """Tractions in place on the contact from t = 0 on, and those taken off the slot faces."""
+        return superposition(self)
+
     @property
     def antiplane(self) -> bool:
         """Whether shear and slip are along z."""
@@ -285,14 +255,15 @@ class Scene:
 
     def fastest_in(self, material: Material) -> float:
         """The same in another solid, as it may be on the lower side [length / time]."""
-        alone = self.antiplane and not self.load.pressure
+        alone = self.antiplane and not self.superposition.taken_off.pressure
         return material.shear_speed if alone else material.longitudinal_speed
 
     @property
     def acting_histories(self) -> dict[str, LoadHistory]:
         """Histories of the loads that are not zero, by name: pressure, shear."""
         histories = {"pressure": self.pressure_history, "shear": self.shear_history}
-        return {name: one for name, one in histories.items() if getattr(self.load, name)}
+        load = self.superposition.taken_off
+        return {name: one for name, one in histories.items() if getattr(load, name)}
 
     @property
     def is_step(self) -> bool:
@@ -321,21 +292,36 @@ class Scene:
         Zero unless a sudden remote load exceeds friction everywhere, by more than rounding; then
         strength and radiation balance.
         """
-        shear, frictional = abs(self.base.shear), self.friction * self.base.pressure
+        held = self.superposition.in_place
+        shear, frictional = abs(held.shear), self.friction * held.pressure
         if shear - frictional <= 4 * sys.float_info.epsilon * frictional:
             return 0.0
         radiated = self.material.shear_impedance / 2
         speed = self.friction_law.slip_speed(
             np.array(shear), np.array(frictional), radiated, np.array(0.0)
         )
-        return math.copysign(float(speed), self.base.shear)
+        return math.copysign(float(speed), held.shear)
+
+
+def checked_scene(function: str, given: object) -> Scene:
+    """What a function was given for its scene.
+
+    Raises
+    ------
+    SceneError
+        "{function}: scene must be a Scene, got {given}", and what to write for a name.
+    """
+    if isinstance(given, Scene):
+        return given
+    hint = f"; find_scene({given!r}) finds one by name" if isinstance(given, str) else ""
+    raise SceneError(f"{function}: scene must be a Scene, got {shown(given)}{hint}.")
 
 
 def scene_document(scene: Scene) -> dict[str, Any]:
     """A scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
 
-    Histories and friction law are named by `kind`; they, the mode and the units are left out where
-    they are the default.
+    Histories and friction law are named by `kind`; they, the mode, the place of the load and the
+    units are left out where they are the default.
     """
     document: dict[str, Any] = {
         "friction": scene.friction,
@@ -349,6 +335,8 @@ def scene_document(scene: Scene) -> dict[str, Any]:
             document[name] = part_document(part)
     if scene.antiplane:
         document["mode"] = scene.mode
+    if scene.load_on != SLOT:
+        document["load_on"] = scene.load_on
     if scene.units:
         document["units"] = scene.units
     return document
@@ -380,6 +368,7 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
         base=Tractions(**document["base"]),
         load=Tractions(**document["load"]),
         mode=document.get("mode", IN_PLANE),
+        load_on=document.get("load_on", SLOT),
         units=document.get("units", ""),
         **parts,
     )

@@ -94,6 +94,7 @@ def in_si_units(scene: Scene) -> Scene:
         shear_history=_scaled(scene.shear_history, scales),
         friction_law=_scaled(scene.friction_law, scales),
         mode=scene.mode,
+        load_on=scene.load_on,
         units=SI,
     )
 
@@ -120,11 +121,12 @@ def _lines(scene: Scene, origin: str) -> Iterator[str]:
     yield '# "SI": m, s, kg and Pa. Left out: any consistent set of units.'
     yield ("" if scene.units else "# ") + f'units = "{SI}"'
     yield f'mode = "{scene.mode}"  # in-plane: shear and slip along x; antiplane: along z, the edge'
+    yield f'load_on = "{scene.load_on}"  # slot: taken off its faces; remote: arrives from far away'
     yield f"friction = {_value(scene.friction)}  # Coulomb friction coefficient f, 0 or more"
     for table, said, parameters in (
         ("material", "of both bodies", MATERIAL),
         ("base", "in place before the load, on the whole line y = 0", TRACTIONS),
-        ("load", "taken off the slot faces; where equal to base, it comes from afar", TRACTIONS),
+        ("load", "what comes at t = 0, where load_on says", TRACTIONS),
     ):
         yield f"\n[{table}]  # {said}"
         yield from _values(document[table], parameters, scene.units)

@@ -6,6 +6,7 @@ import numpy as np
 
 from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.scene.loading import superposed_by
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.coulomb import doubtful, excess_intensity
@@ -14,7 +15,7 @@ from semianalytic.selfsimilar.coulomb import doubtful, excess_intensity
 def border(scene: Scene, profile: Profile, name: str) -> str:
     """A sentence on what changes beside a solution when a parameter does; "" if nothing does."""
     load = profile.fields.load
-    if name == "load_pressure" and not scene.load.pressure:
+    if name == "load_pressure" and not scene.superposition.taken_off.pressure:
         return "one-sided: a negative step of pressure would open the contact at its edge"
     if name in ("base_pressure", "load_pressure", "poisson_ratio") and load.load_pressure > 0:
         stuck = stuck_traction(profile.fields.factors.poisson_ratio, "I").at_rayleigh_front
@@ -29,7 +30,8 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
     if load.frictionless:
         return ""
     margin = abs(float(load.friction) * load.base_pressure - abs(load.base_shear))
-    of_base = name in ("friction", "base_pressure", "base_shear")
+    moved = superposed_by(scene, name)
+    of_base = name == "friction" or "base_pressure" in moved or "base_shear" in moved
     if of_base and margin < tuning.AT_BORDER:
         does = "slides" if load.far_slip_rate else "sticks"
         return f"one-sided: the base is at friction, and this holds as long as it {does}"

@@ -13,6 +13,7 @@ from semianalytic.cut.profile import Profile
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import ViscousFriction
+from semianalytic.scene.loading import superposed_by
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.borders import border, starts_at_front
@@ -171,15 +172,23 @@ class Derivative:
 
         Plus or minus infinity at edges beside which it has a square root.
         """
-        before = self.varied.variation.rates.base_shear
-        change = self._evaluate(x, t, lambda u: self.varied.traction(u) - before)
-        return self.stress * (before + change)
+        ahead = self._ahead("shear", t)
+        held = self.varied.variation.rates.base_shear
+        change = self._evaluate(x, t, lambda u: self.varied.traction(u) - held)
+        return ahead + self.stress * change
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Of the contact pressure [stress per unit of the parameter]; raises as `slip_rate`."""
-        before = self.varied.variation.rates.base_pressure
-        change = self._evaluate(x, t, lambda u: self.varied.pressure(u) - before)
-        return self.stress * (before + change)
+        ahead = self._ahead("pressure", t)
+        held = self.varied.variation.rates.base_pressure
+        change = self._evaluate(x, t, lambda u: self.varied.pressure(u) - held)
+        return ahead + self.stress * change
+
+    def _ahead(self, kind: str, t: ArrayLike) -> Array:
+        """Of a traction where no wave from the slot has come: before t = 0 only the base counts."""
+        moved = superposed_by(self.scene, self.name)
+        before, after = self.name == f"base_{kind}", f"base_{kind}" in moved
+        return np.where(np.asarray(t, dtype=float) < 0, float(before), float(after))
 
     @property
     def openings(self) -> tuple[OpenDerivative, ...]:
@@ -352,7 +361,8 @@ def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
         rates = Rates(resistance=2 / scene.material.shear_impedance)
     else:
         plain = name in ("friction", "poisson_ratio")
-        rates = Rates(**{name: 1.0 if plain else 1 / stress})
+        moved = (name,) if plain else superposed_by(scene, name)
+        rates = Rates(**dict.fromkeys(moved, 1.0 if plain else 1 / stress))
     free = load.frictionless and not load.far_slip_rate
     if free or not starts_at_front(profile):
         return rates

@@ -15,10 +15,17 @@ from semianalytic.cut.profile import Profile
 from semianalytic.cut.totals import dissipation, largest_slip_over_time, slipped_rate
 from semianalytic.halfplane.rayleigh import Array
 from semianalytic.halfplane.stuck import stress_intensity
-from semianalytic.results.answer import OpenInterval, SlipInterval, answer_dataset, sampled_history
+from semianalytic.results.answer import (
+    OpenInterval,
+    SlipInterval,
+    answer_dataset,
+    digits_apart,
+    sampled_history,
+)
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loading import Tractions, traction_ahead
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone, motion, over_slowness
@@ -101,7 +108,11 @@ class Solution:
     normal: Normal | None = None
 
     def __repr__(self) -> str:
-        speeds = [(f"{zone.inner:.4g}", f"{zone.outer:.4g}", zone.sense) for zone in self.zones]
+        digits = digits_apart((end for zone in self.zones for end in (zone.inner, zone.outer)), 4)
+        speeds = [
+            (f"{zone.inner:.{digits}g}", f"{zone.outer:.{digits}g}", zone.sense)
+            for zone in self.zones
+        ]
         zones = ", ".join(f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds)
         slips = f"slip at {zones}" if zones else "no slip"
         return f"<Solution: {slips}; {self.status}, error estimate {self.error_estimate:.1e}>"
@@ -151,7 +162,7 @@ class Solution:
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Total shear traction sigma_xy [stress], base included; raises as `slip_rate`."""
         change = self._evaluate(x, t, self.profile.shear_change)
-        return self.scene.base.shear + self.stress_unit * change
+        return traction_ahead(self.scene, "shear", t) + self.stress_unit * change
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Contact pressure [stress], base included, 0 where open; slip does not change it.
@@ -159,7 +170,7 @@ class Solution:
         Raises as `slip_rate`.
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
-        pressure = self.scene.base.pressure + self.stress_unit * change
+        pressure = traction_ahead(self.scene, "pressure", t) + self.stress_unit * change
         return np.where(self._is_open(x, t), 0.0, pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
@@ -222,9 +233,9 @@ class Solution:
         state; a slipping edge has |K_II| = f K_I.  In antiplane shear the second is K_III.
         """
         scene = self.scene
-        unit = type(scene.load)(1.0, 1.0)
+        unit = Tractions(1.0, 1.0)
         mode_one, sheared = stress_intensity(scene.material, unit, t, scene.shear_mode)
-        pressure = scene.load.pressure
+        pressure = scene.superposition.taken_off.pressure
         if self.normal is not None:
             pressure = -self.stress_unit * float(self.normal.profile.edge_intensity)
         mode_one = pressure * mode_one + 0.0  # 0 where open, not -0

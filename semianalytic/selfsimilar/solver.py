@@ -27,7 +27,7 @@ from semianalytic.scene.friction import (
     RateFriction,
     ViscousFriction,
 )
-from semianalytic.scene.scene import Scene
+from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.selfsimilar import tuning
 from semianalytic.selfsimilar.corrections import corrected, rearranged
 from semianalytic.selfsimilar.coulomb import violations
@@ -77,7 +77,7 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     TensionError
         If the contact pressure would turn tensile; the message says where.
     """
-    scene.check_self_similar()
+    checked_scene("solve", scene).check_self_similar()
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
     )

@@ -355,15 +355,16 @@ class Surroundings:
             return own, replace(load, resistance=resistance, far_slip_rate=far_slip_rate)
         if load.opened is None:
             return own, load
-        if (rates, point) not in self._opened:
+        known = self._opened
+        if (rates, point) not in known:
             pressures = {
                 name: getattr(load, name) + getattr(rates, name) * point
                 for name in ("base_pressure", "load_pressure")
             }
             closed = replace(load, **pressures, opened=None)
             opened, _ = with_opening(closed, own, tuning.VARIED_OPENING)
-            self._opened[rates, point] = opened
-        return own, self._opened[rates, point]
+            known[rates, point] = opened
+        return own, known[rates, point]
 
     @cached_property
     def _opened(self) -> dict[tuple[Rates, float], Load]:

@@ -30,7 +30,8 @@ def table_bytes(scene: Scene, count: int, steps: float) -> float:
 
 def _needs_table(scene: Scene) -> bool:
     pieces = scene.pressure_history.pieces
-    return bool(scene.load.pressure and (pieces.waves or len(pieces.kinks) > EXACT_KINKS))
+    load = scene.superposition.taken_off
+    return bool(load.pressure and (pieces.waves or len(pieces.kinks) > EXACT_KINKS))
 
 
 class GridPressure:
@@ -56,16 +57,18 @@ class GridPressure:
         self, scene: Scene, count: int, spacing: float, end_time: float, time_step: float
     ) -> None:
         offset, factors = edge_offset_and_factors()
-        self._scene = scene
+        self.spacing = spacing
+        held, self._load = (part.pressure for part in scene.superposition)
+        self._history = scene.pressure_history
         self._factor = np.ones(count)
         self._factor[: len(factors)] = factors[:count]
         self._x = (np.arange(count) + offset) * spacing
         self._arrival = self._x / scene.material.longitudinal_speed
         self._per = self._x / scene.material.shear_speed
-        self._pieces = scene.pressure_history.pieces if scene.load.pressure else Pieces()
+        self._pieces = self._history.pieces if self._load else Pieces()
         nu = scene.material.poisson_ratio
         self._stuck, self._primitive = stuck_traction(nu, "I"), stuck_primitive(nu, "I")
-        self._base = np.full(count, float(scene.base.pressure))
+        self._held = np.full(count, held)
         self._table = np.zeros((0, count))
         self._kinks = self._pieces.kinks
         if _needs_table(scene):
@@ -85,9 +88,8 @@ class GridPressure:
             yield from self._block(times[first : first + rows])
 
     def _block(self, times: Array) -> Iterator[Array]:
-        scene = self._scene
-        if scene.load.pressure == 0:
-            yield from (self._base for _ in times)
+        if self._load == 0:
+            yield from (self._held for _ in times)
             return
         response = np.zeros((len(times), len(self._x)))
         self._add(response, times, self._pieces.jumps, lambda u, per: self._stuck(u))
@@ -98,8 +100,8 @@ class GridPressure:
             step = self._table[low + 1] - self._table[low]
             response += self._table[low] + (at - low)[:, None] * step
         # what is singular at the edge is the response together with the load itself
-        load = scene.pressure_history.value(times)[:, None]
-        yield from self._base + scene.load.pressure * ((response + load) * self._factor - load)
+        load = self._history.value(times)[:, None]
+        yield from self._held + self._load * ((response + load) * self._factor - load)
 
     def _add(
         self,

@@ -29,9 +29,10 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
-from semianalytic.scene.scene import Scene
+from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.spacetime.advancing import advance
 from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
+from semianalytic.spacetime.grid_pressure import GridPressure
 from semianalytic.spacetime.march_memory import check_size
 from semianalytic.spacetime.marched import Extremes, Grid, Marched, MarchState, MarchStatistics
 from semianalytic.spacetime.resolution import (
@@ -40,6 +41,7 @@ from semianalytic.spacetime.resolution import (
     nodes_for_weakening,
     nodes_for_zone,
 )
+from semianalytic.spacetime.stepping import check_levels, segments_between
 from semianalytic.spacetime.tuning import (
     FIRST_NODES,
     GROWTH_MARGIN,
@@ -52,6 +54,7 @@ from semianalytic.spacetime.tuning import (
     MOST_NODES,
     NODES,
     ORDERS,
+    STEP_RATIO,
     TOLERANCES,
 )
 
@@ -77,7 +80,7 @@ def march(
     length: float | None = None,
     latest: float | None = None,
     companion: bool = True,
-    step_ratio: float = 0.5,
+    step_ratio: float = STEP_RATIO,
     damping: float = 0.7,
     every: int = 1,
     tolerance: float = 1e-6,
@@ -138,7 +141,7 @@ def march(
     ComputationError
         If the memory cannot be fitted or values are no longer finite.
     """
-    material = scene.material
+    material = checked_scene("march", scene).material
     end_time = 1 / material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")
     length = scene.fastest_speed * end_time if length is None else length
@@ -168,6 +171,34 @@ def march(
     if rtol is None:
         return plan.run(plan.enough_nodes(nodes, NODES, memory), memory, progress)
     return plan.run_within(rtol, memory, progress)
+
+
+def check_march(scene: Scene, end_time: float, nodes: int, length: float) -> None:
+    """Raise what `march` would for the loads of a scene, before a step is taken.
+
+    Parameters
+    ----------
+    scene : Scene
+    end_time : float
+        [time].
+    nodes : int
+    length : float
+        [length].
+
+    Raises
+    ------
+    SceneError
+        If the grid sees nothing of slip weakening, or rate weakening is ill posed at a pressure
+        that arises.
+    TensionError
+        If the pressure turns tensile at a node.
+    """
+    grid = causal_grid(scene, end_time, length, nodes)
+    check_weakening_seen(scene, grid.spacing)
+    segments = segments_between(scene, 0.0, end_time, STEP_RATIO, grid.spacing)
+    finest = min(segment.time_step for segment in segments)
+    pressure = GridPressure(scene, grid.size - grid.slot, grid.spacing, end_time, finest)
+    check_levels(scene, segments, pressure)
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from semianalytic.field.stuck_steps import stuck_step
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loading import traction_ahead
 from semianalytic.scene.scene import Material, Scene
 from semianalytic.spacetime.remainder import Remainder, SlotLoad, far_traction
 from semianalytic.spacetime.tuning import EDGE_SHARE
@@ -52,8 +53,8 @@ class MarchedBodies:
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """See `Marched.stress`."""
         rows = self._change("stress", x, y, t)
-        rows[1] -= self.scene.base.pressure
-        rows[-1] += self.scene.base.shear
+        rows[1] -= traction_ahead(self.scene, "pressure", t)
+        rows[-1] += traction_ahead(self.scene, "shear", t)
         return rows
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
@@ -106,7 +107,7 @@ class MarchedBodies:
     @cached_property
     def _remainder(self) -> Remainder:
         scene, times = self.scene, self.interface.t
-        load, far = scene.load, far_traction(scene, times)
+        load, far = scene.superposition.taken_off, far_traction(scene, times)
         normal = SlotLoad.of("I", load.pressure, scene.pressure_history, times)
         shear = SlotLoad.of(scene.shear_mode, load.shear, scene.shear_history, times)
         if np.any(far):

@@ -23,6 +23,7 @@ from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.loading import Tractions
 from semianalytic.scene.loads import LoadHistory, Pieces
 from semianalytic.scene.scene import Scene
 from semianalytic.spacetime.resolution import nodes_for_loads
@@ -168,7 +169,7 @@ class Remainder:
         """Change of sigma_yy (l, nodes), singular at the edge and not, at a part of the levels."""
         seen, contact = self.interface, self._contact
         singular = np.zeros((len(seen.t[part]), self._nodes))
-        pressed = seen.pressure[part, :contact] - self.scene.base.pressure
+        pressed = seen.pressure[part, :contact] - self._held.pressure
         singular[:, :contact] = self._stuck(self.normal, seen.t[part], contact) - pressed
         if self._slot:
             singular[:, -self._slot :] = self.normal.rest[part, None]
@@ -188,20 +189,25 @@ class Remainder:
         seen, every = self.interface, slice(None)
         slips, coefficient = (one[:, 0] for one in self._edge(every))
         stuck = self._stuck(self.shear, seen.t, 1)[:, 0] + self.shear.jumped(seen.t)
-        pressed = seen.pressure[:, 0] - self.scene.base.pressure + self._pressure_load(seen.t)
+        pressed = seen.pressure[:, 0] - self._held.pressure + self._pressure_load(seen.t)
         known = slips & (stuck != 0)
         return np.where(known, coefficient * pressed / np.where(known, stuck, 1.0), 1.0)
 
+    @property
+    def _held(self) -> Tractions:
+        """On the contact until waves come."""
+        return self.scene.superposition.in_place
+
     def _pressure_load(self, t: Array) -> Array:
-        return self.scene.load.pressure * self.scene.pressure_history.value(t)
+        return self.scene.superposition.taken_off.pressure * self.scene.pressure_history.value(t)
 
     def _shear_left(self, part: slice) -> tuple[Array, Array]:
         """Change of shear traction (l, nodes), singular at the edge and not, likewise."""
-        seen, base, contact, t = self.interface, self.scene.base, self._contact, self.interface.t
+        seen, held, contact, t = self.interface, self._held, self._contact, self.interface.t
         slips, coefficient = self._edge(part)
         singular, bounded = np.zeros((2, len(t[part]), self._nodes))
-        sheared = seen.shear_traction[part, :contact] - base.shear - self.far[part, None]
-        pressed = seen.pressure[part, :contact] - base.pressure
+        sheared = seen.shear_traction[part, :contact] - held.shear - self.far[part, None]
+        pressed = seen.pressure[part, :contact] - held.pressure
         bounded[:, :contact] = np.where(slips, sheared - coefficient * pressed, 0.0)
         singular[:, :contact] = np.where(slips, coefficient * pressed, sheared)
         singular[:, :contact] -= self._stuck(self.shear, t[part], contact)
@@ -234,16 +240,16 @@ class Remainder:
 def far_traction(scene: Scene, times: Array) -> Array:
     """Change of shear traction ahead of all waves at increasing times from 0 on, (m,) [stress].
 
-    Not 0 where the base alone is more than the contact bears.
+    Not 0 where a remote load is more than the contact bears.
     """
-    impedance = scene.material.shear_impedance / 2
-    stopping = np.array([abs(scene.base.shear)])
-    frictional = np.array([scene.friction * scene.base.pressure])
+    impedance, held = scene.material.shear_impedance / 2, scene.superposition.in_place
+    stopping = np.array([abs(held.shear)])
+    frictional = np.array([scene.friction * held.pressure])
     path, rates = np.zeros(1), np.zeros(len(times))
     for level, step in enumerate(np.diff(times, append=times[-1])):
         rates[level] = scene.friction_law.slip_speed(stopping, frictional, impedance, path)[0]
         path = path + step * rates[level]
-    return np.asarray(-np.sign(scene.base.shear) * impedance * rates)
+    return np.asarray(-np.sign(held.shear) * impedance * rates)
 
 
 def _resampled(lines: Complex, times: Array, at: Array) -> Complex:

@@ -128,18 +128,17 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
     times = np.linspace(0, end_time, count + 1)
     times = np.concatenate([times, [at for at in breaks[:count] if at < end_time]])
     mode_one, mode_two = np.zeros(times.shape), np.zeros(times.shape)
+    held, load = scene.superposition
     for name, history in scene.acting_histories.items():
-        intensities = intensity_history(
-            history, scene.load, scene.material, times, scene.shear_mode
-        )
+        intensities = intensity_history(history, load, scene.material, times, scene.shear_mode)
         if name == "pressure":
             mode_one = intensities[0]
         else:
             mode_two = intensities[1]
     excess = np.abs(mode_two) - scene.friction * mode_one
     strength = scene.friction * (
-        scene.base.pressure - scene.load.pressure * scene.pressure_history.value(times)
-    ) - np.sign(mode_two) * (scene.base.shear - scene.load.shear * scene.shear_history.value(times))
+        held.pressure - load.pressure * scene.pressure_history.value(times)
+    ) - np.sign(mode_two) * (held.shear - load.shear * scene.shear_history.value(times))
     scale = np.abs(mode_two).max() + scene.friction * np.abs(mode_one).max()
     slips = excess > NO_INTENSITY * scale
     bounded = strength > 0

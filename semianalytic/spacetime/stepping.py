@@ -8,10 +8,10 @@ that adds to the memory (`Recursion`).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import islice, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +98,23 @@ def _levels(scene: Scene, segment: Segment, pressure: GridPressure) -> Iterator[
         yield Level(now, step, load, on_contact)
 
 
+def check_levels(scene: Scene, segments: Sequence[Segment], pressure: GridPressure) -> None:
+    """Raise what steps through segments would for the pressure, which slip does not change.
+
+    Raises
+    ------
+    TensionError
+        If the contact would open.
+    SceneError
+        If friction weakens too fast under a pressure that arises.
+    """
+    if not scene.superposition.taken_off.pressure:
+        return
+    for segment in segments:
+        for level in islice(_levels(scene, segment, pressure), 1, None):
+            _check_pressure(scene, level, pressure.spacing)
+
+
 @dataclass(frozen=True)
 class Line:
     """The line y = 0 as a step sees it: tractions of the slot are prescribed, the contact rubs."""
@@ -117,7 +134,8 @@ class Line:
         """
         from scipy.fft import idct
 
-        return np.asarray(self.scene.base.shear - self.impedance * idct(past, type=2))
+        held = self.scene.superposition.in_place.shear
+        return np.asarray(held - self.impedance * idct(past, type=2))
 
     def slip_rate(self, stopping: Array, level: Level, path: Array) -> Array:
         """Relative slip rate of all nodes (size,) [length / time].
@@ -134,8 +152,8 @@ class Line:
         speed = scene.friction_law.slip_speed(
             np.abs(on_contact), scene.friction * level.pressure, self.impedance, path
         )
-        rate = np.empty(len(stopping))
-        rate[:slot] = (stopping[:slot] - (scene.base.shear - level.shear_load)) / self.impedance
+        rate, held = np.empty(len(stopping)), scene.superposition.in_place.shear
+        rate[:slot] = (stopping[:slot] - (held - level.shear_load)) / self.impedance
         rate[slot:] = np.where(on_contact < 0, 0.0 - speed, speed)
         return rate
 
@@ -255,12 +273,12 @@ def _shear_loads(scene: Scene, levels: Array) -> Array:
     held = np.searchsorted(breaks, inner + half) - np.searchsorted(breaks, inner - half)
     means = history.mean(inner - half, inner + half)
     loads[1:-1] = np.where(held >= AVERAGED_BREAKS, means, loads[1:-1])
-    return np.asarray(scene.load.shear * loads)
+    return np.asarray(scene.superposition.taken_off.shear * loads)
 
 
 def _check_pressure(scene: Scene, level: Level, spacing: float) -> None:
     """Raise if the contact would open, or friction weaken too fast under its pressure."""
-    if scene.load.pressure == 0:
+    if scene.superposition.taken_off.pressure == 0:
         return
     pressure = level.pressure
     node = int(np.argmin(pressure))

@@ -103,7 +103,7 @@ def _batches(solutions: Sequence[Solution], family: RayleighFamily) -> Iterator[
 
 def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Array, Array]:
     """Slip rates (k,) and intensities (k, 2) of solutions that may share panels."""
-    first, scenes = solutions[0], [solution.scene for solution in solutions]
+    scenes = [solution.scene for solution in solutions]
     unit = scaled_load(scenes[0])[1]
     every = [solution.profile.fields for solution in solutions]
     zones = tuple(
@@ -116,7 +116,7 @@ def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Ar
     profile = Profile(ZoneFields(family, common_load(scenes, unit), zones, rule))
     ones = Tractions(1.0, 1.0)
     unit_step = np.array([stress_intensity(s.material, ones, 1.0) for s in scenes])
-    mode_one = first.scene.load.pressure * unit_step[:, 0] + 0.0
+    mode_one = scenes[0].superposition.taken_off.pressure * unit_step[:, 0] + 0.0
     if not profile.edge_slips:
         sheared = unit * profile.edge_intensity * unit_step[:, 1] + 0.0
         return np.zeros(len(scenes)), np.stack([mode_one, sheared], axis=1)

@@ -73,7 +73,7 @@ class Plane:
     def _closed(self) -> np.ndarray:
         """(n,) whether the contact stays closed: pressure is least at the Rayleigh front, or at
         once at the contact edge."""
-        base, step = self.scenes[0].base.pressure, self.scenes[0].load.pressure
+        base, step = (part.pressure for part in self.scenes[0].superposition)
         change = traction_of(self.family, "I")(self.family.c)[:, 0]
         return np.asarray((step >= 0) & (base + step * change >= 0))
 

@@ -16,7 +16,7 @@ from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import needing
 from semianalytic.scene.friction import CoulombFriction
-from semianalytic.scene.scene import Scene
+from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.selfsimilar.solution import Solution
 from semianalytic.sweeps import tuning
 from semianalytic.sweeps.continuation import FROM_SCRATCH, Continuation
@@ -217,7 +217,7 @@ def sweep(
         If the contact would open all the way to infinity.
     """
     given = np.asarray(friction, dtype=object)
-    ratio = np.asarray(scene.material.poisson_ratio)
+    ratio = np.asarray(checked_scene("sweep", scene).material.poisson_ratio)
     if poisson_ratio is not None:
         ratio = np.asarray(poisson_ratio, dtype=object)
         given, ratio = _broadcast(given, ratio)

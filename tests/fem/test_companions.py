@@ -15,7 +15,7 @@ from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
 
 UNIT = Material(1.0, 1.0, 1 / 3)
-OWN = ("seconds", "peak_memory", "companion")
+OWN = ("seconds", "peak_memory", "remark", "companion")
 
 
 @pytest.fixture(scope="module")

@@ -107,7 +107,7 @@ def test_slip_converges_to_the_closed_form():
 @pytest.mark.parametrize(
     ("scene", "name"),
     [
-        (antiplane(1.0, *REMOTE), ANTIPLANE_LOCKSTEP),
+        (antiplane(1.0, **REMOTE), ANTIPLANE_LOCKSTEP),
         (antiplane(0.5, friction_law=ViscousFriction(0.25)), ANTIPLANE),
         (antiplane(0.3, (1.0, 0.3), (1.0, 0.6)), ANTIPLANE_LOCKSTEP),
     ],
@@ -129,7 +129,7 @@ def test_slip_weakening_agrees_with_a_march():
 
 
 def test_slot_faces_move_along_z_and_normally():
-    scene = antiplane(1.0, *REMOTE)
+    scene = antiplane(1.0, **REMOTE)
     run, exact = simulate(scene, resolution=100), solve(scene)
     x = run.slot.x[run.slot.x < -0.03]
     velocities = run.slot.velocity_x[-1, : len(x)], run.slot.velocity_y[-1, : len(x)]

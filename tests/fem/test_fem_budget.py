@@ -78,6 +78,7 @@ def test_critical_step_of_a_patch_is_that_of_the_blocks(nu, options):
     assert model.critical_step == pytest.approx(exact, rel=5e-4)
 
 
+@pytest.mark.gmsh
 def test_unknowns_of_unstructured_triangles_are_nearly_those_of_the_run():
     options = {"resolution": 30, "element": "P1", "mesh": "triangles"}
     predicted, run = cost(SHEARED, **options), simulate(SHEARED, **options)

@@ -1,9 +1,11 @@
 """The finite-element model against exact solutions, physical laws and itself."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
+from catalogue import SHOCK as REMOTE
 from scipy.integrate import quad
 
 from fem import simulate
@@ -16,9 +18,7 @@ from semianalytic.scene.scene import Material, Scene, Tractions
 UNIT = Material(1.0, 1.0, 1 / 3)
 PRELOADED = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
 STRONG = Scene(UNIT, 1.0, Tractions(1.0, 0.0), Tractions(0.0, 1.0))
-REMOTE = Scene(UNIT, 1.25, Tractions(1.0, 1.0), Tractions(1.0, 1.0))
-STUCK = Scene(UNIT, 2.0, Tractions(1.0, 1.0), Tractions(1.0, 1.0))
-SLIDING = Scene(UNIT, 0.5, Tractions(1.0, 1.0), Tractions(1.0, 1.0))
+STUCK, SLIDING = replace(REMOTE, friction=2.0), replace(REMOTE, friction=0.5)
 PRESSED = Scene(UNIT, 0.3, Tractions(1.0, 0.0), Tractions(1.0, 0.0))
 OPENING = Scene(UNIT, 0.5, Tractions(1.0, 0.2), Tractions(-1.0, 0.5))
 RECLOSING = Scene(UNIT, 0.5, Tractions(0.02, 0.0), Tractions(1.0, 0.5))
@@ -287,7 +287,7 @@ def test_trimmed_domain_and_window_change_nothing(scene, tmp_path, monkeypatch):
 
 
 def test_turning_the_shear_round_turns_the_slip_round():
-    turned = Scene(UNIT, 1.25, Tractions(1.0, -1.0), Tractions(1.0, -1.0))
+    turned = replace(REMOTE, load=Tractions(1.0, -1.0))
     one, other = run(REMOTE).interface, run(turned).interface
     np.testing.assert_array_equal(one.slip, -other.slip)
     np.testing.assert_array_equal(one.shear_traction, -other.shear_traction)
@@ -296,7 +296,7 @@ def test_turning_the_shear_round_turns_the_slip_round():
 
 def test_units_do_not_matter():
     steel = Material(80e9, 7850.0, 1 / 3)
-    scene = Scene(steel, 1.25, Tractions(5e6, 5e6), Tractions(5e6, 5e6))
+    scene = replace(REMOTE, material=steel, load=Tractions(5e6, 5e6))
     one, other = run(REMOTE).interface, run(scene, end_time=2e-5).interface
     rate = 5e6 / steel.shear_impedance
     np.testing.assert_allclose(other.slip_rate / rate, one.slip_rate, atol=1e-9)

@@ -7,7 +7,7 @@ import pytest
 from catalogue import PROBLEMS, STEEL, over
 from laws import check_invariants
 
-from semianalytic import Scene, SceneError, TensionError, Tractions, ViscousFriction, march, solve
+from semianalytic import SceneError, TensionError, Tractions, ViscousFriction, march, solve
 
 
 def test_names_are_unique():
@@ -83,7 +83,7 @@ def test_units_do_not_matter(problem):
     law, speed = scene.friction_law, material.shear_speed
     if isinstance(law, ViscousFriction):
         law = ViscousFriction(law.viscosity * material.shear_impedance)
-    there = Scene(material, scene.friction, base, load, friction_law=law, mode=scene.mode)
+    there = dataclasses.replace(scene, material=material, base=base, load=load, friction_law=law)
     solution, other = solve(scene), solve(there)
     np.testing.assert_allclose(other.edge_speeds, solution.edge_speeds * speed, rtol=1e-7)
     x = np.linspace(0.02, 1.95, 50)

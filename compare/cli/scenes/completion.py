@@ -8,6 +8,7 @@ from pathlib import Path
 FIGURES = ("interface",)
 METHODS = ("auto", "self-similar", "space-time")
 MODES = ("in-plane", "antiplane")
+LOADED = ("slot", "remote")
 QUANTITIES = (
     *("speed", "pressure", "max-shear", "fringes"),
     *("vx", "vy", "vz", "ux", "uy", "uz", "sxx", "syy", "sxy", "sxz", "syz"),

@@ -93,7 +93,7 @@ def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
     edges : sequence of float
         Velocities of the ends of its slip zones and openings [length / time].
     """
-    material, load = scene.material, scene.load
+    material, load = scene.material, scene.superposition.taken_off
     histories = ((scene.pressure_history, load.pressure), (scene.shear_history, load.shear))
     starts = {time for one, step in histories if step for time, _ in one.pieces.jumps}
     shear, pressure = 1 / material.shear_speed, 1 / material.longitudinal_speed

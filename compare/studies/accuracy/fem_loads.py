@@ -133,12 +133,12 @@ def _field_errors(plan: Plan, edge: float) -> list[float]:
     sliding = interface.sliding
     assert sliding is not None, "symmetry forbids this scene to slip"
     place = PROFILE[PROFILE > 0.05] * plan.scene.material.shear_speed
-    base, errors = plan.scene.base, []
+    held, errors = plan.scene.superposition.in_place, []
     for values, exact, before in (
         (sliding.mean_increment() / model.time_step, solution.slip_rate, 0.0),
         (sliding.offset(), solution.slip, 0.0),
-        (interface.shear, solution.shear_traction, base.shear),
-        (interface.pressure, solution.pressure, base.pressure),
+        (interface.shear, solution.shear_traction, held.shear),
+        (interface.pressure, solution.pressure, held.pressure),
     ):
         expected, seen = exact(place, 1.0), np.interp(place, model.contact_x, values)
         size = norm(expected - before, place, 1)

@@ -25,6 +25,7 @@ from semianalytic import InterfaceHistory, Material, Scene, Solution, Tractions,
 from semianalytic.halfplane.kernels import SlipHistory, interface_traction
 from semianalytic.halfplane.rayleigh import Mode
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.loading import REMOTE
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
@@ -62,7 +63,7 @@ def article_scene(chi: float, base: str, poisson_ratio: float = POISSON_RATIO) -
     material = article_material(poisson_ratio)
     if base == "remote":
         loads = Tractions(1.0, 1 / chi)
-        return Scene(material, 1.0, base=loads, load=loads)
+        return Scene(material, 1.0, base=Tractions(0.0, 0.0), load=loads, load_on=REMOTE)
     if base == "preloaded":
         return Scene(material, 1.0, base=Tractions(1.0, 0.0), load=Tractions(0.0, 1 / chi))
     raise SceneError(

@@ -84,7 +84,8 @@ def _stuck_shear_near_front(case: Case) -> float:
     """Largest simulated q* over c_t T < x < c_l T, one cell off the shear front."""
     x = case.history.x / (SHEAR_SPEED * case.history.t[-1])
     ahead = (x > 1 + 1 / case.resolution) & (x < 2)
-    change = case.history.shear_traction[-1, ahead] - case.solution.scene.base.shear
+    held = case.solution.scene.superposition.in_place
+    change = case.history.shear_traction[-1, ahead] - held.shear
     return float(change.max() * case.chi)
 
 

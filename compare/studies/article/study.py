@@ -213,10 +213,10 @@ def figure_2(cases: Cases) -> Figure:
     figure, [panels] = _panels(2, 9)
     rows = [np.searchsorted(history.t, part * END_TIME * 0.999) for part in (0.4, 0.7, 1.0)]
     x = np.linspace(2e-4, 0.11, 1200)
-    base = case.solution.scene.base
+    held = case.solution.scene.superposition.in_place
     fields = (
-        (stuck_pressure, history.pressure - base.pressure, 1.0, "$p^*/P_0$"),
-        (stuck_shear, (history.shear_traction - base.shear) * case.chi, 1.0, "$q^*/Q_0$"),
+        (stuck_pressure, history.pressure - held.pressure, 1.0, "$p^*/P_0$"),
+        (stuck_shear, (history.shear_traction - held.shear) * case.chi, 1.0, "$q^*/Q_0$"),
     )
     for panel, (predict, seen, amplitude, label) in zip(panels, fields, strict=True):
         for row, colour in zip(rows, cycle(), strict=False):

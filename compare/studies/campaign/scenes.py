@@ -20,6 +20,7 @@ from semianalytic import (
     Tractions,
 )
 from semianalytic.scene.friction import FrictionLaw
+from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.loads import PULSE_SHAPES, LoadHistory
 
 _SPECIAL_RATIOS = (1 / 3, 0.25, 0.0, 0.45, -0.5)
@@ -36,7 +37,7 @@ def random_step_scene(random: np.random.Generator) -> Scene:
     solid = Material(1.0, 1.0, nu)
     if random.random() < 0.15:
         remote = Tractions(pressure or 1.0, shear)
-        return Scene(solid, friction, remote, remote)
+        return Scene(solid, friction, Tractions(0.0, 0.0), remote, load_on=REMOTE)
     return Scene(solid, friction, Tractions(1.0, share * friction), Tractions(pressure, shear))
 
 

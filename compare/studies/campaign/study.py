@@ -112,15 +112,16 @@ class MarchedRow:
 def solved_row(seed: int, index: int) -> SolvedRow:
     """Solve a scene to both tolerances, and hold the answers against each other and the law."""
     scene, random = drawn(seed, index, random_step_scene)
+    held, load = scene.superposition
     row = partial(
         SolvedRow,
         index,
         scene.material.poisson_ratio,
         scene.friction,
-        scene.base.pressure,
-        scene.base.shear,
-        scene.load.pressure,
-        scene.load.shear,
+        held.pressure,
+        held.shear,
+        load.pressure,
+        load.shear,
     )
     try:
         times = [process_time()]
@@ -187,8 +188,9 @@ def _broken_law(solution: Solution, random: np.random.Generator) -> tuple[float,
     shear, rate = solution.shear_traction(x, 1.0), solution.slip_rate(x, 1.0)
     pressure = solution.pressure(x, 1.0)
     strength, closed = scene.friction * pressure, pressure > 0
-    loads = (scene.base.shear, scene.load.shear, scene.friction * scene.load.pressure)
-    largest = max(float(strength.max()), *(abs(load) for load in loads))
+    held, load = scene.superposition
+    loads = (held.shear, load.shear, scene.friction * load.pressure)
+    largest = max(float(strength.max()), *(abs(one) for one in loads))
     fastest = float(np.abs(rate).max()) or 1.0
     excess = float((np.abs(shear) - strength).max()) / largest
     return max(excess, 0.0), max(float((-rate * np.sign(shear) * closed).max()) / fastest, 0.0)
@@ -227,7 +229,7 @@ def marched_row(seed: int, index: int) -> MarchedRow:
 
 def _scale(scene: Scene) -> float:
     """Slip that the loads could drive at most [length]."""
-    return (abs(scene.load.shear) + abs(scene.base.shear)) / scene.material.shear_impedance
+    return sum(abs(part.shear) for part in scene.superposition) / scene.material.shear_impedance
 
 
 def _excess(marched: Marched) -> float:

@@ -170,11 +170,12 @@ def _published(scene: Scene, size: float) -> Answer:
     """Slip rate behind x = c_t t / 5, where the algorithm ends, and constant from there on."""
     forget_tables()
     published_grid.cache_clear()
-    nu, strength = scene.material.poisson_ratio, scene.friction * scene.load.pressure
+    load = scene.superposition.taken_off
+    nu, strength = scene.material.poisson_ratio, scene.friction * load.pressure
     started = time.perf_counter()
     published_grid(DEFAULT_READING, int(size), nu, _MIDDLE)
     ready = time.perf_counter()
-    ratio = strength / scene.load.shear
+    ratio = strength / load.shear
     answer = published_slip(ratio, DEFAULT_READING, int(size), poisson_ratio=nu, place=_MIDDLE)
     solved = time.perf_counter()
     unit = published_unit(scene)

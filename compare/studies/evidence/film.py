@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 from base64 import b64encode
 from collections.abc import Iterable, Iterator
@@ -13,7 +12,7 @@ from compare.comparison.prediction import method_of
 from compare.figures.fields import FieldPicture
 from compare.figures.quantities import find_quantity
 from compare.figures.saving import figure_png
-from compare.studies.evidence.html import code, paragraph
+from compare.studies.evidence.html import code, data_block, paragraph
 from compare.studies.evidence.study import Evidence, SceneEvidence
 from semianalytic import Marched, Solution
 from semianalytic.results.answer import WholeFields
@@ -97,15 +96,14 @@ def _player(anchor: str, film: Film) -> str:
     method, label = method_of(film.evidence.judgements[0].prediction), film.evidence.label
     words = f"{NAME.capitalize()} in both bodies of {label}, {method}"
     sources = [f"data:image/png;base64,{b64encode(one).decode()}" for one in film.frames()]
-    data = json.dumps({"words": words, "frames": sources, "captions": film.captions})
+    data = {"words": words, "frames": sources, "captions": film.captions}
     last, caption = SHOTS - 1, escape(film.captions[-1])
     return (
         f'<figure class="film"><img src="{sources[-1]}" alt="{escape(words)}, {caption}">'
         f'<div class="time"><label for="{anchor}-time">time</label>'
         f'<input type="range" id="{anchor}-time" min="0" max="{last}" value="{last}" '
         f'aria-valuetext="{caption}"><output for="{anchor}-time">{caption}</output></div>'
-        f'<script type="application/json">{data.replace("</", chr(92).join("</"))}</script>'
-        f"<figcaption>{escape(words)}.</figcaption>"
+        f"{data_block(data)}<figcaption>{escape(words)}.</figcaption>"
         "<noscript><p>The slider needs JavaScript; the last frame is shown.</p></noscript>"
         "</figure>\n"
     )

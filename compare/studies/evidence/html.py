@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -80,6 +81,12 @@ def image(data: bytes, alternative: str, caption: str, *, wide: bool = False) ->
 def figures(drawn: Iterable[str]) -> str:
     """Figures beside and below one another."""
     return f'<div class="figures">{"".join(drawn)}</div>'
+
+
+def data_block(data: object) -> str:
+    """Data for the script of the page, as JSON in which no tag can begin or end."""
+    text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+    return f'<script type="application/json">{text}</script>'
 
 
 def paragraph(text: str) -> str:

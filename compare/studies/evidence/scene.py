@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import shlex
 from collections.abc import Mapping
@@ -30,6 +29,7 @@ from compare.studies.evidence.figures import (
 from compare.studies.evidence.html import (
     Cell,
     code,
+    data_block,
     drawn_figure,
     figures,
     number,
@@ -39,7 +39,7 @@ from compare.studies.evidence.html import (
 )
 from compare.studies.evidence.study import FEM, PUBLISHED, SceneEvidence, differences
 from semianalytic import Marched, Solution
-from semianalytic.results.answer import Answer
+from semianalytic.results.answer import Answer, digits_apart
 from semianalytic.scene.scene import scene_document
 
 LOOKS = {AGREES: "good", DIFFERS: "bad", UNRESOLVED: "open"}
@@ -158,12 +158,20 @@ def _zones(evidence: SceneEvidence) -> str:
     parts = [table(("front", "speed / c_t"), speeds, "Wave speeds")]
     rows = []
     for solution in _solutions(evidence):
+        ends = [
+            end / material.shear_speed
+            for zone in solution.zones
+            for end in (zone.inner, zone.outer)
+        ]
+        places = digits_apart(ends, 9, "f")
         for zone in solution.zones:
             edges = [
                 text
                 for edge in (zone.inner, zone.outer)
                 for text in (
-                    number("∞" if math.isinf(edge) else f"{edge / material.shear_speed:.9f}"),
+                    number(
+                        "∞" if math.isinf(edge) else f"{edge / material.shear_speed:.{places}f}"
+                    ),
                     speed_regime(edge, evidence.scene),
                 )
             ]
@@ -342,7 +350,6 @@ def _figures(evidence: SceneEvidence, quick: bool) -> str:
 def _player(anchor: str, evidence: SceneEvidence) -> str:
     """A slider through time with two panels, drawn by the script of the page."""
     slider = f"{anchor}-time"
-    data = json.dumps(profiles(anchor, evidence), separators=(",", ":"))
     panels = "".join(
         f'<svg role="img" aria-label="{escape(text)} of {escape(evidence.label)} along the '
         'interface at the time of the slider"></svg>'
@@ -359,8 +366,8 @@ def _player(anchor: str, evidence: SceneEvidence) -> str:
         f'<input type="range" id="{slider}" min="0" max="{FRAMES - 1}" value="{FRAMES - 1}">'
         f'<output for="{slider}"></output></div>'
         f'<fieldset class="choices"><legend>methods</legend>{boxes}</fieldset>'
-        f'<script type="application/json">{data.replace("</", chr(92).join("</"))}</script>'
-        "<noscript><p>The slider needs JavaScript; the figures below do not.</p></noscript></div>"
+        + data_block(profiles(anchor, evidence))
+        + "<noscript><p>The slider needs JavaScript; the figures below do not.</p></noscript></div>"
     )
 
 

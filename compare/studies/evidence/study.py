@@ -27,6 +27,7 @@ from semianalytic import InterfaceHistory, Material, Scene, Tractions, solve
 from semianalytic.reference import PublishedSlip
 from semianalytic.reference.known_answers import closed_form, published_answer, published_unit
 from semianalytic.scene.errors import SceneError, TensionError
+from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.named import NAMED_SCENES, find_scene, scene_label
 
 if TYPE_CHECKING:
@@ -265,13 +266,14 @@ def closed_forms(resolution: int = RESOLUTION) -> tuple[ClosedForm, ...]:
         If a method fails.
     """
     solid = Material(shear_modulus=1.0, density=1.0, poisson_ratio=1 / 3)
-    pressure, shear, both = Tractions(1.0, 0.0), Tractions(0.0, 1.0), Tractions(1.0, 1.0)
+    nothing, pressure = Tractions(0.0, 0.0), Tractions(1.0, 0.0)
+    shear, both = Tractions(0.0, 1.0), Tractions(1.0, 1.0)
     scenes = {
         "constant pressure, sudden shear, friction 1: one slow zone, slip_rate_under_shear_step": (
             Scene(solid, 1.0, base=pressure, load=shear)
         ),
         "sudden remote load, friction 0.5: slip everywhere, slip_rate_under_remote_shock": (
-            Scene(solid, 0.5, base=both, load=both)
+            Scene(solid, 0.5, base=nothing, load=both, load_on=REMOTE)
         ),
         "sudden shear without friction: slip behind the P wave, slip_rate_without_friction": (
             Scene(solid, 0.0, base=pressure, load=shear)

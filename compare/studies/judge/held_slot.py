@@ -48,7 +48,7 @@ def held_slot(scene: Scene, nodes: int) -> HeldSlot:
     nodes : int
         On 0 < x < 1.1 c_l, marched until the time 1.
     """
-    material = scene.material
+    material, (held, load) = scene.material, scene.superposition
     grid = causal_grid(scene, 1.0, 1.1 * material.longitudinal_speed, nodes)
     x = (np.arange(grid.size - grid.slot) + 0.5) * grid.spacing
     steps = int(np.ceil(material.shear_speed / (_STEP_RATIO * grid.spacing)))
@@ -62,8 +62,8 @@ def held_slot(scene: Scene, nodes: int) -> HeldSlot:
         """Slip rate and traction of the contact under what the past exerts."""
         u = time * material.shear_speed / x
         shear, pressure = (table(u) for table in tables)
-        stopping = scene.base.shear + scene.load.shear * shear - impedance * past
-        strength = scene.friction * (scene.base.pressure + scene.load.pressure * pressure)
+        stopping = held.shear + load.shear * shear - impedance * past
+        strength = scene.friction * (held.pressure + load.pressure * pressure)
         speed = np.maximum(np.abs(stopping) - strength, 0.0) / impedance
         rate = np.copysign(speed, stopping)
         return rate, stopping - impedance * rate

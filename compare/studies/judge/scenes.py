@@ -11,6 +11,7 @@ from compare.studies.campaign.scenes import random_history_scene
 from semianalytic import Material, RateWeakening, Scene, SceneError, SlipWeakening, Tractions
 from semianalytic.cut.load import contact_opens
 from semianalytic.regimes import opening_threshold
+from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.named import NAMED_SCENES
 
 STEPS, HISTORIES, OPENINGS = "steps", "histories", "openings"
@@ -48,7 +49,7 @@ def random_steps(random: np.random.Generator) -> Scene:
     share = random.random()
     if share < 0.2:
         remote = Tractions(1.0, shear)
-        return Scene(solid, friction, remote, remote)
+        return Scene(solid, friction, Tractions(0.0, 0.0), remote, load_on=REMOTE)
     pressure = 0.0 if share < 0.6 else float(random.choice([-1, 1]) * random.lognormal(-0.5, 0.7))
     rest = float(random.choice([*_SHARES, random.uniform(-1, 1)], p=[0.4, 0.05, 0.05, 0.5]))
     if pressure and random.random() < 0.3:

@@ -25,6 +25,7 @@ from semianalytic import (
 from semianalytic.reference import Reading, published_slip
 from semianalytic.reference.known_answers import published_obstacle, published_unit
 from semianalytic.results.sampled import slip_intervals
+from semianalytic.scene.loading import SLOT
 from semianalytic.scene.named import override_scene
 
 Array = NDArray[np.float64]
@@ -110,7 +111,8 @@ def _other_ratio(scene: Scene, size: float) -> Scene:
 
 
 def _without_base_shear(scene: Scene, size: float) -> Scene:
-    return replace(scene, base=Tractions(scene.base.pressure, 0.0))
+    held = scene.superposition.in_place
+    return replace(scene, base=Tractions(held.pressure, 0.0), load_on=SLOT)
 
 
 def _late(prediction: Answer, window: Window, size: float) -> Answer | None:
@@ -226,7 +228,8 @@ def _published(reading: Reading) -> Make:
         if not isinstance(prediction, Solution) or published_obstacle(scene):
             return None
         table, speed = profiled(prediction), scene.material.shear_speed
-        ratio = scene.friction * scene.load.pressure / scene.load.shear
+        load = scene.superposition.taken_off
+        ratio = scene.friction * load.pressure / load.shear
         slip = published_slip(ratio, reading, poisson_ratio=scene.material.poisson_ratio)
         rate = published_unit(scene) * slip.at(speed / table.velocity)
         return _rubbing(table, rate)

@@ -154,11 +154,11 @@ class Profiled:
 
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
         """See `Answer.shear_traction`."""
-        return self._at(self.shear, self.scene.base.shear, x, t)
+        return self._at(self.shear, self.scene.superposition.in_place.shear, x, t)
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """See `Answer.pressure`."""
-        return self._at(self.normal, self.scene.base.pressure, x, t)
+        return self._at(self.normal, self.scene.superposition.in_place.pressure, x, t)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
         """See `Answer.gap`."""

@@ -65,7 +65,7 @@ def grid_problem(
     """
     grid = slip_grid(poisson_ratio, size)
     scene = scene_of(loading, poisson_ratio, chi)
-    base, step = scene.base, scene.load
+    held, load = scene.superposition
     if placement == "galerkin":
         shear, pressure, weight = grid.shear, grid.pressure, grid.weight
         matrix = -grid.operator
@@ -78,8 +78,8 @@ def grid_problem(
         pressure = stuck_traction(poisson_ratio, "I")(1 / points)
         weight = np.ones_like(points)
         matrix = -traction_operator(poisson_ratio, xi, points)
-    strength = chi * (base.pressure * weight + step.pressure * pressure)
-    return GridProblem(grid.xi, matrix, strength - base.shear * weight - step.shear * shear)
+    strength = chi * (held.pressure * weight + load.pressure * pressure)
+    return GridProblem(grid.xi, matrix, strength - held.shear * weight - load.shear * shear)
 
 
 def traction_operator(poisson_ratio: float, xi: Array, points: Array) -> Array:

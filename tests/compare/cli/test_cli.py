@@ -226,6 +226,27 @@ def test_compare_with_an_answer_that_has_not_converged_writes_and_exits_with_fou
     assert "the prediction has not converged" in {row["obstacle"] for row in document["rows"]}
 
 
+def test_where_the_load_acts_is_an_option_a_key_and_said(tmp_path, capsys):
+    options = ["--friction", "1.25", "--base-pressure", "0", "--load-pressure", "1"]
+    assert main(["solve", "preloaded", *options, "--load-on", "remote", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert main(["solve", "remote-shock", "--json"]) == 0
+    known = json.loads(capsys.readouterr().out)
+    assert found["scene"] == known["scene"]
+    assert (found["scene"]["load_on"], found["zones"]) == ("remote", known["zones"])
+    assert main(["init", str(tmp_path / "shock.toml"), "--from", "remote-shock"]) == 0
+    assert 'load_on = "remote"' in (tmp_path / "shock.toml").read_text()
+    capsys.readouterr()
+    assert main(["solve", str(tmp_path / "shock.toml")]) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"pressure, shear before\s*│ 0, 0 ", shown)
+    assert re.search(r"load from far away\s*│ 1, 1 ", shown)
+    assert main(["solve", "ramp", "--load-on", "remote"]) == 2
+    assert "comes as a step" in capsys.readouterr().err
+    assert main(["solve", "preloaded", "--load-on", "far"]) == 2
+    assert one_sentence(capsys.readouterr()) == "--load-on must be slot or remote, got 'far'.\n"
+
+
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize(
     "arguments", [["scenes"], ["solve", "remote-shock", "--friction", "0.5"], ["solve", "--help"]]

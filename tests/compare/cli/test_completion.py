@@ -14,6 +14,7 @@ from fem.assembly import FAMILIES
 from meshes.blocks import PATTERNS
 from semianalytic import find_scene
 from semianalytic.prediction import chosen_method
+from semianalytic.scene.loading import LOADED
 from semianalytic.scene.named import NAMED_SCENES
 from semianalytic.scene.scene import MODES
 
@@ -96,6 +97,7 @@ def test_names_are_those_of_the_functions_that_take_them():
     assert set(QUANTITIES) <= set(completion.QUANTITIES)
     assert tuple(OWN_FIGURES) == completion.FIGURES
     assert completion.MODES == MODES
+    assert completion.LOADED == LOADED
     assert completion.CHARTED == CHARTED
     assert completion.MESH_NAMES["element"] == tuple(FAMILIES)
     assert completion.MESH_NAMES["mesh"] == PATTERNS

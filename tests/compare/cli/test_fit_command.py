@@ -56,6 +56,15 @@ def test_json_is_all_that_is_printed_and_priors_count(records, capsys):
     assert found["known_by_prior"] == ["friction"]
 
 
+def test_misfits_that_noise_does_not_explain_are_in_the_headline(records, capsys):
+    line = f"--scene preloaded --friction 0.6 --parameters load_shear --noise {NOISE}"
+    assert run(line, records) == 4
+    captured = capsys.readouterr()
+    assert "Fit: misfits are " in captured.out
+    assert captured.err.startswith("The fit is not to be relied upon: misfits are ")
+    assert captured.err.count("\n") == 1
+
+
 @pytest.mark.slow
 def test_what_the_data_leave_free_is_exit_code_four(records, capsys):
     names = "friction,base_pressure"
@@ -81,6 +90,9 @@ def test_short_chains_are_unresolved(records, capsys):
     [
         (LINE, 3, "does not say how exact its slip_rate is"),
         (f"{LINE} --noise much", 2, "--noise must be NAME=NUMBER, got 'much'"),
+        (f"{LINE} --noise 1e-160", 2, "noise of all must lie within 1e-60"),
+        (f"{LINE} --noise 1e-20", 2, "noise must lie within"),
+        (f"{LINE} --noise -1", 2, "noise of all must be positive"),
         (f"{LINE} --noise speed=1", 2, "--noise knows slip_rate"),
         (f"{LINE} --noise 0.1 --prior friction=0.3", 2, "--prior must be NAME=KIND(A,B)"),
         (f"{LINE} --noise 0.1 --prior friction=flat(0,1)", 2, "normal, lognormal, uniform"),

@@ -3,11 +3,13 @@
 import json
 
 import pytest
+from catalogue import unit_scene
 
 from compare.cli.commands import main
 from compare.cli.refusals import in_options
-from semianalytic import solve
+from semianalytic import Ramp, TensionError, march, solve
 from semianalytic.scene.named import find_scene
+from semianalytic.spacetime.march import check_march
 
 
 @pytest.mark.parametrize(
@@ -57,6 +59,53 @@ def test_refusals_name_options(command, sentence, tmp_path, monkeypatch, capsys)
     assert sentence in said
     assert said.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+OPENS = """
+friction = 0.3
+[material]
+shear_modulus = 1.0
+density = 1.0
+poisson_ratio = 0.3
+[base]
+pressure = 1.0
+shear = 0.0
+[load]
+pressure = -1.0
+shear = 1.0
+[pressure_history]
+kind = "ramp"
+rise_time = 0.5
+"""
+
+
+def test_a_contact_that_opens_is_refused_before_it_is_simulated(tmp_path, monkeypatch, capsys):
+    """Not after: the march, which cannot open, came when the simulation had run."""
+    monkeypatch.setattr("compare.cli.compare_command.simulate_into", pytest.fail)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "opens.toml").write_text(OPENS)
+    assert main(["compare", "opens.toml", "--resolution", "50"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("the pressure would turn tensile at x = ")
+    assert said.count("\n") == 1
+    assert [one.name for one in tmp_path.iterdir()] == ["opens.toml"]
+
+
+@pytest.mark.parametrize("pressure", [-1.0, 0.3])
+def test_what_a_march_would_refuse_is_known_before_its_first_step(pressure):
+    ramp = Ramp(0.5)
+    scene = unit_scene(load=(pressure, 1.0), pressure_history=ramp, shear_history=ramp)
+
+    def refusal(run):
+        try:
+            run()
+        except TensionError as error:
+            return str(error)
+        return ""
+
+    marched = refusal(lambda: march(scene, 1.0, 64, length=1.0, companion=False))
+    assert bool(marched) is (pressure < 0)
+    assert refusal(lambda: check_march(scene, 1.0, 64, 1.0)) == marched
 
 
 def test_a_march_that_misses_the_edge_says_which_option_to_raise(capsys, monkeypatch):

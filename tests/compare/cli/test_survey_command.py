@@ -84,6 +84,14 @@ def test_lists_and_marches_from_the_command_line(tmp_path, capsys):
     ("options", "code", "said"),
     [
         (["--friction", "some"], 2, "--friction must be"),
+        (["--friction", "0.1:0.9:10000000000"], 2, "--friction must be at most 1e+07 values"),
+        (["--friction", "0.1:1e400:3"], 2, "--friction must be a number, a row"),
+        (["--friction", "0:1:9000000", "--poisson-ratio", "0:0.4:90"], 2, "8.1e+08 points are too"),
+        (
+            ["--friction", "0.1,0.2", "--x", "0.1:1:40000", "--t", "0.1:1:40000"],
+            2,
+            "numbers would take 192 GB",
+        ),
         (["--vary", "friction"], 2, "--vary must be a name and values"),
         (["--vary", "friction=a"], 2, "--vary must be"),
         (["--vary", "speed=1,2"], 2, "no parameter 'speed'"),

@@ -91,6 +91,7 @@ def test_two_predictions_of_one_scene_agree():
     run = SimpleNamespace(
         scene=find_scene("auxetic"),
         element_size=0.025,
+        resolution=40,
         interface=SimpleNamespace(x=x, t=t),
     )
     exact, marched = predict_like(run), predict_like(run, "space-time")

@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import socket
 import tomllib
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 from bokeh.document import Document
 from bokeh.models import ColumnDataSource, Range1d
 from catalogue import unit_scene
+from matplotlib.path import Path
 
 from compare.cli.commands import main
 from compare.explore import controls, downloads, maps, views
 from compare.explore.jobs import marched_views
 from compare.explore.page import MOVING_NODES, MOVING_RTOL, Session
-from compare.explore.pictures import Board
+from compare.explore.pictures import SHADES, Board, SpaceTimePicture
 from compare.explore.serving import make_server
 from compare.explore.work import Worker
+from compare.figures.fronts import moving_parts
 from semianalytic import (
     Harmonic,
     Material,
@@ -34,6 +37,7 @@ from semianalytic import (
 )
 from semianalytic.regimes import regime
 from semianalytic.scene.named import NAMED_SCENES, find_scene
+from semianalytic.scene.units import unit
 
 STEEL = Scene(
     Material(80e9, 7800.0, 0.29), 0.25, Tractions(5e6, 0.0), Tractions(0.0, 5e6), units="SI"
@@ -65,6 +69,9 @@ def test_sliders_reach_their_own_scene(name):
     [
         ("?friction=-1", "must not be negative"),
         ("?friction=much", "must be a number"),
+        ("?viscosity=nan", "must be a number"),  # though no film is asked for
+        ("?load_shear=-inf", "must be a number"),
+        ("?load_shear=5e-324", "neither so large nor so small"),
         ("?nonsense=1", "no scene has"),
         ("?law=none", "must be one of"),
         ("?poisson_ratio=0.7", "0.5"),
@@ -73,6 +80,176 @@ def test_sliders_reach_their_own_scene(name):
 def test_an_address_that_is_no_scene_is_refused(query, words):
     with pytest.raises(SceneError, match=words):
         controls.values_from_query(query, STEEL)
+
+
+def test_numbers_of_any_size_are_a_scene_or_a_refusal():
+    """What an address may hold is not only what sliders reach."""
+    numbers = [one.name for one in controls.sliders(STEEL)] + ["shear_modulus", "density"]
+    sizes = ("0", "-1", "0.3", "5e6", "1e30", "1e-30", "1e155", "1e308", "-1e308", "5e-324", "nan")
+    draw, shown = np.random.default_rng(8), 0
+    for _ in range(300):
+        names = draw.choice(numbers, draw.integers(1, 4), replace=False)
+        query = "?" + "&".join(f"{name}={draw.choice(sizes)}" for name in names)
+        with contextlib.suppress(SceneError):
+            values = controls.values_from_query(query, STEEL)
+            sliders = controls.sliders(controls.scene_of(values))
+            json.dumps([values, [asdict(one) for one in sliders]], allow_nan=False)
+            shown += 1
+    assert shown > 30
+
+
+@pytest.fixture
+def alone(monkeypatch):
+    """Sessions start no process beside them."""
+    monkeypatch.setattr(Worker, "start", lambda *_: None)
+
+
+def given_to(session):
+    """What the program of the page starts from."""
+    return session._document.template_variables["given"]
+
+
+def told_by(session):
+    return json.loads(session._told.value)
+
+
+UNITS_OF = {"base_pressure": "stress", "viscosity": "stress time / length", "rise_time": "time"}
+
+
+def test_sliders_have_ranges_and_units_of_the_scene_in_the_address():
+    query = controls.query_of(controls.defaults(STEEL))
+    session = Session(Document(), find_scene("preloaded"), query)
+    sliders = {one["name"]: one for one in given_to(session)["sliders"]}
+    for name, dimension in UNITS_OF.items():
+        assert sliders[name]["unit"] == unit(dimension, "SI")
+    assert sliders["base_pressure"]["high"] == 1e7
+    assert sliders["base_pressure"]["step"] == 1e4
+    values = given_to(session)["values"]
+    for slider in controls.sliders(STEEL):  # those of no part of the scene too
+        assert slider.low <= values[slider.name] <= slider.high
+    session._answer_to({"query": controls.query_of(controls.defaults(find_scene("tap")))})
+    told = told_by(session)
+    assert {one["unit"] for one in told["sliders"]} >= {"stress", "time"}
+    assert told["values"]["units"] == ""
+
+
+def test_sliders_stay_as_they_are_while_they_serve():
+    """On the way back through the addresses of one scene."""
+    session = Session(Document(), STEEL, "")
+    before = given_to(session)["sliders"]
+    session._answer_to({"query": "?load_shear=100000"})
+    assert told_by(session)["sliders"] == before
+    session._answer_to({"query": "?load_shear=1e9"})
+    (slider,) = (one for one in told_by(session)["sliders"] if one["name"] == "load_shear")
+    assert slider["high"] == 2e9
+
+
+def test_what_axes_are_over_is_told(alone):
+    session = Session(Document(), STEEL, "")
+    session._show(controls.defaults(STEEL), True, 0.0)
+    solid = STEEL.material
+    expected = {
+        "c_t T": (1.0, "m"),
+        "T": (1 / solid.shear_speed, "s"),
+        "τ₀": (5e6, "Pa"),
+        "V₀": (1e7 / (solid.density * solid.shear_speed), "m/s"),
+    }
+    told = {symbol: text.split() for symbol, text in told_by(session)["scales"]}
+    assert told.keys() == expected.keys()
+    for symbol, (value, name) in expected.items():
+        assert float(told[symbol][0]) == pytest.approx(value, rel=5e-4)
+        assert told[symbol][1] == name
+
+
+def refused_by(session):
+    told = told_by(session)
+    assert told["stale"]
+    assert told["status"] == "no answer"
+    assert "error" not in told
+    assert (told["readings"], told["scales"]) == ([], [])
+    session._answer_to({"file": "csv"})
+    assert "file" not in told_by(session)
+    return told["message"]
+
+
+def test_nothing_of_an_answer_stays_beside_a_refusal(alone, monkeypatch):
+    session, values = Session(Document(), STEEL, ""), controls.defaults(STEEL)
+    session._show(values, True, 0.0)
+    assert told_by(session)["status"] == "converged"
+    session._show(values | {"base_shear": -4e6}, True, 0.0)
+    assert "already slide" in refused_by(session)
+    session._show(values | {"history": "ramp"}, True, 0.0)
+    assert (told_by(session)["readings"], told_by(session)["stale"]) == ([], True)
+    session._march_news("refusal", "The contact opens.")
+    assert refused_by(session) == "The contact opens."
+
+    def fail(*_, **__):
+        raise ValueError("shapes do not match")
+
+    session._show(values, True, 0.0)
+    monkeypatch.setattr("compare.explore.page.solve", fail)
+    with pytest.raises(ValueError, match="shapes"):
+        session._show(values, True, 0.0)
+    assert "ValueError: shapes do not match" in refused_by(session)
+
+
+def test_a_field_that_cannot_be_drawn_is_said(alone):
+    session = Session(Document(), STEEL, "")
+    session._show(controls.defaults(STEEL), True, 0.0)
+    session._asked_field = None
+    session._field_news("refusal", "The process that computes it has ended; move a slider.")
+    assert "has ended" in told_by(session)["message"]
+
+
+def test_that_there_is_no_map_is_said_of_the_first_scene_too(alone):
+    scene = find_scene("ramp")
+    session = Session(Document(), scene, "")
+    session._draw_map(scene)
+    assert "Maps are drawn" in told_by(session)["map"]
+
+
+INFINITE = {
+    f"{name} {friction}": replace(find_scene(name), friction=friction)
+    for name, friction in (("remote-shock", 0.3), ("remote-shock", 0.0), ("stuck", 0.9))
+}
+
+
+@pytest.mark.parametrize("name", ["preloaded", "auxetic", "lift-off-shear", "steel", *INFINITE])
+def test_what_is_painted_is_what_the_contact_does(name):
+    scene = (SCENES | INFINITE)[name]
+    solution, view = solve(scene), views.space_time_view(solve(scene))
+    board = Board()
+    picture = SpaceTimePicture(board)
+    picture.draw(view)
+    drawn = board.news()[picture._wedges.id]["data"]
+    kinds = {colour: kind for kind, colour in SHADES.items()}
+    length, draw = scene.material.shear_speed * views.end_time(scene), np.random.default_rng(3)
+    for _ in range(100):
+        x, t = draw.uniform(0, view.reach), draw.uniform(0.01, 1)
+        painted = [
+            kinds[colour]
+            for xs, ys, colour in zip(drawn["xs"], drawn["ys"], drawn["colour"], strict=True)
+            if Path(list(zip(xs, ys, strict=True))).contains_point((x, t))
+        ]
+        parts = moving_parts(solution, t * views.end_time(scene))
+        assert painted == [part.kind for part in parts if part.covers(x * length)]
+
+
+@pytest.mark.parametrize("nu", [0.0, 1 / 3, 0.45])
+@pytest.mark.parametrize("friction", [0.0, 1e-9, 0.05])
+def test_strips_that_are_not_empty_do_not_read_so(friction, nu, alone):
+    """Slip without friction does reverse at c_R; only how wide that is differs."""
+    scene = unit_scene(friction, nu=nu)
+    session = Session(Document(), scene, "")
+    session._show(controls.defaults(scene), True, 0.0)
+    readings, ends = told_by(session)["readings"], []
+    for _, text in readings:
+        ends += text.removesuffix(" c_t").split(" … ")
+        assert float(ends[-2]) < float(ends[-1])
+    assert [float(one) for one in ends] == sorted(map(float, ends))
+    zones = solve(scene, rtol=MOVING_RTOL).zones
+    expected = ["slip" if zone.sense > 0 else "reverse slip" for zone in zones]
+    assert [kind for kind, _ in readings] == expected
 
 
 def test_what_has_no_controls_is_refused():
@@ -211,7 +388,7 @@ def test_only_what_differs_is_told():
 
 
 @pytest.mark.parametrize("law", ["coulomb", "viscous"])
-def test_what_is_told_is_the_answer(law):
+def test_what_is_told_is_the_answer(law, alone):
     session = Session(Document(), STEEL, "")
     values = controls.defaults(STEEL) | {"law": law, "viscosity": 1e6}
     session._show(values, True, 0.0)

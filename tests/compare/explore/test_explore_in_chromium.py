@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from urllib.parse import urlencode
 
 import pytest
 
@@ -88,6 +89,62 @@ def test_every_control_has_a_label(page):
     )
 
 
+TEXT = "document.getElementById('%s').textContent"
+ATTACKS = (
+    "<script>document.title='owned'</script>",
+    "\"'--></script><img src=x onerror=\"document.title='owned'\">",
+)
+INJECTED = """
+one = document.createElement('div');
+one.innerHTML = '<img src="x:" onerror="document.title = 1">';
+two = document.createElement('script');
+two.textContent = 'document.title = 2';
+document.body.append(one, two);
+"""
+
+
+def test_no_program_from_an_address_runs(browser, address):
+    """What is in the address is shown as it stands; and were something to get into the page, the
+    policy would not let it run."""
+    for name in ("friction", "law", "nonsense"):
+        for attack in ATTACKS:
+            browser.open(f"{address}?" + urlencode({name: attack}), 1280)
+            _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
+            assert "The address is no scene" in browser.value(TEXT % "message")
+            assert "<" in browser.value(TEXT % "message") or name == "nonsense"
+            assert browser.value("document.title") == "slipfront explore"
+            assert browser.value("document.querySelectorAll('img[src=x]').length") == 0
+            assert _errors(browser, address) == []
+    browser.value(INJECTED)
+    _until(browser, "one.firstChild.complete")
+    assert browser.value("document.title") == "slipfront explore"
+    refused = [one for one in _errors(browser, address) if "Content Security Policy" in str(one)]
+    assert len(refused) >= 2
+
+
+@pytest.mark.slow
+def test_a_link_in_si_has_its_units_and_ranges_on_a_page_without_units(browser, address):
+    steel = {"shear_modulus": 80e9, "density": 7800.0, "poisson_ratio": 0.29, "friction": 0.25}
+    loads = {"base_pressure": 5e6, "base_shear": 0, "load_pressure": 0, "load_shear": 5e6}
+    browser.open(f"{address}?" + urlencode({**steel, **loads, "units": "SI"}), 1280)
+    _until(browser, "window.slipfrontTimes && slipfrontTimes.length > 0")
+    label = "document.getElementById('%s').labels[0].textContent"
+    assert browser.value(label % "base_pressure") == "base pressure [Pa]"
+    assert browser.value(label % "viscosity") == "viscosity [Pa s/m]"
+    assert browser.value("document.getElementById('load_shear').max") == "10000000"
+    scales = browser.value(TEXT % "scales")
+    for scale in ("c_t T1 m", "T0.0003122 s", "τ₀5e+06 Pa", "V₀0.4003 m/s"):
+        assert scale in scales
+    browser.value(
+        "named = document.getElementById('scenes');"
+        "named.value = [...named.options].find((one) => one.text == 'tap').value;"
+        "named.dispatchEvent(new Event('change'))"
+    )
+    _until(browser, "document.getElementById('base_pressure').value == '0.02'")
+    assert browser.value(label % "base_pressure") == "base pressure [stress]"
+    assert _errors(browser, address) == []
+
+
 @pytest.mark.slow
 def test_a_slider_moved_by_keys_changes_the_pictures_and_the_address(page):
     _until(page, THERE)
@@ -130,9 +187,14 @@ def test_what_is_refused_is_said_and_the_last_picture_greyed(page):
     )
     _until(page, "document.getElementById('message').textContent.includes('already slide')")
     assert page.value("document.getElementById('pictures').classList.contains('stale')")
+    assert page.value(TEXT % "status") == "no answer"
+    assert page.value(TEXT % "readings") == page.value(TEXT % "scales") == ""
+    assert page.value("document.getElementById('measures').hidden")
     page.value("one.value = 0; one.dispatchEvent(new Event('input', {bubbles: true}))")
     _until(page, "!document.getElementById('pictures').classList.contains('stale')")
-    assert page.value("document.getElementById('message').textContent") == ""
+    assert page.value(TEXT % "message") == ""
+    assert page.value(TEXT % "status").startswith("converged")
+    assert "c_t" in page.value(TEXT % "readings")
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ import base64
 import json
 import re
 from dataclasses import replace
+from html import escape
 from html.parser import HTMLParser
 from io import BytesIO
 from itertools import pairwise
@@ -106,6 +107,29 @@ def test_films_are_of_a_solved_and_of_a_marched_scene(found):
 
 def test_a_page_without_semianalytic_answers_has_no_field_section(found):
     assert evidence_film.films(replace(found, scenes=found.scenes[2:])) == []
+
+
+NAME = "\"'--></script><script>alert(1)</script><img src=x onerror=alert(1)><!--<script>"
+"""A name that a scene file of somebody else may have."""
+
+
+def test_names_of_scenes_are_text(found, text):
+    named = [replace(scene, source=f"{NAME}/{NAME}.toml") for scene in found.scenes]
+    named[-1] = replace(named[-1], obstacle=NAME)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(evidence_film, "SHOTS", 3)
+        shown = evidence_page.page(replace(found, scenes=tuple(named)))
+    pages = []
+    for page in (text, shown):
+        outline = Outline()
+        outline.feed(page)
+        assert outline.open == []
+        pages.append(outline)
+    plain, attacked = pages
+    assert [image["src"] for image in attacked.images] == [image["src"] for image in plain.images]
+    assert attacked.ids == plain.ids
+    assert shown.count("<script") == text.count("<script")
+    assert escape(NAME) in shown
 
 
 def test_page_stays_small(found, text):

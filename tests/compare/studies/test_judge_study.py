@@ -26,7 +26,7 @@ from compare.studies.judge.trials import SHARES, TRUTH, JudgedRow, SpoiltRow, ru
 from semianalytic import Answer, CoulombFriction, SlipWeakening, march, solve
 from semianalytic.cut.load import contact_opens
 from semianalytic.scene.named import find_scene
-from tests.catalogue import SHOCK, over, unit_scene
+from tests.catalogue import REMOTE, SHOCK, over, unit_scene
 
 WINDOW = Window(end_time=1.0, time_step=0.01, reach=2.0)
 X = np.linspace(0.01, 2.0, 200)
@@ -51,7 +51,7 @@ def test_draws_are_the_same_for_the_same_seed_only(kind):
 def test_draws_reach_all_kinds_of_step():
     scenes = [draw(STEPS, np.random.default_rng([1, index])).scene for index in range(60)]
     assert {scene.friction == 0 for scene in scenes} == {True, False}
-    assert {scene.base == scene.load for scene in scenes} == {True, False}
+    assert {scene.load_on for scene in scenes} == {"slot", "remote"}
     assert {math.copysign(1, scene.load.shear) for scene in scenes if scene.load.shear} == {1, -1}
     assert {scene.load.pressure > 0 for scene in scenes} == {True, False}
     ratios = [scene.material.poisson_ratio for scene in scenes]
@@ -173,7 +173,7 @@ def test_the_articles_algorithm_is_far_off():
 
 
 def test_mistakes_that_make_no_sense_are_not_made():
-    stuck, free = solve(unit_scene(2.0, (1.0, 1.0), (1.0, 1.0))), solve(unit_scene(0.0))
+    stuck, free = solve(unit_scene(2.0, **REMOTE)), solve(unit_scene(0.0))
     for name in ("edge +2 %", "no second zone", "slot held"):
         assert wrong(name, stuck) is None
     assert wrong("friction +3 %", free) is None

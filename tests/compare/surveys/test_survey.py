@@ -269,3 +269,42 @@ def test_every_number_of_a_scene_is_a_parameter():
     changed = scene_at(WEAKENING, {"base_pressure": 2.0, "friction_law_distance": 0.1})
     assert changed.base.pressure == 2.0
     assert changed.friction_law == sf.SlipWeakening(0.2, 0.1)
+
+
+# --- what no machine can hold ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"friction": np.zeros(10**7 + 1)}, "1e+07 values of friction are too many"),
+        (
+            {"friction": np.ones(10**6), "poisson_ratio": np.zeros(10**6)},
+            "1e+12 points are too many; take at most 1e+08",
+        ),
+        (
+            {"base_pressure": np.ones(10**4), "load_shear": np.ones(2000)},
+            "2e+05 chunks are too many; raise `chunk` to 200",
+        ),
+        (
+            {"friction": [0.1, 0.2], "x": np.ones(40_000), "t": np.ones(40_000)},
+            "a chunk of 2 points of 4,800,000,000 numbers would take 192 GB",
+        ),
+    ],
+)
+def test_what_no_machine_can_hold_is_refused_at_once(asked, said):
+    with pytest.raises(SceneError) as refusal:
+        survey(PRELOADED, workers=1, **asked)
+    assert said in str(refusal.value)
+
+
+def test_netcdf_is_refused_before_anything_is_solved_where_it_does_not_fit(monkeypatch, tmp_path):
+    """And a Zarr store, of which a chunk fits, is not."""
+    monkeypatch.setattr("semianalytic.results.memory.available_memory", lambda: 300_000)
+    asked = {"friction": np.linspace(0.2, 0.9, 1000), "chunk": 500, "workers": 1}
+    for path in (None, tmp_path / "a.nc"):
+        with pytest.raises(SceneError, match=r"1,000 points would take .* write it as \.zarr"):
+            survey(PRELOADED, path=path, **asked)
+    assert survey(PRELOADED, path=tmp_path / "a.zarr", **asked).sizes["friction"] == 1000
+    with pytest.raises(SceneError, match=r"a chunk of 1,000 points would .* or lower `chunk`"):
+        survey(PRELOADED, path=tmp_path / "b.zarr", **{**asked, "chunk": 1000})

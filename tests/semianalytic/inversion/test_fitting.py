@@ -1,5 +1,6 @@
 """Fits recover what made their records, as well as they say, and say what they cannot tell."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from catalogue import PRELOADED, STEEL, unit_scene
 from scipy.stats import binom, chi2
 
-from semianalytic import Gauge, Material, Scene, SceneError, Tractions, fit, solve
+from semianalytic import Gauge, Material, Normal, Scene, SceneError, Tractions, fit, solve
 from semianalytic.inversion.search import descend
 from semianalytic.selfsimilar.derivative import parameter
 
@@ -135,6 +136,56 @@ def test_units_and_residuals():
     assert repr(found).startswith("<Fit: load_shear ")
 
 
+# --- what contradicts a fit ---------------------------------------------------------------------
+
+
+def test_a_fit_that_holds_a_wrong_load_says_so(truth):
+    """README's own example of old: friction .65 instead of .35, and "converged"."""
+    gauges = tuple(records(truth, 3))
+    found = fit(gauges, START, ("friction",), rtol=1e-6)
+    assert abs(found.values[0] - 0.3) > 4 * found.standard_errors[0]
+    assert found.status.startswith("misfits are ")
+    assert f"(chi2 {found.chi2:.4g} of {found.freedom})" in found.status
+    assert fit(gauges, PRELOADED, ("friction",), rtol=1e-6).status == "converged"
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize(("more", "status"), [(1.2, "converged"), (1.6, "misfits are 1.6 times")])
+def test_noise_that_is_more_than_said_is_told_from_what_chance_does(truth, more, status):
+    """120 samples tell 1.33 times the noise from chance."""
+    told = [replace(one, noise=NOISE / more) for one in records(truth, 4)]
+    assert fit(told, PRELOADED, ("friction",), rtol=1e-6).status.startswith(status)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("mean", "sd", "noise", "contradicts"),
+    [
+        (0.32, 0.01, 0.2, False),  # within two standard deviations
+        (0.45, 0.05, NOISE, False),  # within three
+        (0.45, 0.02, NOISE, True),
+        (0.6, 0.01, 0.2, True),  # drawn to its prior, of which it is but 2.6 away; chi2 166 of 120
+    ],
+)
+def test_records_and_priors_that_contradict_are_told(truth, mean, sd, noise, contradicts):
+    gauges, priors = tuple(records(truth, 5, noise)), {"friction": Normal(mean, sd)}
+    found = fit(gauges, PRELOADED, ("friction",), priors=priors, rtol=1e-6)
+    said = "records and priors contradict each other" in found.status
+    assert said is contradicts
+    assert said or found.status == "converged"
+
+
+def test_records_are_as_far_from_a_prior_as_a_fit_without_it(truth):
+    """Where all is linear: (x - mean)^2 / (error^2 + sd^2), x being what the records say alone."""
+    gauges = tuple(records(truth, 6))
+    alone = fit(gauges, PRELOADED, ("load_shear",), rtol=1e-6)
+    value, error = alone.values[0], alone.standard_errors[0]
+    prior = {"load_shear": Normal(value + 8 * error, error / 2)}
+    found = fit(gauges, PRELOADED, ("load_shear",), priors=prior, rtol=1e-6)
+    (apart,) = re.findall(r"they are (.+) standard deviations apart in load_shear", found.status)
+    assert float(apart) == pytest.approx(8 / np.hypot(1, 0.5), rel=0.1)
+
+
 @pytest.mark.parametrize(
     ("names", "message"),
     [
@@ -159,3 +210,8 @@ def test_bad_records_are_refused(truth):
     for bad in ((0.0, t, t, 1.0), (1.0, t, t[:1], 1.0), (1.0, t[::-1], t, 1.0), (1.0, t, t, 0.0)):
         with pytest.raises(SceneError, match="gauge"):
             Gauge(*bad)
+    for noise in (1e-160, 1e-18, 1e61):  # squares of misfits would leave floating point
+        with pytest.raises(SceneError, match="gauge: noise must lie within"):
+            Gauge(1.0, t, t, noise)
+    with pytest.raises(SceneError, match="must not exceed 1e"):
+        Gauge(1.0, t, 1e100 * t, 1.0)

@@ -52,6 +52,18 @@ def test_derivatives_are_those_of_differences_whatever_is_recorded(name):
     assert np.median(errors, axis=1).max() < (1e-7 if name in OF_SCENE else 1e-5)
 
 
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("name", ["load_shear", "load_pressure", "base_pressure", "friction"])
+def test_derivatives_of_a_remote_load_are_those_of_differences(name):
+    """It moves what the contact carries, too; tractions jump at t = 0, which is no sample."""
+    scene = unit_scene(1.2, (0.5, 0.2), (0.6, 0.9), load_on="remote")
+    trial = trials([silent(one) for one in INTERFACE], (name,), scene)
+    by_step = differences(trial, 0, 1e-3)
+    errors = np.abs(trial.jacobian(trial.start)[:, 0] - by_step).reshape(len(INTERFACE), len(T))
+    assert np.abs(by_step).max() > 0.1
+    assert np.median(errors, axis=1).max() < 1e-7
+
+
 def test_errors_of_differences_in_the_bodies_are_told():
     trial = trials([silent("sxy", y=0.2)], ("friction",))
     own = trial.difference_error(trial.start)

@@ -1,13 +1,16 @@
 """Solution and Marched answer the same questions alike; so does whatever was sampled."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
+from catalogue import unit_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from compare.cli.terminal import end_table, zones_table
 from semianalytic import (
     Answer,
     Harmonic,
@@ -24,7 +27,7 @@ from semianalytic import (
     predict,
     solve,
 )
-from semianalytic.results.answer import FIELDS, TOTALS
+from semianalytic.results.answer import FIELDS, TOTALS, digits_apart
 from semianalytic.results.datasets import QUANTITIES
 from semianalytic.results.sampled import SampledAnswer, Totals, open_intervals, slip_intervals
 from semianalytic.scene.named import NAMED_SCENES
@@ -68,8 +71,9 @@ def test_fields_of_a_march_are_those_of_the_solution(name, field):
     exact, marched = (answer(name, method) for method in METHODS)
     reach = exact.scene.material.longitudinal_speed
     x, t = np.linspace(0.02, 0.97, 301) * reach, TIMES[:, None]
-    base = {"shear_traction": exact.scene.base.shear, "pressure": exact.scene.base.pressure}
-    expected, seen = (getattr(one, field)(x, t) - base.get(field, 0.0) for one in (exact, marched))
+    held = exact.scene.superposition.in_place
+    ahead = {"shear_traction": held.shear, "pressure": held.pressure}
+    expected, seen = (getattr(one, field)(x, t) - ahead.get(field, 0.0) for one in (exact, marched))
     assert seen.shape == (3, 301)
     difference = np.abs(seen - expected).sum()
     assert difference <= FIELD_ERRORS[field] * np.abs(expected).sum()
@@ -319,3 +323,36 @@ def test_zones_of_a_solution_move_with_its_edges():
     assert isinstance(solution, Solution)
     expected = [SlipInterval(2 * z.inner, 2 * z.outer, z.sense) for z in solution.zones]
     assert list(solution.zones_at(2.0)) == expected
+
+
+@pytest.mark.parametrize(
+    ("edges", "form", "digits"),
+    [
+        ((0.0, 0.884, 0.977, np.inf), "g", 4),
+        ((0.0, 0.93252585915, 0.93252595271, 2.0), "g", 8),  # 9.4e-8 apart
+        ((0.0, 0.93252585915, 0.93252595271, 2.0), "f", 8),
+        ((0.1875, 0.1875 * (1 + 1e-15)), "g", 4),  # apart by rounding
+        ((2986.1234567, 2986.1234569), "f", 8),
+        ((), "g", 4),
+    ],
+)
+def test_edges_are_shown_with_digits_that_tell_them_apart(edges, form, digits):
+    assert digits_apart(edges, 4, form) == digits
+
+
+@pytest.mark.parametrize("nu", [0.0, 1 / 3, 0.45])
+@pytest.mark.parametrize("friction", [0.0, 1e-9, 0.05])
+def test_no_strip_of_a_solution_reads_as_if_it_were_empty(friction, nu):
+    solution = solve(unit_scene(friction, nu=nu))
+    ends = re.findall(r"([\d.]+) < x/t < ([\d.]+)", repr(solution))
+    assert len(ends) == len(solution.zones)
+    assert all(float(inner) < float(outer) for inner, outer in ends)
+    for table in (zones_table(solution, ""), end_table(solution, 2.0)):
+        cells = [list(column.cells) for column in table.columns]
+        if table.columns[0].header == "zone":
+            for column in cells[2:4]:
+                numbers = [float(text) for text in column]
+                assert all(numbers[at] < numbers[at + 1] for at in range(0, len(numbers), 2))
+        else:
+            zones = [text.split(" < x < ") for text in cells[1] if " < x < " in text]
+            assert all(float(inner) < float(outer) for inner, outer in zones)

@@ -1,16 +1,20 @@
 """Numbers of any type are taken, everything else is refused in one sentence; results compare."""
 
+import copy
+import pickle
 from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
-from catalogue import PRELOADED
+from catalogue import PRELOADED, unit_scene
 
 import fem
 import semianalytic
+import slipfront
 from fem.plan import Pace, Plan, Settings
 from semianalytic import (
+    Gauge,
     Harmonic,
     InterfaceHistory,
     Material,
@@ -213,3 +217,60 @@ def test_no_public_result_compares_arrays_with_each_other(package):
     assert with_arrays
     for kind in with_arrays:
         assert kind.__eq__ is object.__eq__, kind
+
+
+# --- what is no scene at all ----------------------------------------------------------------------
+
+TIMES = np.array([0.1, 0.2])
+GAUGE = Gauge(0.4, TIMES, TIMES, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (
+            lambda: slipfront.solve("preloaded"),
+            "solve: scene must be a Scene, got 'preloaded'; find",
+        ),
+        (lambda: slipfront.march("ramp"), "march: scene must be a Scene"),
+        (lambda: slipfront.predict(None), "predict: scene must be a Scene, got None"),
+        (lambda: slipfront.simulate("preloaded"), "simulate: scene must be a Scene"),
+        (lambda: slipfront.cost(3), "simulate: scene must be a Scene, got 3"),
+        (lambda: slipfront.sweep("preloaded", [0.1]), "sweep: scene must be a Scene"),
+        (lambda: slipfront.survey("preloaded", friction=[0.1]), "survey: scene must be a Scene"),
+        (lambda: slipfront.validate({}, "preloaded"), "validate: scene must be a Scene"),
+        (lambda: slipfront.find_scene(3), "find_scene: give the name of a scene or the path"),
+        (lambda: slipfront.fit([GAUGE], "preloaded", "friction"), "fit: scene must be a Scene"),
+        (lambda: slipfront.fit(7, PRELOADED, "friction"), "fit: gauges must be a sequence"),
+        (lambda: slipfront.fit([GAUGE], PRELOADED, "friction", priors=3), "fit: priors must be by"),
+        (
+            lambda: slipfront.fit([GAUGE], PRELOADED, "friction", setup=3),
+            "fit: setup must be a Setup",
+        ),
+        (
+            lambda: slipfront.read_gauges(["a.csv"], noise=5e-8),
+            "read_gauges: noise must be numbers by",
+        ),
+        (lambda: slipfront.read_gauges(["a.csv"], noise={"slp": 1.0}), "read_gauges: noise knows"),
+        (lambda: slipfront.read_gauges(7), "read_gauges: paths must be a path or several, got 7"),
+        (lambda: unit_scene(lower_material=PRELOADED.material), "give lower_material to simulate"),
+        (
+            lambda: unit_scene(friction_lw=3),
+            "no parameter 'friction_lw'; did you mean friction_law?",
+        ),
+        (lambda: unit_scene(step=3), "no parameter 'step'; it has material, friction, base, load"),
+    ],
+)
+def test_what_is_no_scene_or_parameter_ends_in_one_sentence(call, said):
+    with pytest.raises(SceneError) as refusal:
+        call()
+    message = str(refusal.value)
+    assert said in message
+    assert message.endswith((".", "?"))
+
+
+def test_scenes_are_copied_and_changed_as_before():
+    """Though parameters that are none are refused before they are."""
+    for same in (copy.deepcopy(PRELOADED), pickle.loads(pickle.dumps(PRELOADED))):
+        assert same == PRELOADED
+    assert replace(PRELOADED, friction=0.4).friction == 0.4

@@ -59,9 +59,9 @@ def test_default_scene_is_constant_pressure_and_sudden_shear():
 
 
 @pytest.mark.parametrize(("name", "ratio"), [("remote-shock", 1.25), ("stuck", 2.0)])
-def test_remote_scenes_have_base_equal_to_step(name, ratio):
+def test_remote_scenes_come_onto_nothing(name, ratio):
     scene = find_scene(name)
-    assert scene.base == scene.load
+    assert (scene.load_on, scene.base) == ("remote", Tractions(0.0, 0.0))
     assert scene.friction * scene.load.pressure / scene.load.shear == ratio
 
 

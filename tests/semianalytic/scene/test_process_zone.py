@@ -1,6 +1,7 @@
 """The length that slip weakening gives a front."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -20,6 +21,12 @@ def test_process_zone_is_the_stiffness_over_the_fall_of_strength_per_slip():
     assert process_zone(weakening(law)) == pytest.approx(2.0 / (0.75 * 0.4 / 0.05))
     assert process_zone(weakening(law, pressure=2.0)) == pytest.approx(1.0 / (0.75 * 0.4 / 0.05))
     assert process_zone(weakening(law, units=1e6)) == pytest.approx(2.0 / (0.75 * 0.4 / 0.05))
+
+
+def test_process_zone_is_that_under_the_pressure_of_a_remote_load():
+    law, load = SlipWeakening(2 / 3, 0.05), Tractions(1.0, 0.4)
+    remote = replace(weakening(law), base=Tractions(0.0, 0.0), load=load, load_on="remote")
+    assert process_zone(remote) == process_zone(weakening(law))
 
 
 def test_process_zone_is_infinite_where_slip_does_not_weaken():

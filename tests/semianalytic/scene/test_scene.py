@@ -2,9 +2,9 @@ import math
 from dataclasses import replace
 
 import pytest
-from catalogue import unit_scene
+from catalogue import REMOTE, unit_scene
 
-from semianalytic import Material, Scene, SceneError, Tractions
+from semianalytic import Material, Ramp, RateWeakening, Scene, SceneError, Tractions
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import scene_document, scene_from_document
 
@@ -61,14 +61,58 @@ def test_scene_refuses_an_interface_that_slides_before_the_load():
         unit_scene(friction=0.3, base=(1.0, 0.5))
 
 
-def test_remote_shock_on_a_preload_is_admissible():
-    scene = unit_scene(friction=0.5, base=(2.0, 1.5), load=(1.0, 1.5))
+# --- where the load acts ------------------------------------------------------------------------
+
+
+def test_a_load_on_the_slot_leaves_the_base_in_place():
+    scene = unit_scene(0.5, (2.0, 0.5), (1.0, 1.5))
+    assert scene.load_on == "slot"
+    assert scene.superposition == (scene.base, scene.load)
+    assert "load_on" not in scene_document(scene)
+    assert scene.far_slip_rate == 0
+
+
+def test_a_remote_load_is_carried_by_the_contact_beside_the_base():
+    scene = unit_scene(0.5, (1.0, 0.25), (1.0, 1.25), load_on="remote")
+    assert scene.superposition == (Tractions(2.0, 1.5), Tractions(1.0, 1.25))
     assert scene.far_slip_rate == pytest.approx(2 * (1.5 - 0.5 * 2.0))
+    assert scene_from_document(scene_document(scene)) == scene
+    assert scene != replace(scene, load_on="slot")
+    assert repr(scene).endswith("load_on='remote')")
 
 
 def test_far_slip_rate_follows_the_excess_of_a_remote_shock():
-    assert unit_scene(friction=1.25, base=(1.0, 1.0), load=(1.0, 1.0)).far_slip_rate == 0
-    assert unit_scene(friction=0.4, base=(1.0, -1.0), load=(1.0, -1.0)).far_slip_rate == -1.2
+    assert unit_scene(1.25, **REMOTE).far_slip_rate == 0
+    assert unit_scene(0.4, **{**REMOTE, "load": (1.0, -1.0)}).far_slip_rate == -1.2
+
+
+@pytest.mark.parametrize("place", ["far", "", None, 1, ["remote"], "Slot"])
+def test_unknown_places_of_a_load_are_refused_with_both(place):
+    with pytest.raises(SceneError, match="load_on must be slot or remote, got"):
+        unit_scene(load_on=place)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.85, 1.0, 1.15])
+def test_a_base_that_friction_does_not_hold_is_refused_whatever_the_load(share):
+    """It was taken for a remote load where base - load is at rest, so that slip jumped from that of
+    a load on the slot to an infinite one."""
+    with pytest.raises(SceneError, match="already slide") as refusal:
+        unit_scene(0.2, (1.0, share), (0.0, 1.0))
+    rewritten = f'write base = Tractions(1, {share - 1:g}) and load_on = "remote"'
+    assert (rewritten in str(refusal.value)) is (share > 0.5)
+    if share > 0.5:  # and that is a scene
+        assert unit_scene(0.2, (1.0, share - 1), (0.0, 1.0), load_on="remote").far_slip_rate > 0
+
+
+def test_what_is_no_remote_load_is_refused():
+    with pytest.raises(SceneError, match="comes as a step"):
+        unit_scene(load_on="remote", shear_history=Ramp(0.5))
+    with pytest.raises(SceneError, match=r"pressed together, .* -0\.5 in all"):
+        unit_scene(load=(-1.5, 1.0), load_on="remote")
+    law = RateWeakening(0.5, 1.0)
+    with pytest.raises(SceneError, match=r"under pressure 2\.5"):
+        unit_scene(0.9, load=(1.5, 1.0), load_on="remote", friction_law=law)
+    unit_scene(0.9, load=(1.5, 1.0), friction_law=law)
 
 
 def test_tractions_must_be_finite():

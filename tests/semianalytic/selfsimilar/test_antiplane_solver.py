@@ -81,7 +81,7 @@ def test_remote_edge_sticks_above_the_ratio_of_intensities(nu):
     """K_III/K_I = sqrt((1 - nu) c_l/c_t) for equal loads; a slipping edge has K_III = f K_I."""
     threshold = np.sqrt((1 - nu) * Material(1.0, 1.0, nu).longitudinal_speed)
     for friction, slips in ((threshold * (1 + 1e-4), False), (threshold * (1 - 1e-2), True)):
-        solution = solve(antiplane(friction, *REMOTE, nu=nu))
+        solution = solve(antiplane(friction, **REMOTE, nu=nu))
         assert solution.status == "converged"
         assert bool(solution.zones and solution.zones[0].inner == 0) == slips
         mode_one, sheared = solution.stress_intensity(1.0)
@@ -110,14 +110,14 @@ def random_scene(random):
     nu = random.choice([-0.5, -0.2, 0.0, 0.2, 1 / 3, 0.45])
     friction, pressure = 10 ** random.uniform(-2, 0.5), random.uniform(0, 2)
     shear = random.choice([1.0, random.uniform(-1, 1)])
-    base, load = [
-        ((1.0, 0.0), (pressure, 1.0)),
-        ((1.0, 1.0), (1.0, 1.0)),
-        ((1.0, friction * random.uniform(-1, 1)), (pressure, shear)),
-        ((1.0, friction), (pressure, shear)),
+    tractions = [
+        {"base": (1.0, 0.0), "load": (pressure, 1.0)},
+        REMOTE,
+        {"base": (1.0, friction * random.uniform(-1, 1)), "load": (pressure, shear)},
+        {"base": (1.0, friction), "load": (pressure, shear)},
     ][random.integers(4)]
     viscosity = random.choice([0.0, random.uniform(0, 1)])
-    return antiplane(friction, base, load, nu=nu, friction_law=ViscousFriction(viscosity))
+    return antiplane(friction, **tractions, nu=nu, friction_law=ViscousFriction(viscosity))
 
 
 @pytest.mark.thinned(4)
@@ -169,13 +169,13 @@ def test_contacts_open_as_in_plane(load):
 
 
 @pytest.mark.parametrize(
-    ("friction", "base", "load", "name"),
+    ("friction", "tractions", "name"),
     [
-        (1e-3, (1.0, 0.0), (0.0, 1.0), "slow"),
-        (2.0, *REMOTE, "stuck"),
-        (0.5, *REMOTE, "everywhere"),
-        (0.3, (1.0, 0.298), (1.0, 0.1), "one"),
+        (1e-3, {}, "slow"),
+        (2.0, REMOTE, "stuck"),
+        (0.5, REMOTE, "everywhere"),
+        (0.3, {"base": (1.0, 0.298), "load": (1.0, 0.1)}, "one"),
     ],
 )
-def test_regimes_are_told_by_the_shear_wave(friction, base, load, name):
-    assert regime(solve(antiplane(friction, base, load))) == name
+def test_regimes_are_told_by_the_shear_wave(friction, tractions, name):
+    assert regime(solve(antiplane(friction, **tractions))) == name

@@ -108,10 +108,11 @@ def test_loads_are_in_units_of_the_largest_traction():
     load, unit = scaled_load(scene)
     assert unit == 10.0
     assert load == Load(0.4, 2.0, 0.3, 0.5, 1.0, 0.0)
-    shocked = [replace(scene, friction=f, load=Tractions(20.0, 3.0)) for f in (0.1, 0.2)]
+    shock = replace(scene, base=Tractions(0.0, 0.0), load=Tractions(20.0, 3.0), load_on="remote")
+    shocked = [replace(shock, friction=f) for f in (0.1, 0.2)]
     both = common_load(shocked, 2.0)
     np.testing.assert_array_equal(both.friction, [[0.1], [0.2]])
-    # V(inf) is what the base exceeds friction by
+    # V(inf) is what the shock exceeds friction by
     np.testing.assert_allclose(both.far_slip_rate, [[0.5], [0.0]], atol=1e-15)
     assert both.base_pressure == 10.0
 

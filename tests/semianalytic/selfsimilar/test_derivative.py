@@ -5,7 +5,7 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from catalogue import PRELOADED, SHOCK, STEEL, UNIT, over, unit_scene
+from catalogue import PRELOADED, REMOTE, SHOCK, STEEL, UNIT, over, unit_scene
 from laws import random_scenes
 
 from semianalytic import (
@@ -171,9 +171,31 @@ def test_differences_of_solutions_agree(problem):
     assert found is None or max(found.values()) < 1e-8, (name, found)
 
 
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("mode", ["in-plane", "antiplane"])
+@pytest.mark.parametrize("name", TRACTIONS)
+def test_a_remote_load_moves_what_is_in_place_and_what_is_taken_off(name, mode):
+    """Where friction holds both, the same tractions may have been in place before."""
+    remote = solve(unit_scene(1.2, (0.6, 0.5), (0.5, 0.6), load_on="remote", mode=mode))
+    before = remote.scene.superposition.in_place
+    slot = solve(replace(remote.scene, base=before, load_on="slot"))
+    part, _, kind = name.partition("_")
+    whole = [f"base_{kind}", name] if part == "load" else [name]
+    found, parts = remote.derivative(name), [slot.derivative(one) for one in whole]
+    assert found.status == "converged"
+    x, t = clear_positions(remote), np.array([[0.8], [1.0]])
+    for field in FIELDS:
+        expected = sum(getattr(one, field)(x, t) for one in parts)
+        size = np.abs(expected).max()
+        np.testing.assert_allclose(getattr(found, field)(x, t), expected, atol=1e-8 * size)
+    np.testing.assert_allclose(edges_of(found), sum(map(edges_of, parts)), atol=1e-8)
+    early = getattr(found, {"shear": "shear_traction"}.get(kind, kind))(x, -1.0)
+    np.testing.assert_array_equal(early, float(part == "base"))
+
+
 def unpressed(scene, name):
     """Whether nothing presses the interface, which has no derivative with respect to pressures."""
-    return name in ("base_pressure", "load_pressure") and not scene.base.pressure
+    return name in ("base_pressure", "load_pressure") and not scene.superposition.in_place.pressure
 
 
 def check_random_scenes(count, names_of):
@@ -315,10 +337,11 @@ def test_antiplane_and_viscous_scenes(scene, name):
 @pytest.mark.parametrize("viscosity", [1e-6, 1e-4, 1e-2])
 def test_small_viscosity_where_slip_covers_the_shear_front(viscosity):
     """Next to that front, over distances as small, V turns from a square root to finite."""
-    base = Tractions(1.0, -0.4059)
+    load = Tractions(1.0, -0.4059)
     law = ViscousFriction(viscosity)
     rock = Material(1.0, 1.0, 0.1542)
-    remote = Scene(rock, 0.3095, base, base, mode="antiplane", friction_law=law)
+    nothing, rest = Tractions(0.0, 0.0), {"mode": "antiplane", "load_on": "remote"}
+    remote = Scene(rock, 0.3095, nothing, load, friction_law=law, **rest)
     found = errors(solve(remote, rtol=1e-11), "poisson_ratio")
     assert found is not None
     assert max(found.values()) < 1e-8, found
@@ -438,7 +461,7 @@ def test_zones_about_to_change_are_flagged():
     critical = solve(unit_scene(0.5, (1.0, 0.5), (0.6, -1.0)))
     assert "base is at friction" in critical.derivative("friction").status
     assert critical.derivative("load_shear").status == "converged"
-    stuck = solve(unit_scene(np.sqrt(2) * (1 + 1e-9), (1.0, 1.0), (1.0, 1.0)))
+    stuck = solve(unit_scene(np.sqrt(2) * (1 + 1e-9), **REMOTE))
     assert "about to slip" in stuck.derivative("friction").status
     assert solve(SHOCK).derivative("friction").status == "converged"
 

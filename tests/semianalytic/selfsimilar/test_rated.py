@@ -90,7 +90,7 @@ def test_march_converges_to_the_answer(mode):
 def test_weakening_across_the_rayleigh_front_is_refused():
     law = RateWeakening(0.2, 5.0)
     for scene in (
-        unit_scene(0.5, *REMOTE, friction_law=law),
+        unit_scene(0.5, **REMOTE, friction_law=law),
         unit_scene(0.3, (1.0, 0.295), (1.0, 0.0), friction_law=law),
     ):
         with pytest.raises(SceneError, match="cover the Rayleigh front"):

@@ -21,12 +21,12 @@ def shock():
 
 @pytest.fixture(scope="module")
 def stuck():
-    return solve(unit_scene(2.0, *REMOTE))
+    return solve(unit_scene(2.0, **REMOTE))
 
 
 @pytest.fixture(scope="module")
 def sliding():
-    return solve(unit_scene(0.5, *REMOTE))
+    return solve(unit_scene(0.5, **REMOTE))
 
 
 @pytest.mark.thinned(3)
@@ -87,7 +87,7 @@ def test_shear_traction_of_the_stuck_scene_is_the_diffracted_load(stuck):
 
 @pytest.mark.parametrize("friction", [1.25, 1.5, 2.0])
 def test_stress_intensity_is_the_limit_of_the_tractions(friction):
-    solution = solve(unit_scene(friction, *REMOTE))
+    solution = solve(unit_scene(friction, **REMOTE))
     x = 1e-10
     mode_one, mode_two = solution.stress_intensity(1.0)
     near = np.sqrt(2 * np.pi * x)

@@ -36,7 +36,7 @@ def test_one_zone_under_a_shear_step(nu, strength):
 @pytest.mark.parametrize("friction", [0.9, 0.3])
 def test_slip_everywhere_under_a_remote_shock(nu, friction):
     x = np.array([0.3, 0.9, 1.1, 1.3])
-    solution = solve(unit_scene(friction, *REMOTE, nu=nu), rtol=1e-11)
+    solution = solve(unit_scene(friction, **REMOTE, nu=nu), rtol=1e-11)
     exact = slip_rate_under_remote_shock(Material(1.0, 1.0, nu), 1.0, 1.0, friction, x)
     assert solution.status == "converged"
     assert np.abs(solution.slip_rate(x, 1.0) - exact).max() < 1e-11 * exact.max()
@@ -103,8 +103,8 @@ def test_second_zone_runs_ahead_of_the_shear_wave():
 
 def test_edge_sticks_above_the_ratio_of_wave_speeds():
     """Remote load: the edge sticks iff chi >= sqrt(b/a) = sqrt 2 at nu = 1/3."""
-    stuck = solve(unit_scene(np.sqrt(2) * 1.001, *REMOTE))
-    slips = solve(unit_scene(np.sqrt(2) * 0.995, *REMOTE))
+    stuck = solve(unit_scene(np.sqrt(2) * 1.001, **REMOTE))
+    slips = solve(unit_scene(np.sqrt(2) * 0.995, **REMOTE))
     assert stuck.zones == ()
     assert slips.zones[0].inner == 0.0
     assert slips.zones[0].outer < 0.1
@@ -136,14 +136,14 @@ def test_tension_says_what_would_hold_the_contact():
 def test_narrow_zone_at_the_edge_just_below_its_threshold(excess):
     """The zone is about 8 (1 - chi / sqrt(b/a)) c_t wide: seen by K_II > f K_I, not by nodes."""
     friction = np.sqrt(2) * (1 - excess)
-    (zone,) = solve(unit_scene(friction, *REMOTE)).zones
+    (zone,) = solve(unit_scene(friction, **REMOTE)).zones
     assert zone.inner == 0.0
     assert zone.outer == pytest.approx(8 * excess, rel=0.01)
 
 
 def test_slip_rate_at_the_rayleigh_front_itself_is_finite():
     """Inside a zone that covers c_R, where the gap is narrower than rounding."""
-    solution = solve(unit_scene(1.1, *REMOTE))
+    solution = solve(unit_scene(1.1, **REMOTE))
     speed = solution.scene.material.rayleigh_speed
     assert solution.zones[0].outer > speed
     assert np.isfinite(solution.slip_rate(speed, 1.0))
@@ -160,7 +160,7 @@ def test_nearly_incompressible(distance):
 
 def test_a_threshold_scene_has_a_status_not_a_wrong_curve():
     """Within 2e-7 of the edge threshold a zone of width 1e-5 cannot be settled: it says so."""
-    limit = unit_scene(1.31607255659514, *REMOTE, nu=0.25)
+    limit = unit_scene(1.31607255659514, **REMOTE, nu=0.25)
     solution = solve(limit)
     assert solution.status == "converged" or "no set of slip zones" in solution.status
 
@@ -178,7 +178,6 @@ def test_reversed_strip_just_below_its_threshold_is_not_missed(nu):
 @pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-6, 1e-8, 1e-10])
 def test_zone_that_shrinks_to_nothing_ends_in_a_status(rtol):
     """8e-6 below the threshold of the edge, where Newton walks into a zone without width."""
-    solid, load = Material(1.0, 1.0, 0.247), Tractions(1.0, 1.0)
-    solution = solve(Scene(solid, 1.313454840748274, load, load), rtol=rtol)
+    solution = solve(unit_scene(1.313454840748274, **REMOTE, nu=0.247), rtol=rtol)
     assert solution.status != "converged" or solution.error_estimate <= rtol
     assert solution.error_estimate > 0

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from catalogue import REMOTE, unit_scene
 from laws import random_scenes
 from scipy.integrate import quad
 
@@ -132,13 +133,11 @@ def test_momentum_balance(name):
     """
     solution = solve(NAMED_SCENES[name].scene, rtol=1e-10)
     scene, impedance = solution.scene, solution.scene.material.shear_impedance
-    speeds = singular_speeds(solution)
+    speeds, (held, load) = singular_speeds(solution), scene.superposition
     front = scene.material.longitudinal_speed
-    traction = integral(
-        lambda x: solution.shear_traction(x, 1.0) - scene.base.shear, 0.0, front, speeds
-    )
+    traction = integral(lambda x: solution.shear_traction(x, 1.0) - held.shear, 0.0, front, speeds)
     slot = integral(
-        lambda x: impedance * solution.slot_velocity(-x, 1.0)[0] - scene.load.shear,
+        lambda x: impedance * solution.slot_velocity(-x, 1.0)[0] - load.shear,
         0.0,
         front,
         speeds,
@@ -163,9 +162,7 @@ def test_parts_of_the_contact_add_up():
 
 
 def test_slip_ahead_of_all_waves_takes_what_a_steady_slide_takes():
-    solution = solve(
-        Scene(Material(1.0, 1.0, 1 / 3), 0.5, Tractions(1.0, 1.0), Tractions(1.0, 1.0))
-    )
+    solution = solve(unit_scene(0.5, **REMOTE))
     rate = solution.scene.far_slip_rate
     x, t = np.array([3.0, 5.0]), 1.5
     np.testing.assert_allclose(solution.path(x, t), rate * t, rtol=1e-14)

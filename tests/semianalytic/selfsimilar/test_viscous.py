@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from catalogue import unit_scene
+from catalogue import REMOTE, unit_scene
 from laws import check_march_converges
 
 from semianalytic import CoulombFriction, SceneError, ViscousFriction, solve, sweep
@@ -88,7 +88,7 @@ def test_little_viscosity_alone_is_lambs_problem():
 
 def test_slip_everywhere_is_balanced_by_viscosity_far_ahead():
     """f P_b + (rho c_t / 2 + viscosity) V = Q_b."""
-    scene = unit_scene(0.5, (1.0, 1.0), (1.0, 1.0), friction_law=ViscousFriction(0.25))
+    scene = unit_scene(0.5, **REMOTE, friction_law=ViscousFriction(0.25))
     assert scene.far_slip_rate == pytest.approx(0.5 / 0.75)
     ahead = solve(scene).shear_traction(3.0, 1.0)
     assert float(ahead) == pytest.approx(0.5 + 0.25 * scene.far_slip_rate)

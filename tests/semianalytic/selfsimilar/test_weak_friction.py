@@ -5,9 +5,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from catalogue import unit_scene
+from catalogue import REMOTE, unit_scene
 
-from semianalytic import ComputationError, Material, Scene, Tractions, solve
+from semianalytic import ComputationError, Tractions, solve
 from semianalytic.cut.load import scaled_load
 from semianalytic.halfplane.rayleigh import rayleigh_factors
 from semianalytic.halfplane.rules import rule_for
@@ -130,8 +130,7 @@ def test_edge_just_below_its_threshold(excess, rtol):
 
     Slip falls like the square of the excess: rounding leaves it fewer digits.
     """
-    load = Tractions(1.0, 1.0)
-    near = Scene(Material(1.0, 1.0, 1 / 3), np.sqrt(2) * (1 - excess), load, load)
+    near = unit_scene(np.sqrt(2) * (1 - excess), **REMOTE)
     solution = solve(near, rtol=rtol)
     assert solution.status == "converged"
     assert solution.zones[0].outer == pytest.approx(8 * excess, rel=20 * excess + 1e-15 / excess)
@@ -150,8 +149,9 @@ def test_a_base_above_friction_by_rounding_does_not_slide():
     friction = 8.783039916140936e-05
     just_above = unit_scene(friction, (1.0, float(np.nextafter(friction, 1.0))))
     assert just_above.far_slip_rate == 0.0
-    sliding = Tractions(1.0, friction * 1.001)
-    assert replace(just_above, base=sliding, load=sliding).far_slip_rate > 0
+    nothing, sliding = Tractions(0.0, 0.0), Tractions(1.0, friction * 1.001)
+    remote = replace(just_above, base=nothing, load=sliding, load_on="remote")
+    assert remote.far_slip_rate > 0
     solution = solve(just_above)
     assert solution.status == "converged"
     assert solution.zones[-1].outer == pytest.approx(just_above.material.longitudinal_speed)

@@ -63,8 +63,8 @@ def errors(scene, nodes, count=60):
         find_scene("remote-shock"),
         find_scene("antiplane"),
         unit_scene(0.5, (1.0, 0.3), (0.8, -0.9), nu=-0.25),
-        unit_scene(0.4, (1.0, -0.6), (1.0, -0.6)),
-        unit_scene(0.4, (1.0, 0.6), (1.0, 0.6), mode="antiplane"),
+        unit_scene(0.4, (0.0, 0.0), (1.0, -0.6), load_on="remote"),
+        unit_scene(0.4, (0.5, -0.1), (0.5, 0.7), mode="antiplane", load_on="remote"),
     ],
     ids=["preloaded", "shock", "antiplane", "auxetic shock", "slides", "slides along z"],
 )

@@ -33,7 +33,7 @@ def check_against_single(swept, rtol):
         (PRELOADED, 0.2, 0.6),  # a second zone until 0.34
         (SHOCK, 0.9, 1.6),  # everywhere, past c_R, two zones, one, none
         (unit_scene(nu=-0.5), 1e-3, 0.2),  # reverse slip, two zones, one
-        (unit_scene(1.1, *REMOTE, nu=-0.5), 1.05, 1.2),  # stuck edge
+        (unit_scene(1.1, **REMOTE, nu=-0.5), 1.05, 1.2),  # stuck edge
         (unit_scene(base=(2.0, 0.1), load=(0.5, 0.6)), 0.1, 0.9),  # both senses
     ],
 )
@@ -47,8 +47,7 @@ def test_sweep_agrees_with_single_solutions_across_thresholds(start, low, high):
 def start_of(nu, remote, low):
     """A shear step or a remote load, and where a sweep over friction may start: under the second
     above 1, its base being at friction there."""
-    load = (1.0, 1.0) if remote else (0.0, 1.0)
-    start = unit_scene(2.0, (1.0, load[0] * load[1]), load, nu=nu)
+    start = unit_scene(2.0, **REMOTE if remote else {}, nu=nu)
     return start, 1.001 + low / 4 if remote else low
 
 

@@ -1,0 +1,82 @@
+"""How a command ends that meets a fault of the program itself: a sentence, a report, exit code 70.
+
+Only what comes with Python is imported, for this also has to work where nothing else does.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import shlex
+import sys
+import tempfile
+import traceback
+from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError, version
+
+CRASHED = 70
+"""EX_SOFTWARE of sysexits.h."""
+READER_GONE = 141
+"""What a shell says of a program that was ended by SIGPIPE."""
+
+_PACKAGES = ("slipfront", "numpy", "scipy", "typer", "rich", "h5py", "xarray", "gmsh", "matplotlib")
+_LONGEST = 200
+_REPORT = """\
+slipfront met a fault of its own: what was asked for may be right.
+
+To report it, open an issue where slipfront came from, and give this file and the files that the
+command read.  Look it through before: it holds the command line and names of folders.
+
+command:  {command}
+python:   {python}
+system:   {system}
+packages: {packages}
+
+{traceback}"""
+
+
+def crashed(error: BaseException, arguments: Sequence[str]) -> int:
+    """Write a report of an exception that nothing caught, and say so in one sentence.
+
+    Returns
+    -------
+    int
+        `CRASHED`.
+    """
+    words = " ".join(f"{type(error).__name__}: {error}".split())
+    what = words if len(words) <= _LONGEST else f"{words[:_LONGEST]}…"
+    text = _report(error, arguments)
+    try:
+        descriptor, path = tempfile.mkstemp(prefix="slipfront-fault-", suffix=".txt")
+        with os.fdopen(descriptor, "w", encoding="utf-8", errors="replace") as stream:
+            stream.write(text)
+        where = f"{path} holds what is needed for that"
+    except OSError:
+        print(text, file=sys.stderr)
+        where = "what is needed for that stands above"
+    sentence = f"slipfront met a fault of its own ({what}); please report it: {where}."
+    print(printable(sentence), file=sys.stderr)
+    return CRASHED
+
+
+def printable(message: object) -> str:
+    """A message on one line that a terminal shows as it is, whatever names it quotes."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(message))
+
+
+def _report(error: BaseException, arguments: Sequence[str]) -> str:
+    return _REPORT.format(
+        command=shlex.join(["slipfront", *map(str, arguments)]),
+        python=f"{sys.version.split()[0]} at {sys.executable}",
+        system=platform.platform(),
+        packages=", ".join(filter(None, map(_installed, _PACKAGES))),
+        traceback="".join(traceback.format_exception(error)),
+    )
+
+
+def _installed(package: str) -> str:
+    """A package and its version; nothing where it is not there."""
+    try:
+        return f"{package} {version(package)}"
+    except PackageNotFoundError:
+        return ""

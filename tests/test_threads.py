@@ -1,0 +1,249 @@
+"""Answers may be read from several threads at once, and say what they say to one, to the last bit.
+
+Each public method and property of an answer is asked many times, in another order by each thread;
+the same questions put to an equal answer by one thread are the measure.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import fields, is_dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from catalogue import unit_scene
+
+from fem import simulate
+from semianalytic import Gauge, ViscousFriction, fit, march, solve, sweep
+from semianalytic.scene.named import find_scene
+
+THREADS = 4
+ARGUMENTS: dict[str, Any] = {
+    "x": np.linspace(0.07, 1.3, 23),
+    "y": np.linspace(-0.9, 0.8, 23),
+    "t": np.linspace(0.05, 0.9, 23),
+    "inner": 0.05,
+    "outer": np.linspace(0.1, 1.3, 23),
+}
+"""Of methods, by the names of their parameters."""
+ELSEWHERE = ("to_xarray", "save", "load", "derivative", "error_of", "seen", "trials")
+"""Asked below with other arguments, or of other objects."""
+RANKED = {"zones_at": {"t": 0.4}, "openings_at": {"t": 0.4}}
+SLOT = {"slot_velocity": {"x": -ARGUMENTS["x"]}}
+
+Question = Callable[[Any], Any]
+
+
+def told(value: Any) -> Any:
+    """What a value holds, as plain numbers that compare bit for bit."""
+    if isinstance(value, np.ndarray):
+        return value.shape, value.dtype.str, value.tobytes()
+    if isinstance(value, float):
+        return np.float64(value).tobytes()
+    if isinstance(value, tuple | list):
+        return [told(one) for one in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        return [told(getattr(value, one.name)) for one in fields(value)]
+    return repr(value)
+
+
+def questions(answer: Any) -> Iterator[tuple[str, Question]]:
+    """All public methods and properties of an answer, each with two sets of arguments."""
+    kind = type(answer)
+    for name in dir(kind):
+        member = inspect.getattr_static(kind, name)
+        if name.startswith("_") or name in ELSEWHERE:
+            continue
+        if isinstance(member, property | cached_property):
+            yield name, lambda one, name=name: getattr(one, name)
+        elif inspect.isfunction(member):
+            for step in (1, 3):
+                given = arguments(name, member, step)
+                yield f"{name}/{step}", lambda one, name=name, g=given: getattr(one, name)(**g)
+
+
+def arguments(name: str, method: Any, step: int) -> dict[str, Any]:
+    taken = [one for one in inspect.signature(method).parameters if one != "self"]
+    given = {**ARGUMENTS, **{**RANKED, **SLOT}.get(name, {})}
+    return {
+        one: given[one][::step] if isinstance(given[one], np.ndarray) else given[one]
+        for one in taken
+    }
+
+
+def asked_by_one(answer: Any, asked: dict[str, Question]) -> dict[str, Any]:
+    return {name: told(one(answer)) for name, one in asked.items()}
+
+
+def asked_by_threads(answer: Any, asked: dict[str, Question]) -> list[dict[str, Any]]:
+    """What each of some threads hears, which ask at the same time and in different order."""
+
+    def ask(seed: int) -> dict[str, Any]:
+        names = list(asked)
+        np.random.default_rng(seed).shuffle(names)
+        return {name: told(asked[name](answer)) for name in names}
+
+    switching = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(THREADS) as pool:
+            return list(pool.map(ask, range(THREADS)))
+    finally:
+        sys.setswitchinterval(switching)
+
+
+def differing(make: Callable[[], Any], asked: dict[str, Question] | None = None) -> set[str]:
+    """Questions that threads were answered otherwise than one thread that asks an equal answer."""
+    answer = make()
+    asked = asked or dict(questions(answer))
+    alone = asked_by_one(make(), asked)
+    heard = asked_by_threads(answer, asked)
+    late = asked_by_one(answer, asked)  # what threads left behind is right, too
+    return {name for said in (*heard, late) for name in asked if said[name] != alone[name]}
+
+
+SCENES = {
+    "a viscous film": unit_scene(friction_law=ViscousFriction(0.1)),
+    "two zones": unit_scene(),
+    "antiplane": find_scene("antiplane"),
+    "an opening": find_scene("lift-off-shear"),
+}
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("name", SCENES)
+def test_threads_hear_of_a_solution_what_one_hears(name):
+    assert differing(lambda: solve(SCENES[name])) == set()
+
+
+@pytest.mark.parametrize("name", ["two zones", "an opening"])
+def test_threads_hear_of_derivatives_what_one_hears(name):
+    """Those of one solution, which share what they are made of."""
+    parameters = ("friction", "load_shear")
+
+    def make() -> list[Any]:
+        solution = solve(SCENES[name], rtol=1e-6)
+        return [solution.derivative(parameter) for parameter in parameters]
+
+    asked = {
+        f"{which} by {parameter}": lambda some, number=number, question=question: question(
+            some[number]
+        )
+        for number, parameter in enumerate(parameters)
+        for which, question in questions(make()[0])
+    }
+    assert differing(make, asked) == set()
+
+
+def test_threads_hear_of_a_sweep_what_one_hears():
+    frictions = np.linspace(0.2, 0.6, 7)
+    asked = {
+        f"{number}, {name}": lambda answers, number=number, question=question: question(
+            list(answers)[number]
+        )
+        for number in (1, 4)
+        for name, question in questions(solve(SCENES["two zones"]))
+    }
+    assert differing(lambda: sweep(SCENES["two zones"], frictions), asked) == set()
+
+
+def test_threads_hear_of_a_march_what_one_hears():
+    def make() -> Any:
+        return march(find_scene("ramp"), end_time=1.0, nodes=32, length=2.0)
+
+    asked = dict(questions(make()))
+    asked["error_of"] = lambda one: one.error_of(lambda each: each.slip(0.3, 0.8))
+    assert differing(make, asked) == set()
+
+
+def test_threads_hear_of_a_fit_what_one_hears():
+    """Misfits of values that are tried as well, of which only the last few solutions are kept."""
+    t = np.linspace(0.1, 1.0, 12)
+    gauge = Gauge(0.3, t, solve(unit_scene(0.31)).slip_rate(0.3, t), 0.05)
+    found = fit([gauge], unit_scene(), ("friction",), rtol=1e-4)
+    asked = dict(questions(found))
+    asked["seen"] = lambda one: one.seen(gauge, np.linspace(0.1, 0.9, 5))
+    for number in range(10):
+        tried = np.array([0.9 + 0.01 * number])
+        asked[f"trial {number}"] = lambda one, tried=tried: one.trials.misfit(tried)
+    assert differing(lambda: found, asked) == set()
+
+
+def test_threads_hear_of_a_simulation_what_one_hears():
+    run = simulate(find_scene("lift-off-shear"), resolution=16)
+    assert differing(lambda: run) == set()
+
+
+def test_threads_of_dask_hear_what_one_hears():
+    dask = pytest.importorskip("dask")
+    answer, alike = (solve(SCENES["two zones"]) for _ in range(2))
+    asked = dict(questions(answer))
+    alone = asked_by_one(alike, asked)
+    tasks = [dask.delayed(told)(dask.delayed(one)(answer)) for one in asked.values()]
+    heard = dask.compute(*tasks, scheduler="threads", num_workers=THREADS)
+    assert dict(zip(asked, heard, strict=True)) == alone
+
+
+UNLOCKED = """
+import functools, threading
+from collections import defaultdict
+
+needed, asking = defaultdict(set), threading.local()
+
+class Tracked(functools.cached_property):
+    def __get__(self, instance, owner=None):
+        if instance is None:
+            return self
+        if self.attrname not in instance.__dict__:
+            outer = asking.__dict__.setdefault("outer", [])
+            for one in outer:
+                needed[one].add(self)
+            outer.append(self)
+            instance.__dict__[self.attrname] = self.func(instance)
+            outer.pop()
+        return instance.__dict__[self.attrname]
+
+functools.cached_property = Tracked
+import test_threads
+
+opening = test_threads.SCENES["an opening"]
+assert test_threads.differing(lambda: test_threads.solve(opening, rtol=1e-4)) == set()
+test_threads.test_threads_hear_of_derivatives_what_one_hears("an opening")
+test_threads.test_threads_hear_of_a_march_what_one_hears()
+
+def circle(start):
+    met, left = set(), list(needed[start] - {start})
+    while left:
+        one = left.pop()
+        if start in needed[one]:
+            return True
+        left += needed[one] - met
+        met |= needed[one]
+    return False
+
+print(len(needed), sorted(one.attrname for one in list(needed) if circle(one)))
+"""
+
+
+def test_attributes_need_no_locks_and_wait_for_one_another_in_no_circle():
+    """Python 3.11 locks an attribute of a class while it is worked out for any object, and two
+    threads that come to a circle of attributes from two sides wait for ever; later ones do not."""
+    shown = subprocess.run(
+        [sys.executable, "-c", UNLOCKED],
+        cwd=Path(__file__).parent,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parent), "OPENBLAS_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+    )
+    assert shown.returncode == 0, shown.stderr
+    count, _, circles = shown.stdout.strip().partition(" ")
+    assert int(count) > 50
+    assert circles == "[]"
