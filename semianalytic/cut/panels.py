@@ -87,6 +87,10 @@ class Panels:
         """(p, ...) integrals over whole panels; principal values at a pole at c."""
         return np.einsum("...n,...n,n->...", density, self.jacobian, self.rule.weights)
 
+    def panel_of(self, at: CutPoints) -> np.ndarray:
+        """(m,) panels that points of a single set of zones lie in, -1 ahead of all."""
+        return np.searchsorted([left.v[0] for left in self.left], at.v, "right") - 1
+
     def coordinate(self, panel: int, at: CutPoints) -> Array:
         """The y of (m,) points inside a panel of a single set of zones."""
         left, right = self.left[panel], self.right[panel]

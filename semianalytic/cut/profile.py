@@ -154,7 +154,7 @@ class Profile:
     def strength_at_nodes(self) -> Array:
         """(p, ..., n): friction bound f p at the nodes of all panels."""
         if self.normal is None:
-            return self.strength(self.panels.at.v)
+            return self._strength_at(self.panels.at)
         pressure = -self.normal.traction_at_nodes
         pressure[self._open] = 0.0
         return np.asarray(self._load.friction * pressure)
@@ -241,7 +241,7 @@ class Profile:
         self, at: CutPoints, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
         result = np.full(at.v.shape, ahead)
-        panel = np.searchsorted([left.v[0] for left in self.panels.left], at.v, "right") - 1
+        panel = self.panels.panel_of(at)
         for i in np.unique(panel[panel >= 0]):
             here = panel == i
             result[here] = inside(int(i), at[here])

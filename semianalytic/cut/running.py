@@ -57,8 +57,8 @@ class Power:
 
     def _slope(self, panels: Panels, share: Array) -> Array:
         """What its integral grows by per s."""
-        exponent, rest = self.exponent, 1.0
-        factor, by_exponent = exponent, np.ones_like(exponent)
+        exponent = self.exponent
+        rest, factor, by_exponent = np.ones_like(share), exponent, np.ones_like(exponent)
         if panels.right[self.panel] is None:
             rest = 1 - share
             factor, by_exponent = exponent * (1 + exponent), 1 + 2 * exponent
