@@ -385,9 +385,10 @@ class Solution:
     @cached_property
     def _surroundings(self) -> Surroundings:
         """What all derivatives share."""
+        from semianalytic.selfsimilar.borders import at_the_front
         from semianalytic.selfsimilar.variation import Surroundings
 
-        return Surroundings(self.profile)
+        return Surroundings(at_the_front(self.profile))
 
     def derivative(self, name: str) -> Derivative:
         """How zones and fields change with a parameter of the scene, all else held.
