@@ -24,7 +24,7 @@ def on_fronts(solution):
     [
         PRELOADED,
         unit_scene(1.0, load=(0.0, 1.2)),
-        unit_scene(1.25, *REMOTE),
+        unit_scene(1.25, **REMOTE),
         unit_scene(0.3, (0.02, 0.0), (1.0, 0.5)),
         unit_scene(0.3, (1.0, 0.1), (0.4, 1.0), mode="antiplane"),
     ],
