@@ -310,7 +310,8 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
 
 
 def _affordable(fields: ZoneFields, tolerance: float) -> float:
-    """A tolerance of a rule, or where that would have too many nodes the least that has not."""
+    """A tolerance of a rule, or where that would have too many nodes the least that has not, as
+    far as the nodes of another rule foretell."""
     per_node = fields.panels.jacobian.size / len(fields.rule.y)  # rules of films are made longer
     while per_node * len(rule_for(tolerance).y) > tuning.MOST_NODES:
         tolerance *= 2
