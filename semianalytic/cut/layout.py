@@ -13,6 +13,7 @@ from itertools import groupby
 
 import numpy as np
 
+from semianalytic.cut import tuning
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 
 
@@ -114,6 +115,16 @@ class Layout:
         """The panel that slips across c, where dV/dv has a pole; -1 if there is none, as where
         resistance to slip rate leaves none and the panels are cut at c."""
         return self.over_c if self.slips_at_c else -1
+
+    def begins(self, other: Layout) -> bool:
+        """Whether the panels of another layout begin with these: all, or those without a tail."""
+        count = len(self.sense)
+        return (self.sense, self.zone, self.open, self.ahead) == (
+            other.sense[:count],
+            other.zone[:count],
+            other.open[:count],
+            min(other.ahead, count),
+        )
 
     @cached_property
     def slipping(self) -> np.ndarray:
@@ -226,7 +237,7 @@ def outline(
     opening: Zone | None = None,
 ) -> tuple[list[CutPoints], Layout]:
     """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root, at
-    more `cuts`, and where the contact opens and closes.
+    more `cuts`, where the contact opens and closes, and on the way to what is far slower.
 
     Without `tail` the unbounded panel after others is left out.
     """
@@ -237,8 +248,13 @@ def outline(
     for right, zone, index in _stretches(zones):
         for cut in every:
             if lies_between(ends[-1], cut, right):
+                for end in (*_on_the_way(factors, ends[-1], cut), cut):
+                    stretches.append((*_state(zone, ends[-1], opening), index))
+                    ends.append(end)
+        if right is not None:
+            for end in _on_the_way(factors, ends[-1], right):
                 stretches.append((*_state(zone, ends[-1], opening), index))
-                ends.append(cut)
+                ends.append(end)
         stretches.append((*_state(zone, ends[-1], opening), index))
         if right is not None:
             ends.append(right)
@@ -270,6 +286,22 @@ def outline(
         opens,
     )
     return ends, layout
+
+
+def _on_the_way(factors: RayleighFactors, left: CutPoints, right: CutPoints) -> list[CutPoints]:
+    """Points that part what is behind the shear front and far slower at its right end than at its
+    left one.
+
+    Traction and slip grow like powers of slowness there, and a rule is as exact as what is largest
+    on a panel allows.  How many there are is judged on the first set.
+    """
+    ratio = right.first[0] / left.first[0]
+    if left.first[2] < 0 or ratio < tuning.WIDE_PANEL:
+        return []
+    count = int(np.ceil(np.log(ratio) / np.log(tuning.PANEL_GROWTH)))
+    count = min(count, tuning.MOST_PANELS)
+    growth = np.log(right.v / left.v) / count
+    return [factors.cut(left.v * np.exp(step * growth)) for step in range(1, count)]
 
 
 def _state(zone: Zone | None, left: CutPoints, opening: Zone | None) -> tuple[int, bool]:

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from semianalytic.cut import tuning
-from semianalytic.cut.layout import Zone
+from semianalytic.cut.layout import Layout, Zone
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.stuck import stuck_traction, traction_of
 from semianalytic.scene.errors import TensionError
@@ -45,11 +45,9 @@ class Opened:
 class LinearisedStrength(Protocol):
     """Strength that depends on slip rate in any way, made linear about a slip rate."""
 
-    def at(self, points: CutPoints, senses: Array, jacobian: Array) -> tuple[Array, Array]:
-        """`resistance` and `given_slope` of a `Load` at the nodes (p, ..., n) of panels.
-
-        Their senses are (p, ..., 1), `jacobian` dv/dy.
-        """
+    def at(self, points: CutPoints, layout: Layout, jacobian: Array) -> tuple[Array, Array]:
+        """`resistance` and `given_slope` of a `Load` at the nodes (p, ..., n) of panels, of which
+        `jacobian` is dv/dy."""
         ...
 
     def carried(self, frictional: Array, speed: Array) -> Array:
@@ -124,7 +122,7 @@ class Load:
             return self.opened.pressure(at)
         result = np.full(at.v.shape, self.base_pressure)
         if self.load_pressure:
-            result = result + self.load_pressure * traction_of(factors, "I")(at.v)
+            result = result + self.load_pressure * traction_of(factors, "I").at(at)
         return result
 
 
@@ -159,15 +157,26 @@ def _in_unit(
     (base, load), impedance = scene.superposition, scene.material.shear_impedance
     law = scene.friction_law
     viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
+    parts = base.pressure / unit, base.shear / unit
     return Load(
         friction,
-        base.pressure / unit,
-        base.shear / unit,
+        *(_at_friction(friction, *parts, far_slip_rate) if isinstance(friction, float) else parts),
         load.pressure / unit,
         load.shear / unit,
         far_slip_rate * impedance / (2 * unit),
         2 * viscosity / impedance if viscosity else None,
     )
+
+
+def _at_friction(
+    friction: float, pressure: float, shear: float, far_slip_rate: float | Array
+) -> tuple[float, float]:
+    """Pressure and shear of a base, which is at friction exactly where it is but for rounding:
+    an edge that rounding keeps off a front has no place in double precision."""
+    strength = friction * pressure
+    if far_slip_rate or abs(abs(shear) - strength) > tuning.CRITICAL_BASE * strength:
+        return pressure, shear
+    return pressure, float(np.copysign(strength, shear))
 
 
 def check_pressure(scene: Scene) -> None:

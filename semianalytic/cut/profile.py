@@ -11,7 +11,8 @@ import numpy as np
 from semianalytic.cut import tuning
 from semianalytic.cut.layout import Zone
 from semianalytic.cut.load import Load, per_set
-from semianalytic.cut.panels import Panels, Power, RunningIntegral, lay_panels
+from semianalytic.cut.panels import Panels, lay_panels
+from semianalytic.cut.running import Power, RunningIntegral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import StuckTraction, traction_of
@@ -153,7 +154,7 @@ class Profile:
     def strength_at_nodes(self) -> Array:
         """(p, ..., n): friction bound f p at the nodes of all panels."""
         if self.normal is None:
-            return self.strength(self.panels.at.v)
+            return self._strength_at(self.panels.at)
         pressure = -self.normal.traction_at_nodes
         pressure[self._open] = 0.0
         return np.asarray(self._load.friction * pressure)
@@ -240,7 +241,7 @@ class Profile:
         self, at: CutPoints, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
         result = np.full(at.v.shape, ahead)
-        panel = np.searchsorted([left.v[0] for left in self.panels.left], at.v, "right") - 1
+        panel = self.panels.panel_of(at)
         for i in np.unique(panel[panel >= 0]):
             here = panel == i
             result[here] = inside(int(i), at[here])

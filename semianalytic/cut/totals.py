@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from semianalytic.cut import tuning
-from semianalytic.cut.panels import Power
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.running import Power
 from semianalytic.halfplane.rayleigh import Array, CutPoints
 from semianalytic.halfplane.rules import Rule, finer_rule
 

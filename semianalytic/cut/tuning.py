@@ -7,11 +7,16 @@ NEGLIGIBLE_FRICTION = 1e-15
 LEAST_BASE = 1e-30
 """Base pressure over its step, or step over base, that is nothing beside it: an opening ends within
 1e-60 of a wave front or of the contact edge there."""
-CRITICAL_BASE = 1e-12
+CRITICAL_BASE = 1e-14
 """What a base may lack of friction, relative, to be at it: rounding of the two products."""
 
 # Panels and their quadrature (panels, totals)
 
+WIDE_PANEL, PANEL_GROWTH, MOST_PANELS = 32.0, 16.0, 12
+"""Ratio of the slownesses at its ends from which on a panel behind the shear front is parted, that
+of its parts, and how many there are at most: beyond 1e14 they grow.  Under a base 1e6 times the
+step, whose slip ends at 1e11, tractions were off by 1e3 times the tolerance of a rule in one panel,
+by as much as that tolerance in eleven; halving or doubling the ratio does not show."""
 CACHED_KERNEL = 50_000
 """Kernel values formed at once, so that they stay in the processor's cache."""
 NARROW_STRIP = 0.01

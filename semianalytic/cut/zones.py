@@ -33,7 +33,8 @@ from numpy.typing import NDArray
 from semianalytic.cut.canonical import CanonicalFunction
 from semianalytic.cut.layout import Layout, Zone, lies_between, outline
 from semianalytic.cut.load import Load, normal_load, per_set
-from semianalytic.cut.panels import Panels, Power, RunningIntegral, lay_panels, split_power
+from semianalytic.cut.panels import Panels, lay_panels
+from semianalytic.cut.running import Power, RunningIntegral, split_power
 from semianalytic.cut.strength import PressurePart
 from semianalytic.halfplane.lazily import cached_property
 from semianalytic.halfplane.rayleigh import (
@@ -125,8 +126,7 @@ class ZoneFields:
         load, panels = self.load, self.panels
         if load.linearised is None:
             return load
-        senses = np.array(panels.sense).reshape(-1, *[1] * (panels.jacobian.ndim - 1))
-        resistance, slope = load.linearised.at(panels.at, senses, panels.jacobian)
+        resistance, slope = load.linearised.at(panels.at, panels.layout, panels.jacobian)
         return replace(load, resistance=resistance, given_slope=slope)
 
     @cached_property
@@ -266,7 +266,8 @@ class ZoneFields:
         if not self._vanishing:
             return ()
         values, zone = self.canonical.values, np.array(self.layout.zone)
-        plain = self._slope_of(values * (self._cauchy + self._first_constant))
+        given = sum(amount * self._share(edge) for edge, amount in self.closing)
+        plain = self._slope_of(values * (self._cauchy + self._first_constant + given))
         totals = np.stack(
             [self.panels.integrals(plain), *(sharp.totals for sharp in self._sharp)], axis=-1
         )
@@ -545,9 +546,16 @@ class ZoneFields:
         the stick before it, over the width of a narrow gap to the zone outward of it."""
         load = self.load
         if outward is None:
-            base = load.base_pressure if self.normal is None else -self.normal.base_traction
-            strength = per_set(load.friction) * base
-            return gain + load.base_shear - per_set(load.far_slip_rate) - zone.sense * strength
+            strength = per_set(load.friction) * load.base_pressure
+            excess = gain + load.base_shear - per_set(load.far_slip_rate) - zone.sense * strength
+            if self.normal is None:
+                return np.asarray(excess)
+            # as if pressure fell from its base to 0 exactly: beside the opening it is known
+            # relative to itself, beside the longitudinal front what the base lacks of friction is
+            fall = self.panels.integrals(self.normal.traction_slope)[self.layout.regions[0]]
+            share = fall.sum(axis=0) / -self.normal.base_traction
+            rest = share * (load.base_pressure + self.normal.base_traction)
+            return np.asarray(excess + zone.sense * per_set(load.friction) * rest)
         if zone.left is None or outward.right is None:
             return gain
         if outward.last_sense != zone.sense:

@@ -76,8 +76,10 @@ class Bodies:
         angle, share = rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
         radius, angle = 2 * (2 * slowest) ** -share, 2 * np.pi * angle
         at = radius * np.cos(angle), radius * np.sin(angle), 1 / self.scene.material.shear_speed
-        rows = self._rows(*at)
-        change = np.abs(rows - coarse._rows(*at)) / (1 + np.abs(rows))
+        rows, step = self._rows(*at), self.scene.superposition.taken_off
+        largest = max(abs(step.pressure), abs(step.shear)) / self.stress_unit
+        least = min(largest, 1.0) or 1.0  # a base may be far more than what changes
+        change = np.abs(rows - coarse._rows(*at)) / (least + np.abs(rows))
         return tuning.CELL_ERROR + float(change.max())
 
     def _rows(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:

@@ -131,13 +131,13 @@ class _StuckFamily(StuckTraction):
     def _behind_shear_front(self) -> Array:
         return self.series[1]
 
-    def __call__(self, u: ArrayLike) -> Array:
-        u, a = np.asarray(u, dtype=float), self.factors.a
-        s, near = np.sqrt(np.maximum(u - 1, 0.0)), np.clip(u, a, 1.0)
+    def at(self, points: CutPoints) -> Array:
+        s, width = np.sqrt(np.maximum(points.from_b, 0.0)), 1 - self.factors.a
+        near = np.clip(points.from_a, 0.0, width)
         behind = (s + 1) * _summed((s - 1) / (s + 1), self.series[1])
         power = 1.5 if self.mode == "II" else 0.5
-        ahead = (near - a) ** power * _summed(2 * (near - a) / (1 - a) - 1, self.series[0])
-        return np.where(u > 1, behind, ahead)
+        ahead = near**power * _summed(2 * near / width - 1, self.series[0])
+        return np.where(points.from_b > 0, behind, ahead)
 
 
 @traction_of.register

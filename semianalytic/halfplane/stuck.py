@@ -102,36 +102,38 @@ class StuckTraction:
             rayleigh = self.factors.reduced_rayleigh(v) * (v * v - self.factors.c**2)
             return 2 * self._scale * rayleigh / (root * v * self.factors.m_plus(v, self.mode))
 
-        return series_behind_front(slope, float(self._near(np.array(1.0))), 1)
+        return series_behind_front(slope, float(self._near(np.array(1 - self.factors.a))), 1)
 
     @cached_property
     def at_rayleigh_front(self) -> float:
         """The traction at u = c; p* is least there."""
         return float(self(self.factors.c))
 
-    def _near(self, u: Array) -> Array:
-        a = self.factors.a
+    def _near(self, from_a: Array) -> Array:
+        """The traction up to the shear front, at distances from the longitudinal one."""
         power = 1.5 if self.mode == "II" else 0.5
-        return (u - a) ** power * chebyshev.chebval(
-            2 * (u - a) / (1 - a) - 1, self._before_shear_front
-        )
+        place = 2 * from_a / (1 - self.factors.a) - 1
+        return from_a**power * chebyshev.chebval(place, self._before_shear_front)
 
     def __call__(self, u: ArrayLike) -> Array:
         """Traction at slowness u = t/x [1/b], any shape; 0 ahead of the longitudinal front."""
-        u = np.asarray(u, dtype=float)
-        result, behind = np.empty(u.shape), u > 1
-        s = np.sqrt(u[behind] - 1)
+        return self.at(self.factors.cut(u))
+
+    def at(self, points: CutPoints) -> Array:
+        """The same at points on the cut, of exact distances from the fronts."""
+        result, behind = np.empty(points.v.shape), points.from_b > 0
+        s = np.sqrt(points.from_b[behind])
         result[behind] = (s + 1) * chebyshev.chebval((s - 1) / (s + 1), self._behind_shear_front)
-        result[~behind] = self._near(np.clip(u[~behind], self.factors.a, 1))
+        result[~behind] = self._near(np.clip(points.from_a[~behind], 0, 1 - self.factors.a))
         return result
 
 
 class AntiplaneTraction(StuckTraction):
     """q* in mode III, (2/pi) (r - arctan r) with r^2 = u/b - 1; the same for every solid."""
 
-    def __call__(self, u: ArrayLike) -> Array:
-        """Traction at slowness u = t/x [1/b], any shape; 0 ahead of the shear front."""
-        z = np.maximum(np.asarray(u, dtype=float) - 1, 0.0)
+    def at(self, points: CutPoints) -> Array:
+        """Traction at points on the cut; 0 ahead of the shear front."""
+        z = np.maximum(points.from_b, 0.0)
         root = np.sqrt(z)
         series = z * root * polynomial.polyval(np.minimum(z, NEAR_FRONT), ARCTAN_SERIES)
         whole = np.where(z < NEAR_FRONT, series, root - np.arctan(root))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from semianalytic.cut.profile import Profile
@@ -53,6 +55,23 @@ def starts_at_front(profile: Profile) -> bool:
     """Whether slip begins ahead of all waves, or right at the front of a base at friction."""
     zones = profile.fields.zones
     return bool(zones) and zones[0].left is None
+
+
+def at_the_front(profile: Profile) -> Profile:
+    """The profile of a base at friction instead of one that lacks so little that differences do not
+    see the strip that sticks behind the longitudinal front: derivatives are those of slip that
+    starts at the front, but for the square of what is lacking."""
+    fields = profile.fields
+    zones, load = fields.zones, fields.load
+    left = zones[0].left if zones else None
+    strength = float(load.friction) * load.base_pressure
+    lacks = strength - abs(load.base_shear)
+    if left is None or not load.load_pressure or not 0 < lacks < tuning.UNSEEN_LACK * strength:
+        return profile
+    if left.from_a[0] > tuning.UNSEEN_STRIP or zones[0].sense * load.base_shear < 0:
+        return profile
+    load = replace(load, base_shear=float(np.copysign(strength, load.base_shear)))
+    return Profile(replace(fields, load=load, zones=(replace(zones[0], left=None), *zones[1:])))
 
 
 def _sizes(profile: Profile) -> list[tuple[float, float, float]]:

@@ -47,16 +47,22 @@ def _across_shear_front(
         segment = min(segment, float(opening.left.from_b[0]))
     behind = 1 + tuning.BEHIND_SHEAR_FRONT * segment
     ahead = 1 - tuning.AHEAD_OF_SHEAR_FRONT * (1 - factors.a)
-    moved = False
 
     def started(edge: CutPoints | None) -> CutPoints | None:
-        nonlocal moved
         if edge is None or abs(edge.from_b[0]) >= tuning.AT_SHEAR_FRONT:
             return edge
-        moved = True
         return factors.cut([ahead if edge.from_b[0] > 0 else behind])
 
-    others = [replace(zone, left=started(zone.left), right=started(zone.right)) for zone in zones]
+    others = []
+    for zone in zones:
+        left, right = started(zone.left), started(zone.right)
+        # with both ends at the front a zone has vanished rather than crossed it
+        crossed = left is None or right is None or left.first_below(right)
+        others.append(replace(zone, left=left, right=right) if crossed else zone)
+    moved = any(
+        one.left is not other.left or one.right is not other.right
+        for one, other in zip(zones, others, strict=True)
+    )
     return others if moved else None
 
 

@@ -152,9 +152,20 @@ def _at_contact_edge(
     excess = float(excess_intensity(profile))
     if misses[region[-1], ..., -1] or not excess > _intensity_tolerance(profile, tolerance):
         return []
-    width = 4 * min(excess, tuning.WIDEST_FIRST_EDGE_ZONE)
-    begin = profile.fields.factors.cut([1 / width])
+    begin = _first_edge_zone(profile, excess)
+    if begin is None:
+        return []
     return [Violation(-1, int(np.sign(profile.edge_intensity)), begin, None, *_APART)]
+
+
+def _first_edge_zone(profile: Profile, excess: float) -> CutPoints | None:
+    """Where slip at a stuck contact edge may begin: where traction exceeds strength, beyond all
+    nodes; None if that is nowhere in reach."""
+    factors, start = profile.fields.factors, float(profile.panels.left[-1].v[0])
+    widest = 4 * min(excess, tuning.WIDEST_FIRST_EDGE_ZONE)
+    at = factors.cut(np.geomspace(max(2 * start, 1 / widest), tuning.SLOWEST_EDGE, 400))
+    slips = np.abs(profile.traction_at(at)) > profile.strength(at.v)
+    return at[[int(np.argmax(slips))]] if slips.any() else None
 
 
 def _at_rayleigh_front(profile: Profile, region: list[int], misses: Array) -> list[Violation]:
@@ -196,8 +207,9 @@ def excess_intensity(profile: Profile) -> Array:
     at_zero = factors.m_plus_at_zero  # intensities of unit steps are as one over it
     units = per_set(at_zero["I"]) / per_set(at_zero[factors.mode])
     traction = np.abs(profile.edge_intensity) * units
-    # Without strength nothing bounds the traction: seen at the nodes.
-    return np.where(strength > 0, traction / np.where(strength > 0, strength, 1.0) - 1, 0.0)
+    driven = traction > tuning.UNDRIVEN_EXCESS * abs(load.load_shear)
+    unbounded = np.where(driven, np.inf, 0.0)  # no strength bounds it
+    return np.where(strength > 0, traction / np.where(strength > 0, strength, 1.0) - 1, unbounded)
 
 
 def reversal_at_rayleigh_front(profile: Profile, panel: int) -> Array:

@@ -387,6 +387,8 @@ def _zones(
     speeds_of = [float(unit / edge.v[0]) for edge in _edges(varied.profile)]
     known = dict(zip(speeds_of, _edges_moved(varied).tolist(), strict=True))
     known |= {0.0: 0.0, np.inf: 0.0, scene.fastest_speed: 0.0}
+    if starts_at_front(varied.profile):  # the edge of a strip that no difference sees
+        known |= {outer: 0.0 for _, outer, _ in speeds[-1:]}
     if scene.fastest_speed > unit:
         known[scene.fastest_speed] = _moved(varied, fields.factors.front_a)
     excess = varied.variation.rates.front_excess

@@ -127,6 +127,10 @@ class Edges:
             near &= (q.minus(p) > least)[..., 0]
         return near & self._keeps_off_opening(np.where(near, unknowns, 0.0))
 
+    def ordered(self, unknowns: Array) -> bool:
+        """Whether edges (e,) follow one another."""
+        return all(p.first_below(q) for p, q in pairwise(self.points(unknowns)))
+
     def _keeps_off_opening(self, unknowns: Array) -> Array | bool:
         """Whether edges stay on their side of the opening, () or (k,)."""
         if self.opening is None:
@@ -243,7 +247,9 @@ def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     """Largest shift of edges over the lesser of themselves and c_t, () or (k,).
 
     Of those slower than c_t at least a tenth of what the logarithms of their distances from c
-    change: the slip rate beside a narrow stick gap follows that of its width.
+    change: the slip rate beside a narrow stick gap follows that of its width.  Of those faster at
+    least what the roots of their distances from the longitudinal front change: pressure falls like
+    that root behind it, and so does what a strip that sticks there keeps of it.
 
     Parameters
     ----------
@@ -252,8 +258,11 @@ def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
     before, after = edges.parts(unknowns), edges.parts(moved)
     shifts = np.abs(before[0] / after[0] - 1) * np.maximum(1.0, 1 / before[0])
     scales = np.abs(np.log(after[3] / before[3]))
-    scales[np.flatnonzero(np.array(edges.segments) == 0)] = 0.0
+    faster = np.flatnonzero(np.array(edges.segments) == 0)
+    scales[faster] = 0.0
     counted = np.maximum(shifts, tuning.GAP_LOGARITHM_SHARE * scales)
+    roots = np.abs(np.sqrt(after[1, faster]) - np.sqrt(before[1, faster]))
+    counted[faster] = np.maximum(counted[faster], roots)
     return np.asarray(counted.max(axis=0, initial=0.0))
 
 
@@ -289,7 +298,12 @@ def placement_of(factors: RayleighFactors, zones: Sequence[Zone], load: Load) ->
 
 
 def locate_edges(
-    factors: RayleighFactors, zones: Sequence[Zone], load: Load, rule: Rule, tolerance: float
+    factors: RayleighFactors,
+    zones: Sequence[Zone],
+    load: Load,
+    rule: Rule,
+    tolerance: float,
+    most_steps: int = tuning.MOST_NEWTON_STEPS,
 ) -> Placement:
     """Newton's method for the edges, damped by natural monotonicity, until the next move would
     shift them by less than a tolerance [c_t].
@@ -300,23 +314,25 @@ def locate_edges(
     edges, unknowns, inverse = start.edges, start.unknowns, start.inverse
     if not len(unknowns):
         return start
-    if not np.isfinite(unknowns).all():  # by rounding zones overlap
+    if not (np.isfinite(unknowns).all() and edges.ordered(unknowns)):  # zones overlap
         return replace(start, converged=False)
-    for step in range(1, tuning.MOST_NEWTON_STEPS + 1):
+    for step in range(1, most_steps + 1):
         values, jacobian = linearised(edges, unknowns, load, rule)
         try:
             inverse = np.asarray(np.linalg.inv(jacobian))
         except np.linalg.LinAlgError:
             break
-        move = -inverse @ values
+        move, rooted = -inverse @ values, _rooted(edges, unknowns, load)
         largest = float(np.abs(move).max())
         if not largest < np.inf:
             break
+        last = _moved(unknowns, move, rooted)
         # the next move is smaller by a factor of this one
-        if largest < 1 and largest * edge_shift(edges, unknowns, unknowns + move) < 2 * tolerance:
-            accepted = bool(edges.admits(unknowns + move))
-            last = unknowns + move if accepted else unknowns
-            return Placement(edges, last, inverse, accepted, step)
+        if largest < 1 and largest * edge_shift(edges, unknowns, last) < 2 * tolerance:
+            if not edges.admits(last):
+                return Placement(edges, unknowns, inverse, False, step)
+            scale = _scale_of_roots(unknowns, last, rooted)
+            return Placement(edges, last, scale[:, None] * inverse, True, step)
         damped = _damped(edges, unknowns, move, inverse, load, rule)
         if damped is None:
             break
@@ -325,11 +341,44 @@ def locate_edges(
 
 
 def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, Array]:
-    """Mismatch (e,) and its Jacobian (e, e) at unknowns (e,)."""
+    """Mismatch (e,) and its Jacobian (e, e) at unknowns (e,).
+
+    Nudges that do not show above rounding, as of an edge next to a front, where the mismatch
+    follows the root of their distance or its cube, are made larger until they do.
+    """
     nudges = edges.nudges(unknowns)
-    beside = np.concatenate([np.zeros((len(unknowns), 1)), np.diag(nudges)], axis=1)
-    values = edges.mismatch(unknowns[:, None] + beside, load, rule)
-    return values[:, 0], (values[:, 1:] - values[:, :1]) / nudges
+    while True:
+        beside = np.concatenate([np.zeros((len(unknowns), 1)), np.diag(nudges)], axis=1)
+        values = edges.mismatch(unknowns[:, None] + beside, load, rule)
+        changes = values[:, 1:] - values[:, :1]
+        unseen = np.abs(changes).max(axis=0) < tuning.UNSEEN_CHANGE
+        unseen &= nudges < tuning.LONGEST_NUDGE
+        if not unseen.any():
+            return values[:, 0], changes / nudges
+        nudges[unseen] = np.minimum(tuning.LONGER_NUDGE * nudges[unseen], tuning.LONGEST_NUDGE)
+
+
+def _rooted(edges: Edges, unknowns: Array, load: Load) -> np.ndarray:
+    """(e,) edges so close to the longitudinal front that the mismatch follows the root of their
+    distance from it: behind the front pressure falls like that, and traction like its cube."""
+    if not load.load_pressure:
+        return np.zeros(len(unknowns), dtype=bool)
+    near = edges.parts(unknowns)[1] < tuning.NEAR_ROOT
+    return near & (np.array(edges.segments, dtype=int) == 0)
+
+
+def _moved(unknowns: Array, move: Array, rooted: np.ndarray) -> Array:
+    """Unknowns after a move by a linear model: of some edges in the root of their distance from a
+    front, of which the unknown is twice the logarithm."""
+    moved = unknowns + move
+    bend = np.maximum(move[rooted] / 2, tuning.SHORTEST_ROOT - 1)
+    moved[rooted] = unknowns[rooted] + 2 * np.log1p(bend)
+    return moved
+
+
+def _scale_of_roots(unknowns: Array, moved: Array, rooted: np.ndarray) -> Array:
+    """(e,) by how much an unknown changes more with the mismatch at its new place."""
+    return np.where(rooted, np.exp((unknowns - moved) / 2), 1.0)
 
 
 def _damped(
@@ -337,11 +386,12 @@ def _damped(
 ) -> Array | None:
     """Unknowns after a move, or a fraction of it, that keeps edges in order and, if it is long,
     leads to a shorter one; None if there is none."""
-    largest = float(np.abs(move).max())
+    largest, rooted = float(np.abs(move).max()), _rooted(edges, unknowns, load)
     cautious = largest > tuning.CAUTIOUS_MOVE
-    move = move * min(1.0, tuning.LONGEST_MOVE / largest)
+    longest = float(np.abs(move[~rooted]).max(initial=0.0))
+    move = move * min(1.0, tuning.LONGEST_MOVE / longest if longest else 1.0)
     for _ in range(tuning.MOST_HALVINGS):
-        trial = unknowns + move
+        trial = _moved(unknowns, move, rooted)
         if edges.admits(trial) and not (
             cautious and np.abs(inverse @ edges.mismatch(trial, load, rule)).max() > largest
         ):
@@ -373,11 +423,14 @@ def polish_edges(
         value = edges.left_by(fields, unknowns)
         if before is not None:
             inverse = broyden(inverse, move, value - before)
-        move = -inverse @ value
+        move, rooted = -inverse @ value, _rooted(edges, unknowns, load)
+        moved = _moved(unknowns, move, rooted)
         if fields.rule is rule:
-            before, shift = value, float(edge_shift(edges, unknowns, unknowns + move))
+            before, shift = value, float(edge_shift(edges, unknowns, moved))
         settled = shift <= target or steps == tuning.MOST_BROYDEN_STEPS
-        if settled or not edges.admits(unknowns + move):
+        if settled or not edges.admits(moved):
             return Placement(edges, unknowns, inverse, True, steps), fields, shift
-        steps, unknowns = steps + 1, unknowns + move
+        scale = _scale_of_roots(unknowns, moved, rooted)
+        inverse, move = scale[:, None] * inverse, scale * move
+        steps, unknowns = steps + 1, moved
         fields = ZoneFields(factors, load, edges.zones(unknowns), rule)

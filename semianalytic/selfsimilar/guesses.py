@@ -309,7 +309,7 @@ def _opening_behind_front(factors: RayleighFactors, load: Load, sense: int) -> C
     slope = load.load_shear * np.sin(factors.phase(at)) / (np.pi * at.v) * at.from_a
     gained = np.cumsum((slope[1:] + slope[:-1]) / 2 * tuning.FRONT_STEP)
     mode_one = stuck_traction(factors.poisson_ratio, "I")
-    strength = load.friction * (load.base_pressure + load.load_pressure * mode_one(at.v[1:]))
+    strength = load.friction * (load.base_pressure + load.load_pressure * mode_one.at(at[1:]))
     above = np.flatnonzero(sense * (load.base_shear + gained) >= strength)
     return at[[above[0] + 1]] if len(above) else None
 
@@ -331,10 +331,10 @@ def with_slip_at_front(
     at, nu = _behind_front(factors), factors.poisson_ratio
     at = at[at.from_a > tuning.NARROWEST_FRONT_ZONE]
     if load.opened is None:
-        pressure = load.friction * load.load_pressure * stuck_traction(nu, "I")(at.v)
+        pressure = load.friction * load.load_pressure * stuck_traction(nu, "I").at(at)
     else:
         pressure = load.friction * (load.pressure(factors, at) - load.base_pressure)
-    excess = sense * load.load_shear * stuck_traction(nu, factors.mode)(at.v) - pressure
+    excess = sense * load.load_shear * stuck_traction(nu, factors.mode).at(at) - pressure
     kept = np.flatnonzero(excess <= 0)
     if not len(kept) or not kept[0]:  # at nu = 0 pressure falls too late
         return zones

@@ -17,9 +17,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from semianalytic.cut.layout import Zone, lies_between
+from semianalytic.cut.layout import Layout, Zone, lies_between
 from semianalytic.cut.load import Load
+from semianalytic.cut.panels import Panels
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.running import RunningIntegral
 from semianalytic.cut.zones import ZoneFields
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.rules import REACH, Rule, rule_for
@@ -63,6 +65,40 @@ class UnitLaw:
 
 
 @dataclass(frozen=True)
+class SlipRate:
+    """The slip rate of a profile as a function of slowness, without what it came from.
+
+    Attributes
+    ----------
+    panels : Panels
+    integral : RunningIntegral, V from the left end of each panel
+    starts : (p,) array, V there
+    ahead : float, V(inf)
+    """
+
+    panels: Panels
+    integral: RunningIntegral
+    starts: Array
+    ahead: float
+
+    @classmethod
+    def of(cls, profile: Profile) -> SlipRate:
+        """That of a profile of one set of zones."""
+        ahead = float(profile.fields.load.far_slip_rate)
+        return cls(profile.panels, profile.rate_integral, profile.starts[0], ahead)
+
+    def __call__(self, at: CutPoints) -> Array:
+        """V at points of any shape."""
+        flat, senses = CutPoints(at.parts.reshape(4, -1)), self.panels.sense
+        rate = np.full(flat.v.shape, self.ahead)
+        panel = self.panels.panel_of(flat)
+        for i in np.unique(panel[panel >= 0]):
+            here = panel == i
+            rate[here] = self.starts[i] + self.integral(int(i), flat[here]) if senses[i] else 0.0
+        return rate.reshape(at.v.shape)
+
+
+@dataclass(frozen=True)
 class RateStep:
     """Strength linear about V_k, its term in the new V from the last iterate.
 
@@ -71,34 +107,61 @@ class RateStep:
     law : UnitLaw
     load : Load, without strength that depends on slip rate
     factors : RayleighFactors
-    before, density : (p, n) arrays, V_k and dV_k/dy at the nodes
+    rate : SlipRate, V_k
+    layout : Layout, of the panels with which V_k moves
+    before, density : (p, n) arrays, V_k and dV_k/dy at their nodes
     last : (p, n) array, the last iterate of V
     """
 
     law: UnitLaw
     load: Load
     factors: RayleighFactors
+    rate: SlipRate
+    layout: Layout
     before: Array
     density: Array
     last: Array
+
+    @classmethod
+    def about(cls, law: UnitLaw, fields: ZoneFields, rate: SlipRate) -> RateStep:
+        """About a slip rate as it is on the panels of some fields, whatever its slope."""
+        panels, load = fields.panels, replace(fields.load, linearised=None)
+        none = np.zeros_like(panels.jacobian)
+        step = cls(law, load, fields.factors, rate, panels.layout, none, none, none)
+        known = step._known(panels.at, panels.layout)
+        return replace(step, before=known, last=known)
+
+    def follows(self, fields: ZoneFields) -> bool:
+        """Whether V_k is known at the nodes of fields."""
+        return fields.layout == self.layout and fields.panels.jacobian.shape == self.before.shape
 
     def carried(self, frictional: Array, speed: Array) -> Array:
         """See `LinearisedStrength`."""
         return self.law.strength(frictional, speed)
 
-    def at(self, points: CutPoints, senses: Array, jacobian: Array) -> tuple[Array, Array]:
-        """See `LinearisedStrength`."""
-        count = jacobian.shape[0]
-        shape = (count, *[1] * (jacobian.ndim - 2), jacobian.shape[-1])
-        before, density, last = (
-            part[:count].reshape(shape) for part in (self.before, self.density, self.last)
-        )
+    def at(self, points: CutPoints, layout: Layout, jacobian: Array) -> tuple[Array, Array]:
+        """See `LinearisedStrength`; V_k is that at a slowness where the panels are other ones than
+        those with which it moves."""
+        count, (*sets, size) = len(layout.sense), points.v.shape[1:]
+        shape = (count, *[1] * len(sets), size)
+        if size == self.before.shape[1] and layout.begins(self.layout):
+            before, density, last = (
+                part[:count].reshape(shape) for part in (self.before, self.density, self.last)
+            )
+        else:
+            before = last = self._known(points, layout)
+            density = np.zeros_like(before)
+        senses = np.array(layout.sense).reshape(-1, *[1] * (points.v.ndim - 1))
         frictional, gained = self._frictional(points)
-        speed = np.abs(before)
-        by_friction, eta, mixed, twice = self.law.slopes(frictional, speed)
+        by_friction, eta, mixed, twice = self.law.slopes(frictional, np.abs(before))
         bent = mixed * gained + twice * senses * density / jacobian
         slope = senses * (by_friction - 1) * gained + bent * (last - before)
         return np.broadcast_to(eta, jacobian.shape), np.where(senses != 0, slope, 0.0)
+
+    def _known(self, points: CutPoints, layout: Layout) -> Array:
+        """V_k at points (p, ..., n) of panels, 0 where these stick."""
+        slipping = layout.slipping.reshape(-1, *[1] * (points.v.ndim - 1))
+        return np.where(slipping, self.rate(points), 0.0)
 
     def _frictional(self, points: CutPoints) -> tuple[Array, Array]:
         """f p and its slope."""
@@ -108,6 +171,18 @@ class RateStep:
             unit = traction_of(factors, "I")
             slope = load.load_pressure * unit.slope(factors.seen_in_plane(points))
         return load.friction * pressure, load.friction * slope
+
+
+def on_any_panels(profile: Profile) -> ZoneFields:
+    """The fields of a profile such that they may be formed on other panels of the same zones: about
+    its slip rate, which Newton's method leaves as it is."""
+    fields = profile.fields
+    step = fields.load.linearised
+    if not isinstance(step, RateStep):
+        return fields
+    nowhere = np.zeros((0, 0))
+    step = replace(step, rate=SlipRate.of(profile), before=nowhere, density=nowhere, last=nowhere)
+    return replace(fields, load=replace(fields.load, linearised=step))
 
 
 @dataclass(frozen=True)
@@ -148,38 +223,50 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
     factors, load = start.fields.factors, replace(start.fields.load, linearised=None)
     beginning = ZoneFields(factors, load, tuple(zones), rule_for(tolerance))
     rule = _held_rule(beginning, law, tolerance)
-    panels = replace(beginning, rule=rule).panels
-    rate = np.stack([start.slip_rate_at(panels.at[p]) for p in range(len(panels.sense))])
-    slipping = panels.layout.slipping[:, None]
-    rate = np.where(slipping, rate, 0.0)
-    step = RateStep(law, load, factors, rate, np.zeros_like(rate), rate)
-    placement = locate_edges(factors, zones, replace(load, linearised=step), rule, _LOCATED)
+    step = RateStep.about(law, replace(beginning, rule=rule), SlipRate.of(start))
+    about, most = replace(load, linearised=step), tuning.MOST_RATE_EDGE_STEPS
+    placement = locate_edges(factors, zones, about, rule, _LOCATED, most)
     changes: list[float] = []
     profile = start
-    while placement.converged and len(changes) < tuning.MOST_RATE_STEPS:
-        mixed: list[tuple[Array, Array]] = []
-        for _ in range(tuning.MOST_RATE_ITERATIONS if changes else 1):
-            fields = ZoneFields(factors, replace(load, linearised=step), placement.zones, rule)
-            placement, fields, _ = polish_edges(placement, fields, rule, _LEFT)
-            profile = Profile(fields)
-            new, largest = profile.slip_rate_at_nodes, float(profile.largest_rate)
-            moved = float(np.abs(new - step.last).max()) / largest
-            if not moved < np.inf:
-                break
-            mixed = [*mixed[-tuning.MIXED_ITERATES :], (step.last, new)]
-            if not moved > tuning.RATE_ROUNDING:
-                break
-            step = replace(step, last=_mixed(mixed))
+    for _ in range(tuning.MOST_RATE_STEPS):
+        if not placement.converged:
+            break
+        placement, profile = _iterated(step, placement, rule, once=not changes)
+        fields, largest = profile.fields, float(profile.largest_rate)
+        if not step.follows(fields):  # an edge has passed a front: V_k does not move with it
+            changes, step = [], RateStep.about(law, fields, SlipRate.of(profile))
+            continue
+        new = profile.slip_rate_at_nodes
         changes.append(float(np.abs(new - step.before).max()) / largest)
         if not (changes[-1] < np.inf and _shrinks(changes)):
             break
-        step = RateStep(
-            law, load, factors, new, profile.fields.slip_rate_slope * fields.panels.jacobian, new
-        )
+        density = fields.slip_rate_slope * fields.panels.jacobian
+        step = replace(step, rate=SlipRate.of(profile), before=new, density=density, last=new)
         if not changes[-1] > tuning.RATE_SETTLED:
             break
     settled = placement.converged and bool(changes) and changes[-1] <= tuning.RATE_SETTLED
     return Rated(placement, profile, tuple(changes), settled)
+
+
+def _iterated(
+    step: RateStep, placement: Placement, rule: Rule, once: bool
+) -> tuple[Placement, Profile]:
+    """Edges and fields under strength linear about V_k, its term in the new V iterated until that
+    settles or an edge passes a front."""
+    factors, mixed = step.factors, list[tuple[Array, Array]]()
+    for _ in range(1 if once else tuning.MOST_RATE_ITERATIONS):
+        fields = ZoneFields(factors, replace(step.load, linearised=step), placement.zones, rule)
+        placement, fields, _ = polish_edges(placement, fields, rule, _LEFT)
+        profile = Profile(fields)
+        if not step.follows(fields):
+            break
+        new = profile.slip_rate_at_nodes
+        moved = float(np.abs(new - step.last).max()) / float(profile.largest_rate)
+        if not tuning.RATE_ROUNDING < moved < np.inf:
+            break
+        mixed = [*mixed[-tuning.MIXED_ITERATES :], (step.last, new)]
+        step = replace(step, last=_mixed(mixed))
+    return placement, profile
 
 
 def _shrinks(changes: Sequence[float]) -> bool:
@@ -315,5 +402,11 @@ def companion_error(fine: Rated, law: UnitLaw, tolerance: float) -> float:
         return np.inf
     edges, unknowns, fields = fine.placement.edges, fine.placement.unknowns, fine.profile.fields
     moved = coarse.placement.unknowns
-    cut_off = np.exp(-fields.rule.reach * _least_exponent(fields, law)[0])
-    return float(difference(edges, unknowns, moved, fields, coarse.profile.fields) + cut_off)
+    between = float(difference(edges, unknowns, moved, fields, coarse.profile.fields))
+    return between + cut_off(fine, law)
+
+
+def cut_off(rated: Rated, law: UnitLaw) -> float:
+    """What the end of a rule leaves out of a slip rate that rises steeply from an edge, over it."""
+    fields = rated.profile.fields
+    return float(np.exp(-fields.rule.reach * _least_exponent(fields, law)[0]))

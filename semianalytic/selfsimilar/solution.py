@@ -385,9 +385,10 @@ class Solution:
     @cached_property
     def _surroundings(self) -> Surroundings:
         """What all derivatives share."""
+        from semianalytic.selfsimilar.borders import at_the_front
         from semianalytic.selfsimilar.variation import Surroundings
 
-        return Surroundings(self.profile)
+        return Surroundings(at_the_front(self.profile))
 
     def derivative(self, name: str) -> Derivative:
         """How zones and fields change with a parameter of the scene, all else held.
@@ -422,11 +423,12 @@ class Solution:
     @cached_property
     def _bodies(self) -> Bodies:
         from semianalytic.field.bodies import Bodies
+        from semianalytic.selfsimilar.rated import on_any_panels
 
-        rule = self.profile.fields.rule
-        tolerance = max(tuning.FIELD_RULE_SHARE * rule.tolerance, tuning.FINEST_FIELD_RULE)
+        fields = on_any_panels(self.profile)
+        tolerance = max(tuning.FIELD_RULE_SHARE * fields.rule.tolerance, tuning.FINEST_FIELD_RULE)
         opened = None if self.normal is None else self.normal.profile.fields
-        return Bodies(self.scene, self.profile.fields, opened, self.stress_unit, tolerance)
+        return Bodies(self.scene, fields, opened, self.stress_unit, tolerance)
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
         """Particle velocity anywhere in the bodies [length / time].

@@ -44,6 +44,7 @@ from semianalytic.selfsimilar.rated import (
     approached,
     check_rated,
     companion_error,
+    cut_off,
     settled_zones,
     unit_law,
     unsettled,
@@ -154,6 +155,8 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
         best = rated = settled_zones(rated.profile, law, tolerance, speed)
         if rated is not None:
             estimate = companion_error(rated, law, tolerance)
+            if cut_off(rated, law) > rtol:
+                break  # no finer rule is longer
     clock.append(perf_counter())
     if best is None:
         reason = unsettled(last, law, speed)
@@ -278,23 +281,41 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     tolerance = rtol / tuning.RULE_SHARE
     if covers_c and trial.profile.fields.rule is not rule_for(tolerance):
         tolerance = rtol / tuning.RULE_SHARE_AT_POLE
+    tolerance = _affordable(trial.profile.fields, tolerance)
     target = tuning.LEFT_SHIFT * rtol * narrowness(start.edges, start.unknowns)
     target = max(target, tuning.LEAST_LEFT_SHIFT)
+    before = np.inf
     for _ in range(tuning.MOST_REFINEMENTS):
         placement, fields, left = polish_edges(
             trial.placement, trial.profile.fields, rule_for(tolerance), target
         )
         profile = trial.profile if fields is trial.profile.fields else Profile(fields)
-        trial, steps = replace(trial, placement=placement, profile=profile), steps + placement.steps
+        finer = replace(trial, placement=placement, profile=profile)
+        steps += placement.steps
         numerical = numerical_error(placement, fields, tolerance, left)
         missed = float(missed_slip(profile))
         if not numerical + missed < np.inf:
-            return replace(trial, steps=steps), np.inf  # zones that shrink to nothing
-        if numerical + missed <= rtol or numerical <= tuning.HOPED_ERROR * rtol:
+            return replace(finer, steps=steps), np.inf  # zones that shrink to nothing
+        if numerical > tuning.LEAST_GAIN * before:
+            break  # rounding: finer rules only cost more
+        trial, before, estimate = finer, numerical, numerical + missed
+        if estimate <= rtol or numerical <= tuning.HOPED_ERROR * rtol:
             break  # a finer rule finds no zone that is missed: the check does
-        finer = min(tuning.HOPED_ERROR * rtol / numerical, tuning.SLOWEST_REFINEMENT)
-        tolerance *= max(finer, tuning.FASTEST_REFINEMENT)
-    return replace(trial, steps=steps), numerical + missed
+        share = min(tuning.HOPED_ERROR * rtol / numerical, tuning.SLOWEST_REFINEMENT)
+        wanted = max(tolerance * max(share, tuning.FASTEST_REFINEMENT), tuning.FINEST_RULE)
+        if not (wanted := _affordable(fields, wanted)) < tuning.LEAST_GAIN * tolerance:
+            break
+        tolerance = wanted
+    return replace(trial, steps=steps), estimate
+
+
+def _affordable(fields: ZoneFields, tolerance: float) -> float:
+    """A tolerance of a rule, or where that would have too many nodes the least that has not, as
+    far as the nodes of another rule foretell."""
+    per_node = fields.panels.jacobian.size / len(fields.rule.y)  # rules of films are made longer
+    while per_node * len(rule_for(tolerance).y) > tuning.MOST_NODES:
+        tolerance *= 2
+    return tolerance
 
 
 def _checked(trial: _Trial, refined: _Trial, estimate: float, rtol: float) -> tuple[_Trial, float]:
@@ -311,7 +332,8 @@ def _checked(trial: _Trial, refined: _Trial, estimate: float, rtol: float) -> tu
         return replace(refined, lawful=False), np.inf
     if not broken or not trial.lawful:
         return refined, estimate
-    zones, rule = corrected(fields.zones, broken, fields.load), rule_for(rtol / tuning.RULE_SHARE)
+    zones = corrected(fields.zones, broken, fields.load)
+    rule = rule_for(_affordable(fields, rtol / tuning.RULE_SHARE))
     rules = _Rules(rule, max(tuning.LOCATED_SHIFT * rtol, tuning.LEAST_LEFT_SHIFT), rule)
     again = _settled(fields.factors, zones, fields.load, rules)
     last, estimate = _refined(again, rtol)
@@ -333,5 +355,9 @@ def _status(best: _Trial, estimate: float, rtol: float) -> str:
     if not best.lawful:
         return "no set of slip zones was found that fulfils Coulomb's law everywhere"
     if estimate > rtol:
-        return f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
+        finer = max(rtol / tuning.RULE_SHARE, tuning.FINEST_RULE)
+        costly = _affordable(best.profile.fields, finer) > finer
+        most = f"{tuning.MOST_NODES:,}"
+        more = f", for which more than {most} nodes and far more than seconds are needed"
+        return f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}" + more * costly
     return "converged"

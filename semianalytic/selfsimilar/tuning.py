@@ -49,6 +49,14 @@ HOPED_ERROR = 0.1
 recorded."""
 SLOWEST_REFINEMENT, FASTEST_REFINEMENT = 0.1, 1e-2
 """Tolerance of a rule over that of the one before, at most and at least.  Not recorded."""
+FINEST_RULE, LEAST_GAIN = 1e-16, 0.5
+"""Tolerance of the finest rule that is tried, and what it must leave of the estimate: beyond that
+only rounding changes.  In an opening film of viscosity 6,800 estimates on rules of 1e-13, 1e-15 and
+1e-16 were 2.6e-11, 1.2e-11 and 5.1e-11."""
+MOST_NODES = 12_000
+"""Nodes of the finest rule that is tried, all panels together: cost grows with their square, 7,000
+take one second, 10,000 two and a half, and 19,000 half a minute.  Without strong films that open no
+scene comes near."""
 COARSER_COMPANION = 5.0
 """Tolerance of the rule an answer is compared with, over its own.  Not recorded."""
 SAFETY = 5.0
@@ -101,6 +109,13 @@ NUDGE = 1e-6
 GAP_ROUNDING, LONGEST_NUDGE = 1e-13, 0.3
 """A nudge of a narrow gap changes it by this share of its distance from a front, which rounding
 does not hide, but by no more than that share of itself."""
+NEAR_ROOT, SHORTEST_ROOT = 1e-3, 1e-3
+"""Distance in slowness from the longitudinal front below which an edge is moved by the root of its
+distance, and the least share of that root that is left: a strip of 1e-18 that a base just below
+friction keeps stuck is found in three steps, where steps of its logarithm by two took twenty."""
+UNSEEN_CHANGE, LONGER_NUDGE = 1e-13, 1e3
+"""Of the mismatch by a nudge: below it rounding counts, and a nudge is made longer by that factor.
+With 1e-6 of a distance of 1e-18 from the longitudinal front Jacobians were thirty times off."""
 LEAST_WIDTH = 1e-10
 """Of a zone, over its distance from a front; of a narrower one rounding leaves little."""
 
@@ -117,6 +132,10 @@ step would be the square."""
 FARTHEST_RATE_REACH = 120.0
 """Reach in y of rules that are made longer for slip rates of small exponent beside edges: at 200
 products of distances underflow."""
+MOST_RATE_EDGE_STEPS = 16
+"""Steps by which edges are located about a slip rate: of sixty scenes that were solved one took 12,
+all others at most 8.  Next to c_R, where no rule resolves slip rate, forty took seconds in vain.
+"""
 LOOSEST_RATE_RULE, FINEST_RATE_RULE = 1e-5, 1e-13
 """Tolerances of the first rule, and the least.  Not recorded."""
 RATE_RULE_SHARES = (0.1, 0.01)
@@ -134,9 +153,10 @@ NARROWEST_GAP = 1e-14
 """Stick gaps around c_R narrower than positions x/t in double precision resolve are left out."""
 UNDRIVEN_EXCESS = 1e-12
 """Tolerance of K_II over f K_I - 1 at a contact edge beside which nothing slips.  Not recorded."""
-WIDEST_FIRST_EDGE_ZONE = 0.02
-"""Excess of K_II that the first width of a zone at the contact edge is taken from.  Not
-recorded."""
+WIDEST_FIRST_EDGE_ZONE, SLOWEST_EDGE = 0.02, 1e60
+"""Excess of K_II that the first width of a zone at the contact edge is taken from, which is not
+recorded; and the slowness [1 / c_t] up to which it is looked for: under a base 1e6 times the step
+such a zone ends at 1e12."""
 HIDING_REACH = 8.0
 """In y: nodes further out lie closer together than anything hides."""
 PARABOLA_ERROR = 3e-3
@@ -206,6 +226,9 @@ BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
 
 VARIED_STEP = 3e-3
 """Of logits and logarithms between neighbours: truncation is some 1e-11, rounding as much."""
+MOST_NARROWINGS, FASTEST_NARROWING = 8, 1e-2
+"""Times such a step is made shorter where it changes the width of a panel by more than that share,
+and by how much at most each time: a strip of 1e-14 is reached."""
 VARIED_OPENING = 1e-12
 """Accuracy of the openings between which is differenced."""
 DIRECTION_RULE = 1e-6
@@ -221,6 +244,11 @@ velocities from there to c_l at which it is."""
 COMPANION_STEP = 0.7
 """Step of the differences of a companion, over that of what it is compared with: truncation, of
 fourth order, shows by three quarters."""
+UNSEEN_LACK, UNSEEN_STRIP = 1e-6, 1e-9
+"""What a base may lack of friction, over it, and how wide in slowness the strip may be that sticks
+behind the longitudinal front, for derivatives to be those of a base at friction: these differ by
+1e-6 of themselves at most in four kinds of scene, where differences were off by up to 1e-5 below
+1e-6 and by their own size below 1e-11."""
 AT_BORDER = 1e-7
 """Of what Coulomb's law leaves to spare, of widths and of slip rates over the largest: zones are
 about to change below it."""

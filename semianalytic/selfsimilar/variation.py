@@ -124,6 +124,8 @@ class NodeFields:
         a stuck contact edge, times dv/dy
     rate_starts, traction_starts : (p,) arrays, slip rate and traction at the left of each panel
     ends, skew : (4, m, 1) and (p, 1) arrays, of the panels
+    amounts, exponents : (q, 1) arrays, of the powers that the slope of slip rate has beside borders
+        of an opening, which are no part of `rate`
     tail : () array, limit of v^2 dV/dv
     intensity : () array, of the traction at a stuck contact edge
     """
@@ -134,6 +136,8 @@ class NodeFields:
     traction_starts: Array
     ends: Array
     skew: Array
+    amounts: Array
+    exponents: Array
     tail: Array
     intensity: Array
 
@@ -148,6 +152,7 @@ class NodeFields:
             traction,
             panels.ends.parts,
             panels.skew,
+            *_of_powers(profile),
             np.asarray(profile.rate_integral.tail),
             np.asarray(profile.edge_intensity),
         )
@@ -180,11 +185,23 @@ class NodeFields:
 
     @property
     def of_resting_panels(self) -> NodeFields:
-        """The same as derivatives for panels that stay."""
-        return replace(self, ends=np.zeros_like(self.ends), skew=np.zeros_like(self.skew))
+        """The same as derivatives for panels that stay, and the exponents of X with them."""
+        resting = {
+            name: np.zeros_like(getattr(self, name)) for name in ("ends", "skew", "exponents")
+        }
+        return replace(self, **resting)
 
 
-_SETS = (1, 1, 1, 1, 2, 1, 0, 0)
+_SETS = (1, 1, 1, 1, 2, 1, 1, 1, 0, 0)
+
+
+def _of_powers(profile: Profile) -> tuple[Array, Array]:
+    """Amounts and exponents (q, ..., 1) of the powers of a profile's slope of slip rate."""
+    powers, shape = profile.rate_integral.powers, (*profile.panels.jacobian.shape[1:-1], 1)
+    amounts, exponents = np.empty((2, len(powers), *shape))
+    for i, power in enumerate(powers):
+        amounts[i], exponents[i] = power.amount, power.exponent
+    return amounts, exponents
 
 
 @dataclass(frozen=True)
@@ -360,7 +377,31 @@ class Surroundings:
         return stencil.difference(values.reshape(-1, len(stencil.points)), 1)
 
     def _step(self, rates: Rates, moved: Array) -> float:
-        """The longest step in a direction; infinite if nothing moves."""
+        """The longest step in a direction that changes no panel by much; infinite if nothing
+        moves."""
+        step = self._step_of_unknowns(rates, moved)
+        for _ in range(tuning.MOST_NARROWINGS if step < np.inf else 0):
+            change = self._change_of_widths(rates, moved, step)
+            if change <= self._share_of_step:
+                break
+            step *= max(self._share_of_step / change, tuning.FASTEST_NARROWING)
+        return step
+
+    def _change_of_widths(self, rates: Rates, moved: Array, step: float) -> float:
+        """Largest change of the logarithm of the width of a panel by a step in a direction.
+
+        Unknowns do not know how narrow a zone is, nor the slip ahead of an opening.
+        """
+        beside = self._neighbours(rates, moved, np.array([-step, step]), self._loose_rule)
+        one, other = (fields.panels.widths[..., 0] for fields in (beside[0], beside[-1]))
+        if len(beside) == 1:
+            one, other = one[:, 0], other[:, 1]
+        if one.shape != other.shape or np.any(one <= 0) or np.any(other <= 0):
+            return np.inf
+        return float(np.abs(np.log(other / one)).max(initial=0.0)) / 2
+
+    def _step_of_unknowns(self, rates: Rates, moved: Array) -> float:
+        """The longest step in a direction as far as unknowns and what they count from tell."""
         steps, nu = [np.inf], self._fields.factors.poisson_ratio
         if moved.any():
             steps.append(1 / float(np.abs(moved).max()))

@@ -5,19 +5,21 @@ move by is taken off.  With F' at a fixed node and w the velocity of the node, a
 
     dF/dp = F' - w dF/dv,
 
-infinite at the edges where F has a power less than one.
+infinite at the edges where F has a power less than one.  What slip rate has of powers beside the
+borders of an opening is differentiated in closed form, at a fixed share of the panel.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from semianalytic.cut.panels import Panels, RunningIntegral
+from semianalytic.cut.panels import Panels
 from semianalytic.cut.profile import Profile
+from semianalytic.cut.running import Power, RunningIntegral
 from semianalytic.halfplane.rayleigh import Array, CutPoints, Mode
 from semianalytic.halfplane.stuck import stuck_traction
 from semianalytic.selfsimilar.variation import NodeFields, Variation
@@ -46,15 +48,27 @@ class VariedProfile:
         return self.variation.nodes
 
     def _velocity(self, panel: int, at: CutPoints) -> Array:
-        """How fast points (m,) of a panel move with its ends."""
-        panels, ends, rate = self._panels, self._nodes.ends[0], self._nodes.skew / self._panels.skew
-        from_left = at.minus(panels.left[panel])
-        right = panels.right[panel]
+        """How fast points (m,) of a panel move with its ends, at a fixed y."""
+        panels, rate = self._panels, self._nodes.skew / self._panels.skew
+        moved, right = self._velocity_of_share(panel, at), panels.right[panel]
         if right is None:
-            return ends[panel] + from_left * rate[panel]
-        share, to_right = from_left / panels.widths[panel], -at.minus(right)
-        moved = ends[panel] + (ends[panel + 1] - ends[panel]) * share
-        return np.asarray(moved - share * to_right * rate[panel])
+            return moved
+        share = at.minus(panels.left[panel]) / panels.widths[panel]
+        return np.asarray(moved + share * at.minus(right) * rate[panel])
+
+    def _velocity_of_share(self, panel: int, at: CutPoints) -> Array:
+        """The same at a fixed share of the panel."""
+        from_left = at.minus(self._panels.left[panel])
+        return np.asarray(self._nodes.ends[0, panel] + from_left * self._growth[panel])
+
+    @cached_property
+    def _growth(self) -> Array:
+        """(p, 1): how fast the logarithms of the widths of panels grow."""
+        panels, ends = self._panels, self._nodes.ends[0]
+        growth = self._nodes.skew / panels.skew
+        bounded = len(panels.widths)
+        growth[:bounded] = np.diff(ends, axis=0) / panels.widths
+        return np.asarray(growth)
 
     def moved(self, point: CutPoints) -> Array:
         """Of the slowness of a zone edge or front at which a panel begins, (1,)."""
@@ -63,25 +77,41 @@ class VariedProfile:
 
     @cached_property
     def _rate(self) -> RunningIntegral:
-        """Of dV/dv at fixed nodes."""
-        return self._integral(self._nodes.rate / self._panels.jacobian)
+        """Of dV/dv at fixed nodes, and of its powers at fixed shares of panels."""
+        return self._integral(self._nodes.rate / self._panels.jacobian, self._powers)
+
+    @cached_property
+    def _powers(self) -> tuple[Power, ...]:
+        """Of those of dV/dv."""
+        nodes = self._nodes
+        return tuple(
+            replace(power, amount=amount, of_log=power.amount * exponent)
+            for power, amount, exponent in zip(
+                self.profile.rate_integral.powers, nodes.amounts, nodes.exponents, strict=True
+            )
+        )
 
     @cached_property
     def _moment(self) -> RunningIntegral:
-        """The integral whose moment is what that of dV/dv changes by at fixed nodes."""
-        panels = self._panels
+        """The integral whose moment is what that of dV/dv changes by at fixed nodes, but for what
+        the ends of powers move by."""
+        panels, rate = self._panels, self.profile.rate_integral
         velocity = np.stack([self._velocity(i, panels.at[i]) for i in range(len(panels.left))])
-        carried = self.profile.rate_integral.density * velocity / panels.at.v
-        return self._integral(self._nodes.rate / panels.jacobian + carried)
+        carried = rate.density * velocity
+        for power in rate.powers:
+            i = power.panel
+            carried[i] += self._growth[i] * power.moment_by_y(panels) / panels.jacobian[i]
+        return self._integral(
+            self._nodes.rate / panels.jacobian + carried / panels.at.v, self._powers
+        )
 
     @cached_property
     def _traction(self) -> RunningIntegral:
         return self._integral(self._nodes.traction / self._panels.jacobian)
 
-    def _integral(self, density: Array) -> RunningIntegral:
-        return RunningIntegral(
-            self._panels, density, self.profile.fields.factors.c, self._nodes.tail
-        )
+    def _integral(self, density: Array, powers: tuple[Power, ...] = ()) -> RunningIntegral:
+        front, tail = self.profile.fields.factors.c, self._nodes.tail
+        return RunningIntegral(self._panels, density, front, tail, powers)
 
     def _slope(self, integral: RunningIntegral, panel: int, at: CutPoints) -> Array:
         """Of an integral at points (m,) inside a panel, infinite where it is so at its ends."""
@@ -120,16 +150,18 @@ class VariedProfile:
         """The same at points (m,) inside a panel."""
         if not self._panels.sense[i]:
             return np.zeros(at.v.shape)
+        rate = self.profile.rate_integral
         value = self._nodes.rate_starts[i] + self._rate(i, at)
-        slope = self._slope(self.profile.rate_integral, i, at)
-        return np.asarray(value - _carried(slope, self._velocity(i, at)))
+        value = value - _carried(self._slope(rate, i, at), self._velocity(i, at))
+        of_powers = rate.slope_of_powers(i, at)
+        return np.asarray(value - _carried(of_powers, self._velocity_of_share(i, at)))
 
     def moved_root(self, u: Array) -> Array:
         """Of slownesses (m,) at which V is zero within a zone."""
         rate = self.profile.rate_integral
         with np.errstate(invalid="ignore"):
             moved = self.slip_rate(u) / self._piecewise(
-                u, 0.0, lambda i, at: self._slope(rate, i, at)
+                u, 0.0, lambda i, at: self._slope(rate, i, at) + rate.slope_of_powers(i, at)
             )
         return np.where(np.isnan(moved), 0.0, -moved)
 
@@ -143,6 +175,9 @@ class VariedProfile:
     def _slip(self, i: int, at: CutPoints, start: float | Array) -> Array:
         """Of slip / x inside a panel that slips, from that at its left end."""
         gain, moment = self._rate(i, at), self._moment.with_moment(i, at)[1]
+        for power in self.profile.rate_integral.powers_on(i):
+            moved = self._nodes.ends[0, power.end_index]
+            moment = moment + moved * power.inside(self._panels, at)
         before = self._nodes.rate_starts[i]
         left = self._panels.left[i].v
         return np.asarray(start + at.v * gain + (at.v - left) * before - moment)
@@ -237,7 +272,7 @@ class VariedProfile:
             self.profile.fields.load.resistance,
             self.variation.rates.resistance,
         )
-        if resistance is None:
+        if resistance is None or self._panels.layout.open[i]:
             return 0.0
         rate = self.profile.slip_rate_inside(i, at)
         return np.asarray(resistance * self._slip_rate_inside(i, at) + by_resistance * rate)

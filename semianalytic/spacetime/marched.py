@@ -304,7 +304,7 @@ class Marched(SampledAnswer):
         """What the grid is too coarse for, as far as is known.
 
         Slip at the edge over less than four nodes, told in place of an answer of "no slip"; slip
-        weakening on too few nodes; an error estimate above `rtol`, or above one.
+        weakening on too few nodes; an error estimate above `rtol`, or above a half.
         """
         every = (
             self._missed_zone,

@@ -41,9 +41,12 @@ ONSET_SHARE = 0.01
 ERROR_SAFETY = 1.25
 """Of the slip rate in L1, times the difference from the companion at half the nodes: the true error
 is 0.35 to 1.05 of that difference in 100 scenes (`march-error`), whatever the loads."""
-LARGEST_ERROR = 1.0
+LARGEST_ERROR = 0.5
 """Estimate above which a march is called unresolved unless an `rtol` is given: strips of slip that
-are narrower than the grid away from the edge, which nothing else tells."""
+are narrower than the grid away from the edge, which nothing else tells.  True errors of 420 random
+marches on 24 to 160 nodes, 284 of them in antiplane shear, were at most 0.86 of their estimates;
+of one whose estimate was 0.75 almost all of the slip rate was wrong.  A limit of 1 lets that pass,
+one of 0.3 refuses one march in forty more, most of them off by less than 0.15."""
 READING_SAFETY = 1.6
 """Of anything else that is read off: the largest slip, which is at the edge, converges more slowly,
 and single numbers less evenly; their true errors are 0.1 to 1.7 of the difference."""

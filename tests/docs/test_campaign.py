@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from docs.studies.campaign import study as campaign
-from docs.studies.campaign.study import (
+from compare.docs import read_data
+from compare.studies.campaign import answers
+from compare.studies.campaign import study as campaign
+from compare.studies.campaign.study import (
     error_between,
     marched_row,
     run_campaign,
@@ -88,3 +90,27 @@ def test_it_goes_on_where_it_was(tmp_path, monkeypatch):
     assert done == [int(lines[2].split(",")[0])]
     for new, old in zip([*solved, *marched], [*first[0], *first[1]], strict=True):
         assert replace(new, seconds=0.0) == replace(old, seconds=0.0) or new.index == done[0]
+
+
+def test_answers_are_held_against_better_ones(tmp_path, monkeypatch):
+    """Rows are kept, what is raised is told, and what is spoilt is seen."""
+    rows = answers.run_answers(tmp_path, 3, answers.SEED)
+    assert [row.index for row in rows] == [0, 1, 2]
+    asked = [getattr(row, name) for row in rows for name in answers.QUANTITIES]
+    ratios = [ratio for ratio in asked if ratio == ratio]
+    assert len(ratios) > 20
+    assert max(ratios) < 1
+    lines = answers.summary(rows)
+    assert lines[0].result == "3"
+
+    def spoilt(scene, rtol):
+        friction = scene.friction * (1 + 1e-3 * (rtol > 1e-7))
+        return replace(solve(replace(scene, friction=friction), rtol=rtol), scene=scene)
+
+    monkeypatch.setattr(answers, "solve", spoilt)
+    assert max(answers.answer_row(answers.SEED, 1).edges, 0) > 1
+    monkeypatch.setattr(answers, "solve", lambda *_, **__: 1 / 0)
+    assert answers.answer_row(answers.SEED, 1).outcome == "raised ZeroDivisionError"
+    monkeypatch.setattr(answers, "answer_row", None)
+    again = answers.run_answers(tmp_path, 3, answers.SEED)
+    assert [row.outcome for row in again] == [row.outcome for row in rows]

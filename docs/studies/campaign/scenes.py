@@ -18,6 +18,7 @@ from semianalytic import (
     SlipWeakening,
     Tabulated,
     Tractions,
+    ViscousFriction,
 )
 from semianalytic.scene.friction import FrictionLaw
 from semianalytic.scene.loading import REMOTE
@@ -86,3 +87,30 @@ def drawn(
             return draw(random), random
         except SceneError:
             continue
+
+
+def random_wide_scene(random: np.random.Generator) -> Scene:
+    """A self-similar scene of any law and mode, opening or closed, whose base is 1e-6 to 1e6 times
+    its step; raises SceneError where the draw is not admissible."""
+    nu = float(random.choice([*_SPECIAL_RATIOS, *random.uniform(-0.95, 0.495, 10)]))
+    friction = float(np.exp(random.uniform(np.log(1e-3), np.log(10))))
+    friction = 0.0 if random.random() < 0.05 else friction
+    widest = 6.0 if random.random() < 0.5 else 1.0
+    base = float(10 ** random.uniform(-widest, widest))
+    pressure = float(random.choice([0.0, 1.0, -1.0, *random.lognormal(0, 1.5, 2)]))
+    share = float(
+        random.choice([0.0, *random.uniform(-1, 1, 3), 1.0, 1 - 10 ** random.uniform(-12, -1)])
+    )
+    laws: Sequence[FrictionLaw] = (
+        CoulombFriction(),
+        ViscousFriction(float(10 ** random.uniform(-3, 3))),
+        RateWeakening(float(random.uniform(0, 0.6)), float(random.lognormal(1.0, 1.0))),
+    )
+    return Scene(
+        Material(1.0, 1.0, nu),
+        friction,
+        Tractions(base, share * friction * base),
+        Tractions(pressure, float(random.choice([1.0, random.normal()]))),
+        mode=str(random.choice(["in-plane", "antiplane"], p=[0.7, 0.3])),
+        friction_law=laws[random.choice(3, p=[0.5, 0.3, 0.2])],
+    )

@@ -14,6 +14,7 @@ STAGES = (
     "cut.layout",
     "cut.load",
     "cut.panels",
+    "cut.running",
     "cut.canonical",
     "cut.strength",
     "cut.zones",

@@ -1,0 +1,324 @@
+"""Integrals along panels: of densities at their nodes, of poles and of powers beside their ends.
+
+A `RunningIntegral` gains slip rate from its slope, slip from slip rate, and traction along panels;
+a `Power` is the part of a density that is large beside an end of a panel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.cut import tuning
+from semianalytic.cut.panels import Panels
+from semianalytic.halfplane.rayleigh import Array, CutPoints
+
+
+@dataclass(frozen=True)
+class Power:
+    """A density with the integral amount s^exponent beside an end of a panel, of any exponent above
+    -1: s is the share of the panel up to there, 1 at its other end.
+
+    A negative exponent counts with its finite part, as if the integral were 0 where s is.  The
+    derivative of such a density with respect to a parameter on which its exponent depends has the
+    integral (amount + of_log ln s) s^exponent.
+
+    Attributes
+    ----------
+    panel : int
+    at_left : bool, whether the end is its left one
+    exponent, amount : (..., 1) arrays
+    of_log : (..., 1) array, or 0 where there is no logarithm
+    """
+
+    panel: int
+    at_left: bool
+    exponent: Array
+    amount: Array
+    of_log: Array | float = 0.0
+
+    def share(self, panels: Panels) -> Array:
+        """s at the nodes, (..., n)."""
+        distance = panels.from_left if self.at_left else panels.from_right
+        return self._over_width(panels, distance[self.panel])
+
+    def _over_width(self, panels: Panels, distance: Array) -> Array:
+        if panels.right[self.panel] is None:
+            return np.asarray(distance / (distance + panels.skew[self.panel]))
+        return np.asarray(distance / panels.widths[self.panel])
+
+    def by_y(self, panels: Panels) -> Array:
+        """The density at the nodes times dv/dy, (..., n); like v^-3 on an unbounded panel."""
+        share = self.share(panels)
+        per_share = self._slope(panels, share)
+        return np.asarray((per_share if self.at_left else -per_share) * share * (1 - share))
+
+    def _slope(self, panels: Panels, share: Array) -> Array:
+        """What its integral grows by per s."""
+        exponent = self.exponent
+        rest, factor, by_exponent = np.ones_like(share), exponent, np.ones_like(exponent)
+        if panels.right[self.panel] is None:
+            rest = 1 - share
+            factor, by_exponent = exponent * (1 + exponent), 1 + 2 * exponent
+        slope = self.amount * factor * rest * share ** (exponent - 1)
+        if np.any(self.of_log):
+            of_log = by_exponent + factor * np.log(share)
+            slope = slope + self.of_log * of_log * rest * share ** (exponent - 1)
+        return np.asarray(slope)
+
+    def _up_to(self, panels: Panels, share: Array) -> Array:
+        """Its integral from the left end of the panel."""
+        exponent, inside = self.exponent, np.where(share > 0, share, 1.0)
+        factor, by_exponent = np.ones_like(share), np.zeros_like(share)
+        if panels.right[self.panel] is None:
+            factor, by_exponent = 1 + exponent * (1 - share), 1 - share
+        power = self.amount * factor
+        if np.any(self.of_log):
+            power = power + self.of_log * (by_exponent + factor * np.log(inside))
+        value = np.where(share > 0, power * inside**exponent, 0.0)
+        return np.asarray(value if self.at_left else value - self.amount)
+
+    def at_nodes(self, panels: Panels) -> Array:
+        """Its integrals from the left end of the panel to the nodes, (..., n)."""
+        return self._up_to(panels, self.share(panels))
+
+    def inside(self, panels: Panels, at: CutPoints) -> Array:
+        """The same to points (m,) inside (one set of zones)."""
+        left, right = panels.left[self.panel], panels.right[self.panel]
+        distance = at.minus(left) if self.at_left or right is None else -at.minus(right)
+        return self._up_to(panels, self._over_width(panels, np.maximum(distance, 0.0)))
+
+    def slope(self, panels: Panels, at: CutPoints) -> Array:
+        """The density itself at points (m,) inside (one set of zones); infinite at an end where its
+        exponent is below 1."""
+        left, right = panels.left[self.panel], panels.right[self.panel]
+        distance = at.minus(left) if self.at_left or right is None else -at.minus(right)
+        share = self._over_width(panels, np.maximum(distance, 0.0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            per_share = self._slope(panels, share)
+        if right is None:
+            per_v = np.square(1 - share) / panels.skew[self.panel]
+        else:
+            per_v = (1.0 if self.at_left else -1.0) / panels.widths[self.panel]
+        return np.asarray(per_share * per_v)
+
+    def moment_by_y(self, panels: Panels) -> Array:
+        """The density times v less the end, at the nodes, times dv/dy, (..., n)."""
+        from_end = panels.from_left if self.at_left else -panels.from_right
+        return np.asarray(from_end[self.panel] * self.by_y(panels))
+
+    def end(self, panels: Panels) -> Array:
+        """Where the end is, (..., 1)."""
+        return np.asarray(panels.ends.v[self.end_index])
+
+    @property
+    def end_index(self) -> int:
+        """Which of the ends of all panels it is."""
+        return self.panel + (not self.at_left)
+
+    @property
+    def total(self) -> Array:
+        """Its integral over the panel, (...)."""
+        return np.asarray((self.amount if self.at_left else -self.amount)[..., 0])
+
+
+def split_power(
+    panels: Panels, density: Array, panel: int, at_left: bool, exponent: Array
+) -> Power:
+    """The power of an exponent that a density (p, ..., n) has beside an end of a panel; it is taken
+    out of the density.
+
+    Over that the density is g_0 + g_1 s + g_2 s ln s.  Three nodes tell these, of which the nearest
+    to the end is where rounding leaves as much of g_1 s as is left out.
+    """
+    unit = Power(panel, at_left, exponent, np.ones_like(exponent))
+    jacobian, shape, share = panels.jacobian[panel], unit.by_y(panels), unit.share(panels)
+    away = share.reshape(-1, share.shape[-1]).min(axis=0) > tuning.LEAST_SHARE
+    nodes = np.flatnonzero(away)[:: 1 if at_left else -1]
+    stride = max(1, round(tuning.SHARE_LOGARITHM / panels.rule.spacing))
+    three, near = nodes[[0, stride, 2 * stride]], ~away
+    terms = np.stack([np.ones_like(share), share, share * np.log(share)], axis=-1)
+    over = (density[panel] * jacobian)[..., three] / shape[..., three]
+    fitted = np.linalg.solve(terms[..., three, :], over[..., None])
+    power = replace(unit, amount=fitted[..., 0, :])
+    density[panel] -= power.by_y(panels) / jacobian
+    left = (terms[..., near, 1:] @ fitted[..., 1:, :])[..., 0]
+    density[panel][..., near] = left * shape[..., near] / jacobian[..., near]
+    return power
+
+
+@dataclass(frozen=True)
+class RunningIntegral:
+    """Integrals of a density g(v), and of v g, from the left end of each panel.
+
+    g may have a simple pole at c inside a panel, and decay like tail / v^2 on the unbounded
+    one.  Both are integrated in closed form, the rest by sinc indefinite integration.
+
+    Attributes
+    ----------
+    panels : Panels
+    density : (p, ..., n) array, g at the nodes, without its powers
+    c : float, Rayleigh slowness
+    tail : float or (...) array, limit of v^2 g (needed for the moment v g only)
+    powers : tuple of Power, parts of g that are large beside ends of panels
+    residue : (...) array, that of g at c where it is known; None to interpolate it between nodes,
+        with half as many digits as integrals have
+    """
+
+    panels: Panels
+    density: Array
+    c: float
+    tail: float | Array = 0.0
+    powers: tuple[Power, ...] = ()
+    residue: Array | None = None
+
+    @cached_property
+    def totals(self) -> Array:
+        """(p, ...) integrals of g over whole panels; principal values where g has a pole."""
+        result = self.panels.integrals(self.density)
+        for power in self.powers:
+            result[power.panel] += power.total
+        return result
+
+    @cached_property
+    def halves(self) -> Array:
+        """(p, ...) integrals of g from the left end of each panel to the middle node."""
+        panels = self.panels
+        result = panels.rule.halved(self.density * panels.jacobian)
+        for power in self.powers:
+            result[power.panel] += power.at_nodes(panels)[..., len(panels.rule.y) // 2]
+        return result
+
+    def powers_on(self, panel: int) -> list[Power]:
+        """The powers beside ends of a panel."""
+        return [power for power in self.powers if power.panel == panel]
+
+    @cached_property
+    def residues(self) -> Array:
+        """(p, ...) residues of g at c, 0 on panels that do not cover it."""
+        panels, rule, pole = self.panels, self.panels.rule, self.panels.layout.pole
+        result = np.zeros(self.density.shape[:-1])
+        if pole >= 0 and self.residue is not None:
+            result[pole] = self.residue
+        elif pole >= 0:
+            left, right = panels.left[pole], panels.right[pole]
+            share = 1.0 if right is None else (right.from_c / right.minus(left))[..., 0]
+            decaying = 1.0 if right is not None else np.square(self.c / panels.at.v[pole])
+            numerator = self.density[pole] * panels.at.from_c[pole] * panels.jacobian[pole]
+            kernel = np.sinc((rule.spacing / 2 - rule.y) / rule.spacing)
+            result[pole] = (numerator * decaying) @ kernel / (-left.from_c[..., 0] * share)
+        return result
+
+    def level_at_c(self, panel: int) -> Array:
+        """Integral of g from the left end of the panel that covers c up to there, less the residue
+        times ln |v - c|; (...)."""
+        rule, left = self.panels.rule, self.panels.left[panel]
+        regular = rule.interpolate_running(np.array([rule.spacing / 2]), self._regular[panel])[0]
+        log = -np.log(np.abs(left.from_c))
+        if self.panels.right[panel] is None:
+            log = log - np.log(self.c / left.v) + 1 - self.c / left.v
+        return np.asarray(regular + self.residues[panel] * log[..., 0])
+
+    @cached_property
+    def _regular(self) -> Array:
+        """(p, ..., n): g without pole, times dv/dy."""
+        panels = self.panels
+        rest, i = self.density * panels.jacobian, self._pole
+        if i is not None:
+            shape = 1.0 if panels.right[i] is not None else np.square(self.c / panels.at.v[i])
+            pole = self.residues[i][..., None] * shape / panels.at.from_c[i]
+            rest[i] = (self.density[i] - pole) * panels.jacobian[i]
+        return rest
+
+    @cached_property
+    def _pole(self) -> int | None:
+        """The panel on which g has a pole."""
+        pole = self.panels.layout.pole
+        return pole if pole >= 0 and self.residues[pole].any() else None
+
+    def _regular_moment(self, panel: int) -> Array:
+        """(n,): v g without pole and tail, times dv/dy."""
+        panels = self.panels
+        v, moment = panels.at.v[panel], panels.at.v[panel] * self._regular[panel]
+        if panels.right[panel] is None:
+            density = self.tail * panels.from_left[panel] / np.square(v)
+            moment = moment - density * panels.jacobian[panel]
+        for power in self.powers_on(panel):
+            moment = moment + power.moment_by_y(panels)
+        return moment
+
+    def __call__(self, panel: int, at: CutPoints) -> Array:
+        """Integral of g from the panel's left end to points inside it (one set of zones)."""
+        y = self.panels.coordinate(panel, at)
+        regular = self.panels.rule.interpolate_running(y, self._regular[panel])
+        return regular + self._of_pole(panel, at) + self._of_powers(panel, at)
+
+    def _of_powers(self, panel: int, at: CutPoints) -> Array | float:
+        """Closed form of the powers' part of the integral of g."""
+        return sum(power.inside(self.panels, at) for power in self.powers_on(panel))
+
+    def slope(self, panel: int, at: CutPoints) -> Array:
+        """What the integral grows by per v inside a panel, g between its nodes (one set of zones).
+
+        To a share of the largest g dv/dy: near ends where that is small g itself is less exact.
+        """
+        left, right, v = self.panels.left[panel], self.panels.right[panel], at.v
+        per_y = at.minus(left)
+        if right is not None:
+            per_y = per_y * -at.minus(right) / self.panels.widths[panel]
+        y = self.panels.coordinate(panel, at)
+        pole = self.residues[panel] / at.from_c if panel == self._pole else np.zeros(v.shape)
+        if right is None:
+            pole = pole * np.square(self.c / v)
+        return np.asarray(self.panels.rule.interpolate(y, self._regular[panel]) / per_y + pole)
+
+    def slope_of_powers(self, panel: int, at: CutPoints) -> Array:
+        """What its powers grow by per v at points (m,) inside a panel (one set of zones)."""
+        slope = np.zeros(at.v.shape)
+        for power in self.powers_on(panel):
+            slope += power.slope(self.panels, at)
+        return slope
+
+    @cached_property
+    def at_nodes(self) -> Array:
+        """(p, ..., n): integrals of g from the left end of each panel to its nodes."""
+        result = self.panels.rule.running(self._regular)
+        if self._pole is not None:
+            result[self._pole] += self._of_pole(self._pole, self.panels.at[self._pole])
+        for power in self.powers:
+            result[power.panel] += power.at_nodes(self.panels)
+        return result
+
+    def with_moment(self, panel: int, at: CutPoints) -> tuple[Array, Array]:
+        """Integrals of g and of v g from the panel's left end to points inside it."""
+        y = self.panels.coordinate(panel, at)
+        both = np.stack([self._regular[panel], self._regular_moment(panel)])
+        plain, moment = self.panels.rule.interpolate_running(y, both).T
+        left, residue = self.panels.left[panel], self.residues[panel]
+        bounded = self.panels.right[panel] is not None
+        if residue:
+            log = self._log(panel, at)
+            if bounded:
+                moment = moment + residue * (at.minus(left) + self.c * log)
+            else:
+                moment = moment + residue * self.c * (log - np.log(at.v / left.v))
+        if not bounded:
+            moment = moment + self.tail * (np.log(at.v / left.v) + left.v / at.v - 1)
+        for power in self.powers_on(panel):
+            moment = moment + power.end(self.panels) * power.inside(self.panels, at)
+        return plain + self._of_pole(panel, at) + self._of_powers(panel, at), moment
+
+    def _log(self, panel: int, at: CutPoints) -> Array:
+        # At c itself V is infinite; x/t cannot tell it from its neighbours in rounding.
+        return np.log(np.maximum(np.abs(at.from_c / self.panels.left[panel].from_c), 1e-16))
+
+    def _of_pole(self, panel: int, at: CutPoints) -> Array | float:
+        """Closed form of the pole's part of the integral of g."""
+        if panel != self._pole:
+            return 0.0
+        log, left = self._log(panel, at), self.panels.left[panel]
+        if self.panels.right[panel] is None:
+            log = log - np.log(at.v / left.v) + self.c / at.v - self.c / left.v
+        return self.residues[panel][..., None] * log

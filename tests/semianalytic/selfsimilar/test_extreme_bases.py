@@ -1,0 +1,104 @@
+"""Bases at friction or next to it, and bases that dwarf the load or are dwarfed by it."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from catalogue import unit_scene
+
+from semianalytic import Solution, ViscousFriction, solve
+
+# nu, friction, base pressure, load, and what else a scene says
+AT_FRICTION: list[tuple[float, float, float, tuple[float, float], dict[str, Any]]] = [
+    (0.45, 1.3186, 1.0, (24.54, 1.2), {}),
+    (1 / 3, 0.3, 1.0, (0.5, 1.0), {}),
+    (1 / 3, 0.3, 1.0, (0.0, 1.0), {}),
+    (0.2, 0.6, 2.0, (0.5, -0.4), {}),
+    (0.2, 0.6, 2.0, (0.5, 0.4), {"mode": "antiplane"}),
+    (0.2, 0.6, 2.0, (0.0, 0.4), {"mode": "antiplane"}),
+    (1 / 3, 0.3, 1.0, (0.5, 1.0), {"friction_law": ViscousFriction(0.2)}),
+]
+X = np.array([0.02, 0.1, 0.3, 0.5, 0.7, 1.3, 1.45])
+
+
+def readings(solution: Solution) -> dict[str, np.ndarray]:
+    """What is held against another answer, each relative to its largest."""
+    read = {
+        "power": np.array([solution.frictional_power(1.0)]),
+        "intensity": np.array(solution.stress_intensity(1.0)),
+        "slip": solution.slip(X, 1.0),
+        "traction": solution.shear_traction(X, 1.0),
+    }
+    return {name: value / (np.abs(value).max() or 1.0) for name, value in read.items()}
+
+
+def beyond(solution: Solution, truth: Solution) -> dict[str, float]:
+    """Errors over what either answer says that they may be, of those beyond it."""
+    own, exact = readings(solution), readings(truth)
+    bound = solution.error_estimate + truth.error_estimate
+    ratios = {name: float(np.abs(own[name] - exact[name]).max()) / bound for name in own}
+    return {name: ratio for name, ratio in ratios.items() if not ratio <= 1}
+
+
+@pytest.mark.thinned(4)
+@pytest.mark.parametrize("case", AT_FRICTION)
+@pytest.mark.parametrize("lacking", [0.0, 1e-16, 1e-8, 5e-7])
+def test_a_base_just_below_friction_is_solved_as_well_as_any(
+    case: tuple[float, float, float, tuple[float, float], dict[str, Any]], lacking: float
+) -> None:
+    """A strip of width lacking^2 sticks behind the longitudinal front; power is smooth in it."""
+    nu, friction, pressure, load, parts = case
+    base = (pressure, friction * pressure * (1 - lacking))
+    scene = unit_scene(friction, base, load, nu=nu, **parts)
+    truth = solve(scene, rtol=1e-11)
+    assert truth.status == "converged"
+    for rtol in (1e-6, 1e-9):
+        solution = solve(scene, rtol=rtol)
+        assert solution.status == "converged"
+        assert len(solution.zones) == len(truth.zones)
+        assert not beyond(solution, truth)
+        if not lacking and load[0]:
+            assert solution.zones[-1].outer == scene.fastest_speed
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize("pressure", [1.0, 1e3, 1e6])
+@pytest.mark.parametrize("nu", [0.25, 0.0, -0.5])
+def test_without_friction_slip_does_not_feel_how_little_the_contact_opens(
+    nu: float, pressure: float
+) -> None:
+    opening = solve(unit_scene(0.0, (pressure, 0.0), (-1.0, 1.0), nu=nu))
+    closed = solve(unit_scene(0.0, (pressure, 0.0), (0.0, 1.0), nu=nu))
+    bound = opening.error_estimate + closed.error_estimate
+    assert opening.openings
+    for name in ("slip", "slip_rate"):
+        difference = getattr(opening, name)(X, 1.0) - getattr(closed, name)(X, 1.0)
+        assert np.abs(difference).max() <= bound, name
+
+
+SMALL_LOADS = [
+    (1 / 3, 0.3, (0.0, 1.0), "in-plane"),
+    (0.0, 1.2, (0.4, -1.0), "in-plane"),
+    (-0.5, 0.6, (-1.0, 1.0), "in-plane"),
+    (0.25, 0.3, (0.4, 1.0), "antiplane"),
+]
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("ratio", [1e3, 1e6])
+@pytest.mark.parametrize(("nu", "friction", "load", "mode"), SMALL_LOADS)
+def test_tractions_under_a_base_that_dwarfs_the_load(
+    nu: float, friction: float, load: tuple[float, float], mode: str, ratio: float
+) -> None:
+    """Slip ends at the edge, at 1 / ratio^2 of the way to the front."""
+    scene = unit_scene(friction, (ratio, 0.0), load, nu=nu, mode=mode)
+    truth = solve(scene, rtol=1e-11)
+    assert truth.status == "converged"
+    for rtol in (1e-4, 1e-6):
+        solution = solve(scene, rtol=rtol)
+        assert solution.status == "converged"
+        changes = [one.shear_traction(X, 1.0) - scene.base.shear for one in (solution, truth)]
+        assert np.abs(changes[0] - changes[1]).max() <= (
+            solution.error_estimate + truth.error_estimate + 1e-15 * ratio
+        )
+        assert [zone.sense for zone in solution.zones] == [zone.sense for zone in truth.zones]
