@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from compare.docs import read_data
-from compare.studies.campaign import answers
-from compare.studies.campaign import study as campaign
-from compare.studies.campaign.study import (
+from docs.studies.campaign import answers
+from docs.studies.campaign import study as campaign
+from docs.studies.campaign.study import (
     error_between,
     marched_row,
     run_campaign,

@@ -1,6 +1,6 @@
 """Random scenes of every law, mode and opening: all that an answer says against a better answer.
 
-Run as ``python -m compare.studies.campaign.answers --csv docs/data``.  Bases are 1e-6 to 1e6 times
+Run as ``python -m docs.studies.campaign.answers --csv docs/data``.  Bases are 1e-6 to 1e6 times
 the step.  Each scene is solved to 1e-5, 1e-6 or 1e-8, and edges, slip rate, slip, tractions, gap,
 power, stress intensities, fields in the bodies and derivatives are held against an answer to 1e-12
 (1e-9 where strength depends on slip rate);
@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 
 from compare.output.progress import progress_bar
 from compare.output.tables import append_rows, started_rows, write_rows
-from compare.studies.campaign.scenes import drawn, random_wide_scene
-from compare.studies.campaign.study import SummaryRow, error_between
 from compare.studies.tables import shown_rows
+from docs.studies.campaign.scenes import drawn, random_wide_scene
+from docs.studies.campaign.study import SummaryRow, error_between
 from semianalytic import RateWeakening, Scene, SceneError, Solution, TensionError, solve
 
 Array = NDArray[np.float64]
@@ -330,7 +330,7 @@ def main() -> None:
     Console().print(shown_rows("what answers say of themselves", lines))
     if chosen.csv is not None:
         command = (
-            f"python -m compare.studies.campaign.answers --scenes {chosen.scenes} --csv docs/data"
+            f"python -m docs.studies.campaign.answers --scenes {chosen.scenes} --csv docs/data"
         )
         write_rows(chosen.csv / "campaign-answers.csv", lines, command=command)
 
