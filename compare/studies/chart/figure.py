@@ -252,7 +252,7 @@ def _scene_lines(points: Sequence[Point], scene_name: str, form: str) -> Iterato
     described, one = NAMED_SCENES[scene_name], points[0]
     yield f"## {scene_name}"
     yield ""
-    yield f"The scene: {described.summary}."
+    yield f"Scene: {described.summary}."
     kind = "closed form" if described.scene.is_self_similar else "difference of the two"
     edge = one.reference_edge_error
     yield (
@@ -261,7 +261,7 @@ def _scene_lines(points: Sequence[Point], scene_name: str, form: str) -> Iterato
         + ")."
     )
     yield ""
-    seen = f"Errors of slip rate and zone edges of {scene_name} against time, a line a method"
+    seen = f"Errors of slip rate and zone edges of {scene_name} against time, one line per method"
     yield f"![{seen}](figures/chart_{scene_name}.{form})"
     yield ""
     best = [cheapest(points, level) for level in LEVELS]
@@ -292,24 +292,25 @@ def _time(seconds: float) -> str:
 
 
 FAILS: dict[str, str] = {
-    "self-similar": "takes step loads and constant friction only; beside thresholds, at very low "
-    "friction and ν near 0.5 it may end in a status "
+    "self-similar": "It takes only step loads and constant friction. Beside thresholds, at very "
+    "low friction and for ν near 0.5 it may end without convergence, which its status says "
     "([thresholds](stability.md#thresholds), "
     "[limits of ν](stability.md#limits-of-the-poisson-ratio), "
     "[what is left](stability.md#what-a-user-can-still-meet))",
-    "first-stage": "no grid is the answer: what counts is how far zone edges are from nodes "
-    "([first stage](stability.md#the-first-stage))",
-    "published": "solves another equation, whatever the number of collocation points, and knows "
-    "a sudden remote load only ([the article](article.md))",
-    "space-time": "steps above c_t Δt/h of 0.57 to 0.7 are unstable and refused, edges are no "
-    "better than the grid ([where it fails](spacetime.md#where-it-fails), "
+    "first-stage": "No grid gives the answer: the error depends on the distance of zone edges "
+    "from nodes ([first stage](stability.md#the-first-stage))",
+    "published": "It solves another equation, whatever the number of collocation points, and "
+    "takes only a sudden remote load ([the article](article.md))",
+    "space-time": "Steps above c_t Δt/h of 0.57 to 0.7 are unstable and refused. Edges are no "
+    "more accurate than the grid ([where it fails](spacetime.md#where-it-fails), "
     "[step size and long times](stability.md#the-other-two-methods))",
-    "fem": "smears fronts over a width set by damping and mesh "
+    "fem": "It smears fronts over a width set by damping and mesh "
     "([damping](fem.md#damping), [step size, ν, opening](fem.md#when-it-fails))",
-    "fem-triangles": "the irregularity of the mesh shows on fine meshes "
+    "fem-triangles": "The irregularity of the mesh appears on fine meshes "
     "([elements](fem.md#elements))",
-    "fem-graded": "waves are reflected where the mesh grows ([elements](fem.md#elements))",
-    "fem-undamped": "single times ring, zones break up ([damping](fem.md#damping))",
+    "fem-graded": "Waves are reflected where the mesh grows ([elements](fem.md#elements))",
+    "fem-undamped": "Slip rates at single times oscillate, and zones break up "
+    "([damping](fem.md#damping))",
 }
 """Where methods fail, with links to what was studied; finite elements once for all families."""
 
@@ -324,7 +325,7 @@ def _failures(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[s
             known = [p for p in own if p.scene_name == scene_name and math.isfinite(p.error)]
             obstacle = METHODS[name].obstacle(NAMED_SCENES[scene_name].scene)
             if obstacle:
-                ends.append(f"{scene_name} not at all ({obstacle})")
+                ends.append(f"{scene_name} not possible ({obstacle})")
             elif known:
                 best = min(known, key=lambda point: point.error)
                 missed = sum(math.isinf(point.edge_error) for point in known)
@@ -334,7 +335,7 @@ def _failures(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[s
                     f"{best.error:.1e}" if best.error > bar else f"below {bar:.1e}, the reference"
                 )
                 ends.append(f"{scene_name} {least} at {best.name}{zones}")
-        yield f"- **{METHODS[name].label}** {reason}. Best error: {'; '.join(ends)}."
+        yield f"- **{METHODS[name].label}**. {reason}. Best error: {'; '.join(ends)}."
     doubtful = [point for point in points if point.status != "measured"]
     for point in doubtful:
         label = METHODS[point.method].label
