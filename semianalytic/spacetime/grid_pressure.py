@@ -70,7 +70,7 @@ class GridPressure:
         self._factor = np.ones(count)
         self._factor[: len(factors)] = factors[:count]
         # The grid sees the inverse square root as if its first node were 0.310 h from the edge
-        # (docs/theory.md, "The grid's own edge"); the pressure has to be seen in the same way.
+        # (docs/theory.md, "The edge on a grid"); the pressure has to be seen in the same way.
         self._x = (np.arange(count) + offset) * spacing
         self._arrival = self._x / scene.material.longitudinal_speed
         self._per = self._x / scene.material.shear_speed
