@@ -5,7 +5,7 @@ plane waves (`marched_bodies`).  Their tractions are subtracted from the recorde
 remainder, and from the continuous part of the loads on the slot, this module makes a `Spectrum`.
 
 The grid sees tractions that are singular at the edge as if its first node lay 0.310 spacings from
-there, not half a spacing (`edge_factors`; docs/theory.md, "The grid's own edge").  Where the edge
+there, not half a spacing (`edge_factors`; docs/theory.md, "The edge on a grid").  Where the edge
 sticks, that holds for the whole traction.  Where it slips, it holds for the friction under a
 singular pressure, and for the stuck tractions that are subtracted.
 """
