@@ -97,7 +97,7 @@ class RayleighFamily(RayleighFactors):
 
     @cached_property
     def hiding(self) -> np.ndarray:
-        """How the hidden root affects the panels of each ratio, (k,).
+        """Effect of the hidden root on the panels of each ratio, (k,).
 
         It is 2 where panels are cut beside the root, 1 where the root is complex but lies ahead of
         them, and 0 elsewhere.  Sets of zones share panels only if it is the same.
@@ -170,7 +170,7 @@ def rayleigh_family(ratios: Array) -> RayleighFamily:
 
 
 def _rayleigh_slowness(a: Array) -> Array:
-    """Return c for longitudinal slownesses a, b = 1, from the cubic of `Material.rayleigh_speed`."""
+    """Return c for longitudinal slownesses a, b = 1; see `Material.rayleigh_speed`."""
     low, high = np.full_like(a, 0.1), np.ones_like(a)
     while np.any((low < (middle := (low + high) / 2)) & (middle < high)):
         cubic = ((middle - 8) * middle + 24 - 16 * a * a) * middle - 16 * (1 - a * a)

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 else:
 
     class cached_property(functools.cached_property):
-        """That of Python 3.12 and later."""
+        """The `cached_property` of Python 3.12 and later."""
 
         def __get__(self, instance: Any, owner: type | None = None) -> Any:
-            """The value, which the instance keeps from then on."""
+            """Return the value, which the instance keeps from then on."""
             if instance is None:
                 return self
             value = instance.__dict__.get(self.attrname, self)
