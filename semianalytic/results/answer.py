@@ -92,7 +92,7 @@ def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "
 
 
 class Answer(Protocol):
-    """What every answer says about the contact: slip, tractions, gap and totals.
+    """An answer to a scene: slip, tractions, gap and totals of the contact, from any solver.
 
     Positions x > 0 [length] and times t [time] broadcast; before t = 0 the base state is returned.
     Slip and slip rate are relative, upper minus lower side; tractions include the base, and
@@ -131,7 +131,7 @@ class Answer(Protocol):
         ...
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """How far the contact is open [length], 0 where it is closed."""
+        """Return the opening of the contact [length], 0 where it is closed."""
         ...
 
     def max_slip(self, t: ArrayLike) -> Array:
