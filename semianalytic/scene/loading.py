@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 SLOT, REMOTE = "slot", "remote"
 LOADED = (SLOT, REMOTE)
-"""Where a load acts: it is taken off the slot faces, or arrives as a plane wave from far away."""
+"""Places of a load: it is taken off the slot faces, or arrives as a plane wave from far away."""
 
 
 @dataclass(frozen=True)
