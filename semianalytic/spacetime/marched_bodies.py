@@ -251,7 +251,7 @@ def _of_steps(
 def _seen_by_bodies(
     spectrum: Spectrum, inside: Flags, below: Flags
 ) -> Iterator[tuple[Spectrum, Flags]]:
-    """Yield the spectrum as each body sees it, and which points (p,) lie in that body."""
+    """Return the spectrum as each body sees it, with the points (p,) that lie in that body."""
     # without pressure both bodies see the same, up to the signs of `_mirrored`
     if spectrum.normal is None:
         parts = [(spectrum, inside)]

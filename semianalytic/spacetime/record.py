@@ -15,7 +15,7 @@ from semianalytic.spacetime.marched import Marched, MarchState
 Array = NDArray[np.float64]
 
 _FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
-"""What is stored of each level; a march ends where the contact would open."""
+"""Fields that are stored of each level; a march ends where the contact would open."""
 
 
 class MarchRecord:

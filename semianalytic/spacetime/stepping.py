@@ -44,7 +44,7 @@ class Segment:
 
     @property
     def coarser(self) -> Segment:
-        """The same span in half as many steps, rounded up, for the companion."""
+        """This span in half as many steps, rounded up, for the companion."""
         return Segment(self.begin, self.end, math.ceil(self.steps / 2))
 
     @property
