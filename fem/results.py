@@ -107,7 +107,7 @@ class EnergyHistory:
 
 @dataclass(frozen=True)
 class Opening:
-    """Where and when the contact came apart, over all steps, stored or not.
+    """The opening of the contact over all steps, stored or not: where and when it came apart.
 
     Attributes
     ----------
