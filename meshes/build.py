@@ -25,7 +25,7 @@ Tell = Callable[[str], object]
 """A function that receives a sentence."""
 
 LAST_LINE = b"$EndElements\n"
-"""Of a mesh file that gmsh could write to its end."""
+"""Last line of a mesh file that gmsh could write to its end."""
 
 
 def build_mesh(blocks: Blocks, path: str | Path, tell: Tell | None = None) -> None:
