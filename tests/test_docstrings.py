@@ -2,6 +2,9 @@
 
 import doctest
 import inspect
+import re
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -17,6 +20,19 @@ DESCRIBED = {
     if inspect.isclass(getattr(module, name)) or inspect.isfunction(getattr(module, name))
 }
 WITH_EXAMPLES = [name for name, one in DESCRIBED.items() if ">>>" in (one.__doc__ or "")]
+
+ROOT = Path(__file__).parents[1]
+CITED = re.compile(r'docs/(\w+)\.md, "([^"]+)"')
+"""A section of a page, as docstrings and comments cite it."""
+
+
+def cited_sections() -> Iterator[tuple[str, str, str]]:
+    """Yield file, page and section of each citation in docstrings and comments."""
+    for folder in ("semianalytic", "fem", "meshes"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            text = re.sub(r"\n\s*(# )?", " ", path.read_text(encoding="utf-8"))
+            for page, section in CITED.findall(text):
+                yield str(path.relative_to(ROOT)), page, section
 
 
 def first_sentence(docstring: str) -> str:
@@ -48,3 +64,10 @@ def test_examples_run(name: str) -> None:
     said: list[str] = []
     failed = doctest.DocTestRunner(verbose=False).run(test, out=said.append).failed
     assert not failed, "".join(said)
+
+
+@pytest.mark.parametrize(("path", "page", "section"), sorted(set(cited_sections())))
+def test_cited_sections_exist(path: str, page: str, section: str) -> None:
+    text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+    headings = re.findall(r"^(?:#+ |\*\*)(.+?)(?:\.?\*\*.*)?$", text, flags=re.MULTILINE)
+    assert section in headings, f"{path} cites {section!r} of docs/{page}.md"

@@ -3,7 +3,7 @@
 Collocated at equally spaced nodes with the band-limited symbol |theta|, a static stuck contact
 has nodal tractions that are the coefficients of P_+(z) / sqrt(1 - z), where |theta| =
 2 |sin(theta/2)| P(theta) and P = P_+(z) P_+(1/z), z = exp(i theta) (Wiener-Hopf for the grid;
-docs/theory.md, "The grid's own edge").  For large n they follow K / sqrt(2 pi (n + offset) h): the
+docs/theory.md, "The edge on a grid").  For large n they follow K / sqrt(2 pi (n + offset) h): the
 grid has its own edge, and its own first few values.  Pressure that is compared with shear on the
 grid has to be represented in the same way.
 """
