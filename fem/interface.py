@@ -56,6 +56,8 @@ class Faces:
         return self.step**2 * self.length * (1 / upper**2 + 1 / lower**2)
 
     def _jump(self, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return upper minus lower face of a mass-normalised vector, (n,) [length]."""
+        # the lower face of a half moves oppositely: twice the upper one
         upper = unknowns[self.upper] / self.root[0]
         return 2 * upper if self.lower is None else upper - unknowns[self.lower] / self.root[1]
 
@@ -85,6 +87,7 @@ class Faces:
         part : float
             Fraction of a step for which it acts.
         """
+        # in mass-normalised unknowns D = s d a force F changes D by dt^2 F / s
         impulse = part * self.step**2 * self.length * traction
         self.body.increment[self.upper] += impulse / self.root[0]
         if self.lower is not None:
@@ -113,6 +116,7 @@ def contact_pressure(
     compliance : (n,) array
         Opening over the step per pressure [length / stress].
     """
+    # a pressure p adds compliance (p - base) to gap + increment; the pair ends the step closed at 0
     return np.maximum(base - (gap + increment) / compliance, 0.0)
 
 
@@ -137,6 +141,7 @@ def coulomb_traction(
     compliance : (n,) array
         Slip over the step taken away per traction [length / stress].
     """
+    # shear traction opposes the slip of the upper face: base + increment / compliance stops it
     return np.clip(base + increment / compliance, -strength, strength)
 
 
@@ -169,6 +174,7 @@ def strength(
     SceneError
         If friction falls with slip rate faster than a pair of nodes can radiate.
     """
+    # steeper than that, a pair has several slip rates, or none, for one stopping traction
     slope = frictional * law.fall_with_rate
     worst = int(np.argmax(slope / impedance))
     if slope[worst] >= impedance[worst]:
@@ -312,17 +318,20 @@ class Interface:
             self._slide(self.sliding, part)
 
     def _press(self, faces: Faces, part: float) -> None:
+        """Find the pressure of this kick, apply it and add up its work."""
         held = self.held.pressure
         self.offset = faces.offset()
         self.pressure = contact_pressure(
             self.offset, faces.increment(), held, part * faces.compliance
         )
+        # the bodies carry changes only: the pressure in place is not pushed, but does external work
         faces.push(self.pressure - held, part)
         work = part * self.length * faces.mean_increment()
         self._impact -= float(work @ self.pressure)
         self._external -= float(work.sum()) * held
 
     def _slide(self, faces: Faces, part: float) -> None:
+        """Find the shear traction of this kick, apply it and add up its work."""
         held, law = self.held.shear, self.scene.friction_law
         increment, compliance = faces.increment(), part * faces.compliance
         self.path += np.abs(faces.past_increment())
@@ -332,6 +341,7 @@ class Interface:
         if self.pressing is not None:
             self.strength[self.pressure == 0] = 0.0  # open: nothing rubs, whatever the law
         self.shear = coulomb_traction(increment, held, self.strength, compliance)
+        # sigma_xy pulls the upper body, whose outward normal is -y, by -sigma_xy
         faces.push(held - self.shear, part)
         slip = part * faces.mean_increment()
         rubbed = slip * self.shear

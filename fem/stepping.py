@@ -190,11 +190,13 @@ class Body:
             Fraction of a step the forces act for: 1/2 at t = 0, from rest, then 1.
         """
         kinetic, now, taken = self._sum(self._kick_strip)
+        # the strips wrote D - A (U + theta D) over the older increment; the two change their roles
         self.before, self.increment = self.increment, self.before
         self._taken = taken
         self._settle(kinetic, now, taken)
         self.increment[self.loaded] += part * self.load
         self.increment[self.held] = 0.0
+        # a wall that makes pairs move oppositely keeps the odd part of their motion
         first, second = self.mirrored
         self.increment[first] = (self.increment[first] - self.increment[second]) / 2
         self.increment[second] = -self.increment[first]
@@ -209,6 +211,7 @@ class Body:
         """
         loaded, taken = self.loaded, self._taken
         increments = self.before[loaded] + self.increment[loaded]
+        # a force at t_n does work on the mean of the increments before and after it
         self._outside += part * float(increments @ self.load) / 2
         self._inside += (taken + self._sum(self._drift_strip)[0]) / 2
 
@@ -226,6 +229,7 @@ class Body:
         damped = self._damped[rows]
         displacement += increment
         np.multiply(increment, self.damping, out=damped)
+        # U + theta D for the next kick, formed while both are in the cache
         damped += displacement
         return (_dot(increment, self._force[rows.start]),)
 
@@ -253,6 +257,7 @@ class Body:
         A (U_n + theta D) = (1 + theta) A U_n - theta A U_{n-1}, its products with U_n and
         U_{n-1} = U_n - D give U_n . A U_{n-1} and U_n . A U_n in turn.
         """
+        # `_square` is U_{n-1} . A U_{n-1} before the assignment, U_n . A U_n after it
         theta = self.damping
         cross = (now - taken + theta * self._square) / (1 + theta)
         self._square = (now + theta * cross) / (1 + theta)
