@@ -156,7 +156,7 @@ def threshold_rows(name: str, loading: Loading, nu: float, chi: float) -> list[S
 def grid_rows(
     loading: Loading, nu: float, chi: float, size: int, placement: str, active: bool
 ) -> list[StudyRow]:
-    """Solve the first stage on a grid: error, odd-even mode, condition, pivots, active-set rounds."""
+    """Solve the first stage on a grid; return error, odd-even mode, condition, pivots, rounds."""
     exact = solve(scene_of(loading, nu, chi), rtol=RTOL)
     problem = grid_problem(loading, nu, chi, size, placement)
     xi = problem.xi
