@@ -1,7 +1,8 @@
-"""JSON Schema of what every command prints with ``--json``, and the table of docs/json.md.
+"""Write the JSON Schema of the output of every command with ``--json``, and the table of keys.
 
-``python -m docs.studies.schema --write`` writes docs/schema.json and docs/data/json-keys.csv from
-what stands here and from the fields of the rows; ``--check`` says whether they are up to date.
+``python -m docs.studies.schema --write`` writes docs/schema.json and docs/data/json-keys.csv, which
+docs/json.md shows, from the definitions here and the fields of the rows.  ``--check`` tests whether
+they are up to date.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ Schema = Mapping[str, Any]
 
 
 class Key(NamedTuple):
-    """A key of a document: what it means, what may stand there, whether it always does."""
+    """A key of a document: its meaning, its values, and whether it is always present."""
 
     meaning: str
     schema: Schema
@@ -47,11 +48,11 @@ TEXT: Schema = {"type": "string"}
 WHOLE: Schema = {"type": "integer"}
 TRUTH: Schema = {"type": "boolean"}
 NUMBER: Schema = {"type": ["number", "null"]}
-"""Null stands for what is infinite, or is not there."""
+"""Schema of a number; null stands for infinite or absent values."""
 
 
 def _of(schema: Schema) -> Schema:
-    """Any names, each with such a value."""
+    """Return the schema of an object with any names, each with a value of this schema."""
     return {"type": "object", "additionalProperties": schema}
 
 
@@ -60,7 +61,7 @@ def _list(schema: Schema) -> Schema:
 
 
 def _object(optional: Sequence[str] = (), /, **properties: Schema) -> Schema:
-    """Exactly these names."""
+    """Return the schema of an object with exactly these names."""
     return {
         "type": "object",
         "properties": properties,
@@ -74,14 +75,14 @@ def _or_null(schema: Schema) -> Schema:
 
 
 def _row(kind: type, **more: Schema) -> Schema:
-    """The fields of a dataclass, by their annotations."""
+    """Return the schema of a dataclass by the annotations of its fields."""
     hints = typing.get_type_hints(kind)
     described = {one.name: _typed(hints[one.name]) for one in fields(kind)}
     return _object(**described, **more)
 
 
 def _typed(hint: Any) -> Schema:
-    """What may stand in a field."""
+    """Return the schema of values with a type annotation."""
     plain = {str: TEXT, int: WHOLE, bool: TRUTH, float: NUMBER}
     if hint in plain:
         return plain[hint]
@@ -422,11 +423,11 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
         },
     ),
 }
-"""What each command adds to the `ENVELOPE`; solve has two ways."""
+"""Keys that each command adds to the `ENVELOPE`; solve has two forms."""
 
 
 def schema() -> dict[str, Any]:
-    """The schema of all documents."""
+    """Return the schema of all documents."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "What slipfront prints with --json",
@@ -452,7 +453,7 @@ class KeyRow:
 
 
 def key_rows() -> list[KeyRow]:
-    """All keys, those of all commands first."""
+    """Return all keys, beginning with those that all commands share."""
     rows = [KeyRow("all", key, one.meaning) for key, one in ENVELOPE.items()]
     for name, ways in DOCUMENTS.items():
         merged = {key: one for keys in ways for key, one in keys.items()}
@@ -461,18 +462,18 @@ def key_rows() -> list[KeyRow]:
 
 
 def schema_text() -> str:
-    """As docs/schema.json holds it."""
+    """Return the text of docs/schema.json."""
     return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 def write(docs: Path = DOCS) -> None:
-    """Write schema and table; raises a DataFileError."""
+    """Write schema and table; raise DataFileError if that fails."""
     write_text(docs / "schema.json", schema_text())
     write_rows(docs / "data" / "json-keys.csv", key_rows(), command=COMMAND)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the schema, or say whether it is up to date; 1 if it is not."""
+    """Write the schema, or check whether it is up to date; return 1 if it is not."""
     parser = argparse.ArgumentParser(prog="python -m docs.studies.schema", description=__doc__)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--check", action="store_true", help="say whether the files are up to date")
