@@ -1,6 +1,6 @@
-"""Stiffness in plane strain and antiplane shear, and lumped mass, of several elements.
+"""Stiffness in plane strain and antiplane shear, and lumped mass, for several element families.
 
-Assembled by scikit-fem.
+scikit-fem integrates the elements.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Family:
     spacing : int
         Node distances per element side.
     side : (spacing + 1,) array
-        Part of an element side that belongs to each of its nodes.
+        Fraction of an element side that belongs to each of its nodes.
     triangular : bool
     centre : (2, 1) array
         Middle of the reference element.
@@ -66,7 +66,7 @@ class Family:
 def _tensor(
     points: NDArray[np.float64], weights: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Product rule on the unit square."""
+    """Return the product rule on the unit square."""
     x, y = np.meshgrid(points, points)
     return np.array([x.ravel(), y.ravel()]), np.outer(weights, weights).ravel()
 
@@ -88,15 +88,15 @@ FAMILIES: Mapping[str, Family] = {
 
 
 ROUNDED = 1e-13
-"""Entries of a stiffness matrix less than that, over the stiffest modulus, are zero."""
+"""Entries of a stiffness matrix below this fraction of the stiffest modulus count as zero."""
 
 SAME_SHAPE = 1e-12
-"""By which corners of elements of one shape may differ, over the largest element."""
+"""Largest difference of the corners of elements of one shape, over the largest element."""
 
 
 @dataclass(frozen=True)
 class Shapes:
-    """Elements by their shape: what is integrated on one holds for all of its shape.
+    """Elements grouped by shape: integrals over one element hold for all of its shape.
 
     Attributes
     ----------
@@ -111,10 +111,10 @@ class Shapes:
 
 
 def element_shapes(mesh: Mesh) -> Shapes:
-    """Elements that a shift takes into one another have one shape.
+    """Group elements by shape; elements that are shifts of one another have the same shape.
 
-    Squares have a few, as their corners are numbered, a graded mesh as many times the rows.  Where
-    most have a shape of their own, as unstructured triangles, each has.
+    Squares have a few shapes, by the numbering of their corners, a graded mesh as many in each row.
+    If most elements have a shape of their own, as unstructured triangles do, each gets its own.
     """
     corners = mesh.p[:, mesh.t]
     offsets = corners[:, 1:] - corners[:, :1]
@@ -132,7 +132,7 @@ def element_shapes(mesh: Mesh) -> Shapes:
 
 @dataclass(frozen=True)
 class Space:
-    """Nodes of one family on a mesh.
+    """The nodes of one element family on a mesh.
 
     Parameters
     ----------
@@ -146,13 +146,13 @@ class Space:
 
     @cached_property
     def basis(self) -> Basis:
-        """Shape functions in the middle of each element."""
+        """Shape functions at the centre of each element."""
         middle = (self.family.centre, np.ones(1))
         return Basis(self.mesh, self.family.kind, quadrature=middle)
 
     @cached_property
     def points(self) -> NDArray[np.float64]:
-        """Places of the nodes [length], (2, n)."""
+        """Positions of the nodes [length], (2, n)."""
         return self.mesh.p if self.family.spacing == 1 else self.basis.doflocs
 
     @cached_property
@@ -162,23 +162,23 @@ class Space:
 
     @cached_property
     def shapes(self) -> Shapes:
-        """Which elements differ in their place alone."""
+        """Groups of elements that differ in their position only."""
         return element_shapes(self.mesh)
 
     def side_nodes(self, side: str) -> NDArray[np.int64]:
-        """Nodes of a named side, in order of increasing x and then |y|."""
+        """Return the nodes of a named side, in order of increasing x and then |y|."""
         own = np.zeros(self.points.shape[1], dtype=bool)
         own[self.element_nodes[:, self.mesh.subdomains[side.split("_")[0]]]] = True
         return side_nodes(self.points, np.flatnonzero(own), side)
 
 
 def find_family(element: str, pattern: str) -> Family:
-    """Family of a name, to be used on meshes of a pattern.
+    """Return the element family of a name, for meshes of a pattern.
 
     Raises
     ------
     SceneError
-        If there is none, or it needs quadrilaterals and the pattern has triangles.
+        If there is no such family, or it needs quadrilaterals and the pattern has triangles.
     """
     if element not in FAMILIES:
         known = ", ".join(FAMILIES)
@@ -190,7 +190,7 @@ def find_family(element: str, pattern: str) -> Family:
 
 
 def make_space(mesh: MeshQuad | MeshTri, family: Family) -> Space:
-    """Nodes of a family on a mesh; quadrilaterals are cut in two for triangles."""
+    """Place the nodes of a family on a mesh; quadrilaterals are cut in two for triangles."""
     if isinstance(mesh, MeshQuad) and family.triangular:
         mesh = mesh.to_meshtri()
     return Space(mesh, family)
@@ -219,9 +219,10 @@ def _one(v, _):  # type: ignore[no-untyped-def]
 def stiffness(
     space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None = None
 ) -> sparse.csr_array:
-    """Stiffness K in plane strain, the blocks with the same or different materials.
+    """Assemble the stiffness K in plane strain, for blocks of the same or different materials.
 
-    Integrated by scikit-fem on one element of each shape, and put together by the nodes of all.
+    scikit-fem integrates one element of each shape; the matrices are then added up over all
+    elements.
 
     Parameters
     ----------
@@ -254,7 +255,9 @@ def stiffness(
 def antiplane_stiffness(
     space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None = None
 ) -> sparse.csr_array:
-    """Stiffness of displacement along z, mu (D_xx + D_yy), as `stiffness`; unknown a is node a.
+    """Assemble the stiffness of displacement along z, mu (D_xx + D_yy), like `stiffness`.
+
+    Unknown a is the displacement of node a.
 
     Returns
     -------
@@ -283,7 +286,10 @@ STIFFNESS: Mapping[tuple[int, ...], Callable[..., sparse.csr_array]] = {
 def _assembler(
     space: Space, materials: Mapping[str, Material], place: NDArray[np.int64] | None
 ) -> Callable[[NDArray[Any]], sparse.csr_array]:
-    """What puts scalar matrices together from local ones, (shapes of all materials, k, k)."""
+    """Return a function that assembles scalar matrices from local ones.
+
+    The local ones are (k, k) for each shape of each material.
+    """
     kind, nodes = _kinds(space, materials), space.element_nodes.T
     nodes = nodes if place is None else place[nodes]
     count, corners = space.points.shape[1], nodes.shape[1]
@@ -298,7 +304,10 @@ def _assembler(
 
 
 def lumped_mass(space: Space, materials: Mapping[str, Material]) -> NDArray[np.float64]:
-    """Mass of each node per unit thickness, (n,) [mass / length], by quadrature at the nodes."""
+    """Return the mass of each node per unit thickness, (n,) [mass / length].
+
+    Quadrature at the nodes makes the mass matrix diagonal.
+    """
     sample = Basis(space.shapes.samples, space.family.kind, quadrature=space.family.nodal)
     area = _one.elemental(sample).tolocal()
     local = np.concatenate([material.density * area for material in materials.values()])
@@ -308,7 +317,7 @@ def lumped_mass(space: Space, materials: Mapping[str, Material]) -> NDArray[np.f
 
 
 def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Nodes of a horizontal side and the length of the side that belongs to each.
+    """Return the nodes of a horizontal side and the length of the side that belongs to each.
 
     Inner nodes of linear elements own h, the two end nodes h/2: so an edge node at x = 0 owns h/2
     of the slot face and h/2 of the contact face, and one at x > 0 (`fem.edge`) as much less of
@@ -340,7 +349,7 @@ def tributary_length(space: Space, side: str) -> tuple[NDArray[np.int64], NDArra
 
 
 def _element_stiffness(space: Space, material: Material) -> NDArray[np.float64]:
-    """Stiffness of an element of each shape, (shapes, k, k, 2, 2) [stress].
+    """Integrate the stiffness of an element of each shape, (shapes, k, k, 2, 2) [stress].
 
     With D_ij = int d_i phi_a d_j phi_b, the block of two nodes a, b is
 
@@ -359,7 +368,7 @@ def _element_stiffness(space: Space, material: Material) -> NDArray[np.float64]:
 
 
 def _kinds(space: Space, materials: Mapping[str, Material]) -> NDArray[np.int64]:
-    """Number of the local matrix of each element, those of all shapes for each material in turn."""
+    """Return which local matrix each element has; they are ordered by material, then by shape."""
     kind, shapes = space.shapes.kind.copy(), space.shapes.kind.max() + 1
     for number, block in enumerate(materials):
         if number:
@@ -368,5 +377,5 @@ def _kinds(space: Space, materials: Mapping[str, Material]) -> NDArray[np.int64]
 
 
 def _moduli(material: Material) -> tuple[float, float]:
-    """mu and lambda + 2 mu [stress]."""
+    """Return mu and lambda + 2 mu of a material [stress]."""
     return material.shear_modulus, material.density * material.longitudinal_speed**2

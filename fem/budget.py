@@ -1,4 +1,4 @@
-"""What a simulation is going to take: unknowns, steps, memory, time and room on the disk."""
+"""Prediction of what a simulation needs: unknowns, steps, memory, time and disk space."""
 
 from __future__ import annotations
 
@@ -21,59 +21,59 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Scene
 
 LIBRARIES = 30_000_000
-"""Memory that gmsh and small things take, whatever the mesh [bytes]."""
+"""Memory that does not depend on the mesh, most of it of gmsh [bytes]."""
 
 ASSEMBLY = {"P1": 740, "Q1": 1000, "Q2": 1480}
 """Memory per displacement unknown of the mesh while its matrix is put together [bytes]."""
 
 TRIANGLE_ASSEMBLY = 1500
-"""The same for unstructured triangles, each of which is integrated."""
+"""Memory per unknown during assembly for unstructured triangles, integrated one by one [bytes]."""
 
 STEPPING = {"P1": 660, "Q1": 560, "Q2": 760}
-"""The same while the bodies march, without histories [bytes]."""
+"""Memory per unknown of the mesh while the bodies march, without histories [bytes]."""
 
 BODY = 56
 """Memory per unknown of each body [bytes]."""
 
 STEP_TIME = {"P1": 9e-9, "Q1": 11e-9, "Q2": 18e-9}
-"""Time per unknown and step, of all unknowns, though not all of them move from the start [s]."""
+"""Time per unknown and step, counting unknowns that do not move yet as well [s]."""
 
 STEP_OVERHEAD = 0.3e-3
-"""Time per step whatever the mesh [s]."""
+"""Time per step that does not depend on the mesh [s]."""
 
 SETUP_TIME = {"P1": 1.4e-6, "Q1": 1.3e-6, "Q2": 1.7e-6}
 """Time to mesh and to assemble, per unknown of a mesh of quadrilaterals [s]."""
 
 TRIANGLE_SETUP_TIME = 20e-6
-"""The same for unstructured triangles, most of it the mesh [s]."""
+"""Time to mesh and assemble per unknown of unstructured triangles, most of it for the mesh [s]."""
 
 FRAME_TIME = 3e-6
 """Time per node of both blocks to write a frame [s]."""
 
 FRAME_SIZE = {"P1": (42, 67), "Q1": (22, 53), "Q2": (21, 31)}
-"""Size of a frame per node of both blocks [bytes], at t = 0 and what (t/T)^2 adds to it."""
+"""Size of a frame per node of both blocks at t = 0, and its increase per (t/T)^2 [bytes]."""
 
 HISTORY_SIZE = 0.5
-"""Size of `simulation.h5` over that of the histories in memory; they are compressed."""
+"""Size of `simulation.h5` over that of the histories in memory, which it compresses."""
 
 PACE_UNKNOWNS = 2**16
-"""Of the matrix whose product tells how fast a machine is: more than a cache holds."""
+"""Size of the matrix whose product tells how fast a machine is: more than a cache holds."""
 
 PACE_PRODUCTS = 12
-"""Of which the fastest counts: others may have had to share their core."""
+"""Number of products, of which the fastest counts: others may have shared their core."""
 
 PACE_TIME = 0.75e-3
-"""What that product takes on an idle core of 2024, as the times above [s]."""
+"""Time of that product on an idle core of 2024, to which the times above belong [s]."""
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Prediction of what a simulation takes.
+    """Prediction of what a simulation needs.
 
     Attributes
     ----------
     nodes : int
-        Of the mesh.
+        Nodes of the mesh.
     unknowns : int
         Displacement unknowns of all bodies.
     steps : int
@@ -85,6 +85,14 @@ class Cost:
         Wall-clock time [s], rough: that of an idle core of 2024.
     history, frames, checkpoint : int
         Sizes of `simulation.h5`, of all field snapshots, and of a checkpoint near the end [bytes].
+
+    Examples
+    --------
+    >>> from fem import cost
+    >>> from semianalytic import find_scene
+    >>> predicted = cost(find_scene("preloaded"), resolution=8)
+    >>> predicted.unknowns, predicted.steps
+    (1380, 18)
     """
 
     nodes: int
@@ -117,16 +125,16 @@ def cost(
     memory: float | None = math.inf,
     **options: Any,
 ) -> Cost:
-    """What `simulate` would take with these options; nothing is built.
+    """Predict what `simulate` would need with these options, without building anything.
 
     Parameters
     ----------
     scene, end_time, settings, **options
-        As in `simulate`.
+        Arguments of `simulate`.
     snapshots, checkpoint : bool
-        Whether they would be written.
+        Whether field snapshots and checkpoints would be written.
     memory : float, optional
-        Refuse what takes more than this, as `simulate` does [bytes]; None for its own limit.
+        Refuse runs that need more than this, as `simulate` does [bytes]; None for its own limit.
 
     Returns
     -------
@@ -135,7 +143,15 @@ def cost(
     Raises
     ------
     SceneError
-        As in `simulate`.
+        If an option is out of range, a load swings faster than the mesh can follow, or the run
+        would need more memory than the limit.
+
+    Examples
+    --------
+    >>> from fem import cost
+    >>> from semianalytic import find_scene
+    >>> cost(find_scene("preloaded"), resolution=8).unknowns
+    1380
     """
     plan = make_plan(scene, end_time, settings, options, full=snapshots)
     predicted = predict_cost(plan, checkpoints=checkpoint)
@@ -145,7 +161,7 @@ def cost(
 
 
 def predict_cost(plan: Plan, *, checkpoints: bool = False) -> Cost:
-    """What a plan takes; see `Cost`.
+    """Predict what a plan needs; see `Cost`.
 
     Parameters
     ----------
@@ -190,10 +206,9 @@ def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
 
 @cache
 def machine_pace() -> float:
-    """How much longer this machine takes than `Cost.seconds` says.
+    """Return how many times as long this machine takes as `Cost.seconds` says.
 
-    By the time of a sparse product such as a step is made of, measured once per process in some
-    50 ms.
+    It is measured once per process, in some 50 ms, from a sparse product like those of a step.
     """
     row = 2 * round(math.sqrt(PACE_UNKNOWNS / 2))
     offsets = [across * row + along for across in (-1, 0, 1) for along in range(-2, 4)]
@@ -208,22 +223,22 @@ def machine_pace() -> float:
 
 
 def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool = False) -> None:
-    """Refuse what takes more memory than it may; say which resolution or `every` would not.
+    """Refuse a run that needs more memory than it may; say which resolution or `every` would fit.
 
     Parameters
     ----------
     plan : Plan
     cost : Cost
-        Of that plan.
+        Prediction for that plan.
     limit : float or None
-        [bytes]; 70 % of what is available if None.
+        Largest memory [bytes]; 70 % of what is available if None.
     checkpoints : bool
         Whether checkpoints are written.
 
     Raises
     ------
     SceneError
-        If it takes more, or the limit is not a positive number.
+        If it needs more, or the limit is not a positive number.
     """
     allowed = memory_limit(limit)
     if cost.memory <= allowed:
@@ -254,7 +269,7 @@ def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool
 
 
 def free_space(folder: Path) -> int:
-    """Free space on the disk of a folder, which need not be there yet [bytes]."""
+    """Return the free space on the disk of a folder, which need not exist yet [bytes]."""
     place = folder.absolute()
     while not place.exists():
         place = place.parent
@@ -262,18 +277,18 @@ def free_space(folder: Path) -> int:
 
 
 def check_room(path: Path, needed: int, parts: str, freed: int = 0) -> None:
-    """Refuse to start what cannot be written, or will find no room.
+    """Refuse a run whose files cannot be written or will find no room.
 
     Parameters
     ----------
     path : Path
-        A file that is going to be written.
+        A file that is to be written.
     needed : int
-        What that file and others beside it are going to take [bytes].
+        Size of that file and of others beside it [bytes].
     parts : str
-        What they are: the subject of the sentence.
+        Names of these files, as the subject of the sentence.
     freed : int
-        What will be removed from the disk first [bytes].
+        Size of the files that are removed first [bytes].
 
     Raises
     ------

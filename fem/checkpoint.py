@@ -1,4 +1,4 @@
-"""Checkpoints: all a run needs to go on as if it had never stopped, to the last bit."""
+"""Checkpoints: everything a run needs to resume after an interruption, to the last bit."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ FORMAT = "slipfront checkpoint 5"
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """State of a run between two steps.
+    """The state of a run between two steps.
 
     Parameters
     ----------
     step : int
         Last time level whose drift is done.
     arrays : mapping from name to array
-        Bodies, interface and record.
+        Arrays of bodies, interface and record.
     frames : list of (time, name)
         Field snapshots written so far.
     """
@@ -45,7 +45,7 @@ class Checkpoint:
     frames: list[tuple[float, str]]
 
     def restore(self, model: Model, record: Record) -> None:
-        """Put model and record, as just built, into this state."""
+        """Put a newly built model and record into this state."""
         for number, body in enumerate(model.bodies):
             body.restore(BodyState(*(self.arrays[f"body {number}/{f}"] for f in BodyState._fields)))
         sums = (self.arrays[f"interface/{name}"] for name in InterfaceSums._fields)
@@ -63,7 +63,7 @@ class Checkpoint:
 def take_checkpoint(
     step: int, model: Model, record: Record, frames: list[tuple[float, str]]
 ) -> Checkpoint:
-    """State after the drift of a step; the arrays are those of the model, not copies."""
+    """Return the state after the drift of a step; the arrays are those of the model, not copies."""
     arrays: dict[str, NDArray[Any]] = {}
     for name, array in model.interface.sums()._asdict().items():
         arrays[f"interface/{name}"] = array
@@ -76,7 +76,7 @@ def take_checkpoint(
 
 
 def run_identity(model: Model) -> dict[str, Any]:
-    """All that decides the result of a run, as plain numbers and strings."""
+    """Return everything that determines the result of a run, as plain numbers and strings."""
     plan = model.plan
     mesh = hashlib.sha256()
     for array in (model.space.points, model.space.element_nodes):
@@ -95,32 +95,32 @@ def run_identity(model: Model) -> dict[str, Any]:
 
 
 def run_name(identity: Mapping[str, Any]) -> str:
-    """A short name for an identity, which files of the run carry."""
+    """Return a short name for an identity, which the files of the run carry."""
     return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()[:16]
 
 
 @dataclass
 class Keeper:
-    """Writes and reads the checkpoints of one run.
+    """Write and read the checkpoints of one run.
 
-    A checkpoint that cannot be written is no reason to stop: the run goes on, the checkpoint
-    before stays, and the next one is tried when it is due.
+    A checkpoint that cannot be written does not stop the run: it goes on, the checkpoint before
+    stays, and the next one is tried when it is due.
 
     Parameters
     ----------
     path : Path or None
         The file; None for no checkpoints.
     pace : Pace
-        How often.
+        How often they are written.
     identity : mapping
-        From `run_identity`.
+        Identity of the run, from `run_identity`.
     clock : callable
         Wall-clock time [s]; seconds count from when the keeper is made.
 
     Attributes
     ----------
     missing : str
-        Why the last checkpoint that was due is missing, as a sentence; empty if it is not.
+        Reason why the last checkpoint that was due is missing, as a sentence; empty if it is not.
     """
 
     path: Path | None
@@ -133,7 +133,7 @@ class Keeper:
         self.missing = ""
 
     def resume(self, model: Model, record: Record) -> tuple[int, list[tuple[float, str]]]:
-        """Restore the checkpoint, if there is one: first level to compute, snapshots written."""
+        """Restore the checkpoint, if any; return the first level to compute, and the frames."""
         if self.path is None or not self.path.is_file():
             return 0, []
         earlier = read_checkpoint(self.path, self.identity)
@@ -148,12 +148,12 @@ class Keeper:
         frames: list[tuple[float, str]],
         now: bool,
     ) -> None:
-        """Write a checkpoint if one is due after this step, or wanted now.
+        """Write a checkpoint if one is due after this step, or requested now.
 
         Raises
         ------
         DataFileError
-            If one is wanted now and cannot be written.
+            If one is requested now and cannot be written.
         """
         due = 0 < step < model.steps and self._is_due(step)
         if self.path is None or not (due or now):
@@ -175,13 +175,14 @@ class Keeper:
 
 
 def forget_checkpoint(path: Path, run: str) -> None:
-    """Remove a checkpoint of a finished run; one of another run stays.
+    """Remove the checkpoint of a finished run; that of another run stays.
 
     Parameters
     ----------
     path : Path
+        File of the checkpoint.
     run : str
-        From `run_name`.
+        Name of the run, from `run_name`.
     """
     import h5py
 
@@ -197,7 +198,7 @@ def forget_checkpoint(path: Path, run: str) -> None:
 
 
 def write_checkpoint(path: Path, identity: Mapping[str, Any], checkpoint: Checkpoint) -> None:
-    """Write a checkpoint as HDF5; it takes its place under its name only when on the disk.
+    """Write a checkpoint as HDF5; the file appears under its name only when it is on the disk.
 
     Raises
     ------
@@ -213,7 +214,7 @@ def write_checkpoint(path: Path, identity: Mapping[str, Any], checkpoint: Checkp
 
 
 def read_checkpoint(path: Path, identity: Mapping[str, Any]) -> Checkpoint:
-    """Read a checkpoint of the run that has this identity.
+    """Read the checkpoint of the run that has this identity.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The same run on coarser meshes, from which a simulation tells how far it may be off."""
+"""Companions of a simulation: the same run on coarser meshes, for estimates of its error."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from fem.run import Complaints, run_plan
 from semianalytic.scene.errors import SceneError
 
 COMPANIONS = 2
-"""How many a simulation carries, each at twice the element size of the one before."""
+"""Number of companions, each at twice the element size of the one before."""
 
 
 def with_companions(
     simulation: Simulation, progress: Callable[[int, int], None] | None = None
 ) -> Simulation:
-    """The simulation, carrying the same run at twice and at four times its element size.
+    """Return the simulation with companions, the same run at twice and four times its element size.
 
-    Only what is missing is run, without snapshots, in about an eighth and a sixty-fourth of the
-    time.  A companion is left out where its resolution would be below 8, or friction falls too fast
-    with slip rate for it; so are those that would follow it.  It need not follow the loads.
+    Missing companions are run without snapshots, in about an eighth and a sixty-fourth of the time.
+    A companion is left out if its resolution would be below 8, or if friction falls too fast with
+    slip rate for it; so are the coarser ones after it.  It need not follow the loads.
 
     Parameters
     ----------
     simulation : Simulation
-        Its own numbers stay.
+        The simulation; its own numbers are not changed.
     progress : callable, optional
         Called with (step, steps) after each step of each companion.
 
@@ -38,7 +38,15 @@ def with_companions(
     Raises
     ------
     MissingLibraryError, DataFileError, ComputationError
-        As `simulate`.
+        If a companion fails, for the reasons given at `simulate`.
+
+    Examples
+    --------
+    >>> from fem import simulate, with_companions
+    >>> from semianalytic import find_scene
+    >>> fine = with_companions(simulate(find_scene("preloaded"), resolution=16))
+    >>> fine.resolution, fine.companion.resolution
+    (16, 8)
     """
     resolutions = [round(simulation.resolution / 2**n) for n in range(1, COMPANIONS + 1)]
     return _carrying(simulation, resolutions, progress)
@@ -47,7 +55,7 @@ def with_companions(
 def _carrying(
     simulation: Simulation, resolutions: list[int], progress: Callable[[int, int], None] | None
 ) -> Simulation:
-    """The simulation with companions of the given resolutions, one carried by another."""
+    """Return the simulation with companions of the given resolutions, one carried by another."""
     if not resolutions:
         return simulation
     companion = simulation.companion or _coarser(simulation, resolutions[0], progress)
@@ -59,9 +67,9 @@ def _carrying(
 def _coarser(
     simulation: Simulation, resolution: int, progress: Callable[[int, int], None] | None
 ) -> Simulation | None:
-    """The same run at another resolution; None where there is none so coarse.
+    """Run the same simulation at another resolution; None if none is possible at that resolution.
 
-    It need not follow the loads: what it misses of them makes error bars wide.
+    It need not follow the loads; if it misses parts of them, error bars become wide.
     """
     if resolution < LEAST_RESOLUTION:
         return None
@@ -84,6 +92,6 @@ def _coarser(
 
 
 def _levels_kept(simulation: Simulation, resolution: int) -> int:
-    """`every` that keeps levels about as far apart as the simulation does."""
+    """Return the `every` that keeps stored levels about as far apart as in the simulation."""
     kept = round(simulation.interface.t[1] / simulation.time_step)
     return max(1, kept * resolution // simulation.resolution)

@@ -1,4 +1,4 @@
-"""Where on a mesh the edge of a closed contact is: not at its first node, but beside it.
+"""The place of the edge of a closed contact on a mesh: beside its first node, not at it.
 
 Displacement is held at the nodes n >= 0 of the interface and tractions are given at n < 0.  Far
 from the edge, the fields are those of a body whose edge is a fraction of h beside node 0.
@@ -16,8 +16,8 @@ their logarithm.  In all
 In antiplane shear g is sqrt(1 - sin^2(theta/2) / 3) for Q1 and sqrt(1 + sin^2(theta/2)) for P1,
 which makes that -sqrt(2/3)/4 and -sqrt(2)/4 (docs/antiplane.md).
 
-So node 0 is laid at minus that, and x = 0 is where the edge belongs.  Where tractions are given on
-both sides, at a slipping or open contact, the edge is where their shares of node 0 meet (see
+So node 0 is laid at minus that, which puts the edge at x = 0.  Where tractions are given on both
+sides, at a slipping or open contact, the edge is where their shares of node 0 meet (see
 `fem.assembly.tributary_length`), which is x = 0 as well.
 """
 
@@ -33,27 +33,28 @@ from fem.assembly import IN_PLANE, OUT_OF_PLANE, STIFFNESS, Family, make_space
 from semianalytic.scene.scene import Material
 
 ANGLES = np.pi * (np.arange(32) + 0.5) / 32
-"""Points of the midpoint rule, which converges exponentially."""
+"""Number of points of the midpoint rule, which converges exponentially."""
 
 DOUBLINGS = 14
-"""How many times the meshed half-plane is made twice as deep."""
+"""Number of times that the depth of the meshed half-plane is doubled."""
 
 FARTHEST = 0.49
-"""Of an edge from its node, over h: beyond h/2 another node would be nearer to x = 0."""
+"""Largest distance of an edge from its node, over h: beyond h/2 another node would be nearer."""
 
 
 def edge_offset(materials: Iterable[Material], family: Family, held: int = 1) -> float:
-    """Place of the first node of a closed contact on squares, over h; 0.24 for Q1 at nu = 1/3.
+    """Return the place of the first node of a closed contact on squares, over h.
 
-    Rounded to millionths, so that a run is the same to the last bit whatever the linear algebra;
-    at most `FARTHEST`, which counts near nu = 1/2 (Q1, from 0.483 on) and for P1 below -0.14.
+    It is 0.24 for Q1 at nu = 1/3.  It is rounded to millionths, so that a run is the same to the
+    last bit with any linear algebra library, and is at most `FARTHEST`, which matters near nu = 1/2
+    (Q1, from 0.483 on) and for P1 below -0.14.
 
     Parameters
     ----------
     materials : iterable of Material
-        Of the two blocks; each counts as much as it yields.
+        Materials of the two blocks; each counts in proportion to its compliance.
     family : Family
-        With nodes at the corners only.
+        Element family with nodes at the corners only.
     held : int
         Component that the contact holds: 1 where it is closed, 0 where it is stuck, whose edge
         is elsewhere (0.40 h for Q1 at nu = 1/3), 2 where it is stuck in antiplane shear (0.20 h).
@@ -75,7 +76,7 @@ def _offset(material: Material, family: Family, held: int) -> float:
 
 
 def _static_modulus(material: Material, held: int) -> float:
-    """Stiffness of a half-plane's surface over the wave number of what is held [stress]."""
+    """Return the static stiffness of a half-plane's surface over the wavenumber [stress]."""
     if held in OUT_OF_PLANE:
         return material.shear_modulus
     return material.shear_modulus / (1 - material.poisson_ratio)
@@ -87,10 +88,11 @@ def surface_stiffness(
     angles: NDArray[np.float64],
     components: tuple[int, ...] = IN_PLANE,
 ) -> NDArray[np.complex128]:
-    """Static stiffness of the surface of a half-plane of unit squares [stress], (n, m, m).
+    """Return the static surface stiffness of a half-plane of unit squares [stress], (n, m, m).
 
-    Force on each node of the surface y = 0 of y > 0 per displacement of it, both times
-    exp(i theta x).  Rows are eliminated by cyclic reduction, every other one at a time.
+    It is the force on each node of the surface y = 0 of y > 0 per displacement of it, both
+    multiplied by exp(i theta x).  Rows are eliminated by cyclic reduction, every other one at a
+    time.
 
     Parameters
     ----------
@@ -110,7 +112,7 @@ def surface_stiffness(
     x, y = np.rint(space.points)
 
     def coupling(row: int, other: int) -> NDArray[np.complex128]:
-        """Force on the middle node of a row per displacement of another row."""
+        """Return the force on the middle node of a row per displacement of another row."""
         node = int(np.flatnonzero((x == 1) & (y == row))[0])
         nodes = np.flatnonzero(y == other)
         waves = np.exp(1j * np.outer(angles, x[nodes] - 1))

@@ -1,9 +1,9 @@
-"""The node pairs of the interface: unilateral contact and friction, without a penalty.
+"""The node pairs of the interface: unilateral contact and friction without a penalty.
 
 A traction T per length on the faces of a pair with tributary length L and node masses m, m'
-(upper +T, lower -T) changes the relative increment by c T, c = dt^2 L (1/m + 1/m').  Turned
-round, the traction that brings a pair exactly to where it should be at the end of the step is
-known in advance: no iteration, no penalty.
+(upper +T, lower -T) changes the relative increment by c T, c = dt^2 L (1/m + 1/m').  Conversely,
+the traction that brings a pair exactly to where it should be at the end of the step is known in
+advance, without iteration or penalty.
 """
 
 from __future__ import annotations
@@ -51,11 +51,13 @@ class Faces:
 
     @cached_property
     def compliance(self) -> NDArray[np.float64]:
-        """Change of the relative increment per traction, c = dt^2 L (1/m + 1/m'), (n,)."""
+        """Change c = dt^2 L (1/m + 1/m') of the relative increment per traction, (n,)."""
         upper, lower = self.root[0], self.root[-1]
         return self.step**2 * self.length * (1 / upper**2 + 1 / lower**2)
 
     def _jump(self, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return upper minus lower face of a mass-normalised vector, (n,) [length]."""
+        # the lower face of a half moves oppositely: twice the upper one
         upper = unknowns[self.upper] / self.root[0]
         return 2 * upper if self.lower is None else upper - unknowns[self.lower] / self.root[1]
 
@@ -76,7 +78,7 @@ class Faces:
         return (self.past_increment() + self.increment()) / 2
 
     def push(self, traction: NDArray[np.float64], part: float) -> None:
-        """Let a traction act on the upper face, and its opposite on the lower one.
+        """Apply a traction to the upper face, and its opposite to the lower one.
 
         Parameters
         ----------
@@ -85,6 +87,7 @@ class Faces:
         part : float
             Fraction of a step for which it acts.
         """
+        # in mass-normalised unknowns D = s d a force F changes D by dt^2 F / s
         impulse = part * self.step**2 * self.length * traction
         self.body.increment[self.upper] += impulse / self.root[0]
         if self.lower is not None:
@@ -97,10 +100,10 @@ def contact_pressure(
     base: float,
     compliance: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Pressure that ends the step with the gap closed, or zero where that would take a pull.
+    """Return the pressure that ends the step with the gap closed, or zero if that needs tension.
 
-    An open pair that would interpenetrate is caught exactly at the end of the step, so the gap
-    is never negative and the pressure only ever takes energy out.
+    An open pair that would interpenetrate is stopped exactly at the end of the step, so the gap
+    is never negative and the pressure only takes energy out.
 
     Parameters
     ----------
@@ -113,6 +116,7 @@ def contact_pressure(
     compliance : (n,) array
         Opening over the step per pressure [length / stress].
     """
+    # a pressure p adds compliance (p - base) to gap + increment; the pair ends the step closed at 0
     return np.maximum(base - (gap + increment) / compliance, 0.0)
 
 
@@ -122,9 +126,9 @@ def coulomb_traction(
     strength: NDArray[np.float64],
     compliance: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Shear traction that stops the pair at this step, or the strength where that is not enough.
+    """Return the shear traction that stops the pair at this step, at most the strength.
 
-    What slip is left then has the direction of the traction.
+    If the strength is not enough, the remaining slip has the direction of the traction.
 
     Parameters
     ----------
@@ -137,6 +141,7 @@ def coulomb_traction(
     compliance : (n,) array
         Slip over the step taken away per traction [length / stress].
     """
+    # shear traction opposes the slip of the upper face: base + increment / compliance stops it
     return np.clip(base + increment / compliance, -strength, strength)
 
 
@@ -147,10 +152,10 @@ def strength(
     stopping: NDArray[np.float64],
     impedance: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Largest shear traction of each pair under a friction law [stress], (n,).
+    """Return the largest shear traction of each pair under a friction law [stress], (n,).
 
     The law takes the slip accumulated up to this time level and the slip rate in the step after
-    it, which the traction itself decides.
+    it, which the traction itself determines.
 
     Parameters
     ----------
@@ -162,13 +167,14 @@ def strength(
     stopping : (n,) array
         Traction that would stop the pair at this step [stress].
     impedance : (n,) array
-        Traction that takes off a slip rate of 1, dt over the compliance [stress time / length].
+        Traction that reduces the slip rate by 1, dt over the compliance [stress time / length].
 
     Raises
     ------
     SceneError
         If friction falls with slip rate faster than a pair of nodes can radiate.
     """
+    # steeper than that, a pair has several slip rates, or none, for one stopping traction
     slope = frictional * law.fall_with_rate
     worst = int(np.argmax(slope / impedance))
     if slope[worst] >= impedance[worst]:
@@ -193,8 +199,11 @@ OPEN = 2
 
 
 class InterfaceWork(NamedTuple):
-    """Work per unit thickness [stress length^2] taken by friction and by closing gaps, and done
-    by the tractions in place on slip and opening."""
+    """Work per unit thickness [stress length^2] at the interface.
+
+    It is the work taken by friction and by closing gaps, and that done by the tractions in place on
+    slip and opening.
+    """
 
     friction: float
     impact: float
@@ -202,8 +211,11 @@ class InterfaceWork(NamedTuple):
 
 
 class InterfaceSums(NamedTuple):
-    """What the interface goes on from: work (3,) as in `InterfaceWork`, and per node (n,) the
-    accumulated |slip| [length] and the work of friction per area [stress length]."""
+    """The sums that the interface carries on, for a checkpoint.
+
+    These are work (3,) as in `InterfaceWork`, and per node (n,) the accumulated |slip| [length] and
+    the work of friction per area [stress length].
+    """
 
     work: NDArray[np.float64]
     path: NDArray[np.float64]
@@ -211,7 +223,7 @@ class InterfaceSums(NamedTuple):
 
 
 class Interface:
-    """The contact x >= 0 during a simulation: what acts on it now, and the work done so far.
+    """The contact x >= 0 during a simulation: its present tractions, and the work done so far.
 
     Parameters
     ----------
@@ -258,7 +270,7 @@ class Interface:
         self._rubbed = np.zeros(len(length))
 
     def state(self) -> NDArray[np.int8]:
-        """What each pair does in the step after the last kick: STICK, FORWARD, BACKWARD, OPEN."""
+        """State of each pair in the step after the last kick: STICK, FORWARD, BACKWARD or OPEN."""
         state = np.full(len(self.length), STICK, dtype=np.int8)
         if self.sliding is not None:
             slides = np.abs(self.shear) >= self.strength
@@ -268,24 +280,26 @@ class Interface:
         return state
 
     def work_density(self) -> NDArray[np.float64]:
-        """Work per area taken by friction up to the time level of the last kick, (n,)
-        [stress length]: half of what the last kick does on the step after it is yet to come."""
+        """Work per area taken by friction up to the level of the last kick (n,) [stress length].
+
+        Half of what the last kick does on the step after it is still missing.
+        """
         if self.sliding is None:
             return self._rubbed
         return self._rubbed - self.shear * self.sliding.increment() / 2
 
     def sums(self) -> InterfaceSums:
-        """All that was added up so far; the arrays per node are the interface's own."""
+        """The sums so far; the arrays per node are the interface's own, not copies."""
         work = np.array([self._friction, self._impact, self._external])
         return InterfaceSums(work, self.path, self._rubbed)
 
     def restore(self, sums: InterfaceSums) -> None:
-        """Go on from the sums of another run of the same model, to the last bit."""
+        """Continue from the sums of another run of the same model, to the last bit."""
         self._friction, self._impact, self._external = sums.work.tolist()
         self.path[:], self._rubbed[:] = sums.path, sums.friction
 
     def act(self, part: float) -> None:
-        """Find the tractions of this kick and let them act.
+        """Find the tractions of this kick and apply them.
 
         Parameters
         ----------
@@ -304,17 +318,20 @@ class Interface:
             self._slide(self.sliding, part)
 
     def _press(self, faces: Faces, part: float) -> None:
+        """Find the pressure of this kick, apply it and add up its work."""
         held = self.held.pressure
         self.offset = faces.offset()
         self.pressure = contact_pressure(
             self.offset, faces.increment(), held, part * faces.compliance
         )
+        # the bodies carry changes only: the pressure in place is not pushed, but does external work
         faces.push(self.pressure - held, part)
         work = part * self.length * faces.mean_increment()
         self._impact -= float(work @ self.pressure)
         self._external -= float(work.sum()) * held
 
     def _slide(self, faces: Faces, part: float) -> None:
+        """Find the shear traction of this kick, apply it and add up its work."""
         held, law = self.held.shear, self.scene.friction_law
         increment, compliance = faces.increment(), part * faces.compliance
         self.path += np.abs(faces.past_increment())
@@ -324,6 +341,7 @@ class Interface:
         if self.pressing is not None:
             self.strength[self.pressure == 0] = 0.0  # open: nothing rubs, whatever the law
         self.shear = coulomb_traction(increment, held, self.strength, compliance)
+        # sigma_xy pulls the upper body, whose outward normal is -y, by -sigma_xy
         faces.push(held - self.shear, part)
         slip = part * faces.mean_increment()
         rubbed = slip * self.shear

@@ -1,4 +1,4 @@
-"""Slot loads that rise and fall: what acts at each time level.
+"""Slot loads that rise and fall: the load that acts at each time level.
 
 The kick at t_n stands for the interval from t_n - dt/2 to t_n + dt/2, the first one for the half
 step after t = 0.  It takes the mean of the load over that interval, so that the impulse is exact
@@ -18,11 +18,12 @@ from semianalytic.scene.scene import Scene
 
 
 def kick_means(history: LoadHistory, step: float, steps: int) -> NDArray[np.float64]:
-    """Mean of f(t) over the interval of each kick, (steps + 1,).
+    """Return the mean of f(t) over the interval of each kick, (steps + 1,).
 
     Parameters
     ----------
     history : LoadHistory
+        The history f.
     step : float
         dt [time].
     steps : int
@@ -36,7 +37,7 @@ def kick_means(history: LoadHistory, step: float, steps: int) -> NDArray[np.floa
 
 @dataclass(frozen=True)
 class SlotLoad:
-    """The load on a body as a function of time, that of shear along x or z, of pressure along y.
+    """The load on a body as a function of time: shear along x or z, pressure along y.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ class SlotLoad:
     amplitude : (k,) array
         dt^2 F / s on its loaded unknowns where f = 1.
     means : (2, m) array
-        What multiplies shear and pressure at each time level.
+        Factors of shear and pressure at each time level.
     """
 
     body: Body
@@ -52,13 +53,13 @@ class SlotLoad:
     means: NDArray[np.float64]
 
     def set(self, level: int) -> None:
-        """Let the body's load be that of a time level."""
+        """Set the body's load to that of a time level."""
         pressed = self.body.loaded % len(self.body.components)
         self.body.load = self.amplitude * self.means[pressed, level]
 
 
 def slot_loads(scene: Scene, bodies: list[Body], step: float, steps: int) -> list[SlotLoad]:
-    """Loads of bodies under the scene's amplitudes; none where all loads are steps.
+    """Return the loads of bodies that change with time; none if all loads are steps.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""From a scene to the bodies that march and the faces that meet."""
+"""The model of a scene: bodies that march in time, and the faces that meet on the contact."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ from semianalytic.scene.scene import Scene
 BLOCKS = ("upper", "lower")
 
 RATE_WINDOW = 2.8
-"""Elements that a shear wave crosses in the time over which a slip rate is the mean: the surface of
-a mesh rings about that slowly, and the error of slip rates is half of that of single steps
-(docs/fem.md)."""
+"""Elements that a shear wave crosses in the time over which slip rates are averaged.  The surface
+of a mesh rings with about that period; the error of averaged slip rates is half of that of single
+steps (docs/fem.md)."""
 
 
 @dataclass(frozen=True)
@@ -59,17 +59,17 @@ class Numbering:
     distance: NDArray[np.float64]
 
     def unknowns(self, nodes: NDArray[np.int64], component: int) -> NDArray[np.int64]:
-        """Unknowns of one component at mesh nodes, in bodies that move along x and y, or z."""
+        """Return the unknowns of one displacement component at mesh nodes."""
         components = OUT_OF_PLANE if component == Z else IN_PLANE
         return len(components) * self.place[nodes] + components.index(component)
 
     def reached(self, distance: float) -> int:
-        """Number of leading nodes within a distance."""
+        """Return the number of leading nodes within a distance."""
         return int(np.searchsorted(self.distance, distance, side="right"))
 
 
 def number_by_arrival(space: Space, scene: Scene, size: float) -> Numbering:
-    """Number the nodes by their distance from the slot x < 0, loaded at t = 0.
+    """Number the nodes by their distance from the slot x < 0, which is loaded at t = 0.
 
     If the interface slides at once everywhere, the distance is that from the whole line y = 0.
 
@@ -92,7 +92,7 @@ def number_by_arrival(space: Space, scene: Scene, size: float) -> Numbering:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """Mesh, bodies, interface and loads at rest, ready to march once.
+    """Mesh, bodies, interface and loads at rest, ready for one march in time.
 
     Attributes
     ----------
@@ -118,6 +118,14 @@ class Model:
         Steps before and after a level over which its slip rate is the mean; as many follow the end.
     seconds : dict
         Wall-clock time of the stages "mesh" and "assembly" [s], as far as they were timed.
+
+    Examples
+    --------
+    >>> from fem import prepare
+    >>> from semianalytic import find_scene
+    >>> model = prepare(find_scene("preloaded"), resolution=8)
+    >>> model.unknowns, model.copies, bool(model.time_step < model.critical_step)
+    (1380, 2, True)
     """
 
     plan: Plan
@@ -137,7 +145,7 @@ class Model:
 
     @property
     def copies(self) -> int:
-        """How many blocks a body stands for: 2 for a half, 1 when both are in the mesh."""
+        """Number of blocks that a body stands for: 2 for a half, 1 if both are in the mesh."""
         return 2 if self.plan.halves else 1
 
     @property
@@ -154,12 +162,12 @@ def prepare(
     full: bool = False,
     **options: Any,
 ) -> Model:
-    """All that `simulate` builds before its first step.
+    """Build everything that `simulate` needs before its first step.
 
     Parameters
     ----------
     scene, end_time, settings, **options
-        As in `simulate`.
+        Arguments of `simulate`.
     full : bool
         Whether the mesh is to be large enough for pictures of the whole fields.
 
@@ -170,13 +178,20 @@ def prepare(
     Raises
     ------
     SceneError, MissingLibraryError, DataFileError
-        As in `simulate`; nothing is refused for its size.
+        For the reasons given at `simulate`; nothing is refused for its size.
+
+    Examples
+    --------
+    >>> from fem import prepare
+    >>> from semianalytic import find_scene
+    >>> prepare(find_scene("antiplane"), resolution=8).plan.name
+    'antiplane half'
     """
     return build(make_plan(scene, end_time, settings, options, full=full))
 
 
 def build(plan: Plan, tell: Callable[[str], object] | None = None) -> Model:
-    """Mesh and model of a plan; `tell` gets a sentence if the mesh is built without gmsh."""
+    """Build mesh and model of a plan; `tell` gets a sentence if the mesh is built without gmsh."""
     seconds: dict[str, float] = {}
     with timed(seconds, "mesh"):
         mesh = cached_mesh(plan.blocks, tell).translated((plan.edge, 0.0))
@@ -189,7 +204,7 @@ def build(plan: Plan, tell: Callable[[str], object] | None = None) -> Model:
 
 @contextmanager
 def timed(seconds: dict[str, float], stage: str) -> Iterator[None]:
-    """Add the wall-clock time of what follows to that of a stage [s]."""
+    """Add the wall-clock time spent in this context to that of a stage [s]."""
     started = time.perf_counter()
     yield
     seconds[stage] = seconds.get(stage, 0.0) + time.perf_counter() - started
@@ -202,7 +217,7 @@ def build_model(plan: Plan, space: Space) -> Model:
     ----------
     plan : Plan
     space : Space
-        Upper block, or both blocks where no half is enough; see `meshes.read_mesh`.
+        Upper block, or both blocks if one half is not enough; see `meshes.read_mesh`.
     """
     numbering = number_by_arrival(space, plan.scene, plan.size)
     in_mesh = {block: plan.materials[block] for block in space.mesh.subdomains}
@@ -247,7 +262,7 @@ def build_model(plan: Plan, space: Space) -> Model:
 
 @dataclass(frozen=True)
 class _Parts:
-    """Everything `build_model` puts bodies and faces together from."""
+    """The parts from which `build_model` makes bodies and faces."""
 
     scene: Scene
     space: Space
@@ -257,7 +272,7 @@ class _Parts:
     damping_time: float
 
     def put_together(self, plan: Plan) -> tuple[list[Body], Faces | None, Faces | None]:
-        """Bodies, and the faces that slide and that press, where symmetry allows them to."""
+        """Make the bodies, and the faces that slide and that press, where symmetry allows it."""
         meeting: tuple[str, ...] = BLOCKS
         if plan.halves:
             halves = {i: self.half(i) for i in plan.halves}
@@ -270,9 +285,9 @@ class _Parts:
         return bodies, faces.get(Z if plan.scene.antiplane else X), faces.get(Y)
 
     def half(self, component: int) -> Body:
-        """Upper block moved by slot tractions along one component; walls hold the other one.
+        """Make the upper block, moved by slot tractions along one component; walls hold the other.
 
-        Nothing holds walls in antiplane shear, whose plane waves pass along free ones.
+        In antiplane shear walls are free, since plane waves pass along free walls.
         """
         loaded, load = self._slot_load("upper", component)
         if component == Z:
@@ -282,10 +297,10 @@ class _Parts:
         return self._body(IN_PLANE, loaded, load, held=held)
 
     def two_blocks(self, components: tuple[int, ...], walls: bool) -> Body:
-        """Both blocks, whose walls are free, or where the materials are equal as in the halves.
+        """Make both blocks; their walls are free, or as in the halves if the materials are equal.
 
-        There mirror nodes of the walls move oppositely: that is u_y = 0 for the antisymmetric
-        part of the motion and u_x = 0 for the symmetric one.
+        As in the halves, mirror nodes of the walls move oppositely, which is u_y = 0 for the
+        antisymmetric part of the motion and u_x = 0 for the symmetric one.
         """
         loads = [self._slot_load(block, i) for block in BLOCKS for i in components]
         mirrored = [
@@ -301,7 +316,7 @@ class _Parts:
         )
 
     def faces(self, body: Body, component: int, blocks: tuple[str, ...]) -> Faces:
-        """One component of the contact faces of the named blocks."""
+        """Make the contact faces of the named blocks for one component of motion."""
         sides = [tributary_length(self.space, f"{block}_contact") for block in blocks]
         unknowns = [self.numbering.unknowns(nodes, component) for nodes, _ in sides]
         return Faces(
@@ -316,8 +331,10 @@ class _Parts:
     def _slot_load(
         self, block: str, component: int
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Unknowns on a slot face and the forces on them at f = 1: (Q_0, -P_0) on the upper
-        block, Q_0 along x or z."""
+        """Return the unknowns on a slot face and the forces on them at f = 1.
+
+        The traction on the upper block is (Q_0, -P_0), with Q_0 along x or z.
+        """
         nodes, length = tributary_length(self.space, f"{block}_slot")
         load = self.scene.superposition.taken_off
         tractions = {Z if self.scene.antiplane else X: load.shear, Y: -load.pressure}
@@ -326,7 +343,7 @@ class _Parts:
         return self.numbering.unknowns(nodes, component), force
 
     def _wall(self, block: str, side: str) -> NDArray[np.int64]:
-        """Nodes of a side wall, from the interface outwards."""
+        """Return the nodes of a side wall, from the interface outwards."""
         return self.space.side_nodes(f"{block}_{side}")
 
     def _body(

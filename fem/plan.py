@@ -1,4 +1,4 @@
-"""From the options of a run to its mesh, before anything is built."""
+"""The plan of a run: everything that follows from its options, before anything is built."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ DEFAULT_PACE = 100
 """Steps between checkpoints."""
 
 PATCH = 24
-"""Elements along a side of the patch on which the fastest mode is looked for."""
+"""Elements along a side of the patch on which the fastest mode is computed."""
 
 TRIANGLES = 1.156
-"""Nodes of an unstructured mesh over those of squares of the same side, measured."""
+"""Measured ratio of the nodes of an unstructured mesh to those of squares of the same side."""
 
 ANTISYMMETRIC = "antisymmetric half"
 SYMMETRIC = "symmetric half"
@@ -61,13 +61,13 @@ HALVES: Mapping[str, tuple[int, ...]] = {
     ANTIPLANE: (Z,),
     ANTIPLANE_LOCKSTEP: (Z, Y),
 }
-"""For each half of a model, the displacement component that changes sign from the upper block to
-the lower one, the other being the same in both."""
+"""The displacement component that changes sign from the upper block to the lower one, for each half
+of a model; the other component is the same in both."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How a scene is simulated: mesh, elements, time step and what is kept.
+    """Settings of a simulation: mesh, elements, time step and what is stored.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class Settings:
         Largest time step over the critical one, above 0.  Beyond 1 the scheme is unstable; up
         to 1.5 is accepted to show it.
     model : str
-        "auto" uses one block wherever symmetry allows, which is exact; "two-blocks" never does.
+        "auto" uses one block where symmetry allows it, which is exact; "two-blocks" never does.
     element : str
         "P1" linear triangles, "Q1" bilinear or "Q2" biquadratic quadrilaterals, all with
         diagonal mass.
@@ -87,17 +87,25 @@ class Settings:
         "squares"; "graded", rows that grow away from the interface; or "triangles",
         unstructured, for P1.  P1 cuts squares and graded rows along a diagonal.
     lower_material : Material, optional
-        Of the lower block, if it is not that of the scene.  The semi-analytic theory does not
-        apply then.
+        Material of the lower block, if it differs from the scene's.  The semi-analytic theory does
+        not apply then.
     every : int
         Store every n-th step in the histories; the last one is always stored.
     frames : int
-        Number of pictures of whole fields, if there are any, at evenly spaced steps up to the end.
+        Number of snapshots of the whole fields, if any are written, at evenly spaced steps.
 
     Raises
     ------
     SceneError
         If one is out of range.
+
+    Examples
+    --------
+    >>> from fem import Settings, simulate
+    >>> from semianalytic import find_scene
+    >>> settings = Settings(resolution=8, element="P1", mesh="triangles")
+    >>> settings.resolution, settings.every
+    (8, 1)
     """
 
     resolution: int = 100
@@ -134,7 +142,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Pace:
-    """How often checkpoints are written: after so many steps or seconds, whichever comes first.
+    """The interval between checkpoints, in steps or seconds, whichever is shorter.
 
     Raises
     ------
@@ -156,12 +164,12 @@ class Pace:
 
 
 def check_count(name: str, value: int, least: int) -> int:
-    """An option as int; SceneError unless it is an integer of at least `least`."""
+    """Return an option as int; raise SceneError unless it is an integer of at least `least`."""
     return checked_count(f"simulate: {name}", value, least, "an integer of at least")
 
 
 def choose_model(scene: Scene, model: str, lower_material: Material | None = None) -> str:
-    """Name of the model a scene needs.
+    """Return the name of the model that a scene needs.
 
     Under shear alone the motion is antisymmetric in y (u_x odd, u_y even) and does not touch
     the pressure; under pressure alone it is symmetric.  Two identical blocks under both are
@@ -190,7 +198,7 @@ def choose_model(scene: Scene, model: str, lower_material: Material | None = Non
 
 @dataclass(frozen=True)
 class Plan:
-    """What is going to be simulated.
+    """A run before anything is built: its scene, settings, and everything that follows from them.
 
     Parameters
     ----------
@@ -235,12 +243,12 @@ class Plan:
 
     @property
     def lower_material(self) -> Material:
-        """Of the lower block."""
+        """Material of the lower block."""
         return self.settings.lower_material or self.scene.material
 
     @property
     def materials(self) -> dict[str, Material]:
-        """Of the upper and of the lower block."""
+        """Materials of the upper and of the lower block."""
         return {"upper": self.scene.material, "lower": self.lower_material}
 
     @property
@@ -250,7 +258,7 @@ class Plan:
 
     @property
     def halves(self) -> tuple[int, ...]:
-        """For each body, the component of `HALVES`; none where both blocks are in the mesh."""
+        """The component of `HALVES` for each body; none if both blocks are in the mesh."""
         return HALVES.get(self.name, ())
 
     @property
@@ -279,10 +287,10 @@ class Plan:
 
     @property
     def edge(self) -> float:
-        """Where the edge node is [length]: beside x = 0 where the slot is pressed (`fem.edge`).
+        """Position of the edge node [length]: beside x = 0 if the slot is pressed (`fem.edge`).
 
-        It is at x = 0 under shear alone, where the edge slips, and on meshes on which the place
-        is not known: of Q2, and unstructured ones.
+        It is at x = 0 under shear alone, where the edge slips, and for meshes whose offset is not
+        known: those of Q2, and unstructured ones.
         """
         family, pattern = self.family, self.settings.mesh
         if not self._pressed or family.spacing > 1 or pattern == "triangles":
@@ -296,7 +304,7 @@ class Plan:
 
     @property
     def forerun(self) -> float:
-        """How far beyond the fastest front nodes may move already [length]."""
+        """Distance beyond the fastest front at which nodes may already move [length]."""
         return causal_margin(self.fastest_speed, self.end_time, self.size, self.damping_time)
 
     @property
@@ -311,7 +319,7 @@ class Plan:
 
     @property
     def blocks(self) -> Blocks:
-        """What is meshed."""
+        """The blocks that are meshed."""
         return causal_blocks(
             self.fastest_speed,
             self.end_time,
@@ -333,7 +341,7 @@ class Plan:
 
     @property
     def caution(self) -> str:
-        """What the mesh is too coarse for, as sentences; "" if nothing is known."""
+        """Sentences that say what the mesh is too coarse for; "" if nothing is known."""
         settings = self.settings
         return mesh_caution(self.scene, settings.lower_material, self.end_time, settings.resolution)
 
@@ -341,7 +349,8 @@ class Plan:
     def critical_step(self) -> float:
         """Largest stable step [time]; an estimate for unstructured triangles.
 
-        The fastest mode sits in the corners of the blocks: a patch of a few elements has it too.
+        The fastest mode is localised in the corners of the blocks, so a patch of a few elements has
+        it.
         """
         blocks, family = self.blocks, self.family
         rows = blocks.rows[: PATCH + 1]
@@ -369,7 +378,7 @@ def make_plan(
     *,
     full: bool = False,
 ) -> Plan:
-    """Plan of a run from what `simulate`, `prepare` and `cost` are given.
+    """Make the plan of a run from the arguments of `simulate`, `prepare` and `cost`.
 
     Parameters
     ----------
@@ -385,7 +394,7 @@ def make_plan(
     Raises
     ------
     SceneError
-        As `Settings` and `Plan`.
+        If a setting is out of range, or for the reasons given at `Plan`.
     """
     checked_scene("simulate", scene)
     if settings is None:

@@ -1,4 +1,4 @@
-"""Collecting the histories while a model marches."""
+"""The record of a simulation: the histories that are collected while a model marches."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from semianalytic.results.sampled import Totals
 from semianalytic.scene.scene import Scene
 
 LEAST_GAP = 1e-9
-"""What is open less than that, over c_t T times load or base over shear modulus, is closed:
-rounding is 1e-16 of it."""
+"""Gap below which the contact counts as closed, over c_t T times load or base over shear modulus:
+rounding is 1e-16 of that."""
 
 SEEN = slice(1, None)
-"""Nodes of the contact whose histories are kept: all beyond the edge node."""
+"""Nodes of the contact whose histories are stored: all beyond the edge node."""
 
 
 class Record:
@@ -29,7 +29,7 @@ class Record:
 
     Every n-th time level of interface and slot is stored, and the last one; energies and totals of
     the contact are those of every step.  The edge node is left out of the interface and of the
-    largest slip: part of what it moves with is slot, and what it does does not converge.
+    largest slip: part of its mass belongs to the slot, and its motion does not converge.
 
     Parameters
     ----------
@@ -62,9 +62,9 @@ class Record:
         self._final = np.zeros((2, nodes))
 
     def level(self, step: int) -> None:
-        """Take in a time level whose kick and tractions are done; beyond the end, its slip alone.
+        """Record a time level whose kick and tractions are done; beyond the end, only its slip.
 
-        At t = 0 all is at rest.
+        At t = 0 everything is at rest.
         """
         self._level = step
         if step:
@@ -100,7 +100,7 @@ class Record:
         self._row += 1
 
     def _add_slip(self, step: int) -> None:
-        """Take the slip at a level into the rates of those levels whose window it begins or ends.
+        """Add the slip at a level to the rates of the levels whose window it begins or ends.
 
         The window of a level n is from n - k to n + k, k being the model's half window or, soon
         after the start, n.
@@ -117,14 +117,14 @@ class Record:
             rates[row] = slip
 
     def _energies(self) -> NDArray[np.float64]:
-        """Energies in the middle of the past step, in the order of the fields of EnergyHistory."""
+        """Return the energies in the middle of the past step, in the order of `EnergyHistory`."""
         bodies = np.sum([body.energy for body in self.model.bodies], axis=0)
         kinetic, strain, damping, load = bodies * self.model.copies / self.model.time_step**2
         friction, impact, base = self.model.interface.work
         return np.array([kinetic, strain, friction, damping, load + base, impact])
 
     def _sums(self) -> NDArray[np.float64]:
-        """Over the contact at this level, in the order of the fields of Totals."""
+        """Return the totals of the contact at this level, in the order of `Totals`."""
         interface, length = self.model.interface, self.model.interface.length
         if interface.sliding is None:
             return np.zeros(3)
@@ -138,7 +138,7 @@ class Record:
         )
 
     def _note_opening(self, step: int, gap: NDArray[np.float64]) -> None:
-        """Take in a gap, (n,), that is open somewhere."""
+        """Record a gap, (n,), that is open somewhere."""
         x, length = self.model.contact_x[SEEN], self.model.interface.length
         lengths = length[SEEN].copy()
         lengths[0] += length[0]  # the edge node counts as its neighbour does
@@ -150,7 +150,7 @@ class Record:
         self._opened[:] = first, place, max(largest, gap[widest]), max(longest, open_now)
 
     def stored(self) -> dict[str, NDArray[Any]]:
-        """What was taken in so far, for a checkpoint."""
+        """Return everything that was recorded so far, for a checkpoint."""
         rows, levels = self._row, min(self._level, self.model.steps) + 1
         # of levels to come, half of the slip rates
         begun = int(np.searchsorted(self._levels, self._level + self.model.half_window, "right"))
@@ -166,7 +166,7 @@ class Record:
         }
 
     def restore(self, stored: Mapping[str, NDArray[Any]]) -> None:
-        """Go on after what `stored` returned in another run of the same model."""
+        """Continue from what `stored` returned in another run of the same model."""
         self._row = rows = len(stored["state"])
         levels = stored["energy"].shape[1]
         self._level = levels - 1
@@ -180,7 +180,7 @@ class Record:
         self._opened[:], self._final[:] = stored["opened"], stored["final"]
 
     def results(self) -> dict[str, Any]:
-        """All that was taken in, by the names that `Simulation` gives it."""
+        """Return everything that was recorded, under the names of the fields of `Simulation`."""
         dt, steps = self.model.time_step, self.model.steps
         t = self._levels * dt
         first, place, largest, length = self._opened.tolist()
@@ -198,6 +198,6 @@ class Record:
 
 
 def displacement_scale(scene: Scene, end_time: float) -> float:
-    """Displacement that the largest traction causes within a time [length]."""
+    """Return the displacement that the largest traction causes within a time [length]."""
     largest = max(max(abs(one.pressure), abs(one.shear)) for one in scene.superposition)
     return largest / scene.material.shear_modulus * scene.material.shear_speed * end_time

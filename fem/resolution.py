@@ -1,9 +1,9 @@
-"""What a mesh resolves of a load.
+"""The resolution of loads and friction laws on a mesh.
 
 The mean of a load over a step keeps its impulse, whatever happens within the step.  A load that
-only rises, or only falls, is right to first order however suddenly it does so.  One that rises
+only rises, or only falls, is right to first order however suddenly it does so.  A load that rises
 and falls again within the time in which a shear wave crosses a few elements is not: the mesh
-spreads it and lowers its peak, and it is the peak that friction answers to.
+spreads it and lowers its peak, to which friction responds.
 """
 
 from __future__ import annotations
@@ -17,32 +17,33 @@ from semianalytic.scene.process_zone import process_zone
 from semianalytic.scene.scene import Material, Scene
 
 LARGEST_TURN = {1.5: 0.2, 4.0: 0.5}
-"""How far a load may go up and down again, over its largest value, while a shear wave covers so
-many node distances.  That is 12 of them in a period of a harmonic, 8 in a triangle, 4 in a
-rectangle, with friction work within 6 % (docs/fem.md); the shorter time is for ripples."""
+"""Largest turn of a load, over its largest value, while a shear wave covers so many node distances.
+It allows 12 of them in a period of a harmonic, 8 in a triangle, 4 in a rectangle, with frictional
+work within 6 % (docs/fem.md); the shorter time is for ripples."""
 
 LEAST_CROSSED = 16
 """Elements that the shear wave of the slower block should cross until the end: slip at the end is
-within 0.5 % then, and 2 % and 6 % with 8 and 4, whatever the ratio of speeds (docs/fem.md)."""
+then within 0.5 %, and 2 % and 6 % with 8 and 4, whatever the ratio of speeds (docs/fem.md)."""
 
 WEAKENING_ELEMENTS = 13
-"""In the process zone of slip weakening, from which on slip is right to 1 %; slip rate, all of
-which is at the front, takes some 40 (docs/fem.md)."""
+"""Elements in the process zone of slip weakening from which on slip is right to 1 %; slip rate, all
+of which is at the front, takes some 40 (docs/fem.md)."""
 
 MOST = 2**60
 ROUNDING = 1e-9
 
 
 def resolves(history: LoadHistory, crossing: float, end_time: float) -> bool:
-    """Whether a mesh follows a history until the end time.
+    """Return whether a mesh follows a history until the end time.
 
     Parameters
     ----------
     history : LoadHistory
+        The history of a load.
     crossing : float
         Time in which the slowest shear wave covers a node distance [time].
     end_time : float
-        [time].
+        End time of the run [time].
     """
     return all(
         history.turn(nodes * crossing, end_time) <= allowed + ROUNDING
@@ -51,7 +52,7 @@ def resolves(history: LoadHistory, crossing: float, end_time: float) -> bool:
 
 
 def needed_resolution(history: LoadHistory, crossing: float, end_time: float) -> int | None:
-    """Least number of node distances per c_t T that follows a history; None if none does.
+    """Return the least number of node distances per c_t T that follows a history, or None.
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ def check_resolved(
 
 
 def slow_body_caution(material: Material, lower_material: Material | None, resolution: int) -> str:
-    """What a mesh is too coarse for where the lower block is slower, as a sentence; "" if nothing.
+    """Say in a sentence if the mesh is too coarse for a slower lower block; "" if it is not.
 
     Parameters
     ----------
@@ -135,12 +136,12 @@ def slow_body_caution(material: Material, lower_material: Material | None, resol
 def weakening_caution(
     scene: Scene, lower_material: Material | None, end_time: float, resolution: int
 ) -> str:
-    """That a mesh is too coarse for slip weakening, as a sentence; "" if it is not.
+    """Say in a sentence if the mesh is too coarse for slip weakening; "" if it is not.
 
     Parameters
     ----------
     scene, lower_material, end_time, resolution
-        As in `check_resolved`.
+        Arguments of `check_resolved`.
     """
     materials = (scene.material, lower_material or scene.material)
     zone = min(process_zone(replace(scene, material=material)) for material in materials)
@@ -158,12 +159,12 @@ def weakening_caution(
 def mesh_caution(
     scene: Scene, lower_material: Material | None, end_time: float, resolution: int
 ) -> str:
-    """All that a mesh is known to be too coarse for, as sentences; "" if nothing.
+    """Say in sentences what the mesh is known to be too coarse for; "" if nothing.
 
     Parameters
     ----------
     scene, lower_material, end_time, resolution
-        As in `check_resolved`.
+        Arguments of `check_resolved`.
     """
     cautions = (
         slow_body_caution(scene.material, lower_material, resolution),

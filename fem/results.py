@@ -1,4 +1,4 @@
-"""What a simulation returns, and its file."""
+"""The result of a simulation, and its file."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ COMPANION = "companion"
 
 @dataclass(frozen=True, eq=False)
 class SlotHistory:
-    """How the upper slot face moves.
+    """The motion of the upper slot face.
 
     Attributes
     ----------
@@ -39,6 +39,14 @@ class SlotHistory:
     velocity_x, velocity_y : (m, n) arrays
         Velocity of the upper face [length / time]; in antiplane shear the first is along z, and
         that along x is left out.
+
+    Examples
+    --------
+    >>> from fem import simulate
+    >>> from semianalytic import find_scene
+    >>> slot = simulate(find_scene("preloaded"), resolution=8).slot
+    >>> slot.velocity_x.shape == (len(slot.t), len(slot.x))
+    True
     """
 
     x: NDArray[np.float64]
@@ -49,9 +57,9 @@ class SlotHistory:
 
 @dataclass(frozen=True, eq=False)
 class EnergyHistory:
-    """Energies of both blocks per unit thickness [stress length^2], from the scheme itself.
+    """Energies of both blocks per unit thickness [stress length^2], as the scheme defines them.
 
-    They are those of every step, stored or not.  In the middle of each step central differences
+    They are recorded at every step, stored or not.  In the middle of each step central differences
     balance exactly: kinetic + strain + friction + damping + impact = external.
 
     Attributes
@@ -59,9 +67,10 @@ class EnergyHistory:
     t : (m,) array
         Middles of steps [time].
     kinetic : (m,) array
-        Of the velocity in the middle of the step.
+        Kinetic energy of the velocity in the middle of the step.
     strain : (m,) array
-        Of the change of stress: u_n . K u_{n+1} / 2 from the time levels on either side.
+        Strain energy of the change of stress: u_n . K u_{n+1} / 2 from the time levels on either
+        side.
     friction : (m,) array
         Work taken by friction since t = 0, shear traction times slip.
     damping : (m,) array
@@ -70,6 +79,13 @@ class EnergyHistory:
         Work done by the load on the slot faces, and by the base tractions on slip and opening.
     impact : (m,) array
         Work taken where open parts of the interface close again.
+
+    Examples
+    --------
+    >>> from fem import simulate
+    >>> from semianalytic import find_scene
+    >>> simulate(find_scene("preloaded"), resolution=8).energy.residual < 1e-12
+    True
     """
 
     t: NDArray[np.float64]
@@ -91,18 +107,26 @@ class EnergyHistory:
 
 @dataclass(frozen=True)
 class Opening:
-    """Where and when the contact came apart, of all steps, stored or not.
+    """The opening of the contact over all steps, stored or not: where and when it came apart.
 
     Attributes
     ----------
     time : float
-        When a first node opened [time].
+        Time at which the first node opened [time].
     x : float
-        Which one [length].
+        Position of that node [length].
     gap : float
-        Largest gap there has been anywhere [length].
+        Largest gap anywhere, at any time [length].
     length : float
-        Greatest length of contact that has been open at one time [length].
+        Greatest length of contact that was open at one time [length].
+
+    Examples
+    --------
+    >>> from fem import simulate
+    >>> from semianalytic import find_scene
+    >>> run = simulate(find_scene("lift-off"), resolution=16)
+    >>> 0 < run.opened.x < run.opened.length < 1
+    True
     """
 
     time: float
@@ -113,9 +137,10 @@ class Opening:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(SampledAnswer):
-    """Result of one finite-element simulation.
+    """The result of one finite-element simulation.
 
-    It answers what every solver does: `slip_rate(x, t)`, `slip(x, t)`, `shear_traction(x, t)`,
+    `simulate` returns it.  It answers like every solver: `slip_rate(x, t)`, `slip(x, t)`,
+    `shear_traction(x, t)`,
     `pressure(x, t)` and `gap(x, t)` between the stored nodes and levels, `max_slip(t)`,
     `accumulated_slip(t)` and `frictional_work(t)` between steps, `zones_at(t)`, `openings_at(t)`,
     `history(x, t)`, `to_xarray(x, t)`.
@@ -124,9 +149,9 @@ class Simulation(SampledAnswer):
     ----------
     scene : Scene
     end_time : float
-        [time].
+        T [time].
     resolution : int
-        Node distances per c_t * end_time.
+        Node distances per c_t T.
     element_size : float
         Distance h of the nodes on the interface [length].
     damping : float
@@ -134,9 +159,9 @@ class Simulation(SampledAnswer):
     element, mesh : str
         Element family and mesh pattern.
     model : str
-        What was simulated, e.g. "antisymmetric half".
+        Model that was simulated, e.g. "antisymmetric half".
     lower_material : Material or None
-        Of the lower block where it is not that of the scene; the theory does not apply then.
+        Material of the lower block if it differs from the scene's; the theory does not apply then.
     step_ratio : float
         Largest time step asked for, over the critical one.
     time_step, critical_step : float
@@ -146,31 +171,31 @@ class Simulation(SampledAnswer):
     unknowns : int
         Displacement unknowns.
     interface : InterfaceHistory
-        On the contact nodes x > 0, from h beyond the edge node on.  That node, at x = 0 or, where
-        the slot is pressed, a fraction of h beside it, is not among them: part of what it moves
-        with is slot, and what it does does not converge.  All fields belong to the
-        same times: the tractions are those of the level, and the slip rate is the mean over a
-        window about it, second order in time, in which a shear wave crosses 2.8 elements (up to
-        whole steps; soon after t = 0 the window begins there).  The last level is no different:
-        the run goes on until its window ends.
+        Fields on the contact nodes x > 0, from h beyond the edge node on.  The edge node, at x = 0
+        or, if the slot is pressed, a fraction of h beside it, is left out: part of its mass belongs
+        to the slot, and its motion does not converge.  All fields belong to the same times: the
+        tractions are those of the level, and the slip rate is the mean over a window around it,
+        second order in time, in which a shear wave crosses 2.8 elements (up to whole steps; soon
+        after t = 0 the window begins there).  This holds for the last level too: the run goes on
+        until its window ends.
     state : (m, n) array of int8
-        What each node of `interface` does in the step after each time: STICK (0), slip FORWARD
+        State of each node of `interface` in the step after each time: STICK (0), slip FORWARD
         (+1) or BACKWARD (-1), or OPEN (2).
     final_path : (n,) array
-        |slip| that each node of `interface` has accumulated by the end [length], summed over
-        every step, stored or not, and also while the node is open.
+        Accumulated |slip| of each node of `interface` at the end [length], summed over every step,
+        stored or not, and also while the node is open.
     final_work_density : (n,) array
         Work per area that friction has taken at each node by the end [stress length], likewise.
     totals : Totals
-        What the contact as a whole has done by each step, stored or not.  Accumulated slip and
-        frictional work are sums over all nodes with the lengths that belong to them, the edge
-        node's included, so that the work is that of `energy`; the largest slip is that on
-        the nodes of `interface`.
+        Totals of the contact at each step, stored or not.  Accumulated slip and frictional work are
+        sums over all nodes with the lengths that belong to them, the edge node's included, so that
+        the work is that of `energy`; the largest slip is that on the nodes of `interface`.
     opened : Opening or None
         Where and when the contact came apart; None if it never did.
     slot : SlotHistory
-        On the slot nodes next to the edge, as far as no reflection gets.
+        Motion of the slot nodes next to the edge, as far as no reflection gets.
     energy : EnergyHistory
+        Energies of both blocks.
     seconds : dict
         Wall-clock time of each stage [s]: "mesh", "assembly", "steps" and, a part of the steps,
         "snapshots".
@@ -180,11 +205,21 @@ class Simulation(SampledAnswer):
         Identity of the run: the same for the same scene, options, mesh and versions.  Field
         snapshots carry it too.
     unwritten : str
-        What could not be written during the run, as a sentence; empty if nothing.
+        A sentence about files that could not be written during the run; empty if there are none.
     remark : str
-        That the mesh was laid without gmsh, as a sentence; empty otherwise.
+        A sentence if the mesh was laid without gmsh; empty otherwise.
     companion : Simulation or None
         The same run at twice the element size, which carries its own; see `with_companions`.
+
+    Examples
+    --------
+    >>> from fem import simulate
+    >>> from semianalytic import find_scene
+    >>> run = simulate(find_scene("preloaded"), resolution=8)
+    >>> run.interface.slip.shape == (run.steps + 1, len(run.interface.x))
+    True
+    >>> run.model, run.opened
+    ('antisymmetric half', None)
     """
 
     scene: Scene
@@ -224,28 +259,33 @@ class Simulation(SampledAnswer):
 
     @property
     def is_open(self) -> NDArray[np.bool_]:
-        """Which nodes of `interface` do not touch in the step after each time, (m, n)."""
+        """Whether each node of `interface` is open in the step after each time, (m, n)."""
         return self.state == OPEN
 
     @property
     def caution(self) -> str:
-        """What the mesh is too coarse for, as sentences; "" if nothing is known."""
+        """Sentences that say what the mesh is too coarse for; "" if nothing is known."""
         return mesh_caution(self.scene, self.lower_material, self.end_time, self.resolution)
 
     @property
     def status(self) -> str:
-        """Whether the mesh is "resolved" or "unresolved", known to be too coarse: see `caution`."""
+        """The word "resolved", or "unresolved" if the mesh is too coarse: see `caution`."""
         return "unresolved" if self.caution else "resolved"
 
     def save(self, directory: str | Path) -> None:
         """Write `simulation.h5` into a folder, companions included.
 
-        It appears under its name only when complete.
+        The file appears under its name only when it is complete.
 
         Parameters
         ----------
         directory : path
-            Made if it is not there.
+            The folder; it is made if it does not exist.
+
+        Raises
+        ------
+        DataFileError
+            If the file cannot be written.
         """
         directory = Path(directory)
         directory.mkdir(parents=True, exist_ok=True)
@@ -255,7 +295,7 @@ class Simulation(SampledAnswer):
 
 
 def _write(simulation: Simulation, group: Any) -> None:
-    """Put a simulation into a group of an HDF5 file, its companion into a group of that."""
+    """Write a simulation into a group of an HDF5 file, and its companion into a group of that."""
     facts = {
         field.name: getattr(simulation, field.name)
         for field in fields(simulation)
@@ -277,7 +317,7 @@ def _write(simulation: Simulation, group: Any) -> None:
 
 
 def _read(group: Any) -> Simulation:
-    """The simulation that `_write` put into a group."""
+    """Read the simulation that `_write` wrote into a group."""
     scene, facts = (json.loads(group.attrs[name]) for name in ("scene", "facts"))
     lower, opened = facts.pop("lower_material"), facts.pop("opened")
     arrays = {name: group[name][...] for name in ARRAYS}
@@ -304,6 +344,7 @@ def load_simulation(directory: str | Path) -> Simulation:
     Parameters
     ----------
     directory : path
+        Folder that holds `simulation.h5`.
 
     Returns
     -------
@@ -313,6 +354,16 @@ def load_simulation(directory: str | Path) -> Simulation:
     ------
     DataFileError
         If the file is missing, damaged or not a simulation.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from fem import load_simulation, simulate
+    >>> from semianalytic import find_scene
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     simulate(find_scene("preloaded"), resolution=8).save(folder)
+    ...     load_simulation(folder).resolution
+    8
     """
     path = Path(directory) / FILE_NAME
     if not path.is_file():
@@ -332,7 +383,15 @@ def load_simulation(directory: str | Path) -> Simulation:
 
 
 def opening_sentence(simulation: Simulation) -> str:
-    """Whether the contact came apart, and where, when, how far and over which length."""
+    """Say whether the contact came apart, and where, when, how far and over which length.
+
+    Examples
+    --------
+    >>> from fem import opening_sentence, simulate
+    >>> from semianalytic import find_scene
+    >>> opening_sentence(simulate(find_scene("preloaded"), resolution=8))
+    'the contact stayed closed'
+    """
     opened = simulation.opened
     if opened is None:
         return "the contact stayed closed"

@@ -1,4 +1,4 @@
-"""One simulation from a scene to its histories."""
+"""Run one simulation, from a scene to its histories."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from semianalytic.scene.scene import Scene
 
 RUNAWAY = 2.0
 FIRST_JUDGED = 4
-"""Kinetic energy over the work of the loads; in stable runs it is about 1 at most."""
+"""Largest kinetic energy over the work of the loads; in stable runs it is about 1 at most."""
 
 
 def simulate(
@@ -44,17 +44,19 @@ def simulate(
 ) -> Simulation:
     """Simulate a scene with finite elements and central differences.
 
-    Loads follow the histories of the scene, friction its law.
+    The method is described in docs/fem.md: contact and friction are satisfied exactly at every node
+    pair of the interface, without a penalty.
 
     Parameters
     ----------
     scene : Scene
+        Material, friction law, tractions and load histories.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     settings : Settings, optional
-        Mesh, elements, time step and what is kept; the defaults of `Settings` unless given.
+        Mesh, elements, time step and what is stored; the defaults of `Settings` unless given.
     snapshots : path, optional
-        Folder for pictures of the whole fields; the mesh is then large enough for them.
+        Folder for snapshots of the whole fields; the mesh is then made large enough for them.
     checkpoint : path, optional
         File to write checkpoints to.
     checkpoint_every : int, optional
@@ -63,7 +65,7 @@ def simulate(
     checkpoint_seconds : float, optional
         Wall-clock time between checkpoints [s]; one is due when either is.
     resume : bool
-        Go on from the checkpoint file if it is there; the result is the same to the last bit.
+        Resume from the checkpoint file if it exists; the result is the same to the last bit.
     progress : callable, optional
         Called with (step, steps) after each step.
     memory : float, optional
@@ -73,7 +75,7 @@ def simulate(
         weakening, or a snapshot or checkpoint cannot be written, while the run goes on; unless
         given, that is a warning.
     **options
-        Fields of `Settings`, in place of those of `settings`: resolution, damping, step_ratio,
+        Fields of `Settings` that replace those of `settings`: resolution, damping, step_ratio,
         model, element, mesh, lower_material, every, frames.
 
     Returns
@@ -95,7 +97,19 @@ def simulate(
     ComputationError
         If the run goes unstable or values are no longer finite; what was written stays.
     KeyboardInterrupt
-        On Ctrl-C, after a last checkpoint if there are any.
+        On Ctrl-C, after a last checkpoint if checkpoints are written.
+
+    Examples
+    --------
+    A coarse mesh, of 8 elements over the distance that a shear wave travels:
+
+    >>> from fem import simulate
+    >>> from semianalytic import find_scene
+    >>> run = simulate(find_scene("preloaded"), resolution=8)
+    >>> run.unknowns, run.status
+    (1380, 'resolved')
+    >>> round(float(run.max_slip(1.0)), 2)  # 0.83 in the limit of fine meshes
+    0.58
     """
     plan = make_plan(scene, end_time, settings, options, full=snapshots is not None)
     pace = Pace(checkpoint_every, checkpoint_seconds)
@@ -128,22 +142,22 @@ def run_plan(
     ----------
     plan : Plan
     pace : Pace
-        Of checkpoints.
+        Interval between checkpoints.
     kept : Path or None
         File of checkpoints.
     folder : Path or None
-        Of snapshots.
+        Folder of snapshots.
     cost : Cost
-        Of the plan.
+        Prediction for the plan.
     complaints : Complaints
-        Hears of what cannot be written.
+        Receives sentences about files that cannot be written.
     resume, progress
-        As in `simulate`.
+        Arguments of `simulate`.
 
     Raises
     ------
     SceneError, MissingLibraryError, DataFileError, ComputationError, KeyboardInterrupt
-        As `simulate`.
+        For the reasons given at `simulate`.
     """
     remarks: list[str] = []
     model = build(plan, remarks.append)
@@ -217,7 +231,7 @@ def _check_places(checkpoint: Path | None, snapshots: Path | None, cost: Cost) -
 
 
 class Complaints:
-    """Passes on each sentence about what could not be written, once."""
+    """Pass on each sentence about a file that could not be written, once."""
 
     def __init__(self, tell: Callable[[str], None] | None) -> None:
         self._tell = tell or self._warn
@@ -236,7 +250,7 @@ class Complaints:
 
 
 def levels(model: Model, started: int = 0, last: int | None = None) -> Iterator[int]:
-    """Kick, time level by time level; whoever iterates lets the bodies `drift`.
+    """Kick the bodies at one time level after the other; the caller lets them `drift` between.
 
     Parameters
     ----------
@@ -260,18 +274,18 @@ def levels(model: Model, started: int = 0, last: int | None = None) -> Iterator[
 
 
 def drift(model: Model, step: int) -> None:
-    """Move on from a time level whose kick is done."""
+    """Move the bodies on from a time level whose kick is done."""
     for body in model.bodies:
         body.drift(_part(step))
 
 
 def _part(step: int) -> float:
-    """Fraction of a step for which the forces at a time level act."""
+    """Return the fraction of a step for which the forces at a time level act."""
     return 0.5 if step == 0 else 1.0
 
 
 def _check_stable(model: Model, step: int, work: float) -> float:
-    """Largest work of the loads so far; raise if the blocks move faster than that can explain."""
+    """Return the largest work of the loads so far; raise if the blocks move too fast for it."""
     kinetic = sum(body.energy.kinetic for body in model.bodies)
     if not math.isfinite(kinetic):
         raise ComputationError(
@@ -292,9 +306,9 @@ def _check_stable(model: Model, step: int, work: float) -> float:
 
 
 def peak_memory() -> int:
-    """Largest memory of this process since its program started [bytes].
+    """Return the largest memory of this process since its program started [bytes].
 
-    On Linux `ru_maxrss` still holds that of the process it was started from.
+    It is not `ru_maxrss`, which on Linux includes that of the process it was started from.
     """
     status = Path("/proc/self/status")
     if status.exists():

@@ -1,4 +1,4 @@
-"""Pictures of the whole fields in both blocks: one VTU file per frame and a PVD index."""
+"""Snapshots of the whole fields in both blocks: one VTU file per frame and a PVD index."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from semianalytic.scene.errors import DataFileError
 
 INDEX = "fields.pvd"
 CELLS = {"P1": "triangle", "Q1": "quad", "Q2": "quad9"}
-"""Names VTK gives to the elements, whose nodes scikit-fem puts in the same order."""
+"""VTK's names of the elements, whose nodes scikit-fem puts in the same order."""
 
 MIRRORED = {"P1": [0, 2, 1], "Q1": [0, 3, 2, 1], "Q2": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
-"""Order of the nodes of an element that turns its mirror image counter-clockwise again."""
+"""Order of the nodes of an element that makes its mirror image counter-clockwise again."""
 
 _RUN = re.compile(rb"<!-- slipfront run ([0-9a-f]+) -->")
 
 
 class Snapshots:
-    """Writes frames into a folder, each complete before it gets its name and enters the index.
+    """Write frames into a folder, each complete before it gets its name and enters the index.
 
     A run that is interrupted leaves a valid index of the frames written so far.
 
@@ -42,25 +42,25 @@ class Snapshots:
     Parameters
     ----------
     directory : path
-        Made if it is not there.  Frames and index of another run are removed.
+        The folder; it is made if it does not exist.  Frames and index of another run are removed.
     model : Model
     run : str
         Identity of the run, which index and frames carry.
     started : int
         First time level of this run, above 0 if it goes on from an interrupted one.
     frames : iterable of (time, name)
-        What that one had written, as far as it is still there.
+        Frames that the interrupted run had written, as far as they still exist.
     reserve : int
-        Room that frames must leave on the disk for the histories [bytes].
+        Disk space that frames must leave for the histories [bytes].
 
     Attributes
     ----------
     frames : list of (time, name)
-        What the index lists.
+        Frames that the index lists.
     missing : str
-        Why frames are missing, as a sentence; empty as long as none are.
+        Reason why frames are missing, as a sentence; empty if none are.
     failed : bool
-        Whether one could not be written; no more are tried then.
+        Whether a frame could not be written; no more are tried then.
 
     Raises
     ------
@@ -96,11 +96,11 @@ class Snapshots:
         self._write_index()
 
     def is_due(self, level: int) -> bool:
-        """Whether a time level is one of those to be shown, and none has failed."""
+        """Return whether a time level has a frame, and no frame has failed."""
         return level in self._levels and not self.failed
 
     def write(self, level: int) -> None:
-        """Add the frame of a time level that is due, its kick done and its drift not."""
+        """Write the frame of a time level if it is due, after its kick and before its drift."""
         time, number = level * self.model.time_step, self._levels.index(level) + 1
         name = f"fields-{number:04d}.vtu"
         path = self.directory / name
@@ -121,7 +121,7 @@ class Snapshots:
             )
 
     def _frame(self) -> meshio.Mesh:
-        """The fields at a time level whose kick is done and whose drift is not."""
+        """Return the fields at a time level, after its kick and before its drift."""
         bodies, step = self.model.bodies, self.model.time_step
         displacement = spread(self.model, [body.displacement for body in bodies])
         velocity = spread(self.model, [(b.before + b.increment) / (2 * step) for b in bodies])
@@ -154,7 +154,7 @@ class Snapshots:
         return stress
 
     def _gradient(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Gradient d_j u_i in the middle of each element, (3, 2, elements), index i first."""
+        """Return the gradient d_j u_i at the centre of each element, (3, 2, elements), i first."""
         basis = self.model.space.basis
         gradients = [
             [basis.interpolate(component.copy()).grad[..., 0] for component in part.T]
@@ -171,7 +171,7 @@ class Snapshots:
 
 @contextmanager
 def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
-    """Write a frame of a run, which gets its name, whole, when the context ends well.
+    """Open a frame of a run for writing; it gets its name when the context ends without error.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def new_frame(path: Path, mesh: meshio.Mesh, run: str) -> Iterator[None]:
 
 
 def write_index(directory: Path, frames: Iterable[tuple[float, str]], run: str) -> None:
-    """Write the index of the frames (time, name) of a run, whole or not at all.
+    """Write the index of the frames (time, name) of a run, completely or not at all.
 
     Raises
     ------
@@ -206,11 +206,12 @@ def write_index(directory: Path, frames: Iterable[tuple[float, str]], run: str) 
 
 
 def frame_run(path: Path) -> str | None:
-    """Identity of the run that wrote a frame; None if there is no such frame, or none known.
+    """Return the identity of the run that wrote a frame; None if there is no frame, or none known.
 
     Parameters
     ----------
     path : Path
+        File of the frame.
     """
     try:
         with path.open("rb") as stream:
@@ -222,7 +223,7 @@ def frame_run(path: Path) -> str | None:
 
 
 def index_run(directory: Path) -> str | None:
-    """Identity of the run that wrote the index of a folder; None if it is not known."""
+    """Return the identity of the run that wrote the index of a folder; None if not known."""
     try:
         collection = ElementTree.parse(directory / INDEX).getroot().find("Collection")
     except (OSError, ElementTree.ParseError):
@@ -231,7 +232,7 @@ def index_run(directory: Path) -> str | None:
 
 
 def _listed(directory: Path) -> list[str]:
-    """Names of the frames that the index of a folder lists; none if there is none."""
+    """Return the names of the frames that the index of a folder lists; none without an index."""
     try:
         entries = ElementTree.parse(directory / INDEX).getroot().iter("DataSet")
         return [entry.get("file", "") for entry in entries]
@@ -245,9 +246,9 @@ def forget_other_frames(directory: Path, run: str) -> None:
     Parameters
     ----------
     directory : Path
-        Need not be there.
+        The folder; it need not exist.
     run : str
-        Whose frames stay.
+        Identity of the run whose frames stay.
 
     Raises
     ------
@@ -271,9 +272,9 @@ def forget_other_frames(directory: Path, run: str) -> None:
 
 
 def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Places (2, n) of the nodes of both blocks, and the nodes (k, m) of each element.
+    """Return the positions (2, n) of the nodes of both blocks, and each element's nodes (k, m).
 
-    A half gets its mirror image, whose nodes and elements come after its own.
+    The mirror image of a half is added; its nodes and elements come last.
     """
     points, cells = model.space.points, model.space.element_nodes
     if not model.plan.halves:
@@ -286,13 +287,14 @@ def both_blocks(model: Model) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 
 def spread(model: Model, unknowns: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Vectors at the nodes of `both_blocks` from the unknowns of each body.
+    """Return the vectors at the nodes of `both_blocks` from the unknowns of each body.
 
     Parameters
     ----------
     model : Model
+        The model.
     unknowns : list of arrays
-        Mass-normalised, one per body.
+        Mass-normalised unknowns, one array per body.
 
     Returns
     -------

@@ -31,12 +31,12 @@ from scipy.sparse.linalg import eigsh
 def normalised(
     stiffness: sparse.csr_array, mass: NDArray[np.float64]
 ) -> tuple[sparse.csr_array, NDArray[np.float64]]:
-    """Stiffness in mass-normalised unknowns.
+    """Return the stiffness in mass-normalised unknowns.
 
     Parameters
     ----------
     stiffness : (m n, m n) CSR array
-        Of m components per node.
+        Stiffness with m components per node.
     mass : (n,) array
         Lumped masses.
 
@@ -56,9 +56,10 @@ def normalised(
 
 
 def highest_frequency(matrix: sparse.csr_array, tol: float = 1e-4) -> float:
-    """Largest eigenfrequency omega [1 / time] of the mass-normalised stiffness, by Lanczos.
+    """Return the largest eigenfrequency omega [1 / time] of the mass-normalised stiffness.
 
-    Lanczos comes from below; the tolerance is added, so that omega is not underestimated.
+    The Lanczos method approaches it from below; the tolerance is added, so that omega is not
+    underestimated.
 
     Parameters
     ----------
@@ -72,7 +73,7 @@ def highest_frequency(matrix: sparse.csr_array, tol: float = 1e-4) -> float:
 
 
 def critical_step(frequency: float, damping_time: float) -> float:
-    """Largest stable time step: (2/omega) (sqrt(1 + z^2) - z), z = eta omega / 2.
+    """Return the largest stable time step, (2/omega) (sqrt(1 + z^2) - z), z = eta omega / 2.
 
     Parameters
     ----------
@@ -86,11 +87,11 @@ def critical_step(frequency: float, damping_time: float) -> float:
 
 
 STRIP = 65536
-"""Unknowns per pass: what is computed stays in the cache until all sums over it are taken."""
+"""Unknowns per pass: their values stay in the cache until all sums over them are taken."""
 
 
 class BodyEnergy(NamedTuple):
-    """Energies of a body, each times dt^2, in the middle of a step; the last two are work done."""
+    """Energies of a body, each times dt^2, in the middle of a step; the last two are work."""
 
     kinetic: float
     strain: float
@@ -99,7 +100,7 @@ class BodyEnergy(NamedTuple):
 
 
 class BodyState(NamedTuple):
-    """What a body goes on from: U and D (n,) after a drift, and sums of work (3,)."""
+    """The state from which a body continues: U and D (n,) after a drift, and sums of work (3,)."""
 
     displacement: NDArray[np.float64]
     increment: NDArray[np.float64]
@@ -116,7 +117,8 @@ class Body:
     Parameters
     ----------
     components : tuple of int
-        Of the displacement of a node, one unknown after the other: (0, 1) for x and y, (2,) for z.
+        Displacement components of a node, one unknown after the other: (0, 1) for x and y, (2,) for
+        z.
     matrix : (n, n) CSR array
         A = dt^2 K / (s s^T); may be shared between bodies.
     root : (n,) array
@@ -139,9 +141,9 @@ class Body:
     before, increment : (n,) arrays
         D over the step before this level and, once kicked, over the step after it.
     energy : BodyEnergy
-        In the middle of the step before this level, once kicked.
+        Energies in the middle of the step before this level, once kicked.
     active : int
-        How many leading unknowns move.
+        Number of leading unknowns that move.
     """
 
     components: tuple[int, ...]
@@ -169,7 +171,7 @@ class Body:
         self._outside = 0.0  # work done by the load
 
     def activate(self, unknowns: int) -> None:
-        """Let the first unknowns move; strips of rows are views, nothing is copied."""
+        """Let the first unknowns move; strips of matrix rows are views, nothing is copied."""
         if unknowns == self.active:
             return
         if self._strips and self._strips[-1][0].stop % STRIP:
@@ -188,25 +190,28 @@ class Body:
             Fraction of a step the forces act for: 1/2 at t = 0, from rest, then 1.
         """
         kinetic, now, taken = self._sum(self._kick_strip)
+        # the strips wrote D - A (U + theta D) over the older increment; the two change their roles
         self.before, self.increment = self.increment, self.before
         self._taken = taken
         self._settle(kinetic, now, taken)
         self.increment[self.loaded] += part * self.load
         self.increment[self.held] = 0.0
+        # a wall that makes pairs move oppositely keeps the odd part of their motion
         first, second = self.mirrored
         self.increment[first] = (self.increment[first] - self.increment[second]) / 2
         self.increment[second] = -self.increment[first]
 
     def drift(self, part: float) -> None:
-        """Move on to the next time level, with the kick and all tractions on the faces done.
+        """Move on to the next time level, after the kick and all tractions on the faces.
 
         Parameters
         ----------
         part : float
-            As in the kick before.
+            Fraction of a step, as in the kick before.
         """
         loaded, taken = self.loaded, self._taken
         increments = self.before[loaded] + self.increment[loaded]
+        # a force at t_n does work on the mean of the increments before and after it
         self._outside += part * float(increments @ self.load) / 2
         self._inside += (taken + self._sum(self._drift_strip)[0]) / 2
 
@@ -224,33 +229,35 @@ class Body:
         damped = self._damped[rows]
         displacement += increment
         np.multiply(increment, self.damping, out=damped)
+        # U + theta D for the next kick, formed while both are in the cache
         damped += displacement
         return (_dot(increment, self._force[rows.start]),)
 
     def _sum(self, work: Callable[[slice, sparse.csr_array], tuple[float, ...]]) -> list[float]:
-        """Do the work on every strip and add up what it returns, always in the same order."""
+        """Run a function on every strip and add up its results, always in the same order."""
         results = [work(rows, matrix) for rows, matrix in self._strips]
         return [sum(values) for values in zip(*results, strict=True)]
 
     def state(self) -> BodyState:
-        """What the march goes on from, after a drift; the arrays are the body's own."""
+        """The state from which the march continues, after a drift; the arrays are not copies."""
         sums = np.array([self._square, self._inside, self._outside])
         return BodyState(self.displacement, self.increment, sums)
 
     def restore(self, state: BodyState) -> None:
-        """Go on from a state another body of the same model was in, to the last bit."""
+        """Continue from the state of another body of the same model, to the last bit."""
         self.displacement[:], self.increment[:] = state.displacement, state.increment
         self._square, self._inside, self._outside = state.sums.tolist()
         np.multiply(self.increment, self.damping, out=self._damped)
         self._damped += self.displacement
 
     def _settle(self, kinetic: float, now: float, taken: float) -> None:
-        """Energy in the middle of the past step, from D . D, U_n . force and D . force.
+        """Set the energy in the middle of the past step, from D . D, U_n . force and D . force.
 
         The strain energy U_n . A U_{n-1} comes from the damped product alone: with
         A (U_n + theta D) = (1 + theta) A U_n - theta A U_{n-1}, its products with U_n and
         U_{n-1} = U_n - D give U_n . A U_{n-1} and U_n . A U_n in turn.
         """
+        # `_square` is U_{n-1} . A U_{n-1} before the assignment, U_n . A U_n after it
         theta = self.damping
         cross = (now - taken + theta * self._square) / (1 + theta)
         self._square = (now + theta * cross) / (1 + theta)
@@ -263,12 +270,12 @@ class Body:
 
 
 def _dot(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Scalar product without BLAS, whose threads wait for one another on a busy machine."""
+    """Return a scalar product without BLAS, whose threads wait for one another when busy."""
     return float(np.einsum("i,i", one, other))
 
 
 def _row_view(matrix: sparse.csr_array, rows: slice) -> sparse.csr_array:
-    """Some rows of a CSR matrix that share its memory, but for their few row pointers."""
+    """Return some rows of a CSR matrix that share its memory, except for their row pointers."""
     start, end = matrix.indptr[rows.start], matrix.indptr[rows.stop]
     return sparse.csr_array(
         (

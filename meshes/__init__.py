@@ -1,4 +1,4 @@
-"""Meshes of the two blocks that meet along y = 0: described, built, cached, read back."""
+"""Meshes of the two blocks that meet along y = 0: their description, construction and cache."""
 
 from semianalytic.scene.extras import needing
 

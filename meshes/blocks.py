@@ -1,4 +1,4 @@
-"""The rectangle each block occupies, and how large causality makes it."""
+"""The rectangles that the blocks occupy, and the size that causality requires."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from semianalytic.scene.errors import SceneError
 
 PATTERNS = ("squares", "graded", "triangles")
-"""Squares; rows of rectangles that grow away from the interface; unstructured triangles."""
+"""Mesh patterns: squares, rows that grow away from the interface, unstructured triangles."""
 
 GROWTH = 1.05
 """Height of each row of a graded mesh over that of the row before, so h + 0.05 |y|."""
@@ -35,7 +35,7 @@ class Blocks:
     left, right, height : int
         Elements left of the edge, right of it, and from the interface to the far side.
     lower : bool
-        Whether the lower block is there too.
+        Whether there is a lower block as well.
     pattern : str
         One of `PATTERNS`.
 
@@ -73,7 +73,7 @@ class Blocks:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the blocks that are there."""
+        """Names of the blocks."""
         return ("upper", "lower") if self.lower else ("upper",)
 
     @property
@@ -100,7 +100,7 @@ class Blocks:
         return float(self.rows[-1])
 
     def sides(self, block: str) -> dict[str, int]:
-        """Names of a block's boundaries and the number of element sides on each."""
+        """Return the names of a block's boundaries and the number of element sides on each."""
         far = "top" if block == "upper" else "bottom"
         return {
             f"{block}_slot": self.left,
@@ -112,7 +112,7 @@ class Blocks:
 
 
 def causal_margin(speed: float, end_time: float, size: float, damping_time: float = 0.0) -> float:
-    """How far numerical forerunners run ahead of the pressure front [length].
+    """Return how far numerical forerunners run ahead of the pressure front [length].
 
     A wave of a mesh has no sharp front: dispersion smears it over a few elements, and the
     damping C = eta K spreads it like a diffusion of strength eta c_l^2.  Beyond
@@ -143,11 +143,11 @@ def causal_blocks(
     free_walls: bool = False,
     pattern: str = "squares",
 ) -> Blocks:
-    """Blocks just large enough that no reflection is seen before the end time T.
+    """Return blocks just large enough that no reflection is seen before the end time T.
 
-    All that is not a plane wave starts at the edge at t = 0 and travels at most at c_l; the
-    plane waves of a loaded slot or a sliding interface run straight up and pass along side
-    walls that hold u_y (shear) or u_x (pressure) without any reflection.  Hence
+    All waves but plane ones start at the edge at t = 0 and travel at most at c_l.  The plane waves
+    of a loaded slot or a sliding interface run straight up and pass along side walls that hold u_y
+    (shear) or u_x (pressure) without any reflection.  Hence
 
     - right wall: what leaves the edge meets it after c_l T, so the whole disturbed contact
       0 < x < c_l T is observed;
@@ -207,7 +207,7 @@ def causal_blocks(
 
 
 def observed_slot(speed: float, end_time: float, full: bool = False) -> float:
-    """Length of slot next to the edge that no reflection reaches by the end time [length].
+    """Return the length of slot next to the edge that no reflection reaches by the end time.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Building the blocks with gmsh's built-in geometry kernel, or without gmsh where it is missing."""
+"""Build meshes with gmsh's built-in geometry kernel, or without gmsh where it is missing."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ APT_PACKAGES = files("meshes").joinpath("apt-packages.txt").read_text(encoding="
 """Debian packages of the shared libraries that libgmsh is linked against; CI installs them too."""
 
 Tell = Callable[[str], object]
-"""Gets a sentence."""
+"""A function that receives a sentence."""
 
 LAST_LINE = b"$EndElements\n"
-"""Of a mesh file that gmsh could write to its end."""
+"""Last line of a mesh file that gmsh could write to its end."""
 
 
 def build_mesh(blocks: Blocks, path: str | Path, tell: Tell | None = None) -> None:
@@ -53,12 +53,12 @@ def build_mesh(blocks: Blocks, path: str | Path, tell: Tell | None = None) -> No
 
 
 def new_mesh_file(blocks: Blocks, path: str | Path) -> AbstractContextManager[Path]:
-    """A sealed file for the mesh of these blocks, as `semianalytic.results.files.new_file`."""
+    """Open a sealed file for the mesh of blocks, like `semianalytic.results.files.new_file`."""
     return new_file(path, _size(blocks), Seal.MSH, suffix=".msh")
 
 
 def write_mesh(blocks: Blocks, part: Path, tell: Tell | None = None) -> None:
-    """Mesh the blocks into a file that is there; `tell` as in `build_mesh`.
+    """Mesh the blocks into a file that exists; `tell` as in `build_mesh`.
 
     Raises
     ------
@@ -88,25 +88,25 @@ def write_mesh(blocks: Blocks, part: Path, tell: Tell | None = None) -> None:
 
 
 def _loaded_gmsh() -> Any:
-    """The module, which loads libgmsh and all that it is linked against."""
+    """Import and return gmsh, which loads libgmsh and the libraries it is linked against."""
     import gmsh
 
     return gmsh
 
 
 def _can_be_laid(blocks: Blocks) -> bool:
-    """Whether `meshes.laid` can lay the blocks."""
+    """Return whether `meshes.laid` can lay the blocks."""
     shortest = min(blocks.left, blocks.right, blocks.height)
     return blocks.pattern != "triangles" and shortest >= LEAST_SIDES
 
 
 def _pattern(blocks: Blocks) -> str:
-    """The mesh in words."""
+    """Describe the mesh in words."""
     return "graded mesh" if blocks.pattern == "graded" else f"mesh of {blocks.pattern}"
 
 
 def _refusal(blocks: Blocks, error: Exception) -> str:
-    """Why blocks cannot be meshed without gmsh, and what to do about it."""
+    """Make the error that says why blocks cannot be meshed without gmsh, and what to do."""
     triangles = blocks.pattern == "triangles"
     what = _pattern(blocks) + ("" if triangles else " with a side of a single element")
     other = "choose squares or a graded mesh" if triangles else "make every side longer"
@@ -118,7 +118,7 @@ def _refusal(blocks: Blocks, error: Exception) -> str:
 
 
 def _write_with(gmsh: Any, blocks: Blocks, part: Path) -> None:
-    """Have gmsh mesh the blocks into a file that is there."""
+    """Let gmsh mesh the blocks into a file that exists."""
     with _empty_model(gmsh):
         for block in blocks.names:
             _add_block(gmsh, blocks, block)
@@ -131,7 +131,7 @@ def _write_with(gmsh: Any, blocks: Blocks, part: Path) -> None:
 
 
 def _size(blocks: Blocks) -> int:
-    """About how large the file of a mesh gets [bytes]: nodes of 32 and elements of 40."""
+    """Return the approximate size of a mesh file [bytes]: nodes of 32 and elements of 40."""
     return 32 * blocks.nodes + 40 * blocks.elements
 
 
@@ -170,9 +170,9 @@ def _add_block(gmsh: Any, blocks: Blocks, block: str) -> None:
 
 @contextmanager
 def _signals_kept() -> Iterator[None]:
-    """Put back what is done on signals, SIGTERM and SIGPIPE among them, which gmsh forgets.
+    """Restore the signal handlers that gmsh replaces, those of SIGTERM and SIGPIPE among them.
 
-    Only the main thread can; elsewhere it is left to gmsh.
+    Only the main thread can restore them; elsewhere they are left to gmsh.
     """
     before = {number: signal.getsignal(number) for number in signal.valid_signals()}
     yield
@@ -185,7 +185,7 @@ def _signals_kept() -> Iterator[None]:
 
 @contextmanager
 def _empty_model(gmsh: Any) -> Iterator[None]:
-    """An empty gmsh model; gmsh is silent and leaves Ctrl-C and its configuration alone."""
+    """Open an empty gmsh model; gmsh is silent and does not touch Ctrl-C or its configuration."""
     ours = not gmsh.isInitialized()
     if ours:
         with _signals_kept():

@@ -1,4 +1,4 @@
-"""Meshes built once and kept in the user's cache folder."""
+"""The cache of meshes, which are built once and kept in the user's cache folder."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ FORMAT = "slipfront blocks 2"
 
 
 def cache_directory() -> Path:
-    """Folder of the cached meshes: $SLIPFRONT_CACHE, or the system's place for caches."""
+    """Return the folder of cached meshes: $SLIPFRONT_CACHE, or the system's place for caches."""
     return Path(os.environ.get("SLIPFRONT_CACHE") or user_cache_dir("slipfront"))
 
 
 def cache_path(blocks: Blocks) -> Path:
-    """File in which the mesh of these blocks is cached."""
+    """Return the file in which the mesh of these blocks is cached."""
     key = repr((FORMAT, sorted(asdict(blocks).items())))
     return cache_directory() / f"blocks-{hashlib.sha256(key.encode()).hexdigest()[:20]}.msh"
 
 
 def cached_mesh(blocks: Blocks, tell: Tell | None = None) -> MeshQuad | MeshTri:
-    """Mesh of the blocks, from the cache if it is there, else built and kept.
+    """Return the mesh of the blocks from the cache, or build and keep it.
 
-    A cached file that turns out damaged is built again: nothing but time is lost.
+    A damaged file in the cache is built again, which costs only time.
 
     Parameters
     ----------

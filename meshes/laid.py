@@ -1,4 +1,4 @@
-"""Squares and graded blocks laid in numpy where gmsh cannot be loaded.
+"""Meshes of squares and graded blocks made with numpy where gmsh cannot be loaded.
 
 Nodes, elements and the tags of both are those of `meshes.build`, in the same order, so that either
 file gives the same mesh.
@@ -46,7 +46,7 @@ class _Block:
 
     @property
     def inside(self) -> Numbers:
-        """Nodes on no side, column by column."""
+        """Nodes inside the block, column by column."""
         return self.number[1:-1, 1:-1].ravel()
 
     @property
@@ -60,7 +60,7 @@ class _Block:
 
 
 def write_laid(blocks: Blocks, part: Path) -> None:
-    """Lay squares or a graded mesh and write them as binary MSH 4.1.
+    """Make squares or a graded mesh and write it as binary MSH 4.1.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def write_laid(blocks: Blocks, part: Path) -> None:
 
 
 def laid_mesh(blocks: Blocks) -> meshio.Mesh:
-    """The mesh of squares or of a graded pattern, with the tags that gmsh gives to its parts.
+    """Make the mesh of squares or of a graded pattern, with the tags that gmsh gives to its parts.
 
     Points come first, then the inner nodes of the curves and those of the surfaces, upper block
     before lower one.  Points, curves and surfaces are numbered from 1 on; so are the physical
@@ -133,12 +133,12 @@ def laid_mesh(blocks: Blocks) -> meshio.Mesh:
 
 
 def _for_each(cells: list[tuple[str, Numbers]], tags: list[int]) -> list[Numbers]:
-    """The tag of a group of cells for each of them."""
+    """Return the tag of a group of cells for each of them."""
     return [np.full(len(nodes), tag) for (_, nodes), tag in zip(cells, tags, strict=True)]
 
 
 def _numbered(blocks: Blocks) -> Iterator[_Block]:
-    """Blocks whose nodes are numbered: points, inner nodes of curves, inner nodes of surfaces."""
+    """Number the nodes of blocks: points, inner nodes of curves, inner nodes of surfaces."""
     shape = (blocks.left + blocks.right + 1, blocks.height + 1)
     place = np.arange(shape[0] * shape[1]).reshape(shape)
     sides = [

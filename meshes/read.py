@@ -1,4 +1,4 @@
-"""Reading a mesh file and making sure that it is what it should be."""
+"""Read a mesh file and check that it is the mesh it should be."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from meshes.blocks import Blocks
 from semianalytic.scene.errors import DataFileError
 
 POSITION_TOLERANCE = 1e-6
-"""Largest distance of a node from its place, in elements."""
+"""Largest distance of a node from its position on the grid, in elements."""
 
 
 @dataclass(frozen=True)
 class _Raw:
-    """What a mesh file holds.
+    """The contents of a mesh file.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ def read_mesh(path: str | Path, blocks: Blocks) -> MeshQuad | MeshTri:
 def side_nodes(
     points: NDArray[np.float64], nodes: NDArray[np.int64], side: str
 ) -> NDArray[np.int64]:
-    """Nodes of a named side of a block, in order of increasing x and then |y|.
+    """Return the nodes of a named side of a block, in order of increasing x and then |y|.
 
     Slot and contact meet at the node of the interface that is nearest to x = 0.
 
@@ -109,7 +109,7 @@ def side_nodes(
 
 
 def _parse(path: Path, kind: str) -> _Raw:
-    """Elements of one kind, "quad" or "triangle", and named sides."""
+    """Parse the elements of one kind, "quad" or "triangle", and the named sides."""
     if not path.is_file():
         raise DataFileError(f"{path} does not exist; give the path of a mesh file.")
     try:
@@ -142,9 +142,9 @@ def _raw(file: meshio.Mesh, kind: str) -> _Raw:
 
 
 def _in_elements(points: NDArray[np.float64], blocks: Blocks) -> NDArray[np.float64]:
-    """Places (2, n) in columns right of the edge and rows above the interface.
+    """Convert positions (2, n) to columns right of the edge and rows above the interface.
 
-    What lies beyond the far sides is put beyond the last row.
+    Positions beyond the far sides are put beyond the last row.
     """
     x, y = points
     rows = np.append(blocks.rows, blocks.far + blocks.size)
@@ -153,7 +153,7 @@ def _in_elements(points: NDArray[np.float64], blocks: Blocks) -> NDArray[np.floa
 
 
 def _block_complaint(raw: _Raw, places: NDArray[np.float64], blocks: Blocks) -> str:
-    """What is wrong with the elements of a mesh, or an empty string."""
+    """Say what is wrong with the elements of a mesh, or return an empty string."""
     regular, nodes, count = blocks.pattern != "triangles", places.shape[1], raw.elements.shape[1]
     if regular and (count != blocks.elements or nodes != blocks.nodes):
         return (
@@ -179,7 +179,7 @@ def _block_complaint(raw: _Raw, places: NDArray[np.float64], blocks: Blocks) -> 
 
 
 def _side_complaint(raw: _Raw, places: NDArray[np.float64], blocks: Blocks) -> str:
-    """What is wrong with the sides of a mesh, or an empty string."""
+    """Say what is wrong with the sides of a mesh, or return an empty string."""
     for block in blocks.names:
         own = _are_named(raw.elements[:, raw.named[block]], places.shape[1])
         for name, count in blocks.sides(block).items():
@@ -200,14 +200,14 @@ def _side_complaint(raw: _Raw, places: NDArray[np.float64], blocks: Blocks) -> s
 
 
 def _are_named(elements: NDArray[np.int64], nodes: int) -> NDArray[np.bool_]:
-    """Which of so many nodes belong to one of the elements (k, m)."""
+    """Return which of so many nodes belong to one of the elements (k, m)."""
     named = np.zeros(nodes, dtype=bool)
     named[elements] = True
     return named
 
 
 def _fill_cells(corners: NDArray[np.float64], blocks: Blocks) -> bool:
-    """Whether elements (2, 4, n), their corners on the grid, fill one cell each of the block."""
+    """Return whether elements (2, 4, n) with corners on the grid fill each cell once."""
     x, y = corners = np.rint(corners)
     column, row = corners.min(axis=1)
     number = (column + blocks.left) * blocks.height + row
@@ -218,7 +218,7 @@ def _fill_cells(corners: NDArray[np.float64], blocks: Blocks) -> bool:
 
 
 def _is_covered(corners: NDArray[np.float64], blocks: Blocks) -> bool:
-    """Whether triangles (2, 3, n), in elements, cover the upper rectangle without overlap."""
+    """Return whether triangles (2, 3, n), in elements, cover the upper rectangle once."""
     (x, y), first = corners, corners[:, 0]
     one, two = corners[:, 1] - first, corners[:, 2] - first
     area = (one[0] * two[1] - one[1] * two[0]) / 2
@@ -234,7 +234,7 @@ def _is_covered(corners: NDArray[np.float64], blocks: Blocks) -> bool:
 
 
 def _is_grid(places: NDArray[np.float64], blocks: Blocks) -> bool:
-    """Whether places (2, n), in elements, are the nodes of the upper rectangle, each once."""
+    """Return whether positions (2, n), in elements, are those of the upper nodes, once each."""
     columns, rows = blocks.left + blocks.right + 1, blocks.height + 1
     nearest = np.rint(places)
     column, row = nearest[0] + blocks.left, nearest[1]
@@ -245,12 +245,12 @@ def _is_grid(places: NDArray[np.float64], blocks: Blocks) -> bool:
 
 
 def _middles(ends: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Different middles of element sides with ends (2, 2, n), in elements, as they should be."""
+    """Return the distinct middles, times two, of element sides with ends (2, 2, n) on the grid."""
     return np.unique(np.rint(ends).sum(axis=1), axis=1).T
 
 
 def _on_side(ends: NDArray[np.float64], name: str, blocks: Blocks) -> bool:
-    """Whether lines with ends (2, 2, n), in elements, are element sides on the named side."""
+    """Return whether lines with ends (2, 2, n), in elements, are element sides on a side."""
     x, y = ends
     on_grid = np.abs(ends - np.rint(ends)) <= POSITION_TOLERANCE
     one_long = np.ptp(np.rint(ends), axis=1).sum(axis=0) == 1

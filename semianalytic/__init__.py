@@ -1,6 +1,7 @@
 """Slip on a frictional interface after a sudden load: exact where self-similar, else marched.
 
-What `solve` needs is imported at once, the rest when one of its names is first used.
+The modules that `solve` needs are imported at once, the others when one of their names is first
+used.
 """
 
 from importlib import import_module
@@ -98,7 +99,7 @@ _LATER = {
     "semianalytic.spacetime.marched": ("Marched",),
     "semianalytic.sweeps.sweep": ("Sweep", "sweep"),
 }
-"""Modules that a plain solution does without, and what they are asked for."""
+"""Modules that a plain solution does not need, with the public names they define."""
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.field.derived import fringe_order, fringes, strain
@@ -114,7 +115,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
 else:
 
     def __getattr__(name: str) -> Any:
-        """A name of a module that is not imported yet."""
+        """Import the module that defines a public name, when the name is first used."""
         for module, names in _LATER.items():
             if name in names:
                 globals()[name] = getattr(import_module(module), name)

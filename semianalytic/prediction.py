@@ -1,4 +1,4 @@
-"""The answer to a scene by the solver it calls for."""
+"""Predict what happens in a scene, by the solver that suits it."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ METHODS = ("auto", "self-similar", "space-time")
 
 
 def chosen_method(scene: Scene, method: str = "auto") -> str:
-    """ "self-similar" or "space-time": the one asked for, or the faster one that is right.
+    """Return the method for a scene, "self-similar" or "space-time".
 
-    Friction that falls with slip rate is marched unless the other is asked for: the exact answer
-    takes longer, and is unstable (docs/rate.md).
+    It is the requested one, or for "auto" the faster one that is right.  Friction that falls with
+    slip rate is marched by default: the exact answer takes longer, and is unstable (docs/rate.md).
 
     Raises
     ------
@@ -47,24 +47,25 @@ def predict(
     method: str = "auto",
     progress: Callable[[int, int], object] | None = None,
 ) -> Solution | Marched:
-    """What happens on the contact of a scene: exact where it is self-similar, marched otherwise.
+    """Predict what happens on the contact of a scene: exactly if self-similar, else by a march.
 
-    Both answer the same questions, those of `results.answer.Answer`: a solution at all times and
+    Both results answer the same questions, those of `Answer`: a solution at all times and
     positions, a march until the end time and on the length it was given.
 
     Parameters
     ----------
     scene : Scene
+        Material, friction law, tractions and load histories.
     end_time : float, optional
-        Until when to march [time]; the time a shear wave takes over a length of 1 unless given.
+        End time of a march [time]; by default the time a shear wave takes over a length of 1.
     nodes : int, optional
-        Of a march; 1000 unless given, or as many as follow the loads and resolve slip at the edge
-        and slip weakening.
+        Contact nodes of a march; by default 1000, or as many as follow the loads and resolve slip
+        at the edge and slip weakening.
     length : float, optional
-        Of the contact that a march observes [length]; c_l end_time unless given.
+        Length of the contact that a march observes [length]; c_l end_time unless given.
     rtol : float, optional
         Wanted accuracy: of a solution as in `solve`, 1e-8 unless given; of a march as in `march`,
-        where it stands in place of `nodes`.
+        where it replaces `nodes`.
     method : str
         "self-similar", "space-time", or "auto", which takes the first wherever it applies.
     progress : callable, optional
@@ -83,6 +84,15 @@ def predict(
         If the pressure turns tensile.
     ComputationError
         If a march fails.
+
+    Examples
+    --------
+    >>> from semianalytic import Solution, find_scene, predict
+    >>> answer = predict(find_scene("preloaded"))  # step loads: the exact, self-similar solution
+    >>> isinstance(answer, Solution), round(float(answer.slip_rate(0.1, 1.0)), 3)
+    (True, 0.771)
+    >>> predict(find_scene("ramp"), nodes=128).status  # any other history: a march in time
+    'resolved'
     """
     if end_time is not None:
         end_time = checked_size("predict: end_time", end_time)

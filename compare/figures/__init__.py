@@ -1,1 +1,1 @@
-"""Pictures of solutions, marches, simulations and their comparison."""
+"""Figures of solutions, marches, simulations and their comparison."""

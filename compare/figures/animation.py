@@ -1,4 +1,4 @@
-"""Pictures of fields at many times, as GIF or MP4."""
+"""Animations of fields as GIF or MP4."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from semianalytic.results.files import new_file
 from semianalytic.scene.errors import ComputationError, MissingLibraryError
 
 PER_SECOND = 15
-"""Frames of an animation."""
+"""Frames per second of an animation."""
 WRITERS: Mapping[str, type[PillowWriter | FFMpegWriter]] = {
     "gif": PillowWriter,
     "mp4": FFMpegWriter,
@@ -21,7 +21,7 @@ WRITERS: Mapping[str, type[PillowWriter | FFMpegWriter]] = {
 
 
 def check_format(form: str) -> None:
-    """Raise MissingLibraryError unless animations of a format of `WRITERS` can be written."""
+    """Raise MissingLibraryError unless animations in a format of `WRITERS` can be written."""
     if not WRITERS[form].isAvailable():
         raise MissingLibraryError(
             f"An animation as {form} needs the program ffmpeg, which is not installed; install it "
@@ -35,17 +35,19 @@ def write_animation(
     times: Sequence[float],
     progress: Callable[[int, int], object] | None = None,
 ) -> None:
-    """Write a picture at several times as a film in the format its name asks for, whole or not.
+    """Write a picture at several times as an animation, in the format of its file name.
+
+    The file appears only when it is complete.
 
     Parameters
     ----------
     path : Path
-        That ends in a key of `WRITERS`.
+        File to write, whose suffix is a key of `WRITERS`.
     picture : FieldPicture
     times : sequence of float
-        [time].
+        Times of the frames [time].
     progress : callable, optional
-        Called with (frame, frames) after each.
+        Called with (frame, frames) after each frame.
 
     Raises
     ------

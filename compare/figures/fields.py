@@ -1,4 +1,4 @@
-"""Pictures of whole fields, with their fronts named and what moves on the interface."""
+"""Pictures of whole fields, with named wave fronts and the moving parts of the interface."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ from semianalytic.results.answer import WholeFields
 from semianalytic.scene.units import unit
 
 SHOWN = 0.995
-"""Share of the points whose values are within the range of colours."""
+"""Fraction of the points whose values are within the range of colours."""
 WIDE = 4.0
-"""Height of a picture [inch] below which its colour bar lies under it."""
+"""Height of a picture [inch] below which its colour bar is placed under it."""
 COLOURS = {"size": "viridis", "sign": "RdBu_r", "light": "gray"}
 INK = {"size": ("white", "#333333"), "sign": ("#333333", "white"), "light": (ORANGE, "#333333")}
-"""Colour of the fronts over each kind of quantity, and of what is around them."""
+"""Colour of the fronts over each kind of quantity, and of their outline."""
 
 
 def field_figure(
@@ -47,19 +47,20 @@ def field_figure(
     window: Window | None = None,
     points: int = 400,
 ) -> Figure:
-    """A quantity over both bodies at a time [time], with its fronts and zones.
+    """Draw a quantity over both bodies at a time, with its fronts and zones.
 
     Parameters
     ----------
     fields : WholeFields
     quantity : Quantity
-        From `find_quantity`.
+        Quantity to draw, from `find_quantity`.
     time : float
-        [time].
+        Time of the picture [time].
     window : (x0, x1, y0, y1), optional
-        [length]; what waves can have come to unless given.
+        Part of the plane to draw [length]; everything the waves have reached by default.
     points : int
-        Along the longer side of the window, in whose shorter one they are as far apart.
+        Number of points along the longer side of the window; the spacing is the same along the
+        shorter one.
     """
     return FieldPicture(fields, quantity, window or reach(fields, time), points, time).figure
 
@@ -70,9 +71,9 @@ class FieldPicture:
     Parameters
     ----------
     fields, quantity, window, points
-        As for `field_figure`.
+        Arguments of `field_figure`.
     time : float
-        The one shown first, from whose values the range of colours comes [time].
+        Time shown first, whose values determine the range of colours [time].
     """
 
     @look()
@@ -98,13 +99,13 @@ class FieldPicture:
             shrink=0.9,
             aspect=20 if tall > WIDE else 40,
         )
-        for _ in range(2):  # the second time it knows its labels
+        for _ in range(2):  # the sizes of labels are known only at the second drawing
             self.figure.draw_without_rendering()
-        self.figure.set_layout_engine("none")  # so that it stays where it is, whatever the time
+        self.figure.set_layout_engine("none")  # the layout stays fixed for all times
 
     @look()
     def show(self, time: float) -> None:
-        """Draw another time [time]."""
+        """Draw the field at another time [time]."""
         self.panel.clear()
         self.figure.legends.clear()
         self._draw(self._values(time), time)
@@ -114,13 +115,13 @@ class FieldPicture:
         return self.quantity.at(self.fields, x.ravel(), y.ravel(), time).reshape(x.shape)
 
     def _rest(self) -> float:
-        """The quantity before anything has happened."""
+        """Return the quantity in the initial state."""
         return float(self.quantity.at(self.fields, np.ones(1), np.ones(1), 0.0)[0])
 
     def _draw(self, values: Array, time: float) -> AxesImage:
         panel, scene = self.panel, self.fields.scene
         image = panel.imshow(
-            np.clip(values, self._norm.vmin, self._norm.vmax),  # also what is infinite
+            np.clip(values, self._norm.vmin, self._norm.vmax),  # clips infinite values too
             extent=self.window,
             origin="lower",
             norm=self._norm,
@@ -140,7 +141,7 @@ class FieldPicture:
 
 
 def _middles(window: Window, points: int) -> tuple[Array, Array]:
-    """Middles of square cells that fill a window: x (n,) and y (m,)."""
+    """Return the centres of square cells that fill a window: x (n,) and y (m,)."""
     x0, x1, y0, y1 = window
     size = max(x1 - x0, y1 - y0) / points
 
@@ -152,7 +153,7 @@ def _middles(window: Window, points: int) -> tuple[Array, Array]:
 
 
 def _range(values: Array, quantity: Quantity, rest: float) -> tuple[float, float]:
-    """What is shown in colours; the few values beyond have that of the ends."""
+    """Return the range of the colours; the few values beyond it have the colours of its ends."""
     if quantity.kind == "light":
         return 0.0, 1.0
     finite = values[np.isfinite(values)]
@@ -163,7 +164,7 @@ def _range(values: Array, quantity: Quantity, rest: float) -> tuple[float, float
 
 
 def _draw_front(panel: Axes, front: Front, window: Window, colour: str, around: str) -> None:
-    """A front and its mirror image; its name where the upper one can be seen."""
+    """Draw a front and its mirror image, with its name if the upper one is visible."""
     line: dict[str, Any] = {"color": colour, "linestyle": "--", "linewidth": 0.8}
     for side in (1, -1):
         panel.plot(front.x, side * front.y, **line, path_effects=outline(around, 1.6))
@@ -186,7 +187,7 @@ def _draw_front(panel: Axes, front: Front, window: Window, colour: str, around: 
 
 
 def _draw_interface(panel: Axes, fields: WholeFields, time: float) -> list[Line2D]:
-    """The slot, what slips and what is open on y = 0, and Rayleigh fronts; entries of a legend."""
+    """Draw slot, slip, open parts and Rayleigh fronts on y = 0, and return their legend entries."""
     scene, speeds = fields.scene, scene_fronts(fields.scene)
     far = 1e3 * scene.fastest_speed * time
     bar: dict[str, Any] = {"linewidth": 2.5, "solid_capstyle": "butt"}

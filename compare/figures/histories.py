@@ -1,4 +1,4 @@
-"""Figures over space and time: sense of slip by both methods, profiles, wear; a march alone."""
+"""Figures over space and time: slip sense by both methods, profiles, wear; and marches."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ from semianalytic.results.answer import Answer
 
 MOMENTS = (0.25, 0.5, 0.75, 1.0)
 LEVELS = 400
-"""Most points of a march that are drawn along each axis, nearly."""
+"""Approximate largest number of points of a march that are drawn along each axis."""
 
 
 def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
-    """The figures that a comparison has, by file name without its suffix."""
+    """Return the figures of a comparison, by file name without suffix."""
     figures: dict[str, Callable[[Case], Figure]] = {}
     solution = case.prediction
     if isinstance(solution, Solution):
@@ -70,8 +70,7 @@ def comparison_figures(case: Case) -> dict[str, Callable[[Case], Figure]]:
 
 @styled
 def sense_figure(case: Case) -> Figure:
-    """Maps of slip sense and of what is open over (x, t): predicted, simulated, and where the two
-    differ."""
+    """Draw maps of slip sense and opening over (x, t): predicted, simulated, and differences."""
     predicted, seen, reached = sense_maps(case)
     history, material, end = case.seen, case.scene.material, case.end_time
     length = material.shear_speed * end
@@ -113,7 +112,7 @@ def sense_figure(case: Case) -> Figure:
 
 @styled
 def history_figure(case: Case) -> Figure:
-    """Slip rate along the interface at four moments, by both methods."""
+    """Draw the slip rate along the interface at four times, by both methods."""
     seen, scene, end = case.seen, case.scene, case.end_time
     length, scale = case.length, case.rate
     figure = describe(new_figure(7, 7.7), scene)
@@ -136,7 +135,7 @@ def history_figure(case: Case) -> Figure:
 
 @styled
 def wear_figure(case: Case) -> Figure:
-    """Accumulated |slip| and frictional work along the interface at the end, by both methods."""
+    """Draw accumulated |slip| and frictional work along the interface by both methods."""
     simulation, x, length = case.simulation, case.seen.x, case.length
     path, work = case.worn_at_nodes
     slip, stress = case.rate * case.end_time, case.stress
@@ -158,7 +157,7 @@ def wear_figure(case: Case) -> Figure:
 
 @styled
 def gap_figure(case: Case) -> Figure:
-    """The gap at four moments, and the pressure at the end, by both methods."""
+    """Draw the gap at four times, and the contact pressure at the end, by both methods."""
     seen, length, end = case.seen, case.length, case.end_time
     figure = describe(new_figure(7, 5.7), case.scene)
     upper, lower = figure.subplots(2, 1, sharex=True)
@@ -191,7 +190,7 @@ def gap_figure(case: Case) -> Figure:
 
 
 def curve(prediction: Answer, reach: float, time: float) -> tuple[Array, Array]:
-    """Positions up to a reach and slip rates there (n,), as fine as the answer itself is known."""
+    """Return positions and slip rates (n,) up to a reach, at the resolution of the answer."""
     x = np.linspace(reach / POINTS, reach, POINTS)
     if isinstance(prediction, Marched):
         x = prediction.interface.x
@@ -200,7 +199,7 @@ def curve(prediction: Answer, reach: float, time: float) -> tuple[Array, Array]:
 
 @styled
 def march_figure(marched: Marched) -> Figure:
-    """Slip rate over space and time, and accumulated |slip| along the interface at the end."""
+    """Draw the slip rate over space and time, and the accumulated |slip| along the interface."""
     scene, fields = marched.scene, marched.interface
     length, scale = scene.material.shear_speed * marched.end_time, slip_rate_scale(scene)
     rows = slice(None, None, max(1, len(fields.t) // LEVELS))

@@ -1,7 +1,7 @@
-"""Figures: slip rate, tractions and the space–time map, prediction against simulation.
+"""Figures of slip rate, tractions and the space–time map: prediction against simulation.
 
-Every function returns a Figure of a `solution`, the prediction, and where it takes a `history`, of
-the simulation of the same scene.  Pass `axes` to draw into axes of a figure of your own.
+Every function draws a `solution`, the prediction, and returns a Figure.  Where it takes a
+`history`, this is the simulation of the same scene.  Pass `axes` to draw into your own figure.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ POINTS = 1500
 def slip_rate_figure(
     solution: Solution, history: InterfaceHistory, *, axes: tuple[Axes, Axes] | None = None
 ) -> Figure:
-    """Slip rate against ξ/c_t at the last time of the history, with the difference below."""
+    """Draw slip rate against ξ/c_t at the last time of the history, with the difference below."""
     scene, scale, time = solution.scene, slip_rate_scale(solution.scene), history.t[-1]
     upper, lower = axes or _new_panels(scene, (3, 1))
     unit, dense = scene.material.shear_speed, _speeds(scene)
@@ -83,7 +83,7 @@ def slip_rate_figure(
 def tractions_figure(
     solution: Solution, history: InterfaceHistory, *, axes: Axes | None = None
 ) -> Figure:
-    """Shear traction and friction bound ±f p against ξ/c_t at the last time of the history."""
+    """Draw shear traction and friction bound ±f p against ξ/c_t at the last time of the history."""
     scene, scale, time = solution.scene, stress_scale(solution.scene), history.t[-1]
     panel = axes or _new_axes(scene)
     unit = scene.material.shear_speed
@@ -114,9 +114,9 @@ def tractions_figure(
 def fronts_figure(
     solution: Solution, history: InterfaceHistory, *, axes: Axes | None = None
 ) -> Figure:
-    """Space–time map of the simulated slip rate under the predicted fronts and zone edges.
+    """Draw a space–time map of the simulated slip rate with predicted fronts and zone edges.
 
-    Slip of one sense is coloured by its square root, so that weak zones show.
+    Colours of slip of one sense scale with its square root, which makes weak zones visible.
     """
     scene, scale, time = solution.scene, slip_rate_scale(solution.scene), history.t[-1]
     length = scene.material.shear_speed * time
@@ -158,9 +158,9 @@ def fronts_figure(
 
 @styled
 def prediction_figure(solution: Solution, *, axes: tuple[Axes, ...] | None = None) -> Figure:
-    """The semi-analytic answer alone: slip rate above, tractions and friction bound below.
+    """Draw the semi-analytic answer alone: slip rate above, tractions and friction bound below.
 
-    Under them the gap, where the contact opens.
+    If the contact opens, a third panel shows the gap.
     """
     scene = solution.scene
     panels = axes or _new_panels(scene, (1, 1, *(1 for _ in solution.openings[:1])))
@@ -192,7 +192,7 @@ def _new_axes(scene: Scene) -> Axes:
 
 
 def _new_panels(scene: Scene, ratios: tuple[int, ...]) -> tuple[Axes, ...]:
-    """One above the other, of these heights."""
+    """Return panels above each other, with these ratios of heights."""
     figure = describe(new_figure(7, 1.9 + 1.9 * len(ratios)), scene)
     return tuple(figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios))
 
@@ -212,7 +212,7 @@ def _right_end(scene: Scene) -> float:
 
 
 def _speeds(scene: Scene) -> Array:
-    """Similarity velocities [length / time] for a smooth curve, the edge itself left out."""
+    """Return similarity velocities [length / time] for smooth curves, without the edge itself."""
     limit = _speed_limit(scene)
     return np.linspace(limit / POINTS, limit, POINTS)
 
@@ -223,7 +223,7 @@ def _finite_edges(zones: Iterable[SlipZone | OpenZone]) -> Iterator[float]:
 
 
 def _parts(solution: Solution) -> list[SlipZone | OpenZone]:
-    """What slips and what is open."""
+    """Return the slip zones and openings."""
     return [*solution.zones, *solution.openings]
 
 
@@ -234,7 +234,7 @@ def _zone_kind(zone: SlipZone | OpenZone) -> str:
 
 
 def _shade_zones(panel: Axes, solution: Solution) -> None:
-    """Shade slip, reverse slip, what is open and what sticks between them."""
+    """Shade slip, reverse slip and openings, and the sticking parts between them."""
     limit, unit = _speed_limit(solution.scene), solution.scene.material.shear_speed
     zones = sorted(_parts(solution), key=lambda zone: zone.inner)
     ends = [0.0, *(min(e, limit) for zone in zones for e in (zone.inner, zone.outer)), limit]
@@ -244,8 +244,10 @@ def _shade_zones(panel: Axes, solution: Solution) -> None:
 
 
 def _draw_predicted_tractions(panel: Axes, solution: Solution, time: float) -> Array:
-    """Draw predicted shear traction and bound; return the shear traction / τ₀ beside ξ, or the
-    bound where there is none."""
+    """Draw predicted shear traction and friction bound.
+
+    Return the shear traction / τ₀ at all ξ, or the bound if there is no shear traction.
+    """
     scene, scale = solution.scene, stress_scale(solution.scene)
     dense = _speeds(scene)
     shear = solution.shear_traction(dense * time, time) / scale
@@ -258,7 +260,7 @@ def _draw_predicted_tractions(panel: Axes, solution: Solution, time: float) -> A
 
 
 def _traction_limits(shear: Array) -> tuple[float, float]:
-    """Limits that leave out what grows without bound towards the edge."""
+    """Return limits that leave out the singularity at the edge."""
     beyond_edge = shear[..., shear.shape[-1] // 20 :]
     lowest, highest = float(beyond_edge.min()), float(beyond_edge.max())
     margin = 0.15 * max(highest - lowest, 1e-3)
@@ -266,13 +268,13 @@ def _traction_limits(shear: Array) -> tuple[float, float]:
 
 
 def _widen(panel: Axes, least: float) -> None:
-    """Keep rounding from filling the panel of an interface that sticks."""
+    """Widen the limits so that rounding errors do not fill the panel of a stuck interface."""
     lowest, highest = panel.get_ylim()
     panel.set_ylim(min(lowest, -least), max(highest, least))
 
 
 def _legend(panel: Axes, solution: Solution, *handles: Artist) -> None:
-    """A legend of these entries and of the shades of the zones."""
+    """Add a legend of these entries and of the shades of the zones."""
     kinds = dict.fromkeys(["stick", *(_zone_kind(zone) for zone in _parts(solution))])
     shades = [Patch(color=shade(kind), label=kind) for kind in kinds]
     panel.legend(handles=[*handles, *shades], loc="best")

@@ -1,4 +1,4 @@
-"""Figures of an answer by name: ours, or one that an installed package brings."""
+"""Figures of an answer by name: those of slipfront, or of an installed package."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DEFAULT_FIGURE = "interface"
 
 
 def _interface(answer: Solution | Marched) -> Figure:
-    """Slip rate and tractions."""
+    """Draw slip rate and tractions of a solution or march."""
     return prediction_figure(answer) if isinstance(answer, Solution) else march_figure(answer)
 
 
@@ -28,14 +28,15 @@ OWN_FIGURES: Mapping[str, Draw] = {DEFAULT_FIGURE: _interface}
 
 
 def find_figure(name: str) -> Draw:
-    """What draws the figure of a name, from a solution or a march.
+    """Return the function of a name that draws a solution or a march.
 
     Raises
     ------
     SceneError
-        If there is none.
+        If there is no figure of this name.
     PluginError
-        If the package that brings it is broken, or not the only one; of what it draws, too.
+        If the package that provides it is broken or not the only one; the returned function
+        raises it too, if the package draws no figure.
     """
     if name in OWN_FIGURES:
         return OWN_FIGURES[name]

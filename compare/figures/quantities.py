@@ -1,4 +1,4 @@
-"""What can be seen of a field: speed, pressure, shear, fringes, single components."""
+"""Quantities of a field to draw: speed, pressure, shear, fringes, single components."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from semianalytic.scene.units import unit
 Array = NDArray[np.float64]
 
 FRINGES = 4
-"""Fringes per reference stress τ₀ where no fringe constant is given."""
+"""Default number of fringes per reference stress τ₀."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number at every point of the bodies.
+    """A scalar at every point of the bodies.
 
     Attributes
     ----------
     label : str
-        For a colour bar, without its unit.
+        Label of a colour bar, without its unit.
     field : str
-        Method of `WholeFields` that it comes from.
+        Name of the method of `WholeFields` that supplies the field.
     of : callable
-        The number, from the rows of that field.
+        Function that computes the scalar from the rows of that field.
     kind : str
         Whether it is a "size" >= 0, has a "sign", or is a "light" intensity from 0 to 1.
     """
@@ -45,11 +45,11 @@ class Quantity:
     kind: Literal["size", "sign", "light"] = "sign"
 
     def at(self, fields: WholeFields, x: Array, y: Array, t: float) -> Array:
-        """The number at points (n,) and a time."""
+        """Return the scalar at points (n,) [length] and a time [time]."""
         return self.of(in_parts(getattr(fields, self.field), x, y, t))
 
     def labelled(self, scene: Scene) -> str:
-        """Label with the unit it has in a scene."""
+        """Return the label with its unit in a scene."""
         if self.kind == "light":
             return self.label
         dimension = {"velocity": "length / time", "displacement": "length"}.get(self.field)
@@ -92,26 +92,26 @@ ALONG_Z: Mapping[str, Quantity] = {
     "sxz": _component(r"$\sigma_{xz}$", "stress", 3),
     "syz": _component(r"$\sigma_{yz}$", "stress", 4),
 }
-"""Of antiplane shear alone."""
+"""Quantities of antiplane shear."""
 
 
 def find_quantity(name: str, scene: Scene, fringe_stress: float | None = None) -> Quantity:
-    """A quantity by its name.
+    """Return a quantity by its name.
 
     Parameters
     ----------
     name : str
-        A key of `QUANTITIES`, or in antiplane shear of `ALONG_Z`; there "max-shear" is that on
-        planes along z.
+        A key of `QUANTITIES`, or in antiplane shear of `ALONG_Z`.  In antiplane shear, "max-shear"
+        is the largest shear stress on planes along z.
     scene : Scene
     fringe_stress : float, optional
-        Difference of principal stresses from one fringe to the next, fringe constant over thickness
-        [stress]; such that the reference stress makes `FRINGES` of them unless given.
+        Difference of principal stresses between fringes, i.e. fringe constant over thickness
+        [stress]; by default the reference stress makes `FRINGES` fringes.
 
     Raises
     ------
     SceneError
-        If there is none of that name in such a scene.
+        If the scene has no quantity of that name.
     """
     known = {**QUANTITIES, **(ALONG_Z if scene.antiplane else {})}
     if name not in known:

@@ -1,4 +1,4 @@
-"""What instruments at one point of a body would see, over time."""
+"""Figures of the records of instruments at one point of a body."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _AXES = ("xx", "yy", "xy", "xz", "yz")
 
 @styled
 def record_figure(record: FieldRecord, scene: Scene) -> Figure:
-    """Velocity, displacement, stress and strain over time, with the arrivals of waves marked."""
+    """Draw velocity, displacement, stress and strain over time, with the arrivals of waves."""
     figure = describe(new_figure(7.5, 8.5), scene)
     panels = figure.subplots(4, 1, sharex=True)
     for panel, symbol, rows, dimension, axes, words in (
@@ -43,7 +43,7 @@ def record_figure(record: FieldRecord, scene: Scene) -> Figure:
 
 
 def _mark_arrivals(panel: Axes, record: FieldRecord, scene: Scene, *, labels: bool) -> None:
-    """When P and S waves from the edge of the slot come, if they do."""
+    """Mark the arrivals of P and S waves from the edge of the slot, if they are in the record."""
     distance = float(np.hypot(record.x, record.y))
     for name, speed in scene_fronts(scene).items():
         time = distance / speed

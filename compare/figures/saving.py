@@ -1,4 +1,4 @@
-"""Figures as files, and as pictures within a page; text in them stays text, bytes are the same."""
+"""Figures as reproducible files, and as pictures within a page; text in them stays text."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from semianalytic.results.files import write_bytes
 from semianalytic.scene.errors import SceneError
 
 NO_DATE = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-"""Metadata of formats that would have the time of writing."""
+"""Metadata without the time of writing, by format."""
 
 
 def figure_format(path: str | Path) -> str:
-    """The format that the name of a figure asks for.
+    """Return the format that the name of a figure file asks for.
 
     Raises
     ------
     SceneError
-        If matplotlib knows no such format.
+        If matplotlib cannot write such a format.
     """
     path = Path(path)
     form = path.suffix.removeprefix(".").lower()
@@ -35,12 +35,12 @@ def figure_format(path: str | Path) -> str:
 
 
 def save_figure(figure: Figure, path: str | Path) -> None:
-    """Write a figure in the format its name asks for, whole or not at all.
+    """Write a figure in the format of its file name, completely or not at all.
 
     Raises
     ------
     SceneError
-        If matplotlib knows no such format.
+        If matplotlib cannot write such a format.
     DataFileError
         If the file cannot be written.
     """
@@ -51,7 +51,7 @@ def save_figure(figure: Figure, path: str | Path) -> None:
 
 
 def figure_png(figure: Figure, dpi: int = 110, colours: int = 256) -> bytes:
-    """A figure as PNG of few colours, which takes a third of the space; rare ones are kept."""
+    """Return a figure as PNG with few colours, a third as large; rare colours are kept."""
     drawn, packed = BytesIO(), BytesIO()
     with look():
         figure.savefig(drawn, format="png", dpi=dpi)

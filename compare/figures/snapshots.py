@@ -1,4 +1,4 @@
-"""Field snapshots of both bodies: exact, simulated, and how far the two are apart."""
+"""Field snapshots of both bodies: exact, simulated, and their difference."""
 
 from __future__ import annotations
 
@@ -21,20 +21,21 @@ HEIGHT_LABEL = r"$y/(c_t T)$"
 SPEED_LABEL = r"particle speed $|v|\ /\ V_0$"
 DIFFERENCE_LABEL = r"difference of $|v|\ /\ V_0$"
 PIXELS = 500
-"""Of a picture along each axis; even, so that none is on y = 0."""
+"""Pixels of a picture along each axis; an even number keeps pixels off y = 0."""
 COVERED = 0.995
-"""Part of a picture that the colours cover; beside points where speeds are infinite they end."""
+"""Fraction of a picture within the range of colours; speeds are infinite at some points."""
 
 
 @styled
 def snapshot_figure(errors: FieldErrors, simulation: Simulation) -> Figure:
-    """Particle speed in both bodies in the last frame: exact, by finite elements, the difference.
+    """Draw the particle speed in both bodies in the last frame: exact, simulated, difference.
 
     Parameters
     ----------
     errors : FieldErrors
+        Errors of the frames.
     simulation : Simulation
-        Whose frames they are of.
+        Simulation that the frames belong to.
     """
     scene = simulation.scene
     length = scene.material.shear_speed * simulation.end_time
@@ -84,9 +85,9 @@ def snapshot_figure(errors: FieldErrors, simulation: Simulation) -> Figure:
 
 
 def _nearest(places: Places, reach: float) -> NDArray[np.int64]:
-    """The place of the same body next to each pixel of a square about the edge, by rows up."""
+    """Return the nearest place in the same body for each pixel of a square about the edge."""
     middle = reach * (2 * np.arange(PIXELS) + 1 - PIXELS) / PIXELS
-    apart = np.copysign(1e-6 * reach / PIXELS, places.y)  # the faces, which touch
+    apart = np.copysign(1e-6 * reach / PIXELS, places.y)  # separates the two faces
     tree = KDTree(np.stack([places.x, places.y + apart], axis=1))
     x, y = np.meshgrid(middle, middle)
     return np.asarray(tree.query(np.stack([x, y], axis=-1))[1])

@@ -1,6 +1,6 @@
-"""How all figures look: style and palette, the words on axes, what they are scaled by, wave fronts.
+"""Appearance of all figures: style, palette, descriptions, scales of axes, wave fronts.
 
-`slipfront.mplstyle` holds what is a matter of taste; settings of the user's own win (`look`).
+`slipfront.mplstyle` holds settings of taste; a user's own settings take precedence (see `look`).
 """
 
 from __future__ import annotations
@@ -29,24 +29,24 @@ P = ParamSpec("P")
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
-"""The palette of Okabe and Ito, told apart by the colour-blind as well."""
+"""Colours of the palette of Okabe and Ito, which colour-blind readers can distinguish."""
 BROWN, VIOLET = "#7A3B0A", "#7A2FE0"
-"""For lines in place of orange and sky blue, which are too light for them on white."""
+"""Colours of lines instead of orange and sky blue, which are too light on white."""
 
 PREDICTION, SIMULATION, MARCH, PUBLISHED = "C0", "C1", "C2", "C3"
-"""Self-similar answer, finite elements, march, published algorithm: by the cycle of colours."""
+"""Colours of curves: self-similar answer, finite elements, march, published algorithm."""
 
 STICK_SHADE, SLIP_SHADE = "#efefef", "#cfe5f3"
-"""Of maps."""
+"""Colours of maps."""
 SENSE_COLOURS = {"reverse slip": VERMILLION, "stick": STICK_SHADE, "slip": SKY, "open": YELLOW}
-"""In the order of the numbers that stand for them in maps of senses, from -1 on."""
+"""Colours of slip senses, in the order of their numbers in maps, from -1 on."""
 SHADES = {
     "slip": (SKY, 0.3),
     "stick": ("", 0.06),
     "reverse slip": (VERMILLION, 0.18),
     "open": (YELLOW, 0.45),
 }
-"""Of zones behind curves: a colour, or that of text, and how much of it is in the background."""
+"""Shades of zones behind curves: a colour ("" for that of text) and its share in the mixture."""
 
 SYMBOLS = {name: f"${symbol}$" for name, symbol in WAVE_SYMBOLS.items()}
 PLACE_LABEL, TIME_LABEL = r"$x/(c_t T)$", r"$t/T$"
@@ -56,26 +56,29 @@ PATH_LABEL = r"$\int |V|\,dt\ /\ (V_0 T)$"
 GAP_LABEL, PRESSURE_LABEL = r"gap $/\ (V_0 T)$", r"pressure $/\ \tau_0$"
 TRACTION_LABEL, WORK_LABEL = r"traction $/\ \tau_0$", r"frictional work $/\ (\tau_0 V_0 T)$"
 SMALL = "small"
-"""Size of notes, relative to the size of text."""
+"""Font size of notes, relative to that of text."""
 
 
 @cache
 def style_sheet() -> RcParams:
-    """Our settings of matplotlib."""
+    """Return slipfront's settings of matplotlib."""
     with as_file(files("compare.figures") / "slipfront.mplstyle") as path:
         return rc_params_from_file(path, use_default_template=False)
 
 
 @contextmanager
 def look() -> Iterator[None]:
-    """Our style within, but for what the user has set to anything else than matplotlib's own."""
+    """Apply slipfront's style, except for settings that the user has changed from the defaults."""
     free = {k: v for k, v in style_sheet().items() if rcParams[k] == rcParamsDefault[k]}
     with rc_context(free):
         yield
 
 
 def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """A function that draws a figure in our `look`; axes of the user's own may be `axes`."""
+    """Decorate a function that draws a figure, so that it draws in our `look`.
+
+    The argument `axes` of the function may be axes of the user's own figure.
+    """
 
     @wraps(draw)
     def drawn(*args: P.args, **options: P.kwargs) -> Figure:
@@ -84,7 +87,7 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
         with look():
             figure = draw(*args, **options)
             for line in _lines(figure):
-                if line not in before:  # "C0" is that of now, not of when it is saved
+                if line not in before:  # fix the colour "C0" now; saving may use another cycle
                     line.set_color(to_hex(line.get_color()))
         return figure
 
@@ -92,47 +95,49 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
 
 def _lines(figure: Figure) -> Iterator[Line2D]:
-    """Curves and those of legends."""
+    """Yield the curves of a figure and those of its legends."""
     legends = [*figure.legends, *(one for p in figure.axes if (one := p.get_legend()) is not None)]
     yield from chain(*(panel.lines for panel in figure.axes), *(one.get_lines() for one in legends))
 
 
 def cycle() -> list[str]:
-    """Colours of curves that are nothing in particular, in this order."""
+    """Return the colours of curves without a meaning of their own, in order."""
     return list(rcParams["axes.prop_cycle"].by_key().get("color", [ink()]))
 
 
 def ink(strength: float = 1.0) -> str:
-    """Colour of words and of lines that are no curves: that of text, faded to the background."""
+    """Return the colour of text, faded towards the background; for words and auxiliary lines."""
     return _mixed(rcParams["text.color"], strength)
 
 
 def shade(kind: str) -> str:
-    """Colour behind the curves of a zone of `SHADES`."""
+    """Return the colour behind the curves of a kind of zone in `SHADES`."""
     colour, part = SHADES[kind]
     return _mixed(colour or rcParams["text.color"], part)
 
 
 def _mixed(colour: str, part: float) -> str:
-    """So much of a colour in that of the background."""
+    """Mix a colour into that of the background; `part` is the share of the colour."""
     pairs = zip(to_rgb(colour), to_rgb(rcParams["axes.facecolor"]), strict=True)
     red, green, blue = (part * one + (1 - part) * ground for one, ground in pairs)
     return to_hex((red, green, blue))
 
 
 def outline(colour: str = "white", width: float = 2.5) -> list[AbstractPathEffect]:
-    """Path effects that let lines and words be seen on any map; of a width [points]."""
+    """Return path effects of a width [points] that make lines and words visible on any map."""
     return [withStroke(linewidth=width, foreground=colour)]
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure [inch] whose parts keep clear of each other."""
+    """Return an empty figure [inch] whose parts do not overlap."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def scene_words(scene: Scene) -> str:
-    """What a figure of one scene must say of it: Poisson ratio, friction, pressure and shear that
-    were there before, the units of its axes."""
+    """Return the description that a figure of one scene carries.
+
+    It gives Poisson ratio, friction, pressure and shear before the load, and the units of the axes.
+    """
     law = scene.friction_law
     kind = "" if isinstance(law, CoulombFriction) else f" ({type(law).__name__})"
     mode = "antiplane shear,  " if scene.antiplane else ""
@@ -145,7 +150,7 @@ def scene_words(scene: Scene) -> str:
 
 
 def _unit_name(scene: Scene) -> str:
-    """Which traction `stress_scale` is."""
+    """Return the name of the traction that `stress_scale` is."""
     for name, part in (("load", scene.load), ("base", scene.base)):
         if max(abs(part.pressure), abs(part.shear)) > 0:
             larger = "shear" if abs(part.shear) >= abs(part.pressure) else "pressure"
@@ -154,7 +159,7 @@ def _unit_name(scene: Scene) -> str:
 
 
 def describe(figure: Figure, what: Scene | str) -> Figure:
-    """The figure, with `scene_words` above it, or with words on many scenes."""
+    """Add a title to a figure, `scene_words` or a description of many scenes, and return it."""
     words = scene_words(what) if isinstance(what, Scene) else what
     figure.suptitle(words, color=ink(0.75), wrap=True)
     return figure
@@ -170,22 +175,22 @@ def mark_waves(
     colour: str | None = None,
     outlined: str | None = None,
 ) -> None:
-    """Dashed lines for wave fronts, with their symbols at the rim of the panel.
+    """Draw dashed lines for wave fronts, with their symbols at the rim of the panel.
 
     Parameters
     ----------
     panel : Axes
-        With the limits it is to keep if `kind` is "rays".
+        Panel; if `kind` is "rays", its limits must be set before.
     speeds : mapping from name of a wave to its speed [length / time]
     unit : float
-        What a speed is divided by to give its place on an axis, or the slope dx/dt of a ray.
+        Divisor that turns a speed into a position on the axis, or the slope dx/dt of a ray.
     kind : str
-        Lines of x, lines of y, or rays from the origin over x and t.
+        Vertical lines at x, horizontal lines at y, or rays from the origin over x and t.
     labels : bool
         Whether to write the symbols.
     colour : str, optional
     outlined : str, optional
-        Colour around lines over a map.
+        Colour around the lines, which makes them visible over a map.
     """
     style: dict[str, Any] = {"color": colour or ink(0.65), "linestyle": "--", "linewidth": 0.8}
     if outlined is not None:
@@ -222,24 +227,24 @@ def mark_waves(
 
 
 def line_handle(label: str, colour: str, style: LineStyle = "-") -> Line2D:
-    """Legend entry of a curve."""
+    """Return the legend entry of a curve."""
     return Line2D([], [], color=colour, linestyle=style, label=label)
 
 
 def marker_handle(label: str, colour: str, marker: str = ".", size: float = 6.0) -> Line2D:
-    """Legend entry of samples; size [points]."""
+    """Return the legend entry of samples; size [points]."""
     return Line2D(
         [], [], color=colour, marker=marker, markersize=size, linestyle="none", label=label
     )
 
 
 def waves_handle(speeds: Mapping[str, float], colour: str | None = None) -> Line2D:
-    """Legend entry of what `mark_waves` draws."""
+    """Return the legend entry of the lines that `mark_waves` draws."""
     words = "waves" if len(speeds) > 1 else "wave"
     names = ", ".join(SYMBOLS[name] for name in speeds)
     return line_handle(f"{words} {names}", colour or ink(0.65), "--")
 
 
 def method_handles() -> list[Line2D]:
-    """Legend entries of a prediction, drawn by a line, and of finite elements, by samples."""
+    """Return legend entries of a prediction, a line, and of finite elements, samples."""
     return [line_handle("semi-analytic", PREDICTION), marker_handle("finite elements", SIMULATION)]

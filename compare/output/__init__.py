@@ -1,1 +1,1 @@
-"""Where results go: whole files, places looked at before anything is computed, leftovers."""
+"""Output of results: complete files, checks of output paths, removal of outdated files."""

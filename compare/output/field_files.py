@@ -1,4 +1,4 @@
-"""Whole fields as files: VTU frames on a grid, as the finite elements write them, and records."""
+"""Files of whole fields: VTU frames on a grid, like those of the finite elements, and records."""
 
 from __future__ import annotations
 
@@ -20,27 +20,27 @@ from semianalytic.scene.units import unit
 Array = NDArray[np.float64]
 
 AT_ONCE = 200_000
-"""Points whose fields are formed together: 0.4 kB each while that is done."""
+"""Number of points whose fields are computed together, with 0.4 kB of memory each."""
 
 _AXES = ("xx", "yy", "xy", "xz", "yz")
 
 
 @dataclass(frozen=True, eq=False)
 class FieldRecord:
-    """What strain gauges and vibrometers at one point would see.
+    """Record of strain gauges and vibrometers at one point.
 
     Attributes
     ----------
     x, y : float
-        [length]; y = 0.0 and -0.0 are the faces.
+        Position [length]; y = 0.0 and -0.0 are the faces of the upper and the lower body.
     t : (n,) array
-        [time].
+        Times [time].
     velocity, displacement : (2 or 3, n) arrays
-        [length / time], since t = 0 [length].
+        Particle velocity [length / time] and displacement since t = 0 [length].
     stress : (3 or 5, n) array
-        Tension positive, base included but for sigma_xx [stress].
+        Stress, tension positive, including the base state except in sigma_xx [stress].
     strain : (3 or 5, n) array
-        Since t = 0.
+        Change of strain since t = 0.
     """
 
     x: float
@@ -52,7 +52,7 @@ class FieldRecord:
     strain: Array
 
     def columns(self, units: str) -> Iterator[tuple[str, Array]]:
-        """Headings with their units, and what stands under them."""
+        """Yield the columns of a table: heading with unit, and values."""
         yield f"t [{unit('time', units)}]", self.t
         for name, rows, dimension, axes in (
             ("v", self.velocity, "length / time", "xyz"),
@@ -65,17 +65,17 @@ class FieldRecord:
 
 
 def in_parts(field: Callable[[Array, Array, float], Array], x: Array, y: Array, t: float) -> Array:
-    """A field at many points (n,), some at a time, so that they fit into the memory."""
+    """Compute a field at many points (n,) in portions that fit into the memory."""
     count = -(-len(x) // AT_ONCE)
     parts = zip(np.array_split(x, count), np.array_split(y, count), strict=True)
     return np.concatenate([field(*part, t) for part in parts], axis=-1)
 
 
 def record_fields(fields: WholeFields, x: float, y: float, t: Array) -> FieldRecord:
-    """All fields at a point (x, y) [length] over times t (n,) [time].
+    """Record all fields at a point (x, y) [length] at times t (n,) [time].
 
-    Strain is that of the change of stress since t = 0, by Hooke's law in plane strain; where stress
-    is infinite it may be undetermined, nan.
+    Strain follows from the change of stress since t = 0 by Hooke's law in plane strain.  Where
+    stress is infinite, it may be undetermined (nan).
     """
     stress = fields.stress(x, y, t)
     base = fields.stress(x, y, np.zeros(1))
@@ -91,16 +91,16 @@ def record_fields(fields: WholeFields, x: float, y: float, t: Array) -> FieldRec
 
 
 def write_record(path: Path, record: FieldRecord, units: str, command: str) -> None:
-    """Write a record as CSV, whole or not at all; infinite values as inf.
+    """Write a record as CSV, completely or not at all; infinite values are written as inf.
 
     Parameters
     ----------
     path : Path
     record : FieldRecord
     units : str
-        Of the scene.
+        Units of the scene.
     command : str
-        What makes the file, for a comment in its first line.
+        Command that makes the file, written as a comment in its first line.
 
     Raises
     ------
@@ -126,27 +126,27 @@ def write_frames(
 ) -> Path:
     """Write fields on a grid for ParaView, one VTU file per time and a PVD index.
 
-    Data, their names and signs are those of `fem.snapshots.Snapshots`: velocity and displacement at
-    points, stresses in the middle of cells.  The bodies share no points: those of the interface
-    are there twice, for y = 0.0 and y = -0.0.  Frames of an earlier run go.
+    Data, names and signs are those of `fem.snapshots.Snapshots`: velocity and displacement at
+    points, stresses at the centres of cells.  The bodies share no points, so points of the
+    interface occur twice, with y = 0.0 and y = -0.0.  Frames of an earlier run are removed.
 
     Parameters
     ----------
     folder : Path
     fields : WholeFields
     times : sequence of float
-        [time].
+        Times of the frames [time].
     window : (x0, x1, y0, y1)
-        [length].
+        Part of the plane to write [length].
     grid : (int, int)
-        Cells along x and y.
+        Number of cells along x and y.
     progress : callable, optional
-        Called with (frame, frames) after each.
+        Called with (frame, frames) after each frame.
 
     Returns
     -------
     Path
-        Of the index.
+        Path of the index.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def write_frames(
 def grid_of(
     window: tuple[float, float, float, float], grid: tuple[int, int]
 ) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Points (n,) of all bodies within a window, and the points (m, 4) of their square cells."""
+    """Return points (n,) of all bodies within a window, and the corners (m, 4) of their cells."""
     x0, x1, y0, y1 = window
     along = np.linspace(x0, x1, grid[0] + 1)
     xs, ys, cells, before = [], [], [], 0
@@ -198,7 +198,7 @@ def grid_of(
 
 
 def _heights(y0: float, y1: float, count: int) -> list[Array]:
-    """Heights of the rows of points in each body, faces with the sign of the body."""
+    """Return the heights of the rows of points in each body; faces have the sign of their body."""
     if not y0 < 0 < y1:
         return [np.linspace(y0 or 0.0, y1 or -0.0, count + 1)]
     below = min(max(round(count * y0 / (y0 - y1)), 1), count - 1)

@@ -1,4 +1,4 @@
-"""Files appear under their names only when they are complete."""
+"""Writing of files, which appear under their names only when they are complete."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from semianalytic.scene.errors import DataFileError
 
 
 def filled_template(package: str, name: str, **values: object) -> str:
-    """The text of a template that lies in a package, its $names replaced by values."""
+    """Return the text of a template in a package, with its $names replaced by values."""
     text = files(package).joinpath(name).read_text(encoding="utf-8")
     return Template(text).substitute(values)
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file as UTF-8, whole or not at all.
+    """Write a text file as UTF-8, completely or not at all.
 
     Raises
     ------
@@ -28,9 +28,9 @@ def write_text(path: Path, text: str) -> None:
 
 
 def append_text(path: Path, text: str) -> None:
-    """Add to a text file, for tables that grow while they are computed.
+    """Append to a text file, for tables that grow while they are computed.
 
-    A writer that is killed may leave a part of what it added.
+    A writer that is killed may leave an incomplete line.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""What an earlier run left in a folder, removed once another one has taken its place.
+"""Removal of files that an earlier run has left in a folder.
 
-Only what slipfront itself has written goes, and only when the simulation it belongs to has been
-replaced by another: the folder then tells of one run.
+Only files written by slipfront are removed, and only if another simulation has replaced the one
+they belong to.  The folder then describes a single run.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ FIGURES = tuple(
     for name in ("slip_rate", "tractions", "fronts", "sense", "history", "wear", "gap", "fields")
     for form in ("png", "pdf", "svg")
 )
-"""By the names of `compare.figures.histories.comparison_figures`, and that of whole fields."""
+"""Names of figures in `compare.figures.histories.comparison_figures`, and that of whole fields."""
 
 
 def forget_other_runs(directory: Path, run: str) -> None:
-    """Remove snapshots, and report with figures, of other simulations than the one kept there.
+    """Remove snapshots, report and figures of other simulations than the one in the folder.
 
     Parameters
     ----------
     directory : Path
     run : str
-        Identity of the simulation that is there now.
+        Identity of the simulation that is in the folder now.
 
     Raises
     ------
@@ -51,14 +51,15 @@ def forget_other_runs(directory: Path, run: str) -> None:
 
 
 def forget_figures(directory: Path, kept: Container[str] = ()) -> None:
-    """Remove the figures of an earlier comparison, and its table, that this one does not have.
+    """Remove figures and table of an earlier comparison that the current one does not replace.
 
-    A folder without a report holds no comparison, and stays as it is.
+    A folder without a report contains no comparison, and stays as it is.
 
     Parameters
     ----------
     directory : Path
-    kept : names of files
+    kept : container of str
+        Names of files that stay.
     """
     if not (directory / REPORT).is_file():
         return

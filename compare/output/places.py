@@ -1,4 +1,4 @@
-"""Where results go: looked at before anything is computed, and held by one run at a time."""
+"""Checks of output paths before anything is computed, and locks against simultaneous runs."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ LOCK = ".slipfront.lock"
 
 
 def check_file(path: Path) -> None:
-    """Make sure that a file can be written there; nothing is left behind.
+    """Check that a file can be written; the check leaves nothing behind.
 
     Raises
     ------
     SceneError
-        If something else than a file is there.
+        If the path exists and is no file.
     DataFileError
         If it cannot be written.
     """
@@ -36,20 +36,20 @@ def check_file(path: Path) -> None:
 
 @contextmanager
 def working_folder(directory: Path) -> Iterator[list[Path]]:
-    """A folder to write to, made if it is not there, which no other run may write to meanwhile.
+    """Open an output folder, made if necessary, that no other run can write to meanwhile.
 
-    The lock ends with the process, however that ends.  A folder made here goes again if nothing
-    has been put into it.
+    The lock ends with the process, however that ends.  A folder made here is removed if it stays
+    empty.
 
     Yields
     ------
     list of Path
-        Empty; at the end it holds what is new or changed in the folder, other folders as such.
+        Empty at first; at the end it lists files and folders that are new or have changed.
 
     Raises
     ------
     DataFileError
-        If it is not a folder, cannot be written, or another run is writing to it.
+        If it is not a folder, cannot be written, or is in use by another run.
     """
     made: list[Path] = []
     try:
@@ -71,9 +71,9 @@ def working_folder(directory: Path) -> Iterator[list[Path]]:
 
 
 def _marks(directory: Path) -> dict[Path, tuple[int, int, int]]:
-    """What tells each visible entry of a folder from what it was before, by path, in order."""
+    """Return identity, time and size of each visible entry of a folder, in order of paths."""
     marks = {}
-    with suppress(OSError):  # a folder may be written to that cannot be listed
+    with suppress(OSError):  # some folders can be written but not listed
         for path in sorted(directory.glob("[!.]*")):
             seen = path.lstat()
             marks[path] = (seen.st_ino, seen.st_mtime_ns, seen.st_size)
@@ -81,7 +81,7 @@ def _marks(directory: Path) -> dict[Path, tuple[int, int, int]]:
 
 
 def _locked(directory: Path) -> tuple[list[Path], int]:
-    """Folders made, innermost first, and the descriptor of the lock."""
+    """Lock a folder; return the folders made for it, innermost first, and the lock's descriptor."""
     made: list[Path] = []
     while True:
         made = made or make_folder(directory)
@@ -89,7 +89,7 @@ def _locked(directory: Path) -> tuple[list[Path], int]:
             lock = os.open(directory / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
         except OSError as error:
             if error.errno == errno.ENOENT and not directory.exists():
-                made = []  # another run has just removed what it had made
+                made = []  # another run has just removed the folders that it had made
                 continue
             remove_empty(made)
             raise
@@ -101,29 +101,30 @@ def _locked(directory: Path) -> tuple[list[Path], int]:
         with suppress(OSError):
             if _is_still_there(lock, directory):
                 return made, lock
-        os.close(lock)  # the run before has just removed it
+        os.close(lock)  # an earlier run has just removed this lock file
 
 
 def _is_still_there(lock: int, directory: Path) -> bool:
-    """Whether an open lock is the one that the folder holds now."""
+    """Return whether an open lock is the lock file that the folder contains now."""
     return os.path.samestat(os.fstat(lock), (directory / LOCK).stat())
 
 
 def save_somewhere(save: Callable[[Path], object], place: Path, name: str = "") -> None:
-    """Save a result; if its place cannot be written, in a folder for temporary files.
+    """Save a result; if its place cannot be written, save it in a temporary folder.
 
     Parameters
     ----------
     save : callable
-        Called with the path to write to.
+        Function that writes the result to a given path.
     place : Path
+        Path of the file or folder.
     name : str
-        What to add to the other folder.
+        Name of the file within the temporary folder.
 
     Raises
     ------
     DataFileError
-        If it could not be saved in its place; the message says where it is kept instead.
+        If the place could not be written; the message says where the result is instead.
     """
     try:
         save(place)
@@ -140,7 +141,7 @@ def save_somewhere(save: Callable[[Path], object], place: Path, name: str = "") 
 
 
 def _probe(folder: Path) -> None:
-    """Make and remove a file in a folder, or in the one that it would have to be made in."""
+    """Make and remove a file in a folder, or in the parent that the folder would be made in."""
     for place in (folder, *folder.parents):
         if place.exists():
             if not place.is_dir():

@@ -1,4 +1,4 @@
-"""How far a long run has come, shown while it runs."""
+"""Progress display of long runs."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from rich.text import Text
 
 
 class StepRateColumn(ProgressColumn):
-    """Steps per second of late, once two of them are known."""
+    """Current rate in steps per second, once two steps are known."""
 
     def render(self, task: Task) -> Text:
-        """The rate, to three digits."""
+        """Return the rate with three digits."""
         rate = task.finished_speed or task.speed
         return Text("" if rate is None else f"{rate:.3g} steps/s")
 
@@ -32,14 +32,14 @@ class StepRateColumn(ProgressColumn):
 def progress_bar(
     console: Console, quiet: bool, doing: str = "simulating"
 ) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar with percentage, step rate and time left.
+    """Show a progress bar with percentage, step rate and remaining time.
 
-    Nothing is shown when quiet or not on a terminal.
+    Nothing is shown if `quiet` is true or the output is no terminal.
 
     Yields
     ------
     callable
-        To be called with the number of steps done and the number of all steps.
+        Function to call with the number of finished steps and of all steps.
     """
     with Progress(
         TextColumn(doing),

@@ -1,4 +1,4 @@
-"""Rows of a study as CSV, with checksums where they are read back, and texts as Markdown."""
+"""Rows of studies as CSV, with checksums if they are read back, and tables in Markdown."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ Row = TypeVar("Row")
 Parser = Callable[[str], Any]
 
 PARSERS: dict[str, Parser] = {"int": int, "float": float, "str": str, "bool": "True".__eq__}
-"""How cells are read back, by the type of their field."""
+"""Functions that parse cells, by the type of their field."""
 
 
 def write_rows(path: Path, rows: Sequence[Any], checked: bool = False, command: str = "") -> None:
-    """Write dataclass instances as CSV, whole or not at all; no rows, no file.
+    """Write dataclass instances as CSV, completely or not at all; without rows, write no file.
 
     Parameters
     ----------
     path : Path
     rows : sequence of dataclass instances
     checked : bool
-        Whether a last column holds the checksum of each row, for tables that are read back.
+        Whether a last column contains the checksum of each row, for tables that are read back.
     command : str
-        What makes the file, for a comment in its first line, as the data of docs have it.
+        Command that makes the file, written as a comment in its first line.
 
     Raises
     ------
@@ -45,21 +45,22 @@ def write_rows(path: Path, rows: Sequence[Any], checked: bool = False, command: 
 
 
 def read_rows(path: Path, kind: type[Row], what: str, command: str) -> list[Row]:
-    """Rows of a table written with checksums; none if there is no file.
+    """Read the rows of a table written with checksums; return none if there is no file.
 
     Parameters
     ----------
     path : Path
     kind : dataclass
+        Type of the rows.
     what : str
-        What the table is, for the error: "a chart".
+        Description of the table for error messages, such as "a chart".
     command : str
-        What its first line says has made it.
+        Command that the first line of the file must name.
 
     Raises
     ------
     DataFileError
-        If the file is damaged or another table.
+        If the file is damaged or contains another table.
     """
     if not path.exists():
         return []
@@ -81,7 +82,7 @@ def read_rows(path: Path, kind: type[Row], what: str, command: str) -> list[Row]
 
 
 def append_rows(path: Path, rows: Sequence[Any]) -> None:
-    """Add rows with their checksums to a table that grows while it is computed.
+    """Append rows with their checksums to a table that grows while it is computed.
 
     Raises
     ------
@@ -92,7 +93,7 @@ def append_rows(path: Path, rows: Sequence[Any]) -> None:
 
 
 def sound_rows(path: Path, kind: type[Row]) -> list[Row]:
-    """Whole rows of a growing table, which a killed run may have left damaged; none if none."""
+    """Return the undamaged rows of a growing table, which a killed run may have left incomplete."""
     if not path.exists():
         return []
     lines = path.read_bytes().decode("utf-8", "replace").splitlines()
@@ -105,14 +106,14 @@ def sound_rows(path: Path, kind: type[Row]) -> list[Row]:
 
 
 def started_rows(path: Path, kind: type[Row]) -> list[Row]:
-    """Whole rows of a table that grows; its heading is written if there is no table."""
+    """Return the undamaged rows of a growing table; start the table if there is none."""
     if not path.exists():
         write_text(path, ",".join([*_names(kind), "checksum"]) + "\n")
     return sound_rows(path, kind)
 
 
 def markdown_table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table of texts in Markdown, with a line end."""
+    """Return a table of texts in Markdown, ending in a newline."""
     lines = (heading, ["---"] * len(heading), *rows)
     return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
 
@@ -126,18 +127,18 @@ def _checksum_heading(rows: int) -> str:
 
 
 def _checked_cells(row: Any) -> list[str]:
-    """Cells of a dataclass instance as CSV holds them, and their checksum."""
+    """Return the cells of a dataclass instance as CSV holds them, followed by their checksum."""
     cells = [str(value) for value in astuple(row)]
     return [*cells, row_checksum(cells)]
 
 
 def _sound(cells: Sequence[str]) -> bool:
-    """Whether cells that were read back end in their checksum."""
+    """Return whether cells that were read back end in their checksum."""
     return len(cells) > 1 and row_checksum(list(cells[:-1])) == cells[-1]
 
 
 def _parsed(kind: type[Row], cells: Sequence[str]) -> Row:
-    """A row from its cells and their checksum."""
+    """Return the row that cells with a checksum stand for."""
     kinds = fields(kind)  # type: ignore[arg-type]
     return kind(
         *(PARSERS[str(field.type)](cell) for field, cell in zip(kinds, cells[:-1], strict=True))

@@ -1,1 +1,1 @@
-"""Studies of the methods and of the physics, each a command and a page of the docs."""
+"""Studies of the methods and of the physics; each is a command and a page of the documentation."""

@@ -1,7 +1,7 @@
-"""What studies come to as plain dictionaries, each number with its unit, for JSON.
+"""Results of studies as plain dictionaries with units, for JSON.
 
-Studies are in units of what they vary nothing of, so that units are "1" or as "V_0 c_t T^2"; "s",
-"MB" where they measure the computer.
+Studies are dimensionless, so most units are "1" or a product of scales such as "V_0 c_t T^2".
+Measurements of the computer are in "s" and "MB".
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _ERRORS = ("error", "edge_error", "reference_error", "reference_edge_error")
 
 
 def regimes_document(results: RegimeResults) -> dict[str, Any]:
-    """How many points of each map are of each regime, and the curves between; maps are files."""
+    """Return the number of points of each regime, and the traced curves; the maps are in files."""
     return {
         "regimes": {
             loading: dict(Counter(point.regime for point in points))
@@ -38,7 +38,7 @@ def regimes_document(results: RegimeResults) -> dict[str, Any]:
 
 
 def stability_document(studies: Mapping[str, Mapping[str, Sequence[Any]]]) -> dict[str, Any]:
-    """Tables of each study that was asked for; `value` and `error` are relative."""
+    """Return the tables of each study that was run; `value` and `error` are relative."""
     return {
         "studies": {
             name: {table: [asdict(row) for row in rows] for table, rows in tables.items()}
@@ -49,7 +49,7 @@ def stability_document(studies: Mapping[str, Mapping[str, Sequence[Any]]]) -> di
 
 
 def article_document(article: Article) -> dict[str, Any]:
-    """The claims with the verdict of each method, and how far solver and simulation are apart."""
+    """Return claims and verdicts of all methods, and how far solver and simulation differ."""
     return {
         "claims": _claims(article.claims),
         "disagreement": article.disagreement,
@@ -70,7 +70,7 @@ def _claims(claims: Sequence[Claim]) -> list[dict[str, Any]]:
 
 
 def chart_document(points: Sequence[Point]) -> dict[str, Any]:
-    """All measured points, and the power of time by which errors fall, by scene and method."""
+    """Return all points, and the power of time by which errors fall, by scene and method."""
     from compare.studies.chart.figure import slopes
 
     return {
@@ -84,7 +84,7 @@ def chart_document(points: Sequence[Point]) -> dict[str, Any]:
 
 
 def wear_document(rows: Sequence[WearRow]) -> dict[str, Any]:
-    """Wear of each transient, and the friction of each load that gives most frictional work."""
+    """Return the wear of each transient, and the friction at which each load gives most work."""
     from compare.studies.wear import most_of
 
     work = {"frictional_work": "Q_0 V_0 c_t T^2"}
@@ -104,7 +104,7 @@ def wear_document(rows: Sequence[WearRow]) -> dict[str, Any]:
 
 
 def evidence_document(evidence: Evidence) -> dict[str, Any]:
-    """Verdicts of all scenes, closed forms and claims of the page."""
+    """Return verdicts of all scenes, closed forms and claims of the evidence page."""
     return {
         "verdict": evidence.verdict,
         "counts": evidence.counts,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LENGTH = 2.0
-"""Observed contact [length] until t = 1/c_t = 1."""
+"""Length of the observed contact [length] until t = 1/c_t = 1."""
 
 PROFILE = np.linspace(0.02, 1.9, 3761)
 """Velocities x / (c_t t) at which profiles are compared."""
@@ -37,7 +37,7 @@ class Errors:
     last : float
         Relative L1 error at the final time.
     averaged : float
-        The same of the profile averaged over x/t in the last 40 % of the time.
+        Relative L1 error of the profile averaged over x/t in the last 40 % of the time.
     first_peak, second_peak : float
         Error of the averaged profile where the exact slip rate of the first and the second zone
         is largest, over the exact value there; nan where there is no such zone.
@@ -53,19 +53,19 @@ class Errors:
 
 
 def last_profile(simulation: Simulation) -> Array:
-    """Slip rate at the final time at the velocities `PROFILE`, between nodes by straight lines."""
+    """Return the final slip rate at the velocities `PROFILE`, interpolated between nodes."""
     return _sampled(simulation, -1)
 
 
 def averaged_profile(simulation: Simulation) -> Array:
-    """Slip rate averaged over x/t in the last 40 % of the time, at the velocities `PROFILE`."""
+    """Return the slip rate averaged over x/t in the last 40 % of the time, at `PROFILE`."""
     t = simulation.interface.t
     rows = np.flatnonzero(t >= AVERAGED * t[-1]).tolist()
     return np.mean([_sampled(simulation, row) for row in rows], axis=0)
 
 
 def profile_errors(solution: Solution, last: Array, averaged: Array) -> Errors:
-    """Errors of two profiles at the velocities `PROFILE`."""
+    """Return the errors of two profiles at the velocities `PROFILE`."""
     speed = solution.scene.material.shear_speed
     exact = solution.slip_rate(PROFILE * speed, 1.0)
     peaks = []
@@ -84,7 +84,7 @@ def profile_errors(solution: Solution, last: Array, averaged: Array) -> Errors:
 
 
 def errors_of(simulation: Simulation, solution: Solution) -> Errors:
-    """Errors of the profiles of a simulation."""
+    """Return the errors of the profiles of a simulation."""
     return profile_errors(solution, last_profile(simulation), averaged_profile(simulation))
 
 
@@ -95,7 +95,7 @@ def _sampled(simulation: Simulation, row: int) -> Array:
 
 
 def step_error(scene: Scene, marched: Marched) -> float:
-    """Relative L1 error of the slip rate at the end on 0.02 < x/(c_t t) < 1.9, a step load."""
+    """Return the relative L1 error of the final slip rate on 0.02 < x/(c_t t) < 1.9."""
     x, end = marched.grid.x, marched.end_time
     seen = in_profile(x / (end * scene.material.shear_speed))
     exact = _exact(scene).slip_rate(x[seen], end)
@@ -115,7 +115,7 @@ def last_march(
     damping: float = 0.7,
     tolerance: float = 1e-6,
 ) -> Marched:
-    """A march of which only the end is kept; without a companion, as all marches here."""
+    """March a scene and keep only the last level; like all marches here, it has no companion."""
     return march(
         scene,
         nodes=nodes,

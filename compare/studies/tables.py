@@ -1,7 +1,7 @@
-"""Rows of studies, as tables on the terminal and as the data of the documentation.
+"""Rows of studies as tables on the terminal and as data files of the documentation.
 
-A study is a function without arguments that returns rows, instances of one dataclass.  What is
-printed, the CSV file and the tables of docs (`docs.studies.pages`) are renderings of the same rows.
+A study is a function without arguments that returns rows, instances of one dataclass.  The printed
+tables, the CSV files and the tables of the docs (`docs.studies.pages`) all show these rows.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Study = Callable[[], Sequence[Any]]
 
 
 def shown_rows(title: str, rows: Sequence[Any]) -> Table:
-    """Rows for the terminal, numbers to four digits."""
+    """Return a table of rows for the terminal, with numbers to four digits."""
     table = Table(title=title)
     for field, value in zip(fields(rows[0]), astuple(rows[0]), strict=True):
         heading = field.name.replace("_", " ")
@@ -40,16 +40,16 @@ def _shown(value: object) -> str:
 def run_studies(
     module: str, prefix: str, studies: Mapping[str, Study], arguments: Sequence[str] | None = None
 ) -> int:
-    """Print the studies named, and write PREFIX-NAME.csv of each into a folder if one is given.
+    """Print the named studies, and write each as PREFIX-NAME.csv if a folder is given.
 
     Parameters
     ----------
     module : str
-        Whose command it is, for messages and the heads of the files.
+        Module whose command it is, for messages and the first lines of the files.
     prefix : str
     studies : mapping of names to studies
     arguments : sequence of str, optional
-        Of the command line.
+        Arguments of the command line.
     """
     parser = argparse.ArgumentParser(prog=f"python -m {module}")
     parser.add_argument(

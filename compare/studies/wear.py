@@ -1,8 +1,8 @@
-"""Does lower friction give more wear in a transient?  The article's last question, by a sweep.
+"""A sweep that tests the article's last question: does lower friction increase transient wear?
 
-Accumulated |slip| and frictional work along the interface after a step, a ramp and a pulse of shear
-on constant pressure, against chi = f P_b / Q_0.  ``slipfront wear`` draws it,
-``python -m compare.studies.wear most --csv docs/data`` writes where there is most wear.
+It computes accumulated |slip| and frictional work along the interface after a step, a ramp and a
+pulse of shear under constant pressure, against chi = f P_b / Q_0.  ``slipfront wear`` draws it, and
+``python -m compare.studies.wear most --csv docs/data`` writes the frictions of largest wear.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class WearRow:
 
 
 def wear_after(load: str, poisson_ratio: float, chi: float, nodes: int) -> WearRow:
-    """March one transient and add up its wear."""
+    """March one transient and sum its wear."""
     scene = Scene(
         Material(1.0, 1.0, poisson_ratio),
         chi,
@@ -76,13 +76,13 @@ def wear_after(load: str, poisson_ratio: float, chi: float, nodes: int) -> WearR
 
 
 def swept_rows(chis: Sequence[float], nodes: int) -> Iterator[WearRow]:
-    """All loads and Poisson ratios over friction."""
+    """Yield the wear of all loads and Poisson ratios over friction."""
     for poisson_ratio, load, chi in product(POISSON_RATIOS, LOADS, chis):
         yield wear_after(load, poisson_ratio, float(chi), nodes)
 
 
 def frictions(count: int) -> list[float]:
-    """No friction, and some from 0.01 to 2."""
+    """Return zero friction, and `count` values from 0.01 to 2."""
     return [0.0, *np.geomspace(0.01, 2.0, count).tolist()]
 
 
@@ -92,7 +92,7 @@ def write_wear(
     progress: Progress | None = None,
     form: str = "png",
 ) -> list[WearRow]:
-    """Sweep friction, coarsely if quick; write wear.csv and wear.png into a folder.
+    """Sweep friction, coarsely if `quick`; write wear.csv and wear.png into a folder.
 
     Raises
     ------
@@ -113,14 +113,14 @@ def _part(rows: Sequence[WearRow], load: str, poisson_ratio: float) -> list[Wear
 
 
 def most_wear(rows: Sequence[WearRow], load: str, poisson_ratio: float) -> tuple[float, float]:
-    """chi at which frictional work is largest, and that work, for one load."""
+    """Return the chi of largest frictional work, and that work, for one load."""
     worst = max(_part(rows, load, poisson_ratio), key=lambda row: row.frictional_work)
     return worst.chi, worst.frictional_work
 
 
 @styled
 def sweep_figure(rows: Sequence[WearRow]) -> Figure:
-    """Accumulated |slip| above, frictional work below, against chi."""
+    """Draw accumulated |slip| above, frictional work below, against chi."""
     figure = new_figure(7, 6.7)
     words = "shear Q₀ under constant pressure $P_b$ until T,  f = χ Q₀/$P_b$,  V₀ = 2 Q₀/ρcₜ"
     describe(figure, words)
@@ -143,7 +143,7 @@ def sweep_figure(rows: Sequence[WearRow]) -> Figure:
 
 @dataclass(frozen=True)
 class MostRow:
-    """Friction at which a load takes most frictional work, and that work."""
+    """Friction at which a load causes the largest frictional work, and that work."""
 
     load: str
     poisson_ratio: float
@@ -152,14 +152,14 @@ class MostRow:
 
 
 def most_of(rows: Sequence[WearRow]) -> list[MostRow]:
-    """`most_wear` of all loads and Poisson ratios."""
+    """Return `most_wear` of all loads and Poisson ratios."""
     return [
         MostRow(load, nu, *most_wear(rows, load, nu)) for nu in POISSON_RATIOS for load in LOADS
     ]
 
 
 def most_rows() -> list[MostRow]:
-    """The same of the whole sweep."""
+    """Sweep all loads and Poisson ratios finely, and return their `most_wear`."""
     return most_of(list(swept_rows(frictions(40), NODES)))
 
 

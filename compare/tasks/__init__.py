@@ -1,1 +1,1 @@
-"""Tasks shared out over processes of this machine (`workers`) or a Dask cluster (`cluster`)."""
+"""Parallel tasks in processes of this machine (`workers`) or on a Dask cluster (`cluster`)."""

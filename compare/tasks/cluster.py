@@ -1,4 +1,4 @@
-"""Tasks on the workers of a Dask cluster, which may come and go."""
+"""Tasks on the workers of a Dask cluster, which may join and leave at any time."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.extras import needing
 
 PATIENCE = 5.0
-"""For which a scheduler, and a first worker, are waited for [s]."""
+"""Time to wait for a scheduler, and for a first worker [s]."""
 
 
 @contextmanager
 def connected(address: str | None, patience: float = PATIENCE) -> Iterator[Any]:
-    """A client of the scheduler at an address, as tcp://host:8786; None without an address.
+    """Connect to the scheduler at an address (tcp://host:8786); yield None without an address.
 
     Raises
     ------
     SceneError
-        If that is no address.
+        If the address is invalid.
     ComputationError
-        If nobody answers there.
+        If no scheduler answers there.
     MissingLibraryError
         If Dask is not installed.
     """
@@ -36,7 +36,7 @@ def connected(address: str | None, patience: float = PATIENCE) -> Iterator[Any]:
         from distributed import Client
         from distributed.comm import parse_address
         from distributed.comm.registry import get_backend
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it says is said here
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # exceptions report failures
     try:
         get_backend(parse_address(address, strict=True)[0])
         client = Client(address, timeout=patience, set_as_default=False)
@@ -56,15 +56,15 @@ def connected(address: str | None, patience: float = PATIENCE) -> Iterator[Any]:
 def on_cluster(
     tasks: Sequence[tuple[Callable[..., Any], tuple[Any, ...]]], client: Any
 ) -> Iterator[tuple[int, Any]]:
-    """Call functions on the workers of a cluster; yield (index, result) as each is done.
+    """Call functions on the workers of a cluster; yield (index, result) as each finishes.
 
-    Work of a worker that is lost goes to another one.
+    Tasks of a lost worker are repeated by another one.
 
     Raises
     ------
     ComputationError
-        If there is no worker, one has not this version of slipfront, a task has ended several of
-        them, or the scheduler is lost.
+        If there is no worker, a worker has another version of slipfront, a task has ended several
+        workers, or the scheduler is lost.
     """
     from distributed import CancelledError, KilledWorker, as_completed
 
@@ -77,7 +77,7 @@ def on_cluster(
     try:
         for future, result in as_completed(futures, loop=client.loop, with_results=True):
             yield places.pop(future.key), result
-            future.release()  # or the workers would hold all results
+            future.release()  # otherwise the workers would keep all results
     except KilledWorker as error:
         raise ComputationError(
             "a task has ended several workers of the cluster, as happens when memory runs out; "
@@ -93,12 +93,12 @@ def on_cluster(
 
 
 def check_workers(client: Any, patience: float = PATIENCE) -> None:
-    """Make sure that there are workers, all of this version of slipfront.
+    """Check that there are workers, and that all have this version of slipfront.
 
     Raises
     ------
     ComputationError
-        If not; the message is one sentence that says what to do.
+        If the check fails; the message is one sentence that says what to do.
     """
     own = version("slipfront")
     try:
@@ -119,5 +119,5 @@ def check_workers(client: Any, patience: float = PATIENCE) -> None:
 
 
 def _called(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """On a worker: call a function."""
+    """Call a function; runs on a worker."""
     return function(*arguments)

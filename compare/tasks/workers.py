@@ -1,4 +1,4 @@
-"""Work shared out over processes of one linear-algebra thread, stopped cleanly on interrupt."""
+"""Parallel tasks in processes with one linear-algebra thread, which stop cleanly on interrupts."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ Task = tuple[Callable[..., Any], tuple[Any, ...]]
 Item = TypeVar("Item")
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-"""What the environment of a process of one linear-algebra thread holds."""
+"""Environment variables of a process with one linear-algebra thread."""
 
 LIFELINE = "--lifeline"
-"""Tells a program that its standard input is a `lifeline`."""
+"""Argument that tells a program that its standard input is a `lifeline`."""
 
 
 def counted(items: Iterable[Item], count: int, progress: Progress | None) -> Iterator[Item]:
-    """The items as they are made; `progress` is told how many of the count there are."""
+    """Yield the items as they are made, and report to `progress` how many of `count` there are."""
     for done, item in enumerate(items, 1):
         if progress is not None:
             progress(done, count)
@@ -42,25 +42,25 @@ def run_tasks(
     progress: Progress | None = None,
     client: Any = None,
 ) -> Iterator[tuple[int, Any]]:
-    """Call module-level functions in processes; yield (index of task, result) as each is done.
+    """Call module-level functions in processes; yield (index of task, result) as each finishes.
 
-    A program that calls this is not run again in them, and needs no ``if __name__ ==``, unless
-    functions are its own.
+    The processes do not run the calling program again, so it needs no ``if __name__ ==`` unless
+    the functions are its own.
 
     Parameters
     ----------
     tasks : sequence of (function, arguments)
     workers : int, optional
-        Number of processes; the number of cores unless given.  1 runs here, in order.
+        Number of processes; the number of cores by default.  With 1, tasks run here, in order.
     progress : callable, optional
-        Called with the number of tasks done and the number of all tasks.
+        Called with the number of finished tasks and of all tasks.
     client : distributed.Client, optional
-        Of a Dask cluster whose workers are to do it instead.
+        Client of a Dask cluster whose workers run the tasks instead.
 
     Raises
     ------
     ComputationError
-        If a process is killed, more than once on a cluster, or that does not answer.
+        If a process is killed (on a cluster: repeatedly), or the cluster does not answer.
     """
     count = min(workers or os.cpu_count() or 1, len(tasks))
     if client is not None:
@@ -86,7 +86,7 @@ def _in_processes(tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Any]
     )
     finished = False
     try:
-        # also from workers that are still starting
+        # Ctrl-C is also held back from workers that are still starting
         with _interrupts_held_back(), _without_main(tasks):
             futures = {
                 pool.submit(function, *arguments): index
@@ -114,7 +114,7 @@ def _in_processes(tasks: Sequence[Task], count: int) -> Iterator[tuple[int, Any]
 
 @contextmanager
 def _interrupts_held_back() -> Iterator[None]:
-    """Let Ctrl-C wait, and processes started meanwhile never see it, where the system can."""
+    """Delay Ctrl-C, and hide it from processes started meanwhile, where the system allows it."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -127,8 +127,10 @@ def _interrupts_held_back() -> Iterator[None]:
 
 @contextmanager
 def _without_main(tasks: Sequence[Task]) -> Iterator[None]:
-    """Let processes started meanwhile not run the program again that starts them, unless it is
-    there that they find functions."""
+    """Keep processes started meanwhile from running the main program again.
+
+    The program is run again only if it defines a function of the tasks.
+    """
     main = sys.modules["__main__"]
     if all(function.__module__ != main.__name__ for function, _ in tasks):
         sys.modules["__main__"] = ModuleType("__main__")
@@ -139,7 +141,7 @@ def _without_main(tasks: Sequence[Task]) -> Iterator[None]:
 
 
 def _serve_parent() -> None:
-    """In a worker: leave Ctrl-C to the parent, and end when it does, however it ends."""
+    """Initialise a worker: leave Ctrl-C to the parent, and end when the parent ends in any way."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
@@ -153,12 +155,14 @@ def _end_after(sentinel: int) -> None:
 
 @contextmanager
 def lifeline() -> Iterator[int]:
-    """What a child process gets as its standard input to `hang_on` to, from a parent that may die.
+    """Yield a standard input that lets a child process notice the death of its parent.
+
+    The child calls `hang_on`.
 
     Yields
     ------
     int
-        A descriptor from which nothing can be read as long as this process lives.
+        A descriptor on which reading blocks as long as this process lives.
     """
     here, there = os.pipe()
     try:
@@ -169,7 +173,7 @@ def lifeline() -> Iterator[int]:
 
 
 def hang_on() -> None:
-    """In a child that has a `lifeline` as its standard input: end when the parent does."""
+    """End this process when its parent dies; its standard input must be a `lifeline`."""
 
     def end() -> None:
         os.read(0, 1)

@@ -1,6 +1,7 @@
 """Draw the figures of docs/gallery.md: ``python -m docs.examples [FOLDER]``.
 
-Runs every example elsewhere and copies its figure to FOLDER, docs/figures/examples unless given.
+Runs every example in a temporary folder and copies its figure to FOLDER, by default
+docs/figures/examples.
 """
 
 from __future__ import annotations
@@ -26,12 +27,12 @@ EXAMPLES = (
     "friction_law",
     "paraview_snapshots",
 )
-"""In the order of the gallery."""
+"""Names of the examples, in the order of the gallery."""
 FIGURES = Path(__file__).resolve().parents[2] / "docs" / "figures" / "examples"
 
 
 def main(folder: Path = FIGURES) -> None:
-    """Run all examples and keep their figures."""
+    """Run all examples and copy their figures into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     for name in EXAMPLES:
         with TemporaryDirectory() as elsewhere:

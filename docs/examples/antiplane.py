@@ -1,4 +1,4 @@
-"""Antiplane shear in closed form, under the answers of the three solvers (units c_t = mu = 1).
+"""Compare the closed form in antiplane shear with all three solvers (units c_t = mu = 1).
 
 ``python -m docs.examples.antiplane [FOLDER]`` writes antiplane.png.
 """
@@ -16,7 +16,7 @@ from compare.figures.style import describe, look
 from fem import simulate
 from semianalytic.reference import antiplane_traction
 
-CHI = 0.5  # friction times pressure over the step of shear
+CHI = 0.5  # friction times pressure over the shear step
 EDGE = 1 / (1 + CHI) ** 2
 SOLID = sf.Material(shear_modulus=1.0, density=1.0, poisson_ratio=0.25)
 PRELOAD, SHEAR = sf.Tractions(pressure=1.0, shear=0.0), sf.Tractions(pressure=0.0, shear=1.0)
@@ -24,13 +24,13 @@ SCENE = sf.Scene(SOLID, friction=CHI, base=PRELOAD, load=SHEAR, mode="antiplane"
 
 
 def slip_rate(xi: np.ndarray) -> np.ndarray:
-    """Relative slip rate at x/t."""
+    """Return the relative slip rate at similarity velocities x/t."""
     return np.asarray(4 / np.pi * np.arctan(np.sqrt(np.maximum(EDGE - xi, 0) / (1 + xi))))
 
 
 @look()
 def main(folder: Path = Path(".")) -> sf.Solution:
-    """Draw the closed form under the answers of the three solvers; return the exact one."""
+    """Draw the closed form and the answers of the three solvers; return the exact solution."""
     solution, marched = sf.solve(SCENE, rtol=1e-11), sf.march(SCENE, nodes=400).interface
     simulated, xi = simulate(SCENE, resolution=100).interface, np.linspace(1e-3, 1.1, 2000)
     figure, points = describe(Figure(figsize=(6, 4.6), layout="constrained"), SCENE), xi[20::60]

@@ -1,4 +1,4 @@
-"""Gains that only their product is known of: a posterior that no ellipse describes.
+"""Fit two gains of which data constrain only the product: the posterior is no ellipse.
 
 ``python -m docs.examples.bent_posterior [FOLDER]`` writes bent_posterior.png.
 """

@@ -1,4 +1,4 @@
-"""A measured load signal as the history of a scene, marched in time and saved to go on from.
+"""March a scene in time under a measured load signal, save the march, and continue it.
 
 ``python -m docs.examples.custom_history [FOLDER]`` writes custom_history.h5 and .png.
 """
@@ -19,8 +19,8 @@ ALUMINIUM = sf.Material(shear_modulus=26e9, density=2700.0, poisson_ratio=0.34)
 
 @look()
 def main(folder: Path = Path(".")) -> float:
-    """March under a signal, save, go on; return the slip beside the edge [m]."""
-    t = np.linspace(0, 60e-6, 121)  # [s]; stands for a file: np.loadtxt("signal.csv").T
+    """March under a signal, save, continue; return the slip near the edge [m]."""
+    t = np.linspace(0, 60e-6, 121)  # [s]; for a file: np.loadtxt("signal.csv").T
     signal = np.exp(-t / 30e-6) * np.sin(2 * np.pi * t / 40e-6)
     scene = sf.Scene(
         ALUMINIUM,

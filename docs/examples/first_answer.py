@@ -1,4 +1,4 @@
-"""A first answer: which parts of a steel interface slip, how fast, and when it gets somewhere.
+"""Find which parts of a steel interface slip, how fast, and when slip arrives at a point.
 
 ``python -m docs.examples.first_answer [FOLDER]`` writes first_answer.png.
 """
@@ -18,7 +18,7 @@ STEEL = sf.Material(shear_modulus=80e9, density=7800.0, poisson_ratio=0.29)  # P
 SCENE = sf.Scene(
     STEEL,
     friction=0.25,
-    base=sf.Tractions(pressure=5e6, shear=0.0),  # Pa, in place before
+    base=sf.Tractions(pressure=5e6, shear=0.0),  # Pa, before the load
     load=sf.Tractions(pressure=0.0, shear=5e6),  # Pa, released on the slot at t = 0
 )
 TIME = 1e-4  # [s]

@@ -18,12 +18,12 @@ from compare.figures.style import describe, look
 
 STEEL = sf.Material(shear_modulus=80e9, density=7800.0, poisson_ratio=0.29)
 SCENE = sf.Scene(STEEL, 0.5, base=sf.Tractions(5e6, 0.0), load=sf.Tractions(0.0, 5e6))
-PLACE, TRUE, NOISE = 0.05, 0.43, 0.05  # [m], friction to be found, part of the largest slip rate
+PLACE, TRUE, NOISE = 0.05, 0.43, 0.05  # [m], friction to be found, share of the largest slip rate
 
 
 @look()
 def main(folder: Path = Path(".")) -> float:
-    """Make a record, fit friction to it, and return what was found."""
+    """Make a record, fit friction to it, and return the fitted friction."""
     t = np.linspace(2e-6, 8e-5, 120)  # [s]
     clean = sf.solve(replace(SCENE, friction=TRUE), rtol=1e-6).slip_rate(PLACE, t)
     noise = np.random.default_rng(7).standard_normal(len(t))
@@ -34,7 +34,7 @@ def main(folder: Path = Path(".")) -> float:
         return np.asarray(trial.slip_rate(PLACE, t) - record) / clean.max()
 
     fit = least_squares(misfit, x0=[0.8], bounds=(0.05, 1.5), diff_step=[1e-4])
-    # standard deviation of the coefficient
+    # standard deviation of the fitted friction
     error = NOISE / float(np.linalg.norm(np.asarray(fit.jac)))
     fitted = fit.fun * clean.max() + record
     head = "time [s],recorded slip rate [m/s],fitted slip rate [m/s]"

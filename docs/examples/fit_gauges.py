@@ -1,4 +1,4 @@
-"""Friction, pressure and the moment of the trigger from slip at three places, with a prior.
+"""Fit friction, pressure and trigger time to slip at three positions, with a prior.
 
 ``python -m docs.examples.fit_gauges [FOLDER]`` writes fit_gauges.png.
 """
@@ -30,7 +30,7 @@ def main(folder: Path = Path(".")) -> sf.Fit:
         slip = solution.slip(x, t - TRIGGER) + random.normal(0, NOISE, len(t))
         gauges.append(sf.Gauge(x, t, slip, NOISE, quantity="slip"))
     guess = replace(TRUTH, friction=0.4)
-    known = {"base_pressure": sf.Normal(5.2e6, 0.3e6)}  # what the load cell said [Pa]
+    known = {"base_pressure": sf.Normal(5.2e6, 0.3e6)}  # reading of the load cell [Pa]
     fit = sf.fit(gauges, guess, NAMES, priors=known, rtol=1e-6)
     fit_figure(fit).savefig(folder / "fit_gauges.png", dpi=60)
     (f, p, t0), (df, dp, dt) = fit.values, fit.standard_errors

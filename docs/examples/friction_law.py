@@ -1,4 +1,4 @@
-"""Constant, rate-weakening and slip-weakening friction under one ramp, and a refused law.
+"""Compare constant, rate-weakening and slip-weakening friction under a ramp; refuse a wrong law.
 
 ``python -m docs.examples.friction_law [FOLDER]`` writes friction_law.csv and .png.
 """
@@ -23,7 +23,7 @@ LAWS = (sf.CoulombFriction(), sf.RateWeakening(0.4, 1.0), sf.SlipWeakening(0.6, 
 
 @look()
 def main(folder: Path = Path(".")) -> list[float]:
-    """Write slip at the end along the interface by law; return the largest slip of each."""
+    """Write the final slip along the interface for each law; return the largest slip of each."""
     marches = [sf.march(replace(SCENE, friction_law=law), nodes=400) for law in LAWS]
     slips = [marched.interface.slip[-1] for marched in marches]
     x, names = marches[0].grid.x, [type(law).__name__ for law in LAWS]

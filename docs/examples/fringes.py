@@ -1,4 +1,4 @@
-"""Isochromatic fringes in PMMA after a shock, as a photoelastic experiment shows them.
+"""Draw isochromatic fringes in PMMA after a shock, as seen in a photoelastic experiment.
 
 ``python -m docs.examples.fringes [FOLDER]`` writes fringes.png.
 """
@@ -23,7 +23,7 @@ HEIGHT, TIME = 2e-3, 20e-6  # m, s
 
 @look()
 def main(folder: Path = Path(".")) -> np.ndarray:
-    """Draw the fringes after 20 us, and fringe order at y = 2 mm; return it."""
+    """Draw the fringes after 20 us and the fringe order at y = 2 mm; return the fringe order."""
     solution = sf.solve(sf.Scene(PMMA, friction=0.4, base=BASE, load=SHOCK))
     x = np.linspace(-0.06, 0.06, 400)  # [m]
     y = np.linspace(-0.03, 0.03, 200)[:, None]

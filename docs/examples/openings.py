@@ -1,4 +1,4 @@
-"""A tap on a contact that is hardly pressed: open ahead of the Rayleigh wave, closed again behind.
+"""Draw a weakly pressed contact after a tap: it opens at the Rayleigh wave and closes behind it.
 
 ``python -m docs.examples.openings [FOLDER]`` writes openings.png.
 """
@@ -20,7 +20,7 @@ BASE, TAP = sf.Tractions(pressure=0.02, shear=0.0), sf.Tractions(pressure=1.0, s
 
 @look()
 def main(folder: Path = Path(".")) -> list[sf.Solution]:
-    """Draw gap and pressure, shear traction and slip rate under weak to strong friction."""
+    """Draw gap, pressure, shear traction and slip rate for weak to strong friction."""
     figure, xi = Figure(figsize=(6.4, 6.8), layout="constrained"), np.linspace(5e-3, 2.05, 1200)
     describe(figure, "ν = 1/3, f = 0.1 to 10; step of pressure P₀ = 1, slip rate over P₀ / ρcₜ")
     normal, shear, rate = figure.subplots(3, 1, sharex=True)

@@ -1,4 +1,4 @@
-"""Field snapshots for ParaView, and one of them drawn: open snapshots/fields.pvd there.
+"""Write field snapshots for ParaView, which opens snapshots/fields.pvd, and draw one of them.
 
 ``python -m docs.examples.paraview_snapshots [FOLDER]`` writes snapshots/ and
 paraview_snapshots.png.
@@ -20,7 +20,7 @@ from compare.figures.style import describe, look
 
 @look()
 def main(folder: Path = Path(".")) -> int:
-    """Simulate a remote shock with ten pictures; return the number of pictures."""
+    """Simulate a remote shock with ten snapshots; return the number of snapshots."""
     snapshots = folder / "snapshots"
     scene = sf.find_scene("remote-shock")
     simulation = sf.simulate(scene, resolution=30, snapshots=snapshots, frames=10)

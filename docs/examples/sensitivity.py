@@ -1,4 +1,4 @@
-"""What slip rate tells of friction and load: derivatives, and a fit with its error ellipse.
+"""Draw how slip rate depends on friction and load, and fit both with an error ellipse.
 
 ``python -m docs.examples.sensitivity [FOLDER]`` writes sensitivity.png.
 """

@@ -1,4 +1,4 @@
-"""A plane of friction and Poisson ratio, 100 × 100 scenes, kept as NetCDF and drawn.
+"""Survey a plane of friction and Poisson ratio, 100 × 100 scenes, as NetCDF, and draw it.
 
 ``python -m docs.examples.survey_map [FOLDER]`` writes survey_map.nc and survey_map.png.
 """
@@ -25,9 +25,9 @@ def main(folder: Path = Path("."), *, side: int = 100) -> float:
         friction=np.linspace(0.1, 0.9, side),
         poisson_ratio=np.linspace(0.1, 0.45, side),
         rtol=1e-6,
-        path=folder / "survey_map.nc",  # goes on from what is there, if interrupted
+        path=folder / "survey_map.nc",  # an interrupted survey resumes from here
     )
-    speed = data.edges.sel(zone=0, edge="outer") / data.rayleigh_speed  # of the first zone
+    speed = data.edges.sel(zone=0, edge="outer") / data.rayleigh_speed  # edge of the first zone
     two = (data.sense != 0).sum("zone") > 1
     figure = Figure(figsize=(6, 3.6), layout="constrained")
     axes = figure.subplots()

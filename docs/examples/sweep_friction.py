@@ -1,4 +1,4 @@
-"""Front speeds against friction, with the closed form of a single zone.
+"""Draw front speeds against friction, with the closed form of a single zone.
 
 ``python -m docs.examples.sweep_friction [FOLDER]`` writes sweep_friction.png.
 """

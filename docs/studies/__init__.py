@@ -1,4 +1,4 @@
-"""Studies that make the numbers, tables and schema of the documentation, run from a checkout.
+"""Studies that make the numbers, tables and schema of the documentation.
 
-``python -m docs.studies.NAME`` runs one in the folder of slipfront; none is part of the wheel.
+They run from a checkout, as ``python -m docs.studies.NAME`` in its root; no wheel contains them.
 """

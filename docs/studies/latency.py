@@ -1,7 +1,7 @@
-"""How long the page of `slipfront explore` takes from a move to its picture, in Chromium.
+"""Measure the time from a move of a slider to its picture in `slipfront explore`, in Chromium.
 
 ``python -m docs.studies.latency --csv docs/data`` moves the friction slider of some scenes step
-by step and writes explore-latency.csv there, and to docs/figures what the page then looks like.
+by step.  It writes explore-latency.csv there, and pictures of the page to docs/figures.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 SCENES = ("preloaded", "remote-shock", "auxetic", "viscous", "antiplane", "lift-off-shear", "tap")
 MOVES = 40
 STOLEN = 7
-"""What other guests of the same host have taken, among the kinds of time in /proc/stat."""
+"""Index of the time taken by other guests of the same host in the first line of /proc/stat."""
 MOVE = """
 slider = document.getElementById('friction');
 slider.value = +slider.value + (%d %% 2 ? 1 : 3) * slider.step;
@@ -34,7 +34,7 @@ slider.dispatchEvent(new Event('input', {bubbles: true}));
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Measure, and write table and picture."""
+    """Measure the latencies, and write table and picture."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--csv", type=Path, required=True, metavar="FOLDER")
     folder = parser.parse_args(arguments).csv
@@ -73,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _processor() -> np.ndarray:
-    """What the processor has done so far, kind by kind, as Linux counts it."""
+    """Return the times that the processor has spent so far, by kind, as Linux counts them."""
     first = Path("/proc/stat").read_text(encoding="ascii").splitlines()[0]
     return np.array([int(one) for one in first.split()[1:9]])
 
@@ -84,7 +84,7 @@ def _wait(browser: Browser, count: int) -> None:
 
 
 def _open(browser: Browser, address: str, name: str) -> None:
-    """Show a scene, and wait until field and map are there."""
+    """Show a scene, and wait for its field and map."""
     browser.open(address + query_of(defaults(find_scene(name))), 1280)
     _wait(browser, 1)
     late = "document.getElementById('pictures').dataset.late !== 'false'"

@@ -1,8 +1,8 @@
-"""The tables of docs/benchmarks.md.
+"""Make the tables of docs/benchmarks.md.
 
-``python -m docs.studies.league classes`` measures the tolerance classes, for the package and
-for docs/data; ``... league`` scores the runs of our own codes and those that others' codes left in
-tests/data/entrants, ``... figure`` draws them; ``... sheets`` lists the problems.
+``python -m docs.studies.league classes`` measures the tolerance classes, for the package and for
+docs/data.  ``... league`` scores the runs of slipfront's own codes and those of other codes in
+tests/data/entrants; ``... figure`` draws them; ``... sheets`` lists the problems.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs" / "data"
 ENTRANTS = ROOT / "tests" / "data" / "entrants"
 LEAST_BOUND = 1e-6
-"""Of a class, where our finite elements are right to rounding."""
+"""Smallest bound of a class, where the finite elements are exact to rounding."""
 MARCH_CELLS = 100
 DRAWN = ("preloaded", "auxetic", "antiplane", "lift-off-shear")
-"""Sheets of the figure."""
+"""Sheets shown in the figure."""
 
 
 def measured_classes(sheet: Sheet) -> Iterator[Tolerance]:
-    """Classes of a sheet, by our finite elements."""
+    """Measure the classes of a sheet with the finite elements."""
     coarse, middle, fine = (_errors(score(enter("fem", sheet, cells))) for cells in CELLS)
     marched = {} if sheet.is_marched else _march_errors(sheet)
     for name in fine:
@@ -53,7 +53,7 @@ def _errors(scores: Iterable[Score]) -> dict[str, float]:
 
 
 def _march_errors(sheet: Sheet) -> dict[str, float]:
-    """Errors of our marcher; none where it does not take the scene."""
+    """Return the errors of the marcher; none if it refuses the scene."""
     try:
         return _errors(score(enter("march", sheet, MARCH_CELLS)))
     except SceneError:
@@ -61,7 +61,7 @@ def _march_errors(sheet: Sheet) -> dict[str, float]:
 
 
 def _bound(error: float) -> float:
-    """An error rounded up to two digits."""
+    """Round an error up to two digits."""
     error = max(error, LEAST_BOUND)
     digit = 10.0 ** (math.floor(math.log10(error)) - 1)
     return float(f"{math.ceil(error / digit) * digit:.2g}")
@@ -69,10 +69,10 @@ def _bound(error: float) -> float:
 
 @dataclass(frozen=True)
 class LeagueRow:
-    """One run: errors as in `Score`, their classes together, and the order since a coarser grid.
+    """One run with its errors, as in `Score`, their classes, and the observed order.
 
-    `order` is that at which the slip rate, or what the sheet asks for first, has fallen since the
-    next coarser grid of the same code.
+    `order` is the order of the slip rate, or of the sheet's first quantity, since the next coarser
+    grid of the same code.
     """
 
     sheet: str
@@ -91,7 +91,7 @@ class LeagueRow:
 
 
 def league_rows(runs: Iterable[Run]) -> list[LeagueRow]:
-    """Rows of runs, by sheet, code and cells."""
+    """Return the rows of runs, sorted by sheet, code and cells."""
     order = list(SHEETS)
     ranked = sorted(runs, key=lambda run: (order.index(run.sheet.name), run.code, run.cells))
     rows: list[LeagueRow] = []
@@ -115,7 +115,7 @@ def league_rows(runs: Iterable[Run]) -> list[LeagueRow]:
 
 
 def _order(before: LeagueRow | None, run: Run, error: float) -> float:
-    """Observed order between a run and the row before, if that is of the same code and sheet."""
+    """Return the observed order since the row before; nan if that has another code or sheet."""
     if before is None or (before.sheet, before.code) != (run.sheet.name, run.code):
         return math.nan
     was = getattr(before, run.sheet.report[0])
@@ -127,7 +127,7 @@ def _order(before: LeagueRow | None, run: Run, error: float) -> float:
 def own_runs(
     names: Iterable[str] = tuple(SHEETS), resolutions: Iterable[int] = CELLS
 ) -> Iterator[Run]:
-    """What our own codes make of the sheets they take."""
+    """Yield runs of slipfront's own codes on the sheets that they accept."""
     for sheet in map(find_sheet, names):
         for cells in resolutions:
             yield enter("fem", sheet, cells)
@@ -140,19 +140,19 @@ def own_runs(
 
 
 def others_runs(folder: Path = ENTRANTS) -> Iterator[Run]:
-    """The runs of other codes that a folder holds as CODE/SHEET/CELLS.csv.
+    """Yield the runs of other codes, files CODE/SHEET/CELLS.csv in a folder.
 
     Raises
     ------
     DataFileError
-        If a CSV file is none.
+        If a CSV file is no record of a run.
     """
     for path in sorted(folder.glob("*/*/*.csv")):
         yield read_run(path)
 
 
 def league_figure(others: Iterable[Run]) -> Figure:
-    """The finest run of every code on `DRAWN`."""
+    """Draw the finest run of every code on the sheets `DRAWN`."""
     runs = list(own_runs(DRAWN, CELLS[-1:]))
     runs += [one for one in others if one.sheet.name in DRAWN]
     finest: dict[tuple[str, str], Run] = {}
@@ -163,7 +163,7 @@ def league_figure(others: Iterable[Run]) -> Figure:
 
 @dataclass(frozen=True)
 class SheetRow:
-    """A sheet in a line: what it tests, what moves or opens, and whether that is marched."""
+    """One line on a sheet: what it tests, what moves or opens, and whether it is marched."""
 
     sheet: str
     title: str
@@ -172,14 +172,14 @@ class SheetRow:
 
 
 def sheet_rows() -> list[SheetRow]:
-    """All sheets, with the answers as they are written."""
+    """Return all sheets with the exact answers that the package exports."""
     return [
         SheetRow(sheet.name, sheet.title, sheet.tests, _parts(sheet)) for sheet in SHEETS.values()
     ]
 
 
 def _parts(sheet: Sheet) -> str:
-    """Zones and openings of a sheet over c_t."""
+    """Return zones and openings of a sheet over c_t in words."""
     answers = written_document(sheet)["answers"]
     if sheet.is_marched:
         return "marched"
@@ -192,7 +192,7 @@ def _parts(sheet: Sheet) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Measure classes or write the league table; the exit code is that of an error."""
+    """Measure classes or write the league table; return the exit code."""
     program = "python -m docs.studies.league"
     parser = argparse.ArgumentParser(prog=program, description=__doc__)
     parser.add_argument("table", choices=("sheets", "classes", "league", "figure"))

@@ -1,7 +1,7 @@
-"""Tables of the documentation, filled from docs/data; nothing is computed here.
+"""Fill the tables of the documentation from docs/data; nothing is computed here.
 
-``python -m docs.studies.pages --write`` fills them, ``--check`` says which pages are not as their
-data are.  A table stands in a page as ::
+``python -m docs.studies.pages --write`` fills them, and ``--check`` lists pages that differ from
+their data.  A table in a page is marked like this::
 
     <!-- table: NAME where COLUMN=VALUE; COLUMN=VALUE spread COLUMN by COLUMN
     | heading | heading |
@@ -10,11 +10,11 @@ data are.  A table stands in a page as ::
     (the filled table)
     <!-- end -->
 
-NAME is that of a file docs/data/NAME.csv, whose first line is a comment with the command that
-makes it.  The second line is repeated for every row that has the values asked for, all rows unless
-some are; behind the colon stands a format of `Cell`.  Files that hold one value a row are spread:
-rows with the same value in the second column are one row of the table, which knows their values
-(in the column "value") under the names in the first.
+NAME refers to the file docs/data/NAME.csv, whose first line is a comment with the command that
+makes it.  The second line is repeated for every row with the given values, or for all rows; a
+format of `Cell` may follow the colon.  Files with one value per row can be spread: rows with the
+same value in the second column then form one row of the table, in which each value (of the column
+"value") has the name found in the first column.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of a data file, which formats itself.
+    """A cell of a data file, with its own formats.
 
-    Besides those of Python there are the formats "r" (1/3 for 0.3333…), ".2p" (a power of ten,
-    1.30·10⁻³), ".3s" (significant digits, zeros at the end included), and ".2s%" (the same in
-    percent).  Cells without a value, and nan, are left empty.
+    Beside the formats of Python there are "r" (1/3 for 0.3333…), ".2p" (a power of ten, such as
+    1.30·10⁻³), ".3s" (significant digits, including trailing zeros), and ".2s%" (the same in
+    percent).  Cells without a value, and nan, are empty.
     """
 
     text: str
@@ -78,13 +78,13 @@ def _formatted(value: float, form: str) -> str:
 
 
 def _typeset(number: str) -> str:
-    """A number with the minus sign of print and no zeros in front of its exponent."""
+    """Return a number with a typographic minus sign and without leading zeros in its exponent."""
     sign = "−" if number.startswith("-") else number[:1]
     return sign + re.sub(r"e([+-])0*(?=\d)", lambda m: "e" + m[1].strip("+"), number[1:])
 
 
 def read_data(name: str, folder: Path = DATA) -> tuple[str, list[dict[str, str]]]:
-    """The command that makes a data file, and its rows.
+    """Read a data file; return the command that makes it, and its rows.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def read_data(name: str, folder: Path = DATA) -> tuple[str, list[dict[str, str]]
 
 
 def _table(block: re.Match[str], folder: Path) -> str:
-    """The lines of a marked table."""
+    """Return the lines of a marked table."""
     _, rows = read_data(block["name"], folder)
     chosen = [one.strip().split("=", 1) for one in (block["chosen"] or "").split(";") if one]
     try:
@@ -124,7 +124,7 @@ def _table(block: re.Match[str], folder: Path) -> str:
 
 
 def _spread(rows: list[dict[str, str]], names: str, key: str) -> list[dict[str, str]]:
-    """Rows of one value each as rows of several."""
+    """Combine rows with one value each into rows with several values."""
     empty = dict.fromkeys((row[names] for row in rows), "")
     merged: dict[str, dict[str, str]] = {}
     for row in rows:
@@ -133,7 +133,7 @@ def _spread(rows: list[dict[str, str]], names: str, key: str) -> list[dict[str, 
 
 
 def filled(text: str, folder: Path = DATA) -> str:
-    """A page with all its tables as the data are.
+    """Return a page with all its tables filled from the data.
 
     Raises
     ------
@@ -151,16 +151,16 @@ def _chart(_: str) -> str:
 
 
 WHOLE: Mapping[str, Callable[[str], str]] = {"docs/chart.md": _chart}
-"""Pages that are written as a whole."""
+"""Pages that are generated as a whole."""
 
 
 def pages() -> list[Path]:
-    """README and all pages of docs."""
+    """Return the paths of README and of all pages of docs."""
     return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 
 
 def stale_pages(write: bool = False) -> list[Path]:
-    """Pages that are not as their data are, written anew if that is asked for."""
+    """Return the pages that differ from their data, and rewrite them if `write` is true."""
     stale = []
     for page in pages():
         text = page.read_text(encoding="utf-8")
@@ -173,7 +173,7 @@ def stale_pages(write: bool = False) -> list[Path]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Check or fill the tables of README and docs; 1 if one is not up to date, 3 without data."""
+    """Check or fill the tables of README and docs; return 1 if one is outdated, 3 without data."""
     parser = argparse.ArgumentParser(prog="python -m docs.studies.pages", description=__doc__)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--check", action="store_true", help="name pages that are not up to date")

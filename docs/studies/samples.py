@@ -1,10 +1,11 @@
-"""Records as a laboratory would have them: ``python -m docs.studies.samples [FOLDER]``.
+"""Make records like those of a laboratory: ``python -m docs.studies.samples [FOLDER]``.
 
-Strain gauges 3.5 mm off the interface and a line of image correlation in PMMA, as around the
-ruptures of Svetlizky & Fineberg (Nature 509, 205, 2014), from a march on the interface, which
-shares no zone or edge with the solver that fits them; with noise, and a clock that runs ahead of
-the load; and slip across the interface, as image correlation sees it.  Writes pmma_gauges.csv,
-pmma_line.csv, pmma_slip.csv and pmma.toml, a first guess, to FOLDER, docs/data unless given.
+The scene has strain gauges 3.5 mm off the interface and a line of image correlation in PMMA, as
+around the ruptures of Svetlizky & Fineberg (Nature 509, 205, 2014), and slip across the interface
+as image correlation sees it.  It is marched, so that it shares no zone or edge with the solver that
+fits it.  The records have noise, and a clock that runs ahead of the load.  The program writes
+pmma_gauges.csv, pmma_line.csv, pmma_slip.csv and a first guess, pmma.toml, to FOLDER, which is
+docs/data by default.
 """
 
 from __future__ import annotations
@@ -22,11 +23,11 @@ COMMAND = "python -m docs.studies.samples docs/data"
 PMMA = sf.Material(shear_modulus=2.12e9, density=1170.0, poisson_ratio=0.336)
 TRUTH = sf.Scene(PMMA, 0.35, sf.Tractions(5e6, 0.0), sf.Tractions(0.0, 4e6), units="SI")
 TRIGGER = 3e-6
-"""When the load acts on the clock of the records [s]."""
+"""Time of the load on the clock of the records [s]."""
 GAUGES, HEIGHT = (0.02, 0.04, 0.06), 3.5e-3
-"""Where they are [m]."""
+"""Positions of the gauges along the interface, and their height above it [m]."""
 STRAIN_NOISE, MOTION_NOISE, SLIP_NOISE = 30e-6, 2e-6, 1e-6
-"""Standard deviations, [1], [m] and [m]."""
+"""Standard deviations of strain [1], motion [m] and slip [m]."""
 END, NODES = 80e-6, 1600
 
 SCENE = """# A first guess; friction, load and the time of the trigger are to be found.
@@ -49,7 +50,7 @@ shear = 6e6
 
 
 def main(folder: Path = FOLDER) -> None:
-    """March, record, and write the files."""
+    """March the scene, record it with noise, and write the files."""
     march = sf.march(TRUTH, END, nodes=NODES)
     random = np.random.default_rng(11)
     rows = ["t [us],x [mm],y [mm],exx [ustrain],eyy [ustrain],exy [ustrain]"]

@@ -1,7 +1,8 @@
-"""JSON Schema of what every command prints with ``--json``, and the table of docs/json.md.
+"""Write the JSON Schema of the output of every command with ``--json``, and the table of keys.
 
-``python -m docs.studies.schema --write`` writes docs/schema.json and docs/data/json-keys.csv from
-what stands here and from the fields of the rows; ``--check`` says whether they are up to date.
+``python -m docs.studies.schema --write`` writes docs/schema.json and docs/data/json-keys.csv, which
+docs/json.md shows, from the definitions here and the fields of the rows.  ``--check`` tests whether
+they are up to date.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ Schema = Mapping[str, Any]
 
 
 class Key(NamedTuple):
-    """A key of a document: what it means, what may stand there, whether it always does."""
+    """A key of a document: its meaning, its values, and whether it is always present."""
 
     meaning: str
     schema: Schema
@@ -47,11 +48,11 @@ TEXT: Schema = {"type": "string"}
 WHOLE: Schema = {"type": "integer"}
 TRUTH: Schema = {"type": "boolean"}
 NUMBER: Schema = {"type": ["number", "null"]}
-"""Null stands for what is infinite, or is not there."""
+"""Schema of a number; null stands for infinite or absent values."""
 
 
 def _of(schema: Schema) -> Schema:
-    """Any names, each with such a value."""
+    """Return the schema of an object with any names, each with a value of this schema."""
     return {"type": "object", "additionalProperties": schema}
 
 
@@ -60,7 +61,7 @@ def _list(schema: Schema) -> Schema:
 
 
 def _object(optional: Sequence[str] = (), /, **properties: Schema) -> Schema:
-    """Exactly these names."""
+    """Return the schema of an object with exactly these names."""
     return {
         "type": "object",
         "properties": properties,
@@ -74,14 +75,14 @@ def _or_null(schema: Schema) -> Schema:
 
 
 def _row(kind: type, **more: Schema) -> Schema:
-    """The fields of a dataclass, by their annotations."""
+    """Return the schema of a dataclass by the annotations of its fields."""
     hints = typing.get_type_hints(kind)
     described = {one.name: _typed(hints[one.name]) for one in fields(kind)}
     return _object(**described, **more)
 
 
 def _typed(hint: Any) -> Schema:
-    """What may stand in a field."""
+    """Return the schema of values with a type annotation."""
     plain = {str: TEXT, int: WHOLE, bool: TRUTH, float: NUMBER}
     if hint in plain:
         return plain[hint]
@@ -116,18 +117,18 @@ _DEFINITIONS: Schema = {
     "units": _of({"anyOf": [TEXT, UNITS]}),
 }
 ENVELOPE: Mapping[str, Key] = {
-    "command": Key("as it is typed behind slipfront", TEXT),
-    "version": Key("of slipfront", TEXT),
-    "status": Key("done; converged, resolved or why not; or the verdict", TEXT),
-    "units": Key("of all numbers, under the same names; one for a whole list", UNITS),
-    "files": Key("that were written", _list(TEXT)),
+    "command": Key("the command, as typed after slipfront", TEXT),
+    "version": Key("version of slipfront", TEXT),
+    "status": Key("done; converged, resolved or the reason why not; or the verdict", TEXT),
+    "units": Key("units of all numbers, under the same names; one for a whole list", UNITS),
+    "files": Key("files written", _list(TEXT)),
 }
 _SCENE_KEY = Key("the scene, as its TOML file has it", SCENE)
 _COUNTS = Key("rows by verdict", _of(WHOLE))
 _VERDICT = Key("agrees, differs or unresolved", TEXT)
 _LABEL = Key("name of the scene", TEXT)
 _PARAMETERS = Key("the scene itself", SCENE)
-_ESTIMATE = Key("of the answer, relative", NUMBER)
+_ESTIMATE = Key("relative error estimate of the answer", NUMBER)
 _METHOD = Key("self-similar or space-time", TEXT)
 _RUN = _object(
     run=TEXT,
@@ -146,7 +147,7 @@ _RUN = _object(
     seconds=_of(NUMBER),
 )
 _CLAIMS = Key(
-    "of the article, with the verdict of each method",
+    "claims of the article, with the verdict of each method",
     _list(_object(section=TEXT, claim=TEXT, base=TEXT, verdicts=_of(_row(Verdict)))),
 )
 _ZONE = _object(inner=NUMBER, outer=NUMBER, sense=WHOLE, inner_regime=TEXT, outer_regime=TEXT)
@@ -155,81 +156,96 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "solve": (
         {
             "scene": _SCENE_KEY,
-            "wave_speeds": Key("of the waves that the fields have", _of(NUMBER)),
+            "wave_speeds": Key("speeds of the waves that occur in the fields", _of(NUMBER)),
             "zones": Key("velocities of the edges of slip zones", _list(_ZONE)),
-            "openings": Key("the same of what opens", _list(_object(inner=NUMBER, outer=NUMBER))),
+            "openings": Key(
+                "velocities of the edges of openings", _list(_object(inner=NUMBER, outer=NUMBER))
+            ),
             "edge": Key(
-                "what the interface does at x = 0+",
+                "state of the interface at x = 0+",
                 _object(state=TEXT, slip_rate=NUMBER, stress_intensity_at_unit_time=_of(NUMBER)),
             ),
-            "far_slip_rate": Key("ahead of all waves", NUMBER),
+            "far_slip_rate": Key("slip rate ahead of all waves", NUMBER),
             "error_estimate": _ESTIMATE,
-            "statistics": Key("what it took", {"type": "object"}),
-            "until_end_time": Key("with --end-time: zones, slip, work", {"type": "object"}, False),
+            "statistics": Key("cost of the computation", {"type": "object"}),
+            "until_end_time": Key(
+                "zones, slip and work until --end-time, if given", {"type": "object"}, False
+            ),
         },
         {
             "scene": _SCENE_KEY,
-            "method": Key("space-time: a march, and all keys below", {"const": "space-time"}),
-            "caution": Key("why it is unresolved", TEXT),
+            "method": Key("space-time: a march, which has all keys below", {"const": "space-time"}),
+            "caution": Key("reason why the march is unresolved", TEXT),
             "error_estimate": _ESTIMATE,
-            "end_time": Key("T", NUMBER),
-            "largest_slip_rate": Key("over contact and time", NUMBER),
-            "largest_slip": Key("over contact and time", NUMBER),
-            "reach_of_slip": Key("x up to which it slips forward", NUMBER),
-            "reach_of_reverse_slip": Key("x up to which it slips backward", NUMBER),
-            "onset": Key("when slip starts at some x", _list(_object(x=NUMBER, time=NUMBER))),
-            "accumulated_slip": Key("over the contact", NUMBER),
-            "frictional_work": Key("over the contact", NUMBER),
-            "stress_intensity_of_a_stuck_edge": Key("at T", _of(NUMBER)),
-            "stored_levels": Key("of the history", WHOLE),
-            "statistics": Key("what it took", {"type": "object"}),
+            "end_time": Key("end time T", NUMBER),
+            "largest_slip_rate": Key("largest slip rate over contact and time", NUMBER),
+            "largest_slip": Key("largest slip over contact and time", NUMBER),
+            "reach_of_slip": Key("largest x that slips forward", NUMBER),
+            "reach_of_reverse_slip": Key("largest x that slips backward", NUMBER),
+            "onset": Key(
+                "times at which slip starts at some x", _list(_object(x=NUMBER, time=NUMBER))
+            ),
+            "accumulated_slip": Key("accumulated slip, integral over the contact", NUMBER),
+            "frictional_work": Key("frictional work, integral over the contact", NUMBER),
+            "stress_intensity_of_a_stuck_edge": Key(
+                "stress intensity factors of a stuck edge at T", _of(NUMBER)
+            ),
+            "stored_levels": Key("number of stored time levels of the history", WHOLE),
+            "statistics": Key("cost of the computation", {"type": "object"}),
         },
     ),
     "fit": (
         {
             "scene": _SCENE_KEY,
-            "parameters": Key("by name", _of(_object(value=NUMBER, standard_error=NUMBER))),
-            "covariance": Key("of the parameters, in their order", _list(_list(NUMBER))),
-            "correlation": Key("likewise", _list(_list(NUMBER))),
+            "parameters": Key(
+                "fitted values and standard errors by name",
+                _of(_object(value=NUMBER, standard_error=NUMBER)),
+            ),
+            "covariance": Key("covariance of the parameters, in their order", _list(_list(NUMBER))),
+            "correlation": Key(
+                "correlation of the parameters, in their order", _list(_list(NUMBER))
+            ),
             "chi2": Key("sum of squares of the misfits over the noise", NUMBER),
-            "freedom": Key("samples less parameters", WHOLE),
+            "freedom": Key("degrees of freedom: samples minus parameters", WHOLE),
             "unconstrained": Key("parameters that the data leave free", _list(TEXT)),
             "known_by_prior": Key("parameters known by their prior alone", _list(TEXT)),
-            "minima": Key("all that were found", _list(_object(values=_list(NUMBER), chi2=NUMBER))),
+            "minima": Key("all minima found", _list(_object(values=_list(NUMBER), chi2=NUMBER))),
             "gauges": Key(
-                "records, each with its part of chi2",
+                "records, each with its contribution to chi2",
                 _list(
                     _object(
                         name=TEXT, quantity=TEXT, x=NUMBER, y=NUMBER, samples=WHOLE, chi2=NUMBER
                     )
                 ),
             ),
-            "derivative_error": Key("of the derivatives, relative", NUMBER),
-            "solutions": Key("that it took", WHOLE),
-            "misfit": Key("how large misfits are for the noise, in a sentence", TEXT),
-            "posterior": Key("with --posterior: what was sampled", {"type": "object"}, False),
+            "derivative_error": Key("relative error of the derivatives", NUMBER),
+            "solutions": Key("number of solutions computed", WHOLE),
+            "misfit": Key("a sentence that compares the misfits with the noise", TEXT),
+            "posterior": Key("the samples of --posterior, if given", {"type": "object"}, False),
         },
     ),
     "explore": (
         {
             "scene": _SCENE_KEY,
-            "address": Key("of the page, served until the command is ended", TEXT),
+            "address": Key("address of the page, served until the command ends", TEXT),
         },
     ),
     "survey": (
         {
-            "file": Key("that holds everything", TEXT),
-            "points": Key("scenes that were asked for", WHOLE),
-            "dimensions": Key("their lengths", _of(WHOLE)),
+            "file": Key("file that contains all results", TEXT),
+            "points": Key("number of scenes requested", WHOLE),
+            "dimensions": Key("lengths of the dimensions", _of(WHOLE)),
             "parameters": Key(
-                "what varies, from where to where",
+                "varied parameters and their ranges",
                 _of(_object(least=NUMBER, largest=NUMBER, count=WHOLE)),
             ),
-            "statuses": Key("how many scenes ended in each", _of(WHOLE)),
-            "methods": Key("how many were solved by each", _of(WHOLE)),
-            "largest_error_estimate": Key("of all scenes", NUMBER),
-            "seconds": Key("of processor time", NUMBER),
-            "variables": Key("in the file; their units are in units.variables", _list(TEXT)),
+            "statuses": Key("number of scenes with each status", _of(WHOLE)),
+            "methods": Key("number of scenes solved by each method", _of(WHOLE)),
+            "largest_error_estimate": Key("largest error estimate of all scenes", NUMBER),
+            "seconds": Key("processor time in seconds", NUMBER),
+            "variables": Key(
+                "variables in the file; their units are in units.variables", _list(TEXT)
+            ),
         },
     ),
     "compare": (
@@ -239,12 +255,12 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "counts": _COUNTS,
             "parameters": _PARAMETERS,
             "method": _METHOD,
-            "caution": Key("why the prediction is unresolved", TEXT),
-            "semianalytic": Key("as of solve; null of a march", _or_null({"type": "object"})),
-            "finite_elements": Key("how they were run", _RUN),
-            "rows": Key(
-                "quantities, judged", _list(_row(Row, verdict=TEXT, remedy=_or_null(TEXT)))
+            "caution": Key("reason why the prediction is unresolved", TEXT),
+            "semianalytic": Key(
+                "result as printed by solve; null for a march", _or_null({"type": "object"})
             ),
+            "finite_elements": Key("settings and cost of the simulation", _RUN),
+            "rows": Key("judged quantities", _list(_row(Row, verdict=TEXT, remedy=_or_null(TEXT)))),
             "fields": Key(
                 "errors of snapshots",
                 _or_null(_object(band=NUMBER, frames=_list(_row(FieldError)))),
@@ -254,10 +270,10 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
     "simulate": (
         {
             "scene": _SCENE_KEY,
-            "lower_material": Key("where it is another one", _or_null(_MATERIAL)),
-            "finite_elements": Key("how they were run", _RUN),
+            "lower_material": Key("material of the lower body, if different", _or_null(_MATERIAL)),
+            "finite_elements": Key("settings and cost of the simulation", _RUN),
             "own_bars": Key(
-                "how far it may be off, by coarser meshes",
+                "error bars from coarser meshes",
                 _list(_object(name=TEXT, bar=NUMBER, unit=TEXT)),
             ),
         },
@@ -267,36 +283,40 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "scene": _SCENE_KEY,
             "method": _METHOD,
             "error_estimate": _ESTIMATE,
-            "of": Key("what is drawn", TEXT),
-            "time": Key("of the picture", NUMBER),
-            "window": Key("that is shown", _object(x0=NUMBER, x1=NUMBER, y0=NUMBER, y1=NUMBER)),
-            "frames": Key("of the animation", WHOLE),
-            "gauges": Key("recorded, in the order of files", _list(_object(x=NUMBER, y=NUMBER))),
+            "of": Key("quantity drawn", TEXT),
+            "time": Key("time of the picture", NUMBER),
+            "window": Key("region shown", _object(x0=NUMBER, x1=NUMBER, y0=NUMBER, y1=NUMBER)),
+            "frames": Key("number of frames of the animation", WHOLE),
+            "gauges": Key(
+                "gauges recorded, in the order of the files", _list(_object(x=NUMBER, y=NUMBER))
+            ),
         },
     ),
     "validate": (
         {
-            "format": Key("of report.json, which is the same", TEXT),
-            "slipfront": Key("version", TEXT),
-            "source": Key("of each file", _list(TEXT)),
+            "format": Key("format of report.json, which has the same contents", TEXT),
+            "slipfront": Key("version of slipfront", TEXT),
+            "source": Key("source of each file", _list(TEXT)),
             "scene": _LABEL,
             "verdict": _VERDICT,
             "counts": _COUNTS,
             "notes": Key("units and conventions that were detected", _list(TEXT)),
             "parameters": _PARAMETERS,
             "method": _METHOD,
-            "end_time": Key("T", NUMBER),
-            "spacing": Key("of the finest grid", NUMBER),
-            "ratio": Key("of two grids", NUMBER),
-            "slip_rate_is": Key("at or over which times", {"type": ["string", "null"]}),
-            "rows": Key("quantities, judged", _list(_row(Row, verdict=TEXT))),
-            "norms": Key("errors at stations, and over all", _list(_row(Norm))),
+            "end_time": Key("end time T", NUMBER),
+            "spacing": Key("grid spacing of the finest run", NUMBER),
+            "ratio": Key("ratio of the spacings of two grids", NUMBER),
+            "slip_rate_is": Key(
+                "time or time span to which the slip rate refers", {"type": ["string", "null"]}
+            ),
+            "rows": Key("judged quantities", _list(_row(Row, verdict=TEXT))),
+            "norms": Key("error norms at each station and over all", _list(_row(Norm))),
         },
     ),
     "scenes": (
         {
             "scenes": Key(
-                "all that have a name",
+                "all named scenes",
                 _list(
                     _object(
                         name=TEXT,
@@ -309,63 +329,72 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                 ),
             ),
             "brought": Key(
-                "laws, histories and figures of packages",
+                "laws, histories and figures from other packages",
                 _list(_object(name=TEXT, what=TEXT, package=TEXT, problem=TEXT)),
             ),
         },
     ),
-    "init": ({"scene": _SCENE_KEY, "text": Key("of the TOML file", TEXT)},),
-    "benchmark": ({"sheets": Key("all of them", _list(_row(Sheet, marched=TRUTH, scene=SCENE)))},),
+    "init": ({"scene": _SCENE_KEY, "text": Key("text of the TOML file", TEXT)},),
+    "benchmark": (
+        {"sheets": Key("all problem sheets", _list(_row(Sheet, marched=TRUTH, scene=SCENE)))},
+    ),
     "benchmark show": (
         {
-            "sheet": Key("its name", TEXT),
-            "title": Key("its title", TEXT),
-            "system": Key("of units", TEXT),
+            "sheet": Key("name of the sheet", TEXT),
+            "title": Key("title of the sheet", TEXT),
+            "system": Key("system of units", TEXT),
             "scene": _SCENE_KEY,
-            "si_scene": Key("the same in SI units", SCENE),
-            "si_scales": Key("what answers are multiplied by for SI", _of(NUMBER)),
-            "stations": Key("over c_t T", _list(NUMBER)),
-            "times": Key("over T", _list(NUMBER)),
-            "arrival": Key("what is timed", TEXT),
-            "sure": Key("how many digits", TEXT),
-            "answers": Key("by quantity", {"type": "object"}),
-            "errors": Key("of marched answers", {"type": "object"}),
-            "tolerances": Key("by class", _list(_row(Tolerance))),
+            "si_scene": Key("the same scene in SI units", SCENE),
+            "si_scales": Key("factors that convert answers to SI units", _of(NUMBER)),
+            "stations": Key("positions of the stations over c_t T", _list(NUMBER)),
+            "times": Key("times over T", _list(NUMBER)),
+            "arrival": Key("event whose arrival time is asked for", TEXT),
+            "sure": Key("how many digits are reliable, in words", TEXT),
+            "answers": Key("answers by quantity", {"type": "object"}),
+            "errors": Key("errors of marched answers", {"type": "object"}),
+            "tolerances": Key("tolerances by class", _list(_row(Tolerance))),
         },
     ),
-    "benchmark export": ({"sheets": Key("names", _list(TEXT))},),
-    "benchmark score": ({"scores": Key("of each run and quantity", _list(_row(Score)))},),
+    "benchmark export": ({"sheets": Key("names of the sheets", _list(TEXT))},),
+    "benchmark score": ({"scores": Key("scores of each run and quantity", _list(_row(Score)))},),
     "benchmark enter": (
         {
-            "sheet": Key("its name", TEXT),
-            "code": Key("that ran", TEXT),
-            "cells": Key("over c_t T", NUMBER),
-            "stations": Key("that were recorded", _list(NUMBER)),
-            "seconds": Key("that it took", NUMBER),
+            "sheet": Key("name of the sheet", TEXT),
+            "code": Key("code that was run", TEXT),
+            "cells": Key("number of cells over c_t T", NUMBER),
+            "stations": Key("stations recorded", _list(NUMBER)),
+            "seconds": Key("time taken in seconds", NUMBER),
         },
     ),
     "regimes": (
         {
-            "regimes": Key("points of each map by regime", _of(_of(WHOLE))),
-            "boundaries": Key("curves between them", _list(_row(BoundaryPoint))),
+            "regimes": Key("number of points of each map in each regime", _of(_of(WHOLE))),
+            "boundaries": Key("curves between the regimes", _list(_row(BoundaryPoint))),
         },
     ),
     "stability": (
-        {"studies": Key("tables of each, as in its files", _of(_of(_list({"type": "object"}))))},
+        {
+            "studies": Key(
+                "tables of each study, as in its files", _of(_of(_list({"type": "object"})))
+            )
+        },
     ),
     "article": (
-        {"claims": _CLAIMS, "disagreement": Key("of solver and simulation, mean", NUMBER)},
+        {
+            "claims": _CLAIMS,
+            "disagreement": Key("mean difference between solver and simulation", NUMBER),
+        },
     ),
     "chart": (
         {
-            "points": Key("measured, as in data/chart.csv", _list(_row(Point))),
-            "slopes": Key("error against time, by scene and method", _of(_of(NUMBER))),
+            "points": Key("points measured, as in data/chart.csv", _list(_row(Point))),
+            "slopes": Key("slope of error against time, by scene and method", _of(_of(NUMBER))),
         },
     ),
     "wear": (
         {
-            "rows": Key("of each transient", _list(_row(WearRow))),
-            "most": Key("friction of most frictional work", _list(_row(MostRow))),
+            "rows": Key("results of each transient", _list(_row(WearRow))),
+            "most": Key("friction at which the frictional work is largest", _list(_row(MostRow))),
         },
     ),
     "evidence": (
@@ -373,7 +402,7 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "verdict": _VERDICT,
             "counts": _COUNTS,
             "scenes": Key(
-                "each by all methods",
+                "results of all methods for each scene",
                 _list(
                     _object(
                         scene=TEXT,
@@ -385,18 +414,20 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
                     )
                 ),
             ),
-            "closed_forms": Key("errors of all methods", _list(_row(ClosedForm))),
+            "closed_forms": Key(
+                "errors of all methods against closed forms", _list(_row(ClosedForm))
+            ),
             "claims": _CLAIMS,
-            "stamp": Key("versions, machine, date", _of({"type": ["string", "number"]})),
-            "seconds": Key("that it took", NUMBER),
+            "stamp": Key("versions, machine and date", _of({"type": ["string", "number"]})),
+            "seconds": Key("time taken in seconds", NUMBER),
         },
     ),
 }
-"""What each command adds to the `ENVELOPE`; solve has two ways."""
+"""Keys that each command adds to the `ENVELOPE`; solve has two forms."""
 
 
 def schema() -> dict[str, Any]:
-    """The schema of all documents."""
+    """Return the schema of all documents."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "What slipfront prints with --json",
@@ -422,7 +453,7 @@ class KeyRow:
 
 
 def key_rows() -> list[KeyRow]:
-    """All keys, those of all commands first."""
+    """Return all keys, beginning with those that all commands share."""
     rows = [KeyRow("all", key, one.meaning) for key, one in ENVELOPE.items()]
     for name, ways in DOCUMENTS.items():
         merged = {key: one for keys in ways for key, one in keys.items()}
@@ -431,18 +462,18 @@ def key_rows() -> list[KeyRow]:
 
 
 def schema_text() -> str:
-    """As docs/schema.json holds it."""
+    """Return the text of docs/schema.json."""
     return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 def write(docs: Path = DOCS) -> None:
-    """Write schema and table; raises a DataFileError."""
+    """Write schema and table; raise DataFileError if that fails."""
     write_text(docs / "schema.json", schema_text())
     write_rows(docs / "data" / "json-keys.csv", key_rows(), command=COMMAND)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the schema, or say whether it is up to date; 1 if it is not."""
+    """Write the schema, or check whether it is up to date; return 1 if it is not."""
     parser = argparse.ArgumentParser(prog="python -m docs.studies.schema", description=__doc__)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--check", action="store_true", help="say whether the files are up to date")

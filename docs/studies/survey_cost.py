@@ -1,4 +1,4 @@
-"""What surveys cost: a point, a chunk, a task of a cluster; and a plan for 10⁸ points on paper.
+"""Measure the cost of surveys by point, chunk and cluster task, and plan a survey of 10⁸ points.
 
 ``python -m docs.studies.survey_cost points cluster plan --csv docs/data`` measures and writes
 the tables of docs/survey.md.
@@ -30,7 +30,7 @@ SIDE = 100
 RTOL = 1e-6
 _RATIOS = (0.1, 0.45)
 _PLANES: Mapping[str, tuple[float, float]] = {"preloaded": (0.1, 0.9), "remote-shock": (1.05, 1.45)}
-"""Frictions of a plane by scene."""
+"""Range of frictions of the plane of each scene."""
 WHOLE = SIDE * SIDE
 _TASKS = 2000
 POINTS, CORES = 10**8, 1000
@@ -39,20 +39,30 @@ _MEGABYTE = 1e6
 
 @dataclass(frozen=True)
 class PointCost:
-    """What the points of a survey cost.
+    """Cost of the points of a survey.
 
     Attributes
     ----------
     survey : str
+        Name of the survey.
     points, chunk, tasks : int
-    solving : processor time of a point [ms]
-    longest : processor time of the longest task [s]
-    starting : processor time of a process until its first point [s]
-    writing, zarr_writing : processor time to write a point, NetCDF and Zarr [µs]
-    raw, packed, netcdf, zarr : size of a point in memory, of a result on its way, on the disk [B]
-    memory : largest resident size of a process that solves [MB]
-    wall : of all of it on two processes [s]
-    load : average load of the machine over its cores meanwhile
+        Number of points, of points per chunk, and of chunks.
+    solving : float
+        Processor time per point [ms].
+    longest : float
+        Processor time of the longest task [s].
+    starting : float
+        Processor time of a process until its first point [s].
+    writing, zarr_writing : float
+        Processor time to write a point as NetCDF and as Zarr [µs].
+    raw, packed, netcdf, zarr : float
+        Size of a point in memory, of a packed result, and on the disk [B].
+    memory : float
+        Largest resident memory of a process that solves [MB].
+    wall : float
+        Wall-clock time of the survey on two processes [s].
+    load : float
+        Average load of the machine per core meanwhile.
     """
 
     survey: str
@@ -75,16 +85,22 @@ class PointCost:
 
 @dataclass(frozen=True)
 class TaskCost:
-    """What a task of a Dask cluster costs that computes nothing.
+    """Cost of a task of a Dask cluster that computes nothing.
 
     Attributes
     ----------
     tasks : int
-    size : of a result [kB]
-    scheduling : processor time of scheduler and client per task [ms]
-    working : of a worker [ms]
-    per_second : tasks
-    load : average load of the machine over its cores meanwhile
+        Number of tasks.
+    size : float
+        Size of a result [kB].
+    scheduling : float
+        Processor time of scheduler and client per task [ms].
+    working : float
+        Processor time of a worker per task [ms].
+    per_second : float
+        Number of tasks per second.
+    load : float
+        Average load of the machine per core meanwhile.
     """
 
     tasks: int
@@ -105,7 +121,7 @@ class PlanRow:
 
 
 def plane_plan(name: str, chunk: int, side: int = SIDE) -> Plan:
-    """The survey of a plane of a named scene."""
+    """Plan the survey of a plane of a named scene."""
     values = {
         "friction": np.linspace(*_PLANES[name], side),
         "poisson_ratio": np.linspace(*_RATIOS, side),
@@ -126,7 +142,7 @@ def _plans() -> dict[str, Plan]:
 
 
 def _measured_chunk(*arguments: Any) -> tuple[bytes, float, float, float]:
-    """A chunk, processor time before and of it [s], and memory [MB]."""
+    """Solve a chunk; return it, the processor time before and during it [s], and memory [MB]."""
     before = process_time()
     data = solved_chunk(*arguments)
     usage = resource.getrusage(resource.RUSAGE_SELF)
@@ -134,7 +150,7 @@ def _measured_chunk(*arguments: Any) -> tuple[bytes, float, float, float]:
 
 
 def cost_of(name: str, plan: Plan) -> PointCost:
-    """Solve and write a survey on two processes, and measure it."""
+    """Solve and write a survey on two processes, and measure its costs."""
     tasks = [
         (_measured_chunk, (plan.scene, plan.region_values(region), plan.fixed, plan.question))
         for region in plan.regions
@@ -183,18 +199,18 @@ def _load() -> float:
 
 @cache
 def points() -> list[PointCost]:
-    """Costs of points of all kinds."""
+    """Measure the costs of points of all kinds."""
     return [cost_of(name, plan) for name, plan in _plans().items()]
 
 
 def _result(size: int) -> bytes:
-    """A result of a size [B]."""
+    """Return a result of a given size [B]."""
     return os.urandom(size)
 
 
 @cache
 def cluster() -> list[TaskCost]:
-    """What tasks cost, by the size of their results."""
+    """Measure the costs of tasks by the size of their results."""
     from distributed import Client, LocalCluster
 
     rows = []
@@ -218,12 +234,12 @@ def cluster() -> list[TaskCost]:
 
 
 def _worked(client: Any) -> float:
-    """Processor time of all workers so far [s]."""
+    """Return the processor time of all workers so far [s]."""
     return float(sum(client.run(process_time).values()))
 
 
 def plan() -> list[PlanRow]:
-    """How 10⁸ points of the plane would be solved on 1,000 cores, from what was measured."""
+    """Plan how 1,000 cores would solve 10⁸ points of the plane, from the measured costs."""
     cost = next(row for row in points() if row.survey == "preloaded, one chunk")
     task = min(cluster(), key=lambda row: abs(row.size * 1e3 - cost.packed * cost.chunk))
     tasks = POINTS // cost.chunk

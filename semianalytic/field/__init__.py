@@ -1,1 +1,1 @@
-"""Whole fields: what the tractions of the interface send into the bodies, exactly."""
+"""Whole fields: the exact fields in the bodies that the tractions of the interface cause."""

@@ -1,4 +1,4 @@
-"""Velocity, stress and displacement of a scene anywhere in both bodies, exactly."""
+"""Exact velocity, stress and displacement of a self-similar scene anywhere in both bodies."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from semianalytic.scene.loading import traction_ahead
 from semianalytic.scene.scene import Scene
 
 _SHEARED = np.array([-1, 1, -1, -1, 1, -1, 1])
-"""Signs in the lower body of what shear does at the mirrored place in the upper one."""
+"""Signs that turn fields of shear at the mirrored place of the upper body into the lower one's."""
 _ALONG = np.array([-1, -1, 1, -1])
-"""The same of antiplane shear; what pressure does has the signs -_SHEARED."""
+"""These signs for antiplane shear; those for pressure are -_SHEARED."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Fields in both bodies of a self-similar scene; what its `Solution` is asked for.
+    """The fields in both bodies of a self-similar scene, which its `Solution` returns.
 
     Attributes
     ----------
     scene : Scene
     shear : ZoneFields
-        Of the shear tractions, b = mu = 1 and in `stress_unit`.
+        Fields of the shear tractions on the cut, b = mu = 1 and in `stress_unit`.
     opened : ZoneFields or None
-        Of the normal problem, minus pressure for traction, where the contact opens.
+        Fields of the normal problem, with minus pressure as traction, if the contact opens.
     stress_unit : float
-        [stress].
+        Unit of stress [stress].
     tolerance : float
-        Of the rule on which transforms are formed.
+        Tolerance of the rule on which transforms are formed.
     """
 
     scene: Scene
@@ -50,12 +50,12 @@ class Bodies:
     tolerance: float
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """See `Solution.velocity`."""
+        """Return the particle velocity; see `Solution.velocity`."""
         unit = self.stress_unit / self.scene.material.shear_impedance
         return unit * self._rows(x, y, t)[[0, 1, 7] if self.scene.antiplane else [0, 1]]
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """See `Solution.stress`."""
+        """Return the stress; see `Solution.stress`."""
         rows = self._rows(x, y, t)[[2, 3, 4, 8, 9] if self.scene.antiplane else [2, 3, 4]]
         rows *= self.stress_unit
         rows[1] -= traction_ahead(self.scene, "pressure", t)
@@ -63,14 +63,17 @@ class Bodies:
         return rows
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """See `Solution.displacement`."""
+        """Return the displacement; see `Solution.displacement`."""
         unit = self.stress_unit / self.scene.material.shear_modulus
         return unit * self._rows(x, y, t)[[5, 6, 10] if self.scene.antiplane else [5, 6]]
 
     @cached_property
     def error(self) -> float:
-        """Estimate of the error of velocities and stresses, relative to themselves plus the largest
-        load: what a rule ten times coarser changes, near the edge as well."""
+        """Estimate of the error of velocities and stresses.
+
+        It is relative to themselves plus the largest load, and is the change that a rule ten times
+        coarser makes, near the edge as well.
+        """
         coarse = replace(self, tolerance=tuning.COARSER * self.tolerance)
         rng, slowest = np.random.default_rng(0), self._shear.reach
         angle, share = rng.uniform(size=(2, tuning.ESTIMATED_POINTS))
@@ -83,7 +86,7 @@ class Bodies:
         return tuning.CELL_ERROR + float(change.max())
 
     def _rows(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Rows of `body.upper`, those of antiplane shear after the others, in either body."""
+        """Return the rows of `body.upper` in either body, those of antiplane shear last."""
         points = [np.asarray(one, dtype=float) for one in (x, y, t)]
         if not all(np.all(np.isfinite(one)) for one in points):
             raise SceneError("positions and times must be finite numbers.")
@@ -101,7 +104,7 @@ class Bodies:
         return rows
 
     def _finite_or_not(self, x: Array, y: Array, t: Array, below: np.ndarray) -> Array:
-        """The same at points (m,), with the sign of what is infinite."""
+        """Return the rows at points (m,), infinite with the right sign where they are singular."""
         rows = self._near(x, y, t, below, tuning.CLOSE[0])
         singular = np.zeros(x.shape, dtype=bool)
         for part in (self._shear, self._normal):
@@ -116,7 +119,7 @@ class Bodies:
         return rows
 
     def _near(self, x: Array, y: Array, t: Array, below: np.ndarray, close: float) -> Array:
-        """The same, so close to where they are singular."""
+        """Return the rows at points (m,), those on a singularity at the distance `close`."""
         antiplane = self.scene.antiplane
         rows = np.zeros((11 if antiplane else 7, len(x)))
         sheared, signs = (slice(7, 11), _ALONG) if antiplane else (slice(0, 7), _SHEARED)
@@ -132,7 +135,7 @@ class Bodies:
 
     @cached_property
     def _normal(self) -> Primitives | None:
-        """Those of pressure; None if it does not change."""
+        """The integrals of the normal problem; None if the pressure does not change."""
         load = self.shear.load
         if not load.load_pressure or self.opened is not None:
             return None if self.opened is None else self._primitives(self.opened)
@@ -147,8 +150,11 @@ class Bodies:
 
 
 def _scaled(x: Array, y: Array, t: Array) -> tuple[Array, Array, Array]:
-    """Positions at t = 1, (m,), where fields are the same and displacement is 1 / t of its own:
-    no farther than `FARTHEST`, and at the edge within `NEAREST`."""
+    """Return the positions (m,) at t = 1 with the same fields, and times 1.
+
+    Fields depend on x / t and y / t alone; displacement is proportional to t besides.  Positions
+    are limited to `FARTHEST`, and are put at the edge within `NEAREST` of it.
+    """
     with np.errstate(over="ignore"):
         x, y = (np.clip(one / t, -tuning.FARTHEST, tuning.FARTHEST) for one in (x, y))
     at_edge = np.hypot(x, y) < tuning.NEAREST

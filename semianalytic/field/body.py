@@ -1,13 +1,13 @@
-"""Velocity, stress and displacement in the upper body, from the integrals of `cells`; b = mu = 1.
+"""Velocity, stress and displacement in the upper body, from the integrals of `cells`, b = mu = 1.
 
 A wave of slowness s is at (x, y) from t > s r on with
 
     k_s = (-x t + i y (t^2 - s^2 r^2)^1/2) / r^2,
 
 and real before, k_s = (-x t + sgn(x) y (s^2 r^2 - t^2)^1/2) / r^2 + i 0, where for t > s y head
-waves and plane waves have come; without cancellation at these, -sgn(x) (t^2 - s^2 y^2) / (|x| t +
-y (s^2 r^2 - t^2)^1/2).  Rows of fields: v_x, v_y, sigma_xx, sigma_yy, sigma_xy, u_x, u_y;
-in antiplane shear v_z, sigma_xz, sigma_yz, u_z.
+waves and plane waves have come.  Written without cancellation at these it is
+-sgn(x) (t^2 - s^2 y^2) / (|x| t + y (s^2 r^2 - t^2)^1/2).  The rows of fields are v_x, v_y,
+sigma_xx, sigma_yy, sigma_xy, u_x, u_y; in antiplane shear v_z, sigma_xz, sigma_yz, u_z.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from semianalytic.halfplane.rayleigh import Array
 
 
 def slowness(x: Array, y: Array, t: Array, s: float) -> Complex:
-    """k_s at points (m,), y >= 0, r > 0."""
+    """Return the slowness k_s at points (m,), y >= 0, r > 0, for a wave of slowness s."""
     square = np.square(x) + np.square(y)
     r = np.sqrt(square)
     rest = (t - s * r) * (t + s * r)
@@ -33,7 +33,7 @@ def slowness(x: Array, y: Array, t: Array, s: float) -> Complex:
 
 
 def is_singular(primitives: Primitives, x: Array, y: Array, t: Array) -> np.ndarray:
-    """(m,) whether a point is the contact edge, or one of a wave that is singular there."""
+    """Return (m,) whether points are the contact edge, or lie on a wave that is singular there."""
     edge = (x == 0) & (y == 0)
     away = np.where(edge, t, x)
     at_front = [
@@ -43,9 +43,10 @@ def is_singular(primitives: Primitives, x: Array, y: Array, t: Array) -> np.ndar
 
 
 def upper(primitives: Primitives, x: Array, y: Array, t: Array, close: float) -> Array:
-    """Fields (7, m) or (4, m) at points (m,) of the upper body, y >= 0, t > 0.
+    """Return the fields (7, m) or (4, m) at points (m,) of the upper body, y >= 0, t > 0.
 
-    Where they are singular so close to that, at the contact edge ahead of it.
+    Where they are singular, fields at the distance `close` from the singularity are returned, at
+    the contact edge ahead of it.
     """
     x = np.where((x == 0) & (y == 0), close * t, x)
     if len(primitives.slownesses) == 1:
@@ -73,7 +74,7 @@ def _antiplane(primitives: Primitives, x: Array, y: Array, t: Array, close: floa
 
 
 def _of_p(parts: Complex, x: Array, y: Array, t: Array, a: float) -> Array:
-    """pi times what the P wave adds."""
+    """Return pi times the contribution of the P wave."""
     one, k, over_k, alpha, alpha_over_k = parts[P_WAVE].imag
     return np.stack(
         [
@@ -89,7 +90,7 @@ def _of_p(parts: Complex, x: Array, y: Array, t: Array, a: float) -> Array:
 
 
 def _of_s(parts: Complex, x: Array, y: Array, t: Array) -> Array:
-    """pi times what the S wave adds."""
+    """Return pi times the contribution of the S wave."""
     one, k, k_over, over, square_over = parts[S_WAVE].imag
     return np.stack(
         [
@@ -105,7 +106,11 @@ def _of_s(parts: Complex, x: Array, y: Array, t: Array) -> Array:
 
 
 def _beside_edge(primitives: Primitives, x: Array, y: Array, t: Array, close: float) -> Array:
-    """pi times all fields where both waves nearly cancel: their sum up to k_P, and S on to k_S."""
+    """Return pi times all fields where both waves nearly cancel, beside the edge.
+
+    The densities of both are added before they are integrated up to k_P; the S wave is then
+    integrated on to k_S.
+    """
     k_p, a = slowness(x, y, t, primitives.slownesses[0]), primitives.slownesses[0]
     *fields, k_x, k_y, y_x, y_y = primitives(k_p, close)[SUMS].imag
     v_x, v_y, *_ = fields

@@ -1,10 +1,10 @@
 """Integrals of the densities of waves from a fixed point to any k of the upper half-plane.
 
 They are analytic there, and singular at a few points of the real axis: wave fronts, zone edges, 0.
-About each of these the half-plane is cut into cells along lines of ln(k - centre): over every cell
-whatever grows like a power or a logarithm is a polynomial of low degree, down to the centre.  Cells
-are formed when a point falls into them.  Each takes its constant from the next one nearer to where
-it is known, between 0 and -a, where nothing has arrived yet.
+Around each of these the half-plane is divided into cells along lines of ln(k - centre); in each
+cell, powers and logarithms are polynomials of low degree, down to the centre.  Cells are formed
+when a point falls into them.  Each takes its constant of integration from the neighbour nearer to
+where it is known, between 0 and -a, where no wave has arrived yet.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from semianalytic.halfplane.rayleigh import Array, Mode
 
 
 class Cell(NamedTuple):
-    """A cell: about which centre, on which side of it (1 left, 0 right), how far, which sector.
+    """A cell, by its centre, the side of the centre (1 left, 0 right), its level and its sector.
 
-    Centre -1 is what lies far outside, about 0 in all sectors from the right.
+    Centre -1 stands for the cells far outside, around 0 in all sectors from the right.
     """
 
     centre: int
@@ -36,14 +36,16 @@ class Cell(NamedTuple):
 _STEP = np.pi / tuning.SECTORS
 """Size of a cell in ln(k - centre), real and imaginary."""
 _HALF = _STEP / np.sqrt(2.0)
-"""Half its diagonal."""
+"""Half the diagonal of a cell."""
 _QUARTER = tuning.SECTORS // 2
 
 
 @lru_cache(maxsize=1)
 def _pattern() -> tuple[Complex, Complex]:
-    """Nodes on the border of a cell, (m,), in units of half the diagonal; and the matrix that makes
-    coefficients (n + 1, m) of values there."""
+    """Return nodes (m,) on the border of a cell, and the matrix from values to coefficients.
+
+    Nodes are in units of half the diagonal; the matrix is (n + 1, m).
+    """
     side = np.cos(np.pi * (np.arange(tuning.NODES_PER_SIDE) + 0.5) / tuning.NODES_PER_SIDE)
     corner = 1 / np.sqrt(2.0)
     nodes = np.concatenate([(side + 1j) * corner * 1j**turn for turn in range(4)])
@@ -65,7 +67,7 @@ class Primitives:
 
     @cached_property
     def centres(self) -> list[Centre]:
-        """From left to right."""
+        """The singular points, from left to right."""
         fields = self.transform.fields
         factors = fields.factors
         ends = [Centre(-1, end, index) for index, end in enumerate(fields.panels.left)]
@@ -92,36 +94,36 @@ class Primitives:
 
     @cached_property
     def _extent(self) -> float:
-        """|k| from which on all centres are near 0."""
+        """Value of |k| from which on all centres are near 0."""
         return 2 * float(np.abs(self._places).max())
 
     @cached_property
     def _gaps(self) -> Array:
-        """(c, 2): distances of each centre to its neighbours on the right and on the left."""
+        """Distances (c, 2) of each centre to its neighbours on the right and on the left."""
         between = [a.distance(b) for a, b in zip(self.centres, self.centres[1:], strict=False)]
         return np.array([[*between, 2 * self._extent], [2 * self._extent, *between]]).T
 
     @cached_property
     def _tops(self) -> Array:
-        """(c, 2): ln of the radius that a side has beside the axis."""
+        """Logarithms (c, 2) of the radius of each side of a centre beside the axis."""
         return np.log(self._gaps / (2 * np.cos(_STEP)))
 
     @property
     def slownesses(self) -> tuple[float, ...]:
-        """Of the waves: a and b, in antiplane shear b."""
+        """Slownesses of the waves: a and b, in antiplane shear b."""
         return (1.0,) if self._mode == "III" else (self.transform.fields.factors.a, 1.0)
 
     def _nearest(self, k: Complex) -> np.ndarray:
-        """(m,) centres nearest to points."""
+        """Return the centres (m,) nearest to points."""
         return np.searchsorted((self._places[1:] + self._places[:-1]) / 2, k.real)
 
     def at_centre(self, k: Complex) -> np.ndarray:
-        """(m,) whether points are at a centre, as far as can be told."""
+        """Return (m,) whether points coincide with a centre to rounding."""
         places = self._places[self._nearest(k)]
         return np.asarray(np.abs(k - places) <= tuning.SAME * np.abs(places))
 
     def located(self, k: Complex, close: float) -> tuple[np.ndarray, Complex]:
-        """Cells (m, 4) of points (m,), and ln(k - centre); what is at a centre comes so close."""
+        """Return the cells (m, 4) of points (m,), and ln(k - centre), no closer than `close`."""
         centre, far = self._nearest(k), np.abs(k) > self._extent
         offset = np.where(far, k, k - self._places[centre])
         offset = np.where(self.at_centre(k), close, offset)
@@ -137,18 +139,18 @@ class Primitives:
         return np.stack([np.where(far, -1, centre), left, level, sector], axis=1), log
 
     def _level(self, centre: int, left: int, log: float) -> int:
-        """The level of a side at a radius, of which the logarithm is given."""
+        """Return the level of a side at a radius, given by its logarithm."""
         return int(np.ceil((log - self._tops[centre, left]) / _STEP))
 
     def _middle(self, cell: Cell) -> complex:
-        """ln(k - centre) in the middle of a cell."""
+        """Return ln(k - centre) in the middle of a cell."""
         far = cell.centre < 0
         top = float(np.log(self._extent)) if far else float(self._tops[cell.centre, cell.left])
         angle = (cell.sector + 0.5) * _STEP
         return complex(top + (cell.level - 0.5) * _STEP, np.pi - angle if cell.left else angle)
 
     def _link(self, cell: Cell) -> tuple[Cell, complex, complex] | None:
-        """The cell from which one takes its constant, and a point of both, as either sees it."""
+        """Return the cell from which another takes its constant, and a common point of both."""
         centre, left, level, sector = cell
         middle = self._middle(cell)
         if centre < 0:
@@ -181,8 +183,7 @@ class Primitives:
         return facing, complex(half, np.pi * left), complex(half, np.pi * (1 - left))
 
     def _missing(self, cells: list[Cell]) -> list[Cell]:
-        """Those of some cells that are not there yet, and all they take their constants from, those
-        first."""
+        """Return which of some cells are missing, after the missing ones of their constants."""
         order: dict[Cell, None] = {}
         for cell in cells:
             chain = []
@@ -195,10 +196,10 @@ class Primitives:
         return list(order)
 
     def _form(self, cells: list[Cell]) -> None:
-        """Add cells, each after that from which it takes its constant.
+        """Add cells, each after the one from which it takes its constant.
 
-        Threads may form the same cell at a time.  Each comes to the same digits, whatever it forms
-        beside it, and what is added is complete, so that readers need not wait for one another.
+        Threads may form the same cell at the same time.  All obtain the same digits, and a cell is
+        complete when it is added, so that readers need not wait for one another.
         """
         fresh: dict[Cell, Complex] = {}
         middles = np.array([self._middle(cell) for cell in cells])
@@ -218,7 +219,7 @@ class Primitives:
         self._cells.update(fresh)
 
     def _coefficients(self, owner: int, offsets: Complex, scale: float) -> Complex:
-        """(c, n, f): polynomials of cells about a centre, their constants still at will."""
+        """Return the polynomials (c, n, f) of cells around a centre, with arbitrary constants."""
         matrix = _pattern()[1]
         values = self._densities(owner, offsets, scale)
         integrands = np.ascontiguousarray(np.moveaxis(values * (offsets * _HALF), 0, -1))
@@ -231,7 +232,7 @@ class Primitives:
         return coefs
 
     def _add_constant(self, cell: Cell, fresh: dict[Cell, Complex]) -> None:
-        """Make a new cell begin with what the one before it ends with, which is new or there."""
+        """Set the constant of a new cell so that it continues the cell before it, new or known."""
         link, coefs = self._link(cell), fresh[cell]
         if link is None:
             half = np.log(self._gaps[cell.centre, cell.left] / 2)
@@ -248,7 +249,7 @@ class Primitives:
 
     @property
     def kept(self) -> int | None:
-        """The row of a density that is not integrated, if there is one."""
+        """Row of a density that is kept without integration, if there is one."""
         return SHEAR if self._mode != "III" else None
 
     @property
@@ -257,25 +258,25 @@ class Primitives:
 
     @cached_property
     def _ahead(self) -> Complex:
-        """All integrals where no wave from the edge has come, x > 0: what slides ahead of all."""
+        """All integrals where no wave from the edge has come, x > 0: slip ahead of all waves."""
         factors, load = self.transform.fields.factors, self.transform.fields.load
         far = float(np.asarray(load.far_slip_rate).ravel()[0])
         return -plane_wave(far, self._mode, factors.a)
 
     @cached_property
     def _behind(self) -> Complex:
-        """The same behind the slot: the plane waves of the load."""
+        """All integrals where no wave from the edge has come, x < 0: plane waves of the load."""
         factors, load = self.transform.fields.factors, self.transform.fields.load
         at_zero = float(load.load_shear - np.asarray(load.far_slip_rate).ravel()[0])
         return self._ahead - plane_wave(at_zero, self._mode, factors.a)
 
     def _values(self, cell: Cell, coefs: Complex, log: Complex) -> Complex:
-        """(m, f): all integrals at points of a cell, from its polynomials and ln(k - centre)."""
+        """Return all integrals (m, f) at points of a cell, from polynomials in ln(k - centre)."""
         within = (log - self._middle(cell)) / _HALF
         return np.vander(within, len(coefs), increasing=True) @ coefs
 
     def _densities(self, owner: int, offset: Complex, scale: float) -> Complex:
-        """(f, ...): all densities at centre + offset."""
+        """Return all densities (f, ...) at centre + offset."""
         centre = self.centres[owner] if owner >= 0 else Centre(0)
         factors = self.transform.fields.factors
         fronts = np.array([factors.a, 1.0, factors.in_plane.c])
@@ -285,9 +286,9 @@ class Primitives:
         return densities(at, values, factors.mode)
 
     def __call__(self, k: Complex, close: float = tuning.CLOSE[0]) -> Complex:
-        """(f, m): the integrals of all densities at k (m,), Im k >= 0; S_v itself in its row.
+        """Return the integrals (f, m) of all densities at k (m,), Im k >= 0; S_v itself in its row.
 
-        Where they are singular, so close to that.
+        Where they are singular, they are taken at the distance `close`.
         """
         result = np.empty((len(k), len(self._ahead)), dtype=complex)
         still = (k.imag == 0) & (np.abs(k.real) < self.transform.fields.factors.a) & (k != 0)
@@ -297,7 +298,7 @@ class Primitives:
         return result.T
 
     def _looked_up(self, k: Complex, close: float) -> Complex:
-        """The same where waves have come, (m, f)."""
+        """Return the integrals (m, f) where waves have come, from the cells."""
         keys, logs = self.located(k, close)
         cells, inverse = np.unique(keys, axis=0, return_inverse=True)
         names = [Cell(*map(int, key)) for key in cells]

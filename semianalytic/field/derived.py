@@ -1,7 +1,8 @@
-"""What instruments see of a stress: strain gauges, polariscopes.
+"""Quantities that instruments measure of a stress: strain gauges and polariscopes.
 
-Plain functions of stress (3, ...), sigma_xx, sigma_yy, sigma_xy, or in antiplane shear (5, ...),
-with sigma_xz and sigma_yz, as `Solution.stress` has it, tension positive.
+These are plain functions of stress (3, ...), sigma_xx, sigma_yy, sigma_xy, or in antiplane shear
+(5, ...), with sigma_xz and sigma_yz, as `Solution.stress` returns it, tension positive
+(docs/fields.md).
 """
 
 from __future__ import annotations
@@ -17,16 +18,17 @@ Array = NDArray[np.float64]
 
 
 def strain(stress: ArrayLike, material: Material) -> Array:
-    """Strain that a stress causes in plane strain, by Hooke's law.
+    """Return the strain that a stress causes in plane strain, by Hooke's law.
 
-    Base tractions do not determine the initial sigma_xx: give the change of stress since t = 0 for
-    that of strain, which is the gradient of `displacement`.
+    Base tractions do not determine the initial sigma_xx.  Give the change of stress since t = 0 to
+    obtain the change of strain, which is the gradient of `displacement`.
 
     Parameters
     ----------
     stress : (3, ...) or (5, ...) array
-        [stress].
+        Stress, tension positive [stress].
     material : Material
+        The solid.
 
     Returns
     -------
@@ -38,6 +40,15 @@ def strain(stress: ArrayLike, material: Material) -> Array:
     ------
     SceneError
         If the stress does not have 3 or 5 rows.
+
+    Examples
+    --------
+    Uniaxial stress along x, in plane strain:
+
+    >>> from semianalytic import Material, strain
+    >>> solid = Material(shear_modulus=1.0, density=1.0, poisson_ratio=0.25)
+    >>> strain([1.0, 0.0, 0.0], solid).tolist()
+    [0.375, -0.125, 0.0]
     """
     rows = _rows(stress)
     with np.errstate(invalid="ignore"):  # inf less inf, where stress is infinite
@@ -47,12 +58,12 @@ def strain(stress: ArrayLike, material: Material) -> Array:
 
 
 def principal_difference(stress: ArrayLike) -> Array:
-    """sigma_1 - sigma_2 >= 0 of the principal stresses in the plane (x, y) [stress].
+    """Return the difference sigma_1 - sigma_2 >= 0 of the principal stresses in the plane (x, y).
 
     Parameters
     ----------
     stress : (3, ...) or (5, ...) array
-        [stress]; what acts along z does not matter.
+        Stress, tension positive [stress]; components along z have no influence.
 
     Raises
     ------
@@ -65,16 +76,16 @@ def principal_difference(stress: ArrayLike) -> Array:
 
 
 def fringe_order(stress: ArrayLike, thickness: float, fringe_constant: float) -> Array:
-    """Isochromatic fringe order N of light that crosses a body along z (stress-optic law).
+    """Return the isochromatic fringe order of light that crosses a body along z.
 
-    N = (sigma_1 - sigma_2) thickness / fringe_constant.
+    By the stress-optic law it is N = (sigma_1 - sigma_2) thickness / fringe_constant.
 
     Parameters
     ----------
     stress : (3, ...) or (5, ...) array
-        [stress].
+        Stress, tension positive [stress].
     thickness : float
-        Of the body along z [length].
+        Thickness of the body along z [length].
     fringe_constant : float
         Material fringe constant f_sigma [stress length] at the wavelength of the light, which is
         that over the stress-optical coefficient.
@@ -84,6 +95,12 @@ def fringe_order(stress: ArrayLike, thickness: float, fringe_constant: float) ->
     SceneError
         If thickness or fringe constant are not positive numbers, or the stress does not have 3 or
         5 rows.
+
+    Examples
+    --------
+    >>> from semianalytic import fringe_order
+    >>> float(fringe_order([2e6, 0.0, 0.0], thickness=0.01, fringe_constant=1e4))
+    2.0
     """
     thickness = checked_size("fringes: thickness", thickness)
     fringe_constant = checked_size("fringes: fringe_constant", fringe_constant)
@@ -91,10 +108,17 @@ def fringe_order(stress: ArrayLike, thickness: float, fringe_constant: float) ->
 
 
 def fringes(stress: ArrayLike, thickness: float, fringe_constant: float) -> Array:
-    """Light intensity behind a dark-field circular polariscope, sin^2(pi N), from 0 to 1.
+    """Return the light intensity behind a dark-field circular polariscope, from 0 to 1.
 
-    Dark where the fringe order N is whole; nan where stress is infinite.  Parameters and raises as
-    `fringe_order`.
+    It is sin^2(pi N), dark where the fringe order N is a whole number, and nan where stress is
+    infinite.  Parameters and errors are those of `fringe_order`.
+
+    Examples
+    --------
+    >>> from semianalytic import fringes
+    >>> stress = [[0.0, 0.5e6, 1e6], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    >>> fringes(stress, thickness=0.01, fringe_constant=1e4).round(6).tolist()
+    [0.0, 1.0, 0.0]
     """
     order = fringe_order(stress, thickness, fringe_constant)
     with np.errstate(invalid="ignore"):
@@ -102,7 +126,7 @@ def fringes(stress: ArrayLike, thickness: float, fringe_constant: float) -> Arra
 
 
 def _rows(stress: ArrayLike) -> Array:
-    """Stress as an array of 3 or 5 rows."""
+    """Return a stress as an array of 3 or 5 rows."""
     rows = np.asarray(stress, dtype=float)
     if rows.ndim == 0 or len(rows) not in (3, 5):
         raise SceneError(

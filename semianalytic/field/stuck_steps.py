@@ -1,4 +1,4 @@
-"""Whole fields of a stuck interface whose slot is loaded by a step of one, kept per solid."""
+"""Whole fields of a stuck interface whose slot is loaded by a unit step, cached per solid."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from semianalytic.scene.scene import ANTIPLANE, IN_PLANE, Material, Scene, Tract
 
 @lru_cache(maxsize=16)
 def stuck_step(material: Material, mode: Mode) -> Bodies:
-    """Fields of a step: of pressure in mode I, of shear in modes II and III.
+    """Return the fields of a unit step of pressure (mode I) or of shear (modes II and III).
 
     The slot faces x < 0 receive the traction change (-1, 0) or (0, -1) [stress]; there is no base.
     """

@@ -1,4 +1,4 @@
-"""The transform of a surface traction anywhere in the upper half of the plane of slowness.
+"""The transform of a surface traction anywhere in the upper half-plane of slowness.
 
 T(k) = int dtau(xi) / (1 + k xi) is analytic off the cut k < -a, on which `semianalytic.cut` knows
 it.  At any k above the real axis it follows from its values on the axis by Cauchy's integral, over
@@ -31,9 +31,12 @@ class Centre:
 
     Attributes
     ----------
-    sign : -1, 1; 0 for k = 0
+    sign : int
+        -1 or 1; 0 for k = 0.
     point : CutPoints or None
-    end : index of the end of panels that it is, or None
+        The point of the cut.
+    end : int or None
+        Index of the end of panels at which it lies, if it does.
     """
 
     sign: int
@@ -42,11 +45,11 @@ class Centre:
 
     @property
     def place(self) -> float:
-        """k."""
+        """Value of k."""
         return 0.0 if self.point is None else self.sign * self.point.first[0]
 
     def fronts(self, fronts: Array) -> tuple[Array, Array]:
-        """Its distances from the fronts (3,): k + front, k - front."""
+        """Return the distances from the fronts (3,): k + front, k - front."""
         if self.point is None:
             return fronts, -fronts
         gaps = np.array(self.point.first[1:])
@@ -54,7 +57,7 @@ class Centre:
         return (-gaps, -far) if self.sign < 0 else (far, gaps)
 
     def distance(self, other: Centre) -> float:
-        """How far another one is to the right."""
+        """Return how far another centre lies to the right."""
         if self.point is None or other.point is None or self.sign != other.sign:
             return other.place - self.place
         return float(self.sign * other.point.minus(self.point)[0])
@@ -62,34 +65,38 @@ class Centre:
 
 @dataclass(frozen=True)
 class Transform:
-    """T in the closed upper half-plane, b = mu = 1.
+    """The transform T in the closed upper half-plane, b = mu = 1.
 
     Attributes
     ----------
-    fields : ZoneFields, of one set of zones, its unbounded panel included
+    fields : ZoneFields
+        Fields of one set of zones on the cut, the unbounded panel included.
     """
 
     fields: ZoneFields
 
     @cached_property
     def _beyond(self) -> tuple[Array, Array]:
-        """(2 n,): k + a at the nodes right of the cut, in two panels, and what one y is of it."""
+        """Values (2 n,) of k + a at nodes right of the cut, in two panels, and their slope in y."""
         rule, width = self.fields.panels.rule, self.fields.factors.a + tuning.MIDDLE
         near, far = width * rule.share, np.exp(rule.y)
         return np.append(near, width + far), np.append(width * rule.bell, far)
 
     @cached_property
     def _borders(self) -> list[Centre]:
-        """Where slip that meets resistance borders on an opening: T may be like 1 / (k - border)
-        there or worse, and is integrated with a factor k - border each."""
+        """Points where slip with resistance to slip rate borders on an opening.
+
+        T may behave like 1 / (k - border) there or worse, and is integrated with a factor k -
+        border for each.
+        """
         left = self.fields.panels.left
         return [Centre(-1, left[panel + 1], panel + 1) for panel, _ in self.fields.borders]
 
     @cached_property
     def _right(self) -> Array:
-        """(2 n,): T there, times its factors, from its imaginary part on the cut.
+        """T times its factors (2 n,) right of the cut, from its imaginary part on the cut.
 
-        T(k) = T(0) + k int dtau/dv / (v + k) dv without borders; each of them takes one more point
+        Without borders T(k) = T(0) + k int dtau/dv / (v + k) dv; each border takes one more point
         at which T is known.
         """
         panels, beyond = self.fields.panels, self._beyond[0]
@@ -107,7 +114,7 @@ class Transform:
         return result
 
     def _known(self, knots: Array) -> Array:
-        """T at 0 and at some k > 0, times its factors."""
+        """Return T times its factors at 0 and at some k > 0."""
         fields, load = self.fields, self.fields.load
         value = fields.stick_transform_off_cut(knots) * fields.factors.m_plus(knots)
         value[0] = float(np.ravel(load.load_shear - load.far_slip_rate)[0])
@@ -117,7 +124,7 @@ class Transform:
 
     @cached_property
     def _cut(self) -> Complex:
-        """T on the panels, times its factors."""
+        """T times its factors on the panels."""
         result, panels = self.fields.transform, self.fields.panels
         for border in self._borders:
             result = result * -panels.from_ends[border.end]
@@ -125,7 +132,7 @@ class Transform:
 
     @cached_property
     def _values(self) -> Complex:
-        """(m,): T at all nodes of the axis, times its factors."""
+        """T times its factors at all nodes of the axis, (m,)."""
         return np.concatenate([self._cut.ravel(), self._right])
 
     @cached_property
@@ -135,7 +142,7 @@ class Transform:
         return panels.rule.spacing * every
 
     def _offsets(self, centre: Centre) -> Array:
-        """(m,): w - centre at all nodes."""
+        """Return w - centre at all nodes w, (m,)."""
         panels, a = self.fields.panels, self.fields.factors.a
         if centre.point is None or centre.sign > 0:
             left, right = -panels.at.v - centre.place, self._beyond[0] - a - centre.place
@@ -146,10 +153,10 @@ class Transform:
         return np.concatenate([left.ravel(), right])
 
     def near(self, centre: Centre, offset: Complex, scale: float) -> Complex:
-        """T at k = centre + offset, (c, m), Im >= 0, with |k| not far above `scale`.
+        """Return T at k = centre + offset, (c, m), Im >= 0, with |k| not far above `scale`.
 
-        Each row is summed alone, over nodes that its own distance decides on: its digits do not
-        depend on what else is asked for.
+        Each row is summed alone, over nodes that its own distance selects, so that its digits do
+        not depend on the other rows.
         """
         distances, place = self._offsets(centre), centre.place
         power = tuning.FADING + len(self._borders)
@@ -172,7 +179,10 @@ class Transform:
 
 
 def _cauchy(place: Array, weights: Array, at: Complex) -> tuple[Complex, Complex]:
-    """Sums of two complex weights over place - at, (m,); weights (n, 4), real and imaginary."""
+    """Return sums of two complex weights over place - at, (m,).
+
+    The weights are (n, 4), real and imaginary parts in turn.
+    """
     real, imag = np.empty((2, len(at), 4))
     step = max(1, tuning.CACHED_KERNEL // len(place))
     for start in range(0, len(at), step):

@@ -1,4 +1,4 @@
-"""What surface tractions of one slowness send into the upper body: P wave, S wave and their sum.
+"""P wave and S wave that surface tractions of one slowness send into the upper body.
 
 A shear traction of transform T = M S, or a change of sigma_yy of transform N = M^I U, gives
 velocities and stresses (1/pi) Im [F_P(k_P) + F_S(k_S)], F = int (density) dk, from two densities
@@ -11,9 +11,9 @@ alone, those of v_x in either wave:
     S   (k / beta) S_v     2 k S_v                        -2 k S_v       -(q / beta) S_v
 
 (b = mu = 1, alpha = (a^2 - k^2)^1/2, beta = (1 - k^2)^1/2, q = 1 - 2 k^2).  Displacement takes the
-same with the phase t + k x - alpha y, t + k x - beta y as a factor.  Beside the edge, k large, the
-two waves nearly cancel; their sums are formed without that.  In antiplane shear there is one wave,
-of v_z = -S / k, sigma_xz = -S and sigma_yz = T / k.
+same densities with the phase t + k x - alpha y, t + k x - beta y as a factor.  Beside the edge,
+where k is large, the two waves nearly cancel; their sums are formed without that cancellation.  In
+antiplane shear there is one wave, of v_z = -S / k, sigma_xz = -S and sigma_yz = T / k.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ Complex = NDArray[np.complex128]
 SHEAR = 0
 """Row of `densities` that holds S_v."""
 P_WAVE = slice(1, 6)
-"""Rows that hold P_v times 1, k, 1 / k, alpha and alpha / k: what a P wave is made of."""
+"""Rows that hold P_v times 1, k, 1 / k, alpha and alpha / k, the densities of a P wave."""
 S_WAVE = slice(6, 11)
-"""S_v times 1, k, k / beta, 1 / beta and k^2 / beta."""
+"""Rows that hold S_v times 1, k, k / beta, 1 / beta and k^2 / beta."""
 SUMS = slice(11, 20)
-"""Of both waves v_x, v_y, sigma_xx, sigma_yy, sigma_xy; k v_x, k v_y; and v_x, v_y with the factors
-alpha and beta."""
+"""Rows that hold sums of both waves: v_x, v_y, sigma_xx, sigma_yy, sigma_xy; k v_x, k v_y; and v_x,
+v_y with the factors alpha and beta."""
 
 
 @dataclass(frozen=True)
 class Slowness:
-    """Points k of the upper half-plane with their distances from all fronts, exact however small.
+    """Points k of the upper half-plane, with their exact distances from all fronts.
 
     Attributes
     ----------
@@ -58,22 +58,22 @@ class Slowness:
 
     @cached_property
     def alpha(self) -> Complex:
-        """(a^2 - k^2)^1/2, with the sign it has in the upper half-plane."""
+        """The root (a^2 - k^2)^1/2, with its sign in the upper half-plane."""
         return -1j * np.sqrt(self.from_left[0]) * np.sqrt(self.from_right[0])
 
     @cached_property
     def beta(self) -> Complex:
-        """(1 - k^2)^1/2."""
+        """The root (1 - k^2)^1/2, with its sign in the upper half-plane."""
         return -1j * np.sqrt(self.from_left[1]) * np.sqrt(self.from_right[1])
 
     @cached_property
     def q(self) -> Complex:
-        """1 - 2 k^2."""
+        """The polynomial 1 - 2 k^2."""
         return 1 - 2 * np.square(self.k)
 
     @cached_property
     def rayleigh(self) -> Complex:
-        """R(k), without cancellation near c and far out."""
+        """The Rayleigh function R(k), without cancellation near c and for large k."""
         z, product = np.square(self.k), 4 * np.square(self.k) * self.alpha * self.beta
         square = np.square(self.q)
         direct, conjugate = square + product, square - product
@@ -84,14 +84,17 @@ class Slowness:
         return np.where(rational, lead * over / np.where(rational, conjugate, 1.0), direct)
 
     def impedance(self, mode: Mode) -> Complex:
-        """M(k)."""
+        """Return the impedance M(k)."""
         if mode == "III":
             return self.beta
         return self.rayleigh / (self.beta if mode == "II" else self.alpha)
 
 
 def densities(at: Slowness, transform: Complex, mode: Mode) -> Complex:
-    """Densities of all parts, (20, ...), in antiplane shear (3, ...), from T or N at `at`."""
+    """Return all densities, (20, ...) or in antiplane shear (3, ...), from the transform T or N.
+
+    The table in the module's docstring gives them.
+    """
     k, alpha, beta, q, a = at.k, at.alpha, at.beta, at.q, at.factors.a
     rate, z = transform / at.impedance(mode), np.square(k)
     if mode == "III":
@@ -122,8 +125,11 @@ def densities(at: Slowness, transform: Complex, mode: Mode) -> Complex:
 
 
 def plane_wave(transform: float, mode: Mode, a: float) -> Complex:
-    """What all integrals change by from 0 < k < a to -a < k < 0, above the pole of their densities
-    at 0: i pi times a plane wave, of a traction that changes everywhere by `transform` = T(0)."""
+    """Return the change of all integrals from 0 < k < a to -a < k < 0.
+
+    The path passes above the pole of the densities at 0.  The change is i pi times a plane wave,
+    that of a traction that changes everywhere by `transform` = T(0).
+    """
     if mode == "III":
         return 1j * np.pi * transform * np.array([-1, 0, 1])
     result = np.zeros(20, dtype=complex)

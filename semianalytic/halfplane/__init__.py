@@ -1,1 +1,1 @@
-"""What an elastic half-plane does: Rayleigh function, tractions while stuck, kernels, rules."""
+"""The elastic half-plane: Rayleigh function, tractions of a stuck interface, kernels, rules."""

@@ -1,4 +1,4 @@
-"""Half-planes of many Poisson ratios at once: what depends on the ratio is one more axis.
+"""Half-planes of many Poisson ratios at once; the ratio is one more array axis.
 
 The factors of k ratios hold (k, 1) arrays where those of one hold numbers, and so broadcast against
 the (p, k, n) arrays of k sets of zones.  Tables of many ratios are interpolated, between few that
@@ -27,9 +27,9 @@ from semianalytic.halfplane.rayleigh import (
 from semianalytic.halfplane.stuck import StuckTraction, stuck_traction, traction_of
 
 _ENDS = (-0.999, -0.95, -0.8, -0.5, -0.2, 0.05, 0.2, 0.32, 0.4, 0.44, 0.47, 0.485)
-"""Poisson ratios between which tables are interpolated; beyond them each is worked out."""
+"""Poisson ratios between which tables are interpolated; beyond them each table is computed."""
 _NODES = 12
-"""Tabulated ratios in each of these intervals: they give all others to rounding (tests)."""
+"""Tabulated ratios in each of these intervals, which give all others to rounding (tests)."""
 
 
 @dataclass(frozen=True)
@@ -41,15 +41,16 @@ class _Tables:
     stuck: dict[Mode, tuple[Array, Array]]
 
     def mapped(self, change: Callable[[Array], Array]) -> _Tables:
-        """With every series changed."""
+        """Return the tables with a function applied to every series."""
         stuck = {mode: (change(one), change(two)) for mode, (one, two) in self.stuck.items()}
         return _Tables(change(self.log_s_plus), stuck)
 
 
 @dataclass(frozen=True, eq=False)
 class RayleighFamily(RayleighFactors):
-    """Rayleigh function and Wiener-Hopf factors of k Poisson ratios: numbers of `RayleighFactors`
-    are (k, 1) arrays.
+    """Rayleigh function and Wiener-Hopf factors of k Poisson ratios.
+
+    Numbers of `RayleighFactors` are (k, 1) arrays here.
 
     Use `rayleigh_family(ratios)`.
     """
@@ -60,7 +61,7 @@ class RayleighFamily(RayleighFactors):
     tables: _Tables = field(kw_only=True, repr=False)
 
     def chosen(self, which: np.ndarray) -> RayleighFamily:
-        """The factors of some of the ratios."""
+        """Return the factors of some of the ratios."""
         return RayleighFamily(
             self.poisson_ratio[which],
             a=self.a[which],
@@ -69,7 +70,7 @@ class RayleighFamily(RayleighFactors):
         )
 
     def single(self, index: int) -> RayleighFactors:
-        """The factors of one of the ratios."""
+        """Return the factors of one of the ratios."""
         return rayleigh_factors(float(self.poisson_ratio[index, 0]))
 
     def s_plus(self, k: ArrayLike) -> Array:
@@ -88,7 +89,7 @@ class RayleighFamily(RayleighFactors):
         return root.real + 1j * np.abs(root.imag)
 
     def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:
-        """Impedance M(-v + i0) on the cut, all points on one side of the shear front."""
+        """Return the impedance M(-v + i0) on the cut, at points on one side of the shear front."""
         if at.from_b.flat[0] > 0:
             return np.asarray(1j * self.impedance_behind(at, mode))
         real, imag = self.impedance_ahead(at, mode)
@@ -96,8 +97,11 @@ class RayleighFamily(RayleighFactors):
 
     @cached_property
     def hiding(self) -> np.ndarray:
-        """(k,) 2 where panels are cut beside the hidden root, 1 where it is complex but lies ahead
-        of them, 0 elsewhere: what k sets of zones must have in common to share panels."""
+        """Effect of the hidden root on the panels of each ratio, (k,).
+
+        It is 2 where panels are cut beside the root, 1 where the root is complex but lies ahead of
+        them, and 0 elsewhere.  Sets of zones share panels only if it is the same.
+        """
         hidden = self.hidden_root
         return np.asarray((hidden.imag > 0) * (1 + (hidden.real > self.a)))[:, 0]
 
@@ -114,7 +118,7 @@ class RayleighFamily(RayleighFactors):
 
 @dataclass(frozen=True)
 class _StuckFamily(StuckTraction):
-    """Stuck tractions of a family, at u that broadcasts to (..., k, n)."""
+    """Stuck tractions of a family, at slownesses u that broadcast to (..., k, n)."""
 
     series: tuple[Array, Array]
 
@@ -146,12 +150,12 @@ def _(factors: RayleighFamily, mode: Mode) -> StuckTraction:
 
 
 def _summed(x: Array, series: Array) -> Array:
-    """Values at x (..., k, n) of Chebyshev series (m, k, 1)."""
+    """Return the values at x (..., k, n) of Chebyshev series (m, k, 1)."""
     return np.asarray(chebyshev.chebval(x, series, tensor=False))
 
 
 def rayleigh_family(ratios: Array) -> RayleighFamily:
-    """Factors of Poisson ratios (k,), in any order."""
+    """Return the factors of Poisson ratios (k,), in any order."""
     different, place = np.unique(ratios, return_inverse=True)
     interval = np.searchsorted(_ENDS, different, "right") - 1
     parts = []
@@ -166,7 +170,7 @@ def rayleigh_family(ratios: Array) -> RayleighFamily:
 
 
 def _rayleigh_slowness(a: Array) -> Array:
-    """c of longitudinal slownesses a, b = 1: the cubic of `Material.rayleigh_speed`, bisected."""
+    """Return c for longitudinal slownesses a, b = 1; see `Material.rayleigh_speed`."""
     low, high = np.full_like(a, 0.1), np.ones_like(a)
     while np.any((low < (middle := (low + high) / 2)) & (middle < high)):
         cubic = ((middle - 8) * middle + 24 - 16 * a * a) * middle - 16 * (1 - a * a)
@@ -175,12 +179,12 @@ def _rayleigh_slowness(a: Array) -> Array:
 
 
 def _each(ratios: Array) -> _Tables:
-    """Tables of Poisson ratios (k,), each worked out."""
+    """Compute the tables of each of the Poisson ratios (k,)."""
     return _joined([_single(rayleigh_factors(float(ratio))) for ratio in ratios])
 
 
 def _single(factors: RayleighFactors) -> _Tables:
-    """Tables of one Poisson ratio."""
+    """Compute the tables of one Poisson ratio."""
     modes: tuple[Mode, ...] = ("I", "II")
     stuck = {mode: stuck_traction(factors.poisson_ratio, mode) for mode in modes}
     series = {
@@ -190,7 +194,7 @@ def _single(factors: RayleighFactors) -> _Tables:
 
 
 def _joined(parts: list[_Tables]) -> _Tables:
-    """Tables side by side, shorter series filled up with zeros."""
+    """Join tables side by side; shorter series are padded with zeros."""
 
     def together(series: list[Array]) -> Array:
         longest = max(map(len, series))
@@ -208,14 +212,14 @@ def _joined(parts: list[_Tables]) -> _Tables:
 
 
 def _root(ratio: ArrayLike) -> Array:
-    """q, the square root of the longitudinal slowness over the shear slowness."""
+    """Return q, the square root of the longitudinal slowness over the shear slowness."""
     ratio = np.asarray(ratio, dtype=float)
     return np.asarray(((1 - 2 * ratio) / (2 * (1 - ratio))) ** 0.25)
 
 
 @lru_cache(maxsize=16)
 def _tabulated(interval: int) -> tuple[Array, _Tables]:
-    """Roots q (m,) in an interval of Poisson ratios at which tables are worked out, and these."""
+    """Return the roots q (m,) in an interval of Poisson ratios that are tabulated, with tables."""
     start, stop = _root(_ENDS[interval]), _root(_ENDS[interval + 1])
     angle = np.pi * (np.arange(_NODES) + 0.5) / _NODES
     q = (start + stop) / 2 + (start - stop) / 2 * np.cos(angle)
@@ -224,7 +228,7 @@ def _tabulated(interval: int) -> tuple[Array, _Tables]:
 
 
 def _interpolated(interval: int, ratios: Array) -> _Tables:
-    """Tables of Poisson ratios (k,) in one interval, through those tabulated there."""
+    """Interpolate the tables of Poisson ratios (k,) in one interval from those tabulated there."""
     nodes, tables = _tabulated(interval)
     away = _root(ratios)[:, None] - nodes
     weights = np.sin(np.pi * (np.arange(_NODES) + 0.5) / _NODES) * (-1.0) ** np.arange(_NODES)

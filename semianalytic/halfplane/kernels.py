@@ -1,4 +1,4 @@
-"""Tractions on y = 0 that prescribed slip on the contact causes: section 4, slot held or free.
+"""Tractions on y = 0 under prescribed slip on the contact, with the slot held or free (section 4).
 
 Prescribed is the velocity V of the upper face, tangential (mode II) or normal (mode I, the lower
 face moving oppositely).  Over the whole line, transformed as in (4.12), the traction is -M V.
@@ -65,7 +65,9 @@ class KernelTerms:
 
 
 def impedance_terms(poisson_ratio: float, u: ArrayLike, mode: Mode) -> KernelTerms:
-    """Terms of Im M(-u + i0) over slowness u, b = mu = 1: -u K_b, -u K_a of (4.42) in mode II.
+    """Return the terms of Im M(-u + i0) over slowness u, b = mu = 1.
+
+    In mode II they are -u K_b, -u K_a of (4.42).
 
     `square` = (1 - 2u^2)^2 / sqrt(u^2 - b^2), `four` = 4 u^2 sqrt(u^2 - a^2); in mode I a and b
     change places; in mode III `four` is sqrt(u^2 - b^2), `square` 0.  Each is 0 ahead of its front.
@@ -82,13 +84,13 @@ def impedance_terms(poisson_ratio: float, u: ArrayLike, mode: Mode) -> KernelTer
 
 
 def _fronts(poisson_ratio: float, mode: Mode) -> tuple[float, float]:
-    """Slowness of the fronts of the square term and of the four term."""
+    """Return the slownesses of the fronts of the square term and of the four term."""
     a = rayleigh_factors(poisson_ratio).a
     return (1.0, a) if mode == "II" else (a, 1.0)
 
 
 def _curvature_terms(poisson_ratio: float, u: Array, mode: Mode) -> KernelTerms:
-    """Second derivatives of `impedance_terms` in u: the numerators of (4.35), (4.38)."""
+    """Return the second derivatives of `impedance_terms` in u: the numerators of (4.35), (4.38)."""
     if mode == "III":
         behind = np.where(u > 1, u, 2.0)
         bend = np.where(u > 1, -((np.square(behind) - 1) ** -1.5), 0.0)
@@ -106,7 +108,9 @@ def _curvature_terms(poisson_ratio: float, u: Array, mode: Mode) -> KernelTerms:
 def point_kernel(
     material: Material, mode: Mode, x: ArrayLike, t: ArrayLike, *, as_printed: bool = False
 ) -> Array:
-    """Traction under the point displacement delta(x) delta(t), off its fronts: (4.35), (4.38).
+    """Return the traction under a point displacement delta(x) delta(t), off its fronts.
+
+    The equations are (4.35), (4.38).
 
     A full-plane kernel, hypersingular at |x| = c_l t and c_t t; sigma_xy in mode II, sigma_yz in
     mode III, sigma_yy in mode I [stress / (length^2 time)].
@@ -127,7 +131,7 @@ def point_kernel(
 def regularised_kernel(
     material: Material, mode: Mode, x: ArrayLike, t: ArrayLike, *, as_printed: bool = False
 ) -> Array:
-    """Kernel that multiplies the slip-rate gradient dV/dx in (4.39), (4.40), off t = 0.
+    """Return the kernel that multiplies the slip-rate gradient dV/dx in (4.39), (4.40), off t = 0.
 
     Its part concentrated at t = 0 is -M(0) H(x) delta(t), `local_impedance`.  Static limit for
     t >> b|x|: -(2 mu (b^2 - a^2)/(pi b^2)) / x, in mode III -(mu/pi) / x.
@@ -149,14 +153,14 @@ def regularised_kernel(
 
 
 def local_impedance(material: Material, mode: Mode) -> float:
-    """M(0): traction per face velocity of a plane wave, rho c_t or rho c_l (mode I)."""
+    """Return M(0), the traction per face velocity of a plane wave, rho c_t or in mode I rho c_l."""
     speed = material.longitudinal_speed if mode == "I" else material.shear_speed
     return material.density * speed
 
 
 @dataclass(frozen=True)
 class SlipHistory:
-    """Velocity of the upper face on x > 0, one-sided, at rest until t = 0.
+    """The velocity of the upper face on x > 0, one-sided, at rest until t = 0.
 
     Attributes
     ----------
@@ -187,7 +191,7 @@ def _panels(count: int) -> tuple[Array, Array]:
 def _held(
     factors: RayleighFactors, slip: SlipHistory, mode: Mode, x: float, t: float, panels: int
 ) -> float:
-    """-Im M part of the traction at x (any sign), slot held; c_t = mu b = 1."""
+    """Return the part of the traction at x (any sign) from -Im M, slot held; c_t = mu b = 1."""
     # what arrives from the edge, V(0+, t - |x|/xi), varies in proportion to xi
     arrival, last = abs(x) / t, 1 / factors.a
     doubling = arrival * 2.0 ** np.arange(max(1, int(np.ceil(np.log2(last / arrival)))))
@@ -214,7 +218,7 @@ def _held(
 def _diffracted(
     factors: RayleighFactors, slip: SlipHistory, mode: Mode, x: float, t: float, panels: int
 ) -> float:
-    """Wave that frees the slot, at x > 0; c_t = mu b = 1."""
+    """Return the diffracted wave that frees the slot, at x > 0; c_t = mu b = 1."""
     last = t / x
     if last <= factors.a:
         return 0.0
@@ -250,7 +254,7 @@ def interface_traction(
     slot: Slot = "free",
     rtol: float = 1e-6,
 ) -> InterfaceTraction:
-    """Change of traction on y = 0 under prescribed motion of the contact faces.
+    """Return the change of traction on y = 0 under prescribed motion of the contact faces.
 
     Parameters
     ----------
@@ -316,7 +320,7 @@ def interface_traction(
 
 
 def _factors(poisson_ratio: float, mode: Mode) -> RayleighFactors:
-    """Those whose kappa is that of the mode."""
+    """Return the factors whose kappa is that of the mode."""
     return rayleigh_factors(poisson_ratio, "III" if mode == "III" else "II")
 
 
@@ -329,7 +333,7 @@ def self_similar_transform(
     far: float = 0.0,
     mode: Mode = "II",
 ) -> Array:
-    """Exact transform T_+(k) = int d tau / (1 + k xi) of the traction under slip V(x/t), slot free.
+    """Return the exact transform T_+(k) = int d tau / (1 + k xi) under slip V(x/t), slot free.
 
     T_+ = kappa M_+(k) [k sum m(u_0) V' d xi_0 / (u_0 + k) - M_-(0) V(inf)], b = mu = 1.
 

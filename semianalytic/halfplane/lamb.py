@@ -1,4 +1,4 @@
-"""Lamb's problem: how the surface of a half-plane moves under tractions on it, (3.1)-(3.6).
+"""Lamb's problem: the motion of the surface of a half-plane under tractions on it, (3.1)-(3.6).
 
 The body is y > 0.  A line force (F_x, F_y) delta(x) delta(t) acts on its surface, F_y pressing
 into the body, so that a surface shear traction sigma_xy is a force -sigma_xy per length and a
@@ -37,7 +37,7 @@ _MOST_PANELS = 256
 
 
 def _direct(factors: RayleighFactors, v: Array, mode: Mode) -> Array:
-    """-(1/pi) Im 1/M(-v + i0) for v > a, b = mu = 1."""
+    """Return -(1/pi) Im 1/M(-v + i0) for v > a, b = mu = 1."""
     on_front = (v == 1) | (v == factors.c)
     at = factors.cut(np.where(on_front, np.nextafter(v, np.inf), v))
     impedance = factors.impedance_on_cut(at, mode)
@@ -45,7 +45,7 @@ def _direct(factors: RayleighFactors, v: Array, mode: Mode) -> Array:
 
 
 def _coupled(factors: RayleighFactors, v: Array) -> Array:
-    """(1/pi) Im of k N / R at k = -v + i0, b = mu = 1; 0 outside a < v < b."""
+    """Return (1/pi) Im of k N / R at k = -v + i0, b = mu = 1; 0 outside a < v < b."""
     inside = (v > factors.a) & (v < 1)
     w = np.where(inside, v, (1 + factors.a) / 2)
     polynomial = 1 - 2 * w * w
@@ -55,7 +55,7 @@ def _coupled(factors: RayleighFactors, v: Array) -> Array:
 
 
 def _pulse(factors: RayleighFactors) -> float:
-    """K mu: residue of -k N / R at k = -c."""
+    """Return K mu, the residue of -k N / R at k = -c."""
     c = factors.c
     numerator = 1 - 2 * c * c + 2 * np.sqrt((c * c - factors.a**2) * (c * c - 1))
     return float(numerator / (2 * factors.reduced_rayleigh(c)))
@@ -64,7 +64,7 @@ def _pulse(factors: RayleighFactors) -> float:
 def _over_slowness(
     material: Material, u: ArrayLike, response: Callable[[RayleighFactors, Array], Array]
 ) -> Array:
-    """A response in units of 1/(mu b) over slowness u [time / length], 0 ahead of c_l."""
+    """Return a response in units of 1/(mu b) over slowness u [time / length], 0 ahead of c_l."""
     factors = rayleigh_factors(material.poisson_ratio)
     v = np.asarray(u, dtype=float) * material.shear_speed
     inside = v > factors.a
@@ -73,36 +73,36 @@ def _over_slowness(
 
 
 def lamb_u1(material: Material, u: ArrayLike) -> Array:
-    """U_1: |x| G_11 over slowness u = t/|x|, the constant b^2/(pi mu) of (3.1) included.
+    """Return U_1 = |x| G_11 over slowness u = t/|x|, with the constant b^2/(pi mu) of (3.1).
 
-    [length / (stress time)]; without bound at u = c, 0 for u < a.
+    Its unit is [length / (stress time)]; it is unbounded at u = c and 0 for u < a.
     """
     return _over_slowness(material, u, lambda factors, v: _direct(factors, v, "II"))
 
 
 def lamb_v2(material: Material, u: ArrayLike) -> Array:
-    """V_2: |x| G_22 over slowness, as `lamb_u1`."""
+    """Return V_2 = |x| G_22 over slowness, like `lamb_u1`."""
     return _over_slowness(material, u, lambda factors, v: _direct(factors, v, "I"))
 
 
 def lamb_u2(material: Material, u: ArrayLike) -> Array:
-    """U_2: the regular part of x G_12 over slowness u = t/|x|; 0 outside a < u < b."""
+    """Return U_2, the regular part of x G_12 over slowness u = t/|x|; 0 outside a < u < b."""
     return _over_slowness(material, u, _coupled)
 
 
 def lamb_v1(material: Material, u: ArrayLike) -> Array:
-    """V_1 = -U_2: the regular part of x G_21 over slowness."""
+    """Return V_1 = -U_2, the regular part of x G_21 over slowness."""
     return -lamb_u2(material, u)
 
 
 def rayleigh_pulse(material: Material) -> float:
-    """K [1 / stress]: G_12 holds sign(x) K delta(t - c |x|), G_21 its negative."""
+    """Return K [1 / stress]: G_12 contains sign(x) K delta(t - c |x|), G_21 its negative."""
     return _pulse(rayleigh_factors(material.poisson_ratio)) / material.shear_modulus
 
 
 @dataclass(frozen=True, eq=False)
 class LambFunction:
-    """One of G_ij at positions and times [1 / (stress time)].
+    """One function G_ij at positions and times [1 / (stress time)].
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class LambFunction:
 
 
 def lamb_functions(material: Material, x: ArrayLike, t: ArrayLike) -> dict[str, LambFunction]:
-    """All four G_ij(x, t) of (3.3): displacement i under a unit line impulse j.
+    """Return all four G_ij(x, t) of (3.3): displacement i under a unit line impulse j.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def surface_displacement(
     *,
     rtol: float = 1e-7,
 ) -> SurfaceDisplacement:
-    """Displacement of the surface under a history of tractions on it, (3.4) and (3.5).
+    """Return the displacement of the surface under a history of tractions on it, (3.4) and (3.5).
 
     With rays of velocity xi the double integral over x' and t' becomes
 

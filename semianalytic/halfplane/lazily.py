@@ -1,10 +1,10 @@
-"""Attributes that are worked out when they are first asked for, without a lock.
+"""Attributes that are computed when they are first used, without a lock.
 
-Python 3.11 has `functools.cached_property` hold a lock per attribute of a class, whatever the
-object: two threads that ask two objects for attributes of which each needs the other's wait for one
-another for ever, as where the shear problem of an opening asks the normal one, which is of the same
-class.  From 3.12 on there is no lock.  Two threads may then both work an attribute out; they come
-to the same value, and the last one is kept.
+In Python 3.11 `functools.cached_property` holds one lock per attribute of a class, for all objects.
+Two threads deadlock if each computes such an attribute of one object and needs that of the other,
+as happens where the shear problem of an opening uses the normal problem, which is of the same
+class.  From 3.12 on there is no lock: two threads may both compute an attribute; they obtain the
+same value, and the last one is kept.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 else:
 
     class cached_property(functools.cached_property):
-        """That of Python 3.12 and later."""
+        """The `cached_property` of Python 3.12 and later."""
 
         def __get__(self, instance: Any, owner: type | None = None) -> Any:
-            """The value, which the instance keeps from then on."""
+            """Return the value, which the instance keeps from then on."""
             if instance is None:
                 return self
             value = instance.__dict__.get(self.attrname, self)

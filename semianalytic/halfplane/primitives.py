@@ -1,4 +1,4 @@
-"""Primitives in slowness of the stuck tractions p* and q*: what a ramp load needs, (3.20)."""
+"""Primitives in slowness of the stuck tractions p* and q*, which ramp loads need, (3.20)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _GAUSS = 48
 
 @dataclass(frozen=True)
 class StuckPrimitive:
-    """int_a^u p* (mode I) or q* (mode II) dv over slowness, b = 1: what a ramp needs."""
+    """The primitive int_a^u p* dv (mode I) or int_a^u q* dv (mode II) over slowness, b = 1."""
 
     factors: RayleighFactors
     mode: Mode
@@ -75,7 +75,7 @@ class StuckPrimitive:
         return (u - a) ** self._power * series
 
     def __call__(self, u: ArrayLike) -> Array:
-        """Primitive at slowness u [1/b], any shape; 0 ahead of the longitudinal front."""
+        """Return the primitive at slowness u [1/b], any shape; 0 ahead of the pressure front."""
         u = np.asarray(u, dtype=float)
         result, behind = np.empty(u.shape), u > 1
         s = np.sqrt(u[behind] - 1)
@@ -86,10 +86,10 @@ class StuckPrimitive:
 
 
 class AntiplanePrimitive(StuckPrimitive):
-    """That of q* in mode III, (2/pi) (2 r^3/3 + r - (r^2 + 1) arctan r) with r^2 = u/b - 1."""
+    """The primitive of q* in mode III, (2/pi) (2 r^3/3 + r - (r^2 + 1) arctan r), r^2 = u/b - 1."""
 
     def __call__(self, u: ArrayLike) -> Array:
-        """Primitive at slowness u [1/b], any shape; 0 ahead of the shear front."""
+        """Return the primitive at slowness u [1/b], any shape; 0 ahead of the shear front."""
         z = np.maximum(np.asarray(u, dtype=float) - 1, 0.0)
         root, terms = np.sqrt(z), 2 * ARCTAN_SERIES / (5 + 2 * np.arange(len(ARCTAN_SERIES)))
         series = z * z * root * polynomial.polyval(np.minimum(z, NEAR_FRONT), terms)
@@ -99,7 +99,7 @@ class AntiplanePrimitive(StuckPrimitive):
 
 @lru_cache(maxsize=64)
 def stuck_primitive(poisson_ratio: float, mode: Mode) -> StuckPrimitive:
-    """Primitive of p* (mode I) or q* (modes II and III) for a Poisson ratio, tables kept.
+    """Return the primitive of p* (mode I) or q* (modes II and III); its tables are cached.
 
     Raises
     ------

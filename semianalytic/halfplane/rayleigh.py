@@ -21,7 +21,7 @@ from semianalytic.scene.scene import Material
 
 Array = NDArray[np.float64]
 Mode = Literal["I", "II", "III"]
-"""Opening, sliding across the edge, sliding along it (antiplane)."""
+"""Modes of fracture: opening, sliding across the edge, and sliding along it (antiplane)."""
 
 _REACH, _SPACING = 80.0, 0.08  # of y in v = a + (b - a) / (1 + exp(-y))
 _DEGREE = 256
@@ -30,7 +30,7 @@ _ENOUGH = 0.8  # of the coefficients: what follows those above rounding is below
 
 @cache
 def gauss(n: int) -> tuple[Array, Array]:
-    """Gauss-Legendre nodes and weights on [0, 1], not to be written to."""
+    """Return Gauss-Legendre nodes and weights on [0, 1], as read-only arrays."""
     nodes, weights = np.polynomial.legendre.leggauss(n)
     both = (nodes + 1) / 2, weights / 2
     for one in both:
@@ -39,8 +39,7 @@ def gauss(n: int) -> tuple[Array, Array]:
 
 
 def chebyshev_series(function: Callable[[Array], Array], degree: int) -> Array:
-    """Chebyshev coefficients of a smooth function on [-1, 1], without those lost in rounding; of a
-    lower degree if one is enough."""
+    """Return the Chebyshev coefficients of a smooth function on [-1, 1] down to rounding."""
     for count in (degree // 8 + 1, degree // 2 + 1, degree + 1):
         series = _interpolant(function, count)
         above = np.flatnonzero(np.abs(series) > 4e-16 * np.abs(series).max())
@@ -50,7 +49,7 @@ def chebyshev_series(function: Callable[[Array], Array], degree: int) -> Array:
 
 
 def _interpolant(function: Callable[[Array], Array], count: int) -> Array:
-    """Chebyshev coefficients (count,) of the polynomial through a function on [-1, 1]."""
+    """Return Chebyshev coefficients (count,) of the polynomial through a function on [-1, 1]."""
     values = function(np.cos(np.pi * (np.arange(count) + 0.5) / count))
     # cosine transform of the values by a Fourier transform of every other one, there and back
     folded = np.fft.fft(np.concatenate([values[::2], values[1::2][::-1]]))
@@ -62,7 +61,7 @@ def _interpolant(function: Callable[[Array], Array], count: int) -> Array:
 
 @dataclass(frozen=True)
 class CutPoints:
-    """Slownesses v on the cut with their distances from a, b and c, exact however small.
+    """Slownesses v on the cut, with distances from a, b and c that are exact however small.
 
     Attributes
     ----------
@@ -74,26 +73,26 @@ class CutPoints:
 
     @property
     def v(self) -> Array:
-        """Slownesses."""
+        """The slownesses v."""
         return self.parts[0]
 
     @property
     def from_a(self) -> Array:
-        """v - a."""
+        """Distances v - a."""
         return self.parts[1]
 
     @property
     def from_b(self) -> Array:
-        """v - b."""
+        """Distances v - b."""
         return self.parts[2]
 
     @property
     def from_c(self) -> Array:
-        """v - c."""
+        """Distances v - c."""
         return self.parts[3]
 
     def minus(self, other: CutPoints) -> Array:
-        """Differences from points that lie together, formed at the front nearest to them."""
+        """Return the differences from points that lie together, formed at their nearest front."""
         return self.parts[other.nearest] - other.parts[other.nearest]
 
     @cached_property
@@ -109,11 +108,11 @@ class CutPoints:
         return distances.index(min(distances)) + 1
 
     def first_below(self, other: CutPoints) -> bool:
-        """Whether the first of these points has less slowness than the first of others."""
+        """Return whether the first of these points is below the first of others."""
         return self.first[other.nearest] < other.first[other.nearest]
 
     def __getitem__(self, index: Any) -> CutPoints:
-        """Some of the points."""
+        """Return some of the points."""
         return CutPoints(self.parts[:, index])
 
 
@@ -127,19 +126,19 @@ class RayleighFactors:
     ----------
     poisson_ratio : float
     mode : "I", "II" or "III"
-        That of the impedance M meant where none is named.  M_+(k) is (c + k) S_+(k) / (r + k)^1/2
-        with r = a in mode I, b in mode II; in mode III, which has no Rayleigh wave, (b + k)^1/2.
+        Mode of the impedance M where none is named.  M_+(k) is (c + k) S_+(k) / (r + k)^1/2 with
+        r = a in mode I, b in mode II; in mode III, which has no Rayleigh wave, it is (b + k)^1/2.
     """
 
     poisson_ratio: float
     mode: Mode = "II"
 
     def chosen(self, which: np.ndarray) -> RayleighFactors:
-        """The factors of some of many sets of zones: themselves, for they know one ratio alone."""
+        """Return the factors of some sets of zones: these, since there is only one ratio."""
         return self
 
     def single(self, index: int) -> RayleighFactors:
-        """The factors of one of many sets of zones: themselves."""
+        """Return the factors of one of many sets of zones: these."""
         return self
 
     @cached_property
@@ -163,12 +162,12 @@ class RayleighFactors:
 
     @property
     def root(self) -> int:
-        """Where M_+ has its root: the front r, as a part of `CutPoints` (1 for a, 2 for b)."""
+        """The front r at which M_+ has its root, as a part of `CutPoints` (1 for a, 2 for b)."""
         return 1 if self.mode == "I" else 2
 
     @property
     def root_slowness(self) -> float:
-        """r, that of its front."""
+        """Slowness r of the front at which M_+ has its root."""
         return self.a if self.root == 1 else 1.0
 
     @property
@@ -182,7 +181,7 @@ class RayleighFactors:
         return 2.0 * (1.0 - self.a**2) if self.has_rayleigh_wave else 1.0
 
     def phase(self, at: CutPoints) -> Array:
-        """Phase phi(v) of the Rayleigh function on a < v < b (the arctan of (3.12)); 0 outside."""
+        """Return the phase phi(v) of the Rayleigh function on a < v < b, (3.12); 0 outside."""
         v = at.v
         product = -at.from_a * at.from_b * (v + self.a) * (v + 1)
         root = np.sqrt(np.maximum(product, 0.0))
@@ -190,23 +189,23 @@ class RayleighFactors:
 
     @cached_property
     def m_plus_at_zero(self) -> dict[Mode, float]:
-        """M_+(0) of all modes."""
+        """Values of M_+(0) in all modes."""
         modes: tuple[Mode, ...] = ("I", "II", "III")
         return {mode: float(self.m_plus(0.0, mode)) for mode in modes}
 
     @cached_property
     def in_plane(self) -> RayleighFactors:
-        """Those of mode II, which hold the tables."""
+        """The factors of mode II, which hold the tables."""
         return self if self.mode == "II" else rayleigh_factors(self.poisson_ratio)
 
     def seen_in_plane(self, at: CutPoints) -> CutPoints:
-        """Points with their distance from the Rayleigh front, which mode III does not know."""
+        """Return points with their distance from the Rayleigh front, which mode III lacks."""
         if self.has_rayleigh_wave:
             return at
         return CutPoints(np.stack([*at.parts[:3], at.v - self.in_plane.c]))
 
     def of_in_plane(self, at: CutPoints) -> CutPoints:
-        """Points of an in-plane problem as this mode sees them."""
+        """Return points of an in-plane problem with the fronts of this mode."""
         return at if self.has_rayleigh_wave else CutPoints(at.parts[[0, 1, 2, 2]])
 
     @cached_property
@@ -234,20 +233,20 @@ class RayleighFactors:
         return at, self.phase(at) * from_a * from_b / (1 - self.a) * _SPACING / np.pi
 
     def log_s_plus_behind(self, at: CutPoints) -> Array:
-        """ln S_+(-v) at v > b, where it is real; with all its digits however small it is."""
+        """Return ln S_+(-v) at v > b, where it is real, with all digits however small it is."""
         node, density = self.in_plane._phase_rule
         return np.asarray((1 / (at.from_b[..., None] - node.from_b)) @ density)
 
     def s_plus(self, k: ArrayLike) -> Array:
-        """Factor S_+(k) of the Rayleigh function for k >= 0 (3.12), (4.20)."""
+        """Return the factor S_+(k) of the Rayleigh function for k >= 0 (3.12), (4.20)."""
         k = np.asarray(k, dtype=float)
         q = np.sqrt(self.a)
         return np.exp(chebyshev.chebval((k - q) / (k + q), self._log_s_plus))
 
     def m_plus(self, k: ArrayLike, mode: Mode | None = None) -> Array:
-        """Impedance factor M_+(k), k >= 0: (c + k) S_+(k) / sqrt(b + k) in mode II.
+        """Return the impedance factor M_+(k), k >= 0: (c + k) S_+(k) / sqrt(b + k) in mode II.
 
-        The reciprocal of the article's F_+ (3.11) and G_+ (3.15).
+        It is the reciprocal of the article's F_+ (3.11) and G_+ (3.15).
         """
         k, mode = np.asarray(k, dtype=float), mode or self.mode
         if mode == "III":
@@ -265,7 +264,8 @@ class RayleighFactors:
     def hidden_root(self) -> complex:
         """The slowness, Im >= 0, at which the phase phi, continued off a < v < b, is singular.
 
-        A root of the Rayleigh function on its other sheet; complex for nu > 0.263; 0 in mode III.
+        It is a root of the Rayleigh function on its other sheet, complex for nu > 0.263; 0 in mode
+        III.
         """
         if not self.has_rayleigh_wave:
             return 0j
@@ -274,7 +274,7 @@ class RayleighFactors:
         return complex(root.real, abs(root.imag))
 
     def reduced_rayleigh(self, v: ArrayLike) -> Array:
-        """R(-v) / (c^2 - v^2) for v > b, positive and free of cancellation.
+        """Return R(-v) / (c^2 - v^2) for v > b, positive and free of cancellation.
 
         R = (b^2 - 2v^2)^2 - 4v^2 sqrt(v^2 - a^2) sqrt(v^2 - b^2) on v > b; its rationalised
         numerator is a cubic in v^2 with the root c^2.
@@ -283,13 +283,13 @@ class RayleighFactors:
         return self._reduced_rayleigh(z, np.sqrt(z - self.a**2) * np.sqrt(np.maximum(z - 1, 0)))
 
     def _reduced_rayleigh(self, z: Array, root: Array) -> Array:
-        """The same from z = v^2 and sqrt((v^2 - a^2)(v^2 - b^2))."""
+        """Return the reduced Rayleigh function from z = v^2 and sqrt((v^2 - a^2)(v^2 - b^2))."""
         e1, e0 = self.in_plane._spurious_roots
         conjugate = np.square(1 - 2 * z) + 4 * z * root
         return np.asarray(16 * (1 - self.a**2) * (z * (z + e1) + e0) / conjugate)
 
     def impedance_ahead(self, at: CutPoints, mode: Mode | None = None) -> tuple[Array, Array]:
-        """Real and imaginary part of the impedance M(-v + i0) where a < v < b (4.17)."""
+        """Return real and imaginary part of the impedance M(-v + i0) where a < v < b (4.17)."""
         v, z, mode = at.v, np.square(at.v), mode or self.mode
         alpha, beta = np.sqrt(at.from_a * (v + self.a)), np.sqrt(-at.from_b * (v + 1))
         if mode == "III":
@@ -300,7 +300,7 @@ class RayleighFactors:
         return 4 * z * beta, -polynomial / alpha
 
     def impedance_behind(self, at: CutPoints, mode: Mode | None = None) -> Array:
-        """The impedance M(-v + i0) / i where v > b; it is imaginary there (4.17)."""
+        """Return the impedance M(-v + i0) / i where v > b; M is imaginary there (4.17)."""
         v, mode = at.v, mode or self.mode
         z, alpha2, beta2 = np.square(v), at.from_a * (v + self.a), at.from_b * (v + 1)
         if mode == "III":
@@ -319,7 +319,7 @@ class RayleighFactors:
         return 2 * c * rayleigh / np.sqrt(beta2 if self.mode == "II" else alpha2)
 
     def impedance_on_cut(self, at: CutPoints, mode: Mode | None = None) -> NDArray[np.complex128]:
-        """Impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.17)."""
+        """Return the impedance M(-v + i0) of the half-plane on the cut v > a, v != b (4.17)."""
         ahead = at.from_b < 0
         result = np.empty(at.v.shape, dtype=complex)
         real, imag = self.impedance_ahead(at[ahead], mode)
@@ -354,21 +354,21 @@ class RayleighFactors:
         return np.array([0.0, self.a, 1.0, self.c])
 
     def beside(self, front: Literal["a", "b", "c"], distance: ArrayLike) -> CutPoints:
-        """Points at signed distances from a front, however small."""
+        """Return points at signed distances from a front, however small."""
         d = np.asarray(distance, dtype=float)
         own = "_abc".index(front)
         shifts = self._fronts[own] - self._fronts
         return CutPoints(np.stack([shift + d for shift in shifts]))
 
     def cut(self, v: ArrayLike) -> CutPoints:
-        """Points on the cut from their slowness v > 0 alone."""
+        """Return points on the cut from their slowness v > 0 alone."""
         v = np.asarray(v, dtype=float)
         return CutPoints(np.stack([v - front for front in self._fronts]))
 
 
 @lru_cache(maxsize=64)
 def rayleigh_factors(poisson_ratio: float, mode: Mode = "II") -> RayleighFactors:
-    """Factors for one Poisson ratio; the tables of the 64 most recent ones are kept.
+    """Return the factors for one Poisson ratio; the tables of the 64 most recent ones are cached.
 
     Raises
     ------

@@ -15,18 +15,18 @@ from semianalytic.halfplane.rayleigh import Array
 
 _FARTHEST = 100.0  # in y: what lies further out is below rounding
 REACH = 1.5
-"""Of a rule over what its tolerance takes of the decay of a density: an integrand that decays like
-exp(-|y| / 2) is continued beyond the ends, and what is left falls at least twice as fast."""
+"""Length of a rule over that at which a density has decayed to its tolerance: an integrand that
+decays like exp(-|y| / 2) is continued beyond the ends, the rest falls at least twice as fast."""
 _STEPS = 32  # per power of two: finer rules come in steps, so that their tables are met again
 _TABLES = 12  # of a rule that are kept, (n, n) each: quickly made again, and 18 MB at 1,500 nodes
 
 
 @dataclass(frozen=True)
 class Rule:
-    """Uniform grid in y: spacing h, from -reach to reach, and `further` on either side.
+    """A uniform grid in y of spacing h, from -reach to reach, and `further` on either side.
 
-    A rule that is `held` stays as it is where panels would ask for a finer or longer one: so have
-    neighbouring zones the same nodes.
+    A rule that is `held` is not replaced where panels need a finer or longer one, so that
+    neighbouring zones have the same nodes.
     """
 
     spacing: float
@@ -42,7 +42,7 @@ class Rule:
 
     @cached_property
     def core(self) -> slice:
-        """Nodes without those that are further out than `reach`."""
+        """The nodes no further out than `reach`."""
         extra = int(self.further / self.spacing)
         return slice(extra, len(self.y) - extra)
 
@@ -53,12 +53,12 @@ class Rule:
 
     @cached_property
     def decay(self) -> Array:
-        """exp(-y)."""
+        """Values of exp(-y) at the nodes."""
         return np.exp(-self.y)
 
     @cached_property
     def share(self) -> Array:
-        """1 / (1 + exp(-y)), the share of a panel to the left of a node."""
+        """The share 1 / (1 + exp(-y)) of a panel to the left of each node."""
         return 1 / (1 + self.decay)
 
     @cached_property
@@ -68,41 +68,46 @@ class Rule:
 
     @cached_property
     def weights(self) -> Array:
-        """Of the nodes in an integral, (n,): those at either end stand for what lies beyond them of
-        densities that decay like exp(-|y| / 2)."""
+        """Weights of the nodes in an integral, (n,).
+
+        Those at either end include the part beyond them of densities that decay like exp(-|y| / 2).
+        """
         result = np.full(len(self.y), self.spacing)
         result[[0, -1]] /= 1 - np.exp(-self.spacing / 2)
         return result
 
     def running(self, density: Array) -> Array:
-        """Integrals from -inf to each node of the sinc interpolant of `density` (..., n)."""
+        """Return the integrals from -inf to each node of the interpolant of `density` (..., n)."""
         return np.asarray(density @ _running(len(self.y), self.spacing))
 
     def halved(self, density: Array) -> Array:
-        """Its integrals from -inf to the middle node, (...)."""
+        """Return the integrals from -inf to the middle node, (...)."""
         n = len(self.y)
         return np.asarray(density @ _running(n, self.spacing)[:, n // 2])
 
     @property
     def alternate(self) -> Array:
-        """1 / sinh((y_i - y_j) / 2) where i - j is odd, 0 elsewhere."""
+        """The matrix 1 / sinh((y_i - y_j) / 2) where i - j is odd, 0 elsewhere."""
         return _alternate(len(self.y), self.spacing)
 
     def interpolate(self, y: Array, density: Array) -> Array:
-        """The sinc interpolant of `density` (n,) at y."""
+        """Return the sinc interpolant of `density` (n,) at y."""
         nodes, values = self._continued(density)
         return np.asarray(np.sinc((y[:, None] - nodes) / self.spacing) @ values)
 
     def interpolate_running(self, y: Array, density: Array) -> Array:
-        """Integral from -inf to y of the sinc interpolant of `density` ((n,) or (k, n))."""
+        """Return the integral from -inf to y of the interpolant of `density`, (n,) or (k, n)."""
         nodes, values = self._continued(density)
         weights = np.full(len(nodes), self.spacing)
         weights[[0, -1]] = self.weights[[0, -1]]
         return _sinc_step((y[:, None] - nodes) / self.spacing) @ (weights * values).T
 
     def _continued(self, density: Array) -> tuple[Array, Array]:
-        """Nodes a third further out, and `density` (..., n) there, decaying like exp(-|y| / 2): cut
-        off at the ends it would ripple between all nodes, by several times the tolerance."""
+        """Return nodes a third further out, and `density` (..., n) continued there.
+
+        It is continued like exp(-|y| / 2).  Cut off at the ends, its interpolant would ripple
+        between all nodes, by several times the tolerance.
+        """
         more = np.arange(1.0, np.ceil(self.reach / (3 * self.spacing)) + 1) * self.spacing
         decay = np.exp(-more / 2)
         nodes = np.concatenate([self.y[0] - more[::-1], self.y, self.y[-1] + more])
@@ -111,7 +116,7 @@ class Rule:
 
 
 def _sinc_step(x: Array) -> Array:
-    """Integral of sinc from -inf to x."""
+    """Return the integral of sinc from -inf to x."""
     from scipy.special import sici  # here, for `import semianalytic` is to be quick
 
     return np.asarray(0.5 + sici(np.pi * x)[0] / np.pi)
@@ -134,13 +139,16 @@ def _alternate(n: int, spacing: float) -> Array:
 
 
 def _beyond(spacing: float) -> int:
-    """Nodes beyond the ends until what decays like exp(-|y| / 2) is below rounding."""
+    """Return the nodes beyond the ends until exp(-|y| / 2) is below rounding."""
     return int(np.ceil(80 / spacing))
 
 
 def _folded(kernel: Array, n: int, decay: Array) -> Array:
-    """(n, n): what a density at node i adds at node j, kernel of j - i from 1 - n - b to n + b - 1,
-    with b nodes more on either side, on which it is that of the last node times `decay` (b,)."""
+    """Return the matrix (n, n) from a density at node i to its integral at node j.
+
+    The kernel is given for j - i from 1 - n - b to n + b - 1, with b nodes more on either side, on
+    which the density is that of the last node times `decay` (b,).
+    """
     beyond = len(decay)
     rows = np.lib.stride_tricks.sliding_window_view(kernel[beyond : len(kernel) - beyond], n)
     result = rows[::-1].copy()
@@ -151,7 +159,7 @@ def _folded(kernel: Array, n: int, decay: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def rule_for(tolerance: float) -> Rule:
-    """Grid on which end exponents of at least 1/2 are integrated to about `tolerance`."""
+    """Return the grid on which end exponents from 1/2 on are integrated to about `tolerance`."""
     digits = np.log(1 / tolerance)
     return Rule(float(np.pi**2 / (digits + 2)), float(REACH * (digits + 1)))
 
@@ -163,7 +171,7 @@ def _finer(rule: Rule, refinements: int, further: int) -> Rule:
 
 
 def finer_rule(rule: Rule, strip: float, further: float) -> Rule:
-    """A rule for functions analytic in |Im y| < pi `strip`, that goes `further` on either side."""
+    """Return a rule for functions analytic in |Im y| < pi `strip`, `further` on either side."""
     if rule.held:
         return rule
     beyond = int(np.ceil(min(further, _FARTHEST))) if further > 0 else 0

@@ -29,14 +29,14 @@ from semianalytic.scene.scene import Material, Tractions
 
 NEAR_FRONT = 0.04
 ARCTAN_SERIES = np.array([(-1) ** k / (2 * k + 3) for k in range(12)])
-"""r - arctan r over r^3 in powers of r^2, which keeps all digits up to that r^2."""
+"""Coefficients of (r - arctan r) / r^3 in powers of r^2, which keep all digits for small r."""
 
 _DEGREE = 128
 _GAUSS = 48
 
 
 def series_behind_front(slope: Callable[[Array], Array], start: float, power: int) -> Array:
-    """Chebyshev series in (s - 1)/(s + 1), s >= 0, of [start + int_0^s slope] / (s + 1)^power."""
+    """Return the Chebyshev series in (s - 1)/(s + 1) of [start + int_0^s slope] / (s + 1)^power."""
     t, weight = gauss(24)
 
     def series(z: Array) -> Array:
@@ -51,7 +51,7 @@ def series_behind_front(slope: Callable[[Array], Array], start: float, power: in
 
 @dataclass(frozen=True)
 class StuckTraction:
-    """One of p* (mode I) and q* (mode II): traction per unit step, b = 1.
+    """The traction p* (mode I) or q* (mode II) per unit step, b = 1.
 
     Use `stuck_traction(poisson_ratio, mode)`, which keeps the tables.
     """
@@ -61,17 +61,17 @@ class StuckTraction:
 
     @cached_property
     def _scale(self) -> float:
-        """1 / (pi kappa M_+(0)), the constant of (3.11), (3.15)."""
+        """The constant 1 / (pi kappa M_+(0)) of (3.11), (3.15)."""
         return float(1 / (np.pi * self.factors.kappa * self.factors.m_plus_at_zero[self.mode]))
 
     def derivative(self, u: ArrayLike) -> Array:
-        """d/du of the traction: Im M(-u + i0) / (pi kappa M_+(0) u M_+(u)); 0 for u < a."""
+        """Return d/du of the traction, Im M(-u + i0) / (pi kappa M_+(0) u M_+(u)); 0 for u < a."""
         u = np.asarray(u, dtype=float)
         inside = np.where(u > self.factors.a, u, 2.0)
         return np.where(u > self.factors.a, self.slope(self.factors.cut(inside)), 0.0)
 
     def slope(self, at: CutPoints) -> Array:
-        """The same at points on the cut."""
+        """Return d/du of the traction at points on the cut."""
         imag = self.factors.impedance_on_cut(at, self.mode).imag
         return self._scale * imag / (at.v * self.factors.m_plus(at.v, self.mode))
 
@@ -116,11 +116,11 @@ class StuckTraction:
         return from_a**power * chebyshev.chebval(place, self._before_shear_front)
 
     def __call__(self, u: ArrayLike) -> Array:
-        """Traction at slowness u = t/x [1/b], any shape; 0 ahead of the longitudinal front."""
+        """Return the traction at slowness u = t/x [1/b], any shape; 0 ahead of all waves."""
         return self.at(self.factors.cut(u))
 
     def at(self, points: CutPoints) -> Array:
-        """The same at points on the cut, of exact distances from the fronts."""
+        """Return the traction at points on the cut, from their exact distances to the fronts."""
         result, behind = np.empty(points.v.shape), points.from_b > 0
         s = np.sqrt(points.from_b[behind])
         result[behind] = (s + 1) * chebyshev.chebval((s - 1) / (s + 1), self._behind_shear_front)
@@ -129,10 +129,10 @@ class StuckTraction:
 
 
 class AntiplaneTraction(StuckTraction):
-    """q* in mode III, (2/pi) (r - arctan r) with r^2 = u/b - 1; the same for every solid."""
+    """The traction q* in mode III, (2/pi) (r - arctan r), r^2 = u/b - 1, for every solid."""
 
     def at(self, points: CutPoints) -> Array:
-        """Traction at points on the cut; 0 ahead of the shear front."""
+        """Return the traction at points on the cut; 0 ahead of the shear front."""
         z = np.maximum(points.from_b, 0.0)
         root = np.sqrt(z)
         series = z * root * polynomial.polyval(np.minimum(z, NEAR_FRONT), ARCTAN_SERIES)
@@ -142,7 +142,7 @@ class AntiplaneTraction(StuckTraction):
 
 @lru_cache(maxsize=64)
 def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
-    """p* (mode I) or q* (modes II and III) for a Poisson ratio, tables kept.
+    """Return p* (mode I) or q* (modes II and III) for a Poisson ratio; its tables are cached.
 
     Raises
     ------
@@ -156,14 +156,16 @@ def stuck_traction(poisson_ratio: float, mode: Mode) -> StuckTraction:
 
 @singledispatch
 def traction_of(factors: RayleighFactors, mode: Mode) -> StuckTraction:
-    """p* (mode I) or q* (mode II) of the half-plane of some factors."""
+    """Return p* (mode I) or q* (mode II) of the half-plane of some factors."""
     return stuck_traction(factors.poisson_ratio, mode)
 
 
 def stress_intensity(
     material: Material, load: Tractions, t: ArrayLike, shear_mode: Literal["II", "III"] = "II"
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Stress intensity factors (K_I, K_II) of a stuck interface at times t (3.13), (3.16).
+    """Return the stress intensity factors (K_I, K_II) of a stuck interface at times t.
+
+    The equations are (3.13), (3.16).
 
     Near the edge pressure ~ K_I / sqrt(2 pi x) and shear ~ K_II / sqrt(2 pi x)
     [stress sqrt(length)]; K_I > 0 is compression.  Times before 0 give 0.  In mode III the second

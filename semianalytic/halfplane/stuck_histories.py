@@ -1,4 +1,4 @@
-"""Load histories and the stuck interface under them, (3.20).
+"""The stuck interface under any load history, (3.20).
 
 A remote load P_0 f(t) makes the stuck pressure P_0 int f'(s) p*((t - s)/x) ds, with the unit
 step's p*(u) of (3.10); likewise shear with q*.  Jumps and straight pieces of f are exact: they
@@ -38,7 +38,7 @@ _AT_FRONT = 1e-12
 
 
 def _superposed(pieces: tuple[tuple[float, float], ...], response: Response, t: Array) -> Array:
-    """Sum of amplitude * response(t - start) over pieces, in blocks that bound the memory."""
+    """Return the sum of amplitude * response(t - start) over pieces, in blocks of memory."""
     start, amplitude = np.array(pieces).reshape(-1, 2).T
     total = np.zeros(t.shape)
     block = max(1, _BLOCK // max(1, t.size))
@@ -53,7 +53,8 @@ def _superposed(pieces: tuple[tuple[float, float], ...], response: Response, t: 
 class StuckHistory:
     """Stuck traction at positions and times [stress], and an estimate of its largest error.
 
-    The error is 0 where all is in closed form but for tables exact to rounding (no waves).
+    The error is 0 if there are no waves: everything is then in closed form, up to tables that are
+    exact to rounding.
     """
 
     value: Array
@@ -61,7 +62,7 @@ class StuckHistory:
 
 
 def _wave(wave: Wave, stuck: StuckTraction, t: float, per: float, order: int) -> float:
-    """int_a^u wave(t - v per) dp*/dv dv, u = (t - start)/per; `per` = x b, time per slowness."""
+    """Return int_a^u wave(t - v per) dp*/dv dv, u = (t - start)/per; `per` = x b."""
     a, u = stuck.factors.a, (t - wave.start) / per
     if u <= a:
         return 0.0
@@ -119,7 +120,7 @@ def _stuck(
 def stuck_pressure(
     history: LoadHistory, amplitude: float, material: Material, x: ArrayLike, t: ArrayLike
 ) -> StuckHistory:
-    """Pressure a slot load P_0 f(t) adds to a stuck interface, (3.10) with (3.20).
+    """Return the pressure that a slot load P_0 f(t) adds to a stuck interface, (3.10), (3.20).
 
     Parameters
     ----------
@@ -144,15 +145,17 @@ def stuck_shear(
     t: ArrayLike,
     shear_mode: Literal["II", "III"] = "II",
 ) -> StuckHistory:
-    """Shear traction a slot load Q_0 f(t) adds to a stuck interface, (3.14) with (3.20).
+    """Return the shear traction that a slot load Q_0 f(t) adds to a stuck interface.
 
-    Parameters and errors as `stuck_pressure`; `shear_mode` "III" for antiplane shear.
+    The equations are (3.14), (3.20).
+
+    Parameters and errors are those of `stuck_pressure`; `shear_mode` is "III" for antiplane shear.
     """
     return _stuck(history, amplitude, material, x, t, shear_mode)
 
 
 def _root_response(history: LoadHistory, t: Array) -> Array:
-    """int f'(s) sqrt(t - s) ds [time^(1/2)]."""
+    """Return int f'(s) sqrt(t - s) ds [time^(1/2)]."""
     from scipy.special import fresnel
 
     pieces = history.pieces
@@ -178,9 +181,10 @@ def intensity_history(
     t: ArrayLike,
     shear_mode: Literal["II", "III"] = "II",
 ) -> tuple[Array, Array]:
-    """(K_I, K_II) of a stuck interface under the loads P_0 f(t), Q_0 f(t), (3.13), (3.16), (3.20).
+    """Return (K_I, K_II) of a stuck interface under the loads P_0 f(t), Q_0 f(t).
 
-    [stress sqrt(length)], K_I > 0 in compression; exact for every history.
+    The equations are (3.13), (3.16), (3.20).  The unit is [stress sqrt(length)], K_I > 0 in
+    compression; the result is exact for every history.
 
     Parameters
     ----------
@@ -197,9 +201,11 @@ def intensity_history(
 
 
 def near_field(intensity: ArrayLike, x: ArrayLike) -> Array:
-    """K / sqrt(2 pi x) [stress]: traction near the edge, the remote load f(t) included, (3.13).
+    """Return the traction K / sqrt(2 pi x) near the edge, with the remote load f(t) [stress].
 
-    What the load adds on the slot alone (`stuck_pressure`) is smaller by the load itself; the
+    The equation is (3.13).
+
+    The traction that a load on the slot adds (`stuck_pressure`) is smaller by the load itself; the
     next term is of order sqrt(x).
     """
     return np.asarray(intensity, dtype=float) / np.sqrt(2 * np.pi * np.asarray(x, dtype=float))

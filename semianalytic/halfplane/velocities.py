@@ -16,7 +16,7 @@ from semianalytic.halfplane.rayleigh import Array, RayleighFactors, gauss
 
 
 def square_root_panels(ends: Iterable[float], order: int) -> tuple[Array, Array]:
-    """Nodes and weights on panels whose integrand may have square-root ends.
+    """Return nodes and weights on panels whose integrand may have square-root ends.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def square_root_panels(ends: Iterable[float], order: int) -> tuple[Array, Array]
 
 
 def principal_panels(factors: RayleighFactors, order: int) -> tuple[Array, Array]:
-    """Nodes and weights on 0 < xi < c_l for densities with a simple pole at c_R.
+    """Return nodes and weights on 0 < xi < c_l for densities with a simple pole at c_R.
 
     The panel around c_R is symmetric and of even order, which makes it a principal value; the
     panels beside it grow in proportion to their distance from the pole.

@@ -1,4 +1,4 @@
-"""Unknowns from what gauges recorded: least squares from the lowest of all minima."""
+"""Fits of unknown parameters to gauge records, by least squares with a search for all minima."""
 
 from __future__ import annotations
 
@@ -22,46 +22,71 @@ from semianalytic.selfsimilar.solution import Solution
 UNCONSTRAINED = 1.0
 """Standard error over the size of a parameter from which data are said not to constrain it."""
 LARGEST_CONDITION = 1e8
-"""Of the weighted Jacobian in parameters over their sizes; beyond it some direction is free."""
+"""Condition number of the weighted Jacobian beyond which some direction counts as free."""
 AS_GOOD = 4.0
-"""chi2 above the least, up to which another minimum is as good: two standard deviations of one."""
+"""Difference of chi2 up to which another minimum is as good: two standard deviations of one."""
 FAR = 3.0
 """Standard errors between two minima that are as good, from which on the status says so."""
 SILENT = 1e-6
-"""Part of the variance of a prior that data take away, below which they say nothing against it;
-what rounding leaves of it is 1e-14."""
+"""Fraction of the variance of a prior that data take away, below which they do not contradict it;
+rounding leaves 1e-14 of it."""
 ROUGH = 0.2
 """Relative error of derivatives in the bodies from which on the status says so."""
 TOO_RARE = 1e-6
-"""Probability of misfits as large as they are, noise and priors being right, below which the status
-says that they are not.  Of 100 samples whose noise is larger than said it is reached at 1.35 times;
-with 1e-3 at 1.22 times, and with 1e-12 at 1.53 times."""
+"""Probability of the misfits, if noise and priors are right, below which the status says that they
+are not.  For 100 samples it is reached when the noise is 1.35 times as large as stated; 1e-3 is
+reached at 1.22 times, and 1e-12 at 1.53 times."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Parameters that fit records best, and how well they are known.
+    """The parameters that fit gauge records best, with their uncertainty.
 
     Attributes
     ----------
-    parameters : tuple of str, their names
-    values : (p,) array, estimates, in the units of the scene
-    covariance : (p, p) array, of the estimates; infinite for what the data do not constrain
-    chi2 : float, sum of squares of the misfits over the noise, and over the widths of priors
-    freedom : int, samples and priors less parameters: what chi2 is about where the noise is right
-    unconstrained : tuple of str, parameters that the data do not constrain, alone or together
+    parameters : tuple of str
+        Names of the parameters.
+    values : (p,) array
+        Estimates, in the units of the scene.
+    covariance : (p, p) array
+        Covariance of the estimates; infinite for parameters that the data do not constrain.
+    chi2 : float
+        Sum of squares of the misfits over the noise, and over the widths of priors.
+    freedom : int
+        Number of samples and priors less that of parameters; chi2 is about as large if the noise is
+        right.
+    unconstrained : tuple of str
+        Parameters that the data do not constrain, alone or together.
     status : str
-        "converged", or a sentence saying what to distrust: also where misfits, or estimates that
-        are far from their priors, are such as one fit in a million has if all else is right.
-    solution : Solution, of the scene with these parameters
-    setup : Setup, of the gauges, with these parameters
+        "converged", or a sentence saying what to distrust.  It also says so if the misfits, or the
+        distances of estimates from their priors, would occur in only one fit in a million.
+    solution : Solution
+        Solution of the scene with these parameters.
+    setup : Setup
+        Set-up of the gauges with these parameters.
     gauges : tuple of Gauge
-    minima : (m, p) array, values at all minima that the search came to, the lowest first
+        The records.
+    minima : (m, p) array
+        Values at all minima that the search found, the lowest first.
     chi2_of_minima : (m,) array
+        chi2 at these minima.
     derivative_error : float
-        Relative, of the derivatives by differences that gauges in the bodies take; 0 without any.
-    solutions : int, that were computed on the way
-    trials : Trials, misfits of any values
+        Relative error of the derivatives by differences that gauges in the bodies need; 0 without
+        any.
+    solutions : int
+        Number of solutions that were computed.
+    trials : Trials
+        Misfits of any values.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from semianalytic import Gauge, Normal, find_scene, fit, solve
+    >>> scene, t = find_scene("antiplane"), np.linspace(0.3, 1.5, 5)
+    >>> record = Gauge(x=0.2, t=t, values=solve(scene).slip(0.2, t), noise=1e-3, quantity="slip")
+    >>> found = fit([record], scene, "friction", priors={"friction": Normal(0.5, 0.1)})
+    >>> found.status, found.freedom, bool(found.standard_errors[0] < 0.002)
+    ('converged', 5, True)
     """
 
     parameters: tuple[str, ...]
@@ -87,34 +112,34 @@ class Fit:
 
     @property
     def scene(self) -> Scene:
-        """The scene with these parameters."""
+        """The scene with the fitted parameters."""
         return self.solution.scene
 
     @property
     def standard_errors(self) -> Array:
-        """(p,) standard deviations of the estimates."""
+        """Standard deviations of the estimates, (p,)."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
     def correlation(self) -> Array:
-        """(p, p) correlations of the estimates; nan for what the data do not constrain."""
+        """Correlations of the estimates, (p, p); nan where the data do not constrain them."""
         errors = self.standard_errors
         with np.errstate(invalid="ignore"):
             return np.asarray(self.covariance / np.outer(errors, errors))
 
     @property
     def next_minimum(self) -> float:
-        """chi2 of the next minimum above the least; infinite if the search saw no other."""
+        """Difference of chi2 between the next minimum and the lowest; infinite without one."""
         above = self.chi2_of_minima[1:] - self.chi2_of_minima[0]
         return float(above[0]) if above.size else np.inf
 
     @property
     def residuals(self) -> tuple[Array, ...]:
-        """Of each gauge, record less fit, in the units of its quantity."""
+        """Record less fit for each gauge, in the units of its quantity."""
         return tuple(one.values - self.seen(one, one.t) for one in self.gauges)
 
     def seen(self, gauge: Gauge, t: Array) -> Array:
-        """(n,) what a gauge would have recorded at times (n,) of the records, without noise."""
+        """Return what a gauge would have recorded without noise at times (n,) of the records."""
         t = np.asarray(t, dtype=float)
         like = Samples((replace(gauge, t=t, values=np.zeros_like(t), noise=1.0),))
         return np.asarray(like.gain(self.setup) * like.of(self.solution, self.setup))
@@ -129,22 +154,24 @@ def fit(
     setup: Setup | None = None,
     rtol: float = 1e-8,
 ) -> Fit:
-    """Fit parameters of a scene, and of the set-up, to what gauges recorded, by least squares.
+    """Fit parameters of a scene, and of the set-up, to gauge records by least squares.
+
+    docs/inversion.md describes the method.
 
     Parameters
     ----------
     gauges : sequence of Gauge
         Records, each with its noise.
     scene : Scene
-        All that is not fitted, and a first guess of what is.
+        Values of all parameters that are not fitted, and a first guess of those that are.
     parameters : str, or sequence of str
         Any of "friction", "poisson_ratio", "base_pressure", "base_shear", "load_pressure",
         "load_shear", "viscosity", "shear_modulus", "density" of the scene; "t0", "x0" and "gain"
         of the set-up (`Setup`), and "gain:NAME" of the gauges of that name.
     priors : mapping from names to Normal, LogNormal or Uniform, optional
-        What is known of parameters beforehand; also where the search looks.
+        Prior knowledge of parameters; it also tells the search where to look.
     setup : Setup, optional
-        Of the gauges, for what is not fitted.
+        Set-up of the gauges, for its parameters that are not fitted.
     rtol : float
         Accuracy of the solutions, as in `solve`.
 
@@ -160,6 +187,16 @@ def fit(
     SceneError
         If there are no gauges, fewer samples than parameters, an unknown or repeated parameter, a
         prior of none of them, or no solution or derivative at the first guess.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from semianalytic import Gauge, Normal, find_scene, fit, solve
+    >>> scene, t = find_scene("antiplane"), np.linspace(0.3, 1.5, 5)
+    >>> record = Gauge(x=0.2, t=t, values=solve(scene).slip(0.2, t), noise=1e-3, quantity="slip")
+    >>> found = fit([record], scene, "friction", priors={"friction": Normal(0.5, 0.1)})
+    >>> found.values.round(3).tolist()
+    [0.5]
     """
     gauges = tuple(gauges) if isinstance(gauges, Iterable) else ()
     names = (parameters,) if isinstance(parameters, str) else tuple(parameters)
@@ -204,7 +241,7 @@ def fit(
 
 
 def _check_kinds(priors: object, setup: object) -> None:
-    """Raise SceneError for what is no mapping, or no set-up."""
+    """Raise SceneError unless priors are a mapping and the set-up is a `Setup`."""
     if priors is not None and not isinstance(priors, Mapping):
         raise SceneError(
             'fit: priors must be by name, as {"friction": Normal(0.3, 0.1)}, '
@@ -220,7 +257,7 @@ def _check(
     names: tuple[str, ...],
     priors: Mapping[str, Prior],
 ) -> None:
-    """Raise SceneError for what cannot be fitted."""
+    """Raise SceneError if the records cannot be fitted with these parameters."""
     checked_scene("fit", scene)
     if not gauges or not all(isinstance(one, Gauge) for one in gauges):
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
@@ -251,7 +288,7 @@ def _status(
     covariance: Array,
     trials: Trials,
 ) -> str:
-    """What to distrust of the lowest minimum."""
+    """Return the status: "converged", or what to distrust of the lowest minimum."""
     if unconstrained:
         together = " apart" if len(unconstrained) > 1 else ""
         return f"the data do not constrain {' and '.join(unconstrained)}{together}"
@@ -274,11 +311,11 @@ def _status(
 
 
 def _contradiction(trials: Trials, best: Minimum, covariance: Array) -> str:
-    """What misfits, or the distance from priors, say against the scene; "" if nothing.
+    """Say what misfits, or distances from priors, hold against the scene; "" if nothing.
 
-    Estimates are drawn to their priors, the more the less the data say: of their distances z, in
-    standard deviations of the priors, the covariance is 1 - P C P^T with the rows P that priors
-    have in the Jacobian and the covariance C of the estimates.
+    Estimates are drawn towards their priors, the more the less the data constrain them: the
+    distances z, in standard deviations of the priors, have the covariance 1 - P C P^T, with the
+    rows P of the priors in the Jacobian and the covariance C of the estimates.
     """
     freedom = trials.rows - len(best.scaled)
     if _is_rare(best.chi2, freedom):
@@ -304,15 +341,17 @@ def _contradiction(trials: Trials, best: Minimum, covariance: Array) -> str:
 
 
 def _is_rare(square: float, freedom: int) -> bool:
-    """Whether a sum of squares of so many normal numbers is as large once in a million times."""
+    """Return whether so large a sum of squares of normal numbers occurs once in a million."""
     from scipy.special import chdtrc  # here, for `import semianalytic` is to be quick
 
     return freedom > 0 and float(chdtrc(freedom, square)) < TOO_RARE
 
 
 def _covariance(jacobian: Array) -> tuple[Array, np.ndarray]:
-    """(p, p) inverse of the weighted normal matrix, in parameters over their sizes, and which of
-    them (p,) the data leave free."""
+    """Return the inverse (p, p) of the weighted normal matrix, and which parameters are free (p,).
+
+    Parameters are divided by their sizes.
+    """
     _, values, rows = np.linalg.svd(jacobian, full_matrices=False)
     if not np.all(np.isfinite(values)):
         raise ComputationError("fit: the derivatives at the best values are not finite.")

@@ -1,4 +1,4 @@
-"""What was recorded at a place: on the interface, or in the bodies beside it."""
+"""Gauges: records of a quantity at a place, on the interface or in the bodies beside it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ INTERFACE: Mapping[str, str] = {
     "shear_traction": "stress",
     "pressure": "stress",
 }
-"""Quantities of the interface, and their dimensions: what there are exact derivatives of."""
+"""Quantities of the interface, and their dimensions; they have exact derivatives."""
 
 _KINDS: Mapping[str, tuple[str, str]] = {
     "v": ("x y z", "length / time"),
@@ -40,7 +40,7 @@ FIELDS: Mapping[str, str] = {
 
 QUANTITIES: Mapping[str, str] = {**INTERFACE, **FIELDS}
 _ALONG = "z"
-"""Components that end in it, or begin with it, are those of antiplane shear alone."""
+"""Letter that marks the components of antiplane shear, at their beginning or end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class Gauge:
     Parameters
     ----------
     x : float
-        Position along the contact [length]; positive for what is of the interface.
+        Position along the contact [length]; positive for quantities of the interface.
     t : (n,) array
         Times of the samples [time], ascending.
     values : (n,) array
@@ -63,16 +63,23 @@ class Gauge:
         the base included as in `Solution.stress`) or strain since t = 0 "exx", "eyy", "exy"
         (`exy` is half the angle), in antiplane shear also "vz", "uz", "sxz", "syz", "exz", "eyz".
     y : float, optional
-        Distance above the interface [length], negative in the lower body; for quantities of the
-        bodies only, and needed there.
+        Distance above the interface [length], negative in the lower body; required for quantities
+        of the bodies, and for these only.
     name : str
-        By which messages and gains call it; "" for its place.
+        Name of the gauge in messages and gains; "" for its place.
 
     Raises
     ------
     SceneError
         If a number is out of range or not finite, times and samples do not match, or the quantity
         is unknown.
+
+    Examples
+    --------
+    >>> from semianalytic import Gauge
+    >>> gauge = Gauge(x=0.2, t=[0.5, 1.0], values=[0.7, 0.8], noise=0.05, quantity="slip_rate")
+    >>> gauge.values.tolist(), gauge.on_interface
+    ([0.7, 0.8], True)
     """
 
     x: float
@@ -109,18 +116,18 @@ class Gauge:
 
     @property
     def on_interface(self) -> bool:
-        """Whether it is a quantity of the interface."""
+        """Whether the gauge records a quantity of the interface."""
         return self.quantity in INTERFACE
 
     @property
     def label(self) -> str:
-        """Its name, or its quantity and place."""
+        """Name of the gauge, or its quantity and place."""
         place = f"x = {self.x:.6g}" + ("" if self.y is None else f", y = {self.y:.6g}")
         return self.name or f"{self.quantity} at {place}"
 
     @property
     def half_interval(self) -> Array:
-        """(n,) half the time between samples, a hundredth of the time itself of a lone one."""
+        """Half the time between samples, (n,); a hundredth of the time itself for a single one."""
         if len(self.t) > 1:
             return np.asarray(np.gradient(self.t) / 2)
         return np.abs(self.t) / 100 + np.finfo(float).tiny
@@ -134,12 +141,12 @@ def _numbers(name: str, given: ArrayLike) -> Array:
 
 
 def checked_noise(given: ArrayLike, values: Array) -> float | Array:
-    """Standard deviation of samples (n,): one number or (n,).
+    """Return the standard deviation of samples, one number or (n,), after checking it.
 
     Raises
     ------
     SceneError
-        If it is neither, or one is not positive, or no more than what values are rounded by.
+        If it is neither, or one is not positive, or not above the rounding of the values.
     """
     noise = _numbers("noise", given)
     if noise.shape not in ((), values.shape) or not np.all((noise > 0) & np.isfinite(noise)):
@@ -156,7 +163,7 @@ def checked_noise(given: ArrayLike, values: Array) -> float | Array:
 
 
 def check_quantity(quantity: str, scene: Scene) -> None:
-    """Raise SceneError if a scene does not have a quantity."""
+    """Raise SceneError if a scene has no such quantity."""
     if quantity in FIELDS and _ALONG in quantity and not scene.antiplane:
         raise SceneError(
             f'gauge: {quantity} is zero in this scene; it takes one with mode="antiplane".'
@@ -164,17 +171,17 @@ def check_quantity(quantity: str, scene: Scene) -> None:
 
 
 def component(quantity: str) -> tuple[str, int]:
-    """Which rows of `seen` a quantity is of, and which of them; of the interface the only one."""
+    """Return the kind of `seen` that holds a quantity, and its row there."""
     if quantity in INTERFACE:
         return quantity, 0
     return quantity[0], _KINDS[quantity[0]][0].split().index(quantity[1:])
 
 
 def seen(solution: Solution, kind: str, x: Array, y: Array, t: Array) -> Array:
-    """(k, n) what gauges would see of a solution at n places and times.
+    """Return what gauges would see of a solution at n places and times, (k, n).
 
-    Of a quantity of the interface, which does not look at y, or all components of "v", velocity,
-    "u", displacement, "s", stress, or "e", strain since t = 0.
+    It is a quantity of the interface, which does not depend on y, or all components of "v",
+    velocity, "u", displacement, "s", stress, or "e", strain since t = 0.
     """
     if kind in INTERFACE:
         return np.asarray(getattr(solution, kind)(x, t))[None]

@@ -1,4 +1,4 @@
-"""What is known of a parameter before the data: small densities."""
+"""Priors: probability densities of what is known of a parameter before the data."""
 
 from __future__ import annotations
 
@@ -9,17 +9,30 @@ from semianalytic.scene.checks import checked_number, checked_size
 from semianalytic.scene.errors import SceneError
 
 _SPREAD = 3.0
-"""Standard deviations within which a search looks."""
+"""Number of standard deviations within which a search looks."""
 
 
 @dataclass(frozen=True)
 class Normal:
-    """Known as `mean` ± `sd`, its standard deviation.
+    """A parameter known as `mean` ± `sd`, with a normal density.
+
+    Parameters
+    ----------
+    mean : float
+        Expected value, in the unit of the parameter.
+    sd : float
+        Standard deviation, positive.
 
     Raises
     ------
     SceneError
         If one is not finite, or the standard deviation not positive.
+
+    Examples
+    --------
+    >>> from semianalytic import Normal
+    >>> Normal(mean=0.5, sd=0.25).misfit(1.0)  # in standard deviations, and its derivative
+    (2.0, 4.0)
     """
 
     mean: float
@@ -31,32 +44,39 @@ class Normal:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Where a search looks."""
+        """Least and largest value that a search considers."""
         return self.mean - _SPREAD * self.sd, self.mean + _SPREAD * self.sd
 
     def misfit(self, value: float) -> tuple[float, float]:
-        """Standard deviations from the middle, and their derivative."""
+        """Return the distance of a value from the mean over the deviation, and its derivative."""
         return (value - self.mean) / self.sd, 1 / self.sd
 
     def log_density(self, value: float) -> float:
-        """Of a value, up to a constant."""
+        """Return the logarithm of the density at a value, up to a constant."""
         return -(self.misfit(value)[0] ** 2) / 2
 
 
 @dataclass(frozen=True)
 class LogNormal:
-    """Positive, known within a factor: its logarithm is normal.
+    """A positive parameter known within a factor: its logarithm is normal.
 
     Parameters
     ----------
     median : float
+        Median, in the unit of the parameter, positive.
     factor : float
-        Above 1; two thirds lie between median / factor and median times factor.
+        Factor above 1; two thirds of values lie between median / factor and median times factor.
 
     Raises
     ------
     SceneError
         If the median is not positive, or the factor not above 1.
+
+    Examples
+    --------
+    >>> from semianalytic import LogNormal
+    >>> round(LogNormal(median=1e9, factor=2.0).misfit(4e9)[0], 6)  # in standard deviations
+    2.0
     """
 
     median: float
@@ -71,19 +91,19 @@ class LogNormal:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Where a search looks."""
+        """Least and largest value that a search considers."""
         most = self.factor**_SPREAD
         return self.median / most, self.median * most
 
     def misfit(self, value: float) -> tuple[float, float]:
-        """Standard deviations of the logarithm from the middle, and their derivative."""
+        """Return the distance of the logarithm from its mean over the deviation, and its slope."""
         if value <= 0:
             return math.inf, math.inf
         size = math.log(self.factor)
         return math.log(value / self.median) / size, 1 / (value * size)
 
     def log_density(self, value: float) -> float:
-        """Of a value, up to a constant."""
+        """Return the logarithm of the density at a value, up to a constant."""
         if value <= 0:
             return -math.inf
         return -(self.misfit(value)[0] ** 2) / 2 - math.log(value)
@@ -91,12 +111,23 @@ class LogNormal:
 
 @dataclass(frozen=True)
 class Uniform:
-    """Anywhere between `low` and `high`, and nowhere else.
+    """A parameter that lies between `low` and `high`, with a uniform density.
+
+    Parameters
+    ----------
+    low, high : float
+        Least and largest value, in the unit of the parameter.
 
     Raises
     ------
     SceneError
         If they are not finite, or not in this order.
+
+    Examples
+    --------
+    >>> from semianalytic import Uniform
+    >>> Uniform(low=0.1, high=0.6).range
+    (0.1, 0.6)
     """
 
     low: float
@@ -111,11 +142,11 @@ class Uniform:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Where a search looks."""
+        """Least and largest value that a search considers."""
         return self.low, self.high
 
     def log_density(self, value: float) -> float:
-        """Of a value, up to a constant."""
+        """Return the logarithm of the density at a value, up to a constant."""
         return 0.0 if self.low <= value <= self.high else -math.inf
 
 

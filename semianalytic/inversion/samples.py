@@ -1,14 +1,14 @@
-"""All samples of all gauges in a row: what a solution has for them, and how that changes.
+"""The samples of all gauges in a row: their values in a solution, and the derivatives of these.
 
-Exactly with respect to parameters of the scene on the interface (`Solution.derivative`); by
-similarity with respect to modulus and density, which act through c_t and the impedance Z alone:
-with q the quantity, n = -1 for rates, motion and strain and 0 for tractions, and m = -1 for slip,
-displacement and strain, else 0,
+On the interface derivatives with respect to parameters of the scene are exact
+(`Solution.derivative`).  Those with respect to modulus and density follow from similarity, since
+these act through c_t and the impedance Z alone: with q the quantity, n = -1 for rates, motion and
+strain and 0 for tractions, and m = -1 for slip, displacement and strain, else 0,
 
     dq/dln Z = n q ,   dq/dln c_t = m q + t dq/dt .
 
-With respect to parameters of the scene in the bodies there is no exact derivative: solutions are
-differenced there, centrally, with a step that balances their own error with its square.
+In the bodies there are no exact derivatives with respect to parameters of the scene: solutions are
+differenced centrally, with a step that balances their own error with its square.
 """
 
 from __future__ import annotations
@@ -32,8 +32,11 @@ _GROWN = {"length", "1"}
 
 @dataclass(frozen=True, eq=False)
 class _Look:
-    """Samples of a kind: which, the first at each place and time, and which of these and which
-    component each is."""
+    """The samples of one kind.
+
+    It holds their indices, the first sample at each place and time, and for each sample which of
+    these and which component it is.
+    """
 
     part: np.ndarray
     first: np.ndarray
@@ -43,33 +46,33 @@ class _Look:
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Those of gauges, n in all."""
+    """All samples of gauges, n in number."""
 
     gauges: tuple[Gauge, ...]
 
     @cached_property
     def values(self) -> Array:
-        """(n,) as they were recorded."""
+        """The recorded values, (n,)."""
         return np.concatenate([one.values for one in self.gauges])
 
     @cached_property
     def noise(self) -> Array:
-        """(n,) standard deviations."""
+        """The standard deviations, (n,)."""
         return self._spread([one.noise for one in self.gauges])
 
     @cached_property
     def t(self) -> Array:
-        """(n,) times of the records."""
+        """The times of the records, (n,)."""
         return np.concatenate([one.t for one in self.gauges])
 
     @cached_property
     def half(self) -> Array:
-        """(n,) half the times between samples."""
+        """Half the times between samples, (n,)."""
         return np.concatenate([one.half_interval for one in self.gauges])
 
     @cached_property
     def places(self) -> tuple[Array, Array]:
-        """(n,) twice, x and y; 0 for y on the interface."""
+        """The positions x and y, (n,) each; y is 0 on the interface."""
         return (
             self._spread([one.x for one in self.gauges]),
             self._spread([one.y or 0.0 for one in self.gauges]),
@@ -77,13 +80,13 @@ class Samples:
 
     @cached_property
     def groups(self) -> dict[str, np.ndarray]:
-        """Which samples are of a quantity."""
+        """The samples of each quantity."""
         names = np.repeat([one.quantity for one in self.gauges], self._counts)
         return {str(name): np.flatnonzero(names == name) for name in np.unique(names)}
 
     @cached_property
     def on_interface(self) -> np.ndarray:
-        """(n,) which are of the interface."""
+        """Whether each sample is of the interface, (n,)."""
         return np.repeat([one.on_interface for one in self.gauges], self._counts)
 
     @property
@@ -95,23 +98,23 @@ class Samples:
         return np.concatenate([np.broadcast_to(number, count) for number, count in parts])
 
     def split(self, row: Array) -> tuple[Array, ...]:
-        """A row (n,), by gauge."""
+        """Split a row (n,) by gauge."""
         return tuple(np.split(row, np.cumsum(self._counts)[:-1]))
 
     def gain(self, setup: Setup) -> Array:
-        """(n,) by which records are too large."""
+        """Return the factors (n,) by which records are too large."""
         return self._spread([setup.gain_of(one) for one in self.gauges])
 
     def of_gauge(self, name: str) -> Array:
-        """(n,) 1 for samples of gauges of that name, else 0."""
+        """Return 1 for samples of gauges of a name, else 0, (n,)."""
         return self._spread([float(one.name == name) for one in self.gauges])
 
     def clear(self, solution: Solution, setup: Setup) -> Array:
-        """(n,) times since the load at which derivatives are formed.
+        """Return the times since the load at which derivatives are formed, (n,).
 
-        At an edge they are infinite, and what a sample tells of it ends where its neighbour
-        begins: nearer to an edge than half the time between samples they are taken at that
-        distance.
+        At an edge derivatives are infinite, but a sample represents an interval that ends half-way
+        to its neighbours.  Nearer to an edge than half the time between samples, derivatives are
+        therefore taken at that distance.
         """
         t, x = self.t - setup.t0, self.places[0] - setup.x0
         clear, half = t.copy(), self.half
@@ -123,8 +126,10 @@ class Samples:
         return clear
 
     def of(self, solution: Solution, setup: Setup, t: Array | None = None) -> Array:
-        """(n,) what gauges would have seen but for their gain; at other times (n,) since the load
-        if these are given."""
+        """Return what gauges would have recorded without their gain, (n,).
+
+        Other times (n,) since the load may be given.
+        """
         t = self.t - setup.t0 if t is None else t
         result = self._recorded(solution, setup.x0, t)
         lost = ~np.isfinite(result)
@@ -142,7 +147,7 @@ class Samples:
 
     @cached_property
     def _looks(self) -> dict[str, _Look]:
-        """Of each kind that is recorded: components at one place and time are seen at once."""
+        """The samples of each recorded kind; components at one place and time come together."""
         kinds = [component(one.quantity) for one in self.gauges]
         of_kind = np.repeat([kind for kind, _ in kinds], self._counts)
         axes = np.repeat([axis for _, axis in kinds], self._counts)
@@ -155,7 +160,7 @@ class Samples:
         return looks
 
     def exact(self, derivative: Derivative, setup: Setup, t: Array) -> Array:
-        """(n,) derivatives with respect to a parameter of the scene on the interface; 0 off it."""
+        """Return derivatives (n,) with respect to a parameter of the scene; 0 off the interface."""
         x, result = self.places[0] - setup.x0, np.zeros(len(t))
         for name, part in self.groups.items():
             if name in INTERFACE:
@@ -163,13 +168,13 @@ class Samples:
         return np.asarray(result)
 
     def over_time(self, solution: Solution, setup: Setup, t: Array) -> Array:
-        """(n,) derivatives with respect to time at times since the load."""
+        """Return derivatives (n,) with respect to time at times since the load."""
         step = CLOSE * self.half
         later, earlier = (self.of(solution, setup, t + sign * step) for sign in (1, -1))
         return np.asarray((later - earlier) / (2 * step))
 
     def along_x(self, solution: Solution, setup: Setup, t: Array) -> Array:
-        """(n,) derivatives with respect to position."""
+        """Return derivatives (n,) with respect to position."""
         step = CLOSE * float(self.half.min()) * solution.scene.material.shear_speed
         right, left = (
             self.of(solution, replace(setup, x0=setup.x0 - sign * step), t) for sign in (1, -1)
@@ -177,7 +182,7 @@ class Samples:
         return np.asarray((right - left) / (2 * step))
 
     def over_moduli(self, solution: Solution, setup: Setup, t: Array) -> tuple[Array, Array]:
-        """(n,) twice, derivatives with respect to ln Z and ln c_t."""
+        """Return derivatives with respect to ln Z and ln c_t, (n,) each."""
         seen = self.of(solution, setup, t)
         by_speed = t * self.over_time(solution, setup, t)
         by_impedance = np.zeros(len(t))

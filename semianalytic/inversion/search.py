@@ -1,9 +1,9 @@
-"""Where sums of squares are least, of all places and not only near the first guess.
+"""The search for the lowest minimum of the sum of squares, not only near the first guess.
 
 chi2 rises where the edge of a slip zone passes a sample, so it has minima some standard errors
-apart, in a basin that may lie anywhere.  So a scan of the plausible ranges finds basins, least
-squares go down in the best of them, and from the lowest point on scans of its surroundings, as
-wide as the errors, find what is lower still.
+apart, in a basin that may lie anywhere.  A scan of the plausible ranges therefore finds basins,
+least squares descend in the best of them, and from the lowest point on scans of its surroundings,
+as wide as the errors, find lower minima.
 """
 
 from __future__ import annotations
@@ -19,31 +19,31 @@ from semianalytic.inversion.unknowns import SOLVED
 SCENES = (1, 32, 96, 144)
 """Scenes of a scan for no, one, two and more unknowns that take a solution."""
 FIELD_SHARE = 3
-"""As many times fewer where gauges are in the bodies, whose fields cost more."""
+"""Factor by which there are fewer scenes if gauges are in the bodies, whose fields cost more."""
 SETUPS = (1, 7, 16)
 """Trial values of the other unknowns in each of these scenes, by their number."""
 STARTS, NEAR_STARTS = 3, 2
-"""Of least squares after a scan, and after one of surroundings."""
+"""Number of starts of least squares after a scan, and after one of surroundings."""
 ROUNDS = 4
 WORTH = 0.3
-"""By how much chi2 must fall for one more round: a tenth of what parameters cost it."""
+"""Fall of chi2 that calls for one more round: a tenth of what parameters cost it."""
 NEARBY = 20
-"""Points of a scan of surroundings, by unknown."""
+"""Number of points of a scan of surroundings, per unknown."""
 SHORT = 9
 """Solutions of least squares that need not end: the lowest are taken further."""
 REACH = 6.0
-"""Of it, in standard errors."""
+"""Half-width of that scan, in standard errors."""
 WIDEST = 0.1
-"""Most of a standard error that is scanned, in sizes."""
+"""Largest standard error that is scanned, in sizes of the parameter."""
 APART = 0.5
-"""Distance of minima that count as two, in standard errors."""
+"""Distance from which on minima count as two, in standard errors."""
 SETTLED = 1e-5
-"""Change of chi2, relative, that ends a search: a hundredth of what noise does."""
+"""Relative change of chi2 that ends a search: a hundredth of that of noise."""
 
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where least squares ended.
+    """A minimum at which least squares ended.
 
     Attributes
     ----------
@@ -59,13 +59,15 @@ class Minimum:
     converged: bool
 
     def distance(self, scaled: Array) -> float:
-        """Of other values, in standard errors as they are without noise from other parameters."""
+        """Return the distance of other values, in standard errors with all other values fixed."""
         return float(np.linalg.norm(self.jacobian @ (scaled - self.scaled)))
 
 
 def spread(count: int, dimensions: int) -> Array:
-    """(count, dimensions) points that fill the unit cube evenly, for any count: multiples of the
-    roots of x^(d+1) = x + 1, less whole numbers."""
+    """Return points (count, dimensions) that fill the unit cube evenly, for any count.
+
+    They are multiples of the powers of the root of x^(d+1) = x + 1, less whole numbers.
+    """
     root = 2.0
     for _ in range(60):
         root = (1 + root) ** (1 / (dimensions + 1))
@@ -74,7 +76,7 @@ def spread(count: int, dimensions: int) -> Array:
 
 
 def minima(trials: Trials) -> list[Minimum]:
-    """All that were come to, the lowest first."""
+    """Return all minima that were found, the lowest first."""
     ends: list[Minimum] = []
     for start in scan(trials):
         _add(ends, descend(trials, start, SHORT))
@@ -90,7 +92,7 @@ def minima(trials: Trials) -> list[Minimum]:
 
 
 def _add(ends: list[Minimum], end: Minimum) -> None:
-    """Of minima that are one, the lowest stays."""
+    """Add a minimum to a list; of minima that are the same, the lowest stays."""
     near = [one for one in ends if one.distance(end.scaled) < APART]
     if not near or end.chi2 < min(one.chi2 for one in near):
         ends[:] = [one for one in ends if one not in near]
@@ -99,7 +101,7 @@ def _add(ends: list[Minimum], end: Minimum) -> None:
 
 
 def descend(trials: Trials, start: Array, most: int | None = None) -> Minimum:
-    """Least squares from a start, with so many solutions at most."""
+    """Run least squares from a start, with so many solutions at most."""
     from scipy.optimize import least_squares  # here, for `import semianalytic` is to be quick
 
     low, high = trials.bounds
@@ -117,7 +119,7 @@ def descend(trials: Trials, start: Array, most: int | None = None) -> Minimum:
 
 
 def scan(trials: Trials) -> list[Array]:
-    """The best starts, of the plausible ranges and the first guess."""
+    """Return the best starts, from the plausible ranges and the first guess."""
     low, high = trials.ranges
     count, setups = _counts(trials)
     if count * setups == 1:
@@ -130,7 +132,7 @@ def scan(trials: Trials) -> list[Array]:
 
 
 def _counts(trials: Trials) -> tuple[int, int]:
-    """Scenes of a scan, and trial values of other unknowns in each."""
+    """Return the number of scenes of a scan, and of trial values of other unknowns in each."""
     solved = sum(name in SOLVED for name in trials.unknowns.names)
     other = len(trials.unknowns.names) - solved
     count = SCENES[min(solved, len(SCENES) - 1)]
@@ -138,12 +140,12 @@ def _counts(trials: Trials) -> tuple[int, int]:
 
 
 def _share(trials: Trials) -> int:
-    """By which scans have fewer scenes."""
+    """Return the factor by which scans have fewer scenes."""
     return 1 if trials.samples.on_interface.all() else FIELD_SHARE
 
 
 def surroundings(trials: Trials, end: Minimum) -> list[Array]:
-    """The best starts around a minimum, within `REACH` standard errors."""
+    """Return the best starts around a minimum, within `REACH` standard errors."""
     p = len(end.scaled)
     _, values, rows = np.linalg.svd(end.jacobian, full_matrices=False)
     widths = 1 / np.maximum(values, 1 / WIDEST)
@@ -154,7 +156,7 @@ def surroundings(trials: Trials, end: Minimum) -> list[Array]:
 
 
 def _best(trials: Trials, points: list[Array], count: int) -> list[Array]:
-    """The lowest of them, so many."""
+    """Return the lowest of some starts, so many."""
     squares = np.sum(np.square(trials.misfits(points)), axis=1)
     order = [i for i in np.argsort(squares, kind="stable") if np.isfinite(squares[i])]
     return [points[i] for i in order[:count]] or points[:1]

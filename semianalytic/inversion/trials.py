@@ -1,4 +1,4 @@
-"""Misfits of trial values, and how they change: what least squares ask for."""
+"""Misfits of trial values and their derivatives, for least squares."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from semianalytic.selfsimilar.solution import Solution
 from semianalytic.selfsimilar.solver import solve
 
 STEPS = (1e-5, 1e-2)
-"""Least and largest step of differences of solutions, over the size of a parameter."""
+"""Smallest and largest step of differences of solutions, over the size of a parameter."""
 SWEPT = 1e-4
-"""Accuracy of sweeps."""
+"""Accuracy `rtol` of sweeps."""
 _KEPT = 8
-"""Solutions that are kept."""
+"""Number of solutions that are cached."""
 
 
 @dataclass
 class Trials:
-    """Of unknowns in units of `sizes`; rows of misfits are samples, then priors.
+    """Trials of unknowns, in units of `sizes`; rows of misfits are samples, then priors.
 
     Attributes
     ----------
@@ -51,12 +51,12 @@ class Trials:
 
     @cached_property
     def sizes(self) -> Array:
-        """(p,) by which unknowns are counted."""
+        """Sizes by which unknowns are divided, (p,)."""
         return np.array([self.unknowns.size(name) for name in self.unknowns.names])
 
     @cached_property
     def start(self) -> Array:
-        """(p,) where the search begins, within the bounds."""
+        """Values at which the search begins, within the bounds, (p,)."""
         values = np.array([self.unknowns.value(name) for name in self.unknowns.names])
         low, high = self.bounds
         inside = 1e-9 * np.maximum(1.0, np.abs(values / self.sizes))
@@ -64,7 +64,7 @@ class Trials:
 
     @cached_property
     def bounds(self) -> Array:
-        """(2, p) between which they may lie."""
+        """Bounds between which unknowns may lie, (2, p)."""
         pairs = []
         for name in self.unknowns.names:
             low, high = self.unknowns.bounds(name)
@@ -78,7 +78,7 @@ class Trials:
 
     @cached_property
     def ranges(self) -> Array:
-        """(2, p) where a search looks."""
+        """Ranges that a search considers, (2, p)."""
         pairs = []
         for name in self.unknowns.names:
             prior = self.priors.get(name)
@@ -86,11 +86,11 @@ class Trials:
         return np.clip(np.array(pairs).T / self.sizes, *self.bounds)
 
     def at(self, scaled: Array) -> tuple[Scene, Setup]:
-        """Scene and set-up with values over `sizes`; raises as `Scene`."""
+        """Return scene and set-up for values over `sizes`; errors are those of `Scene`."""
         return self.unknowns.at((scaled * self.sizes).tolist())
 
     def solution(self, scaled: Array) -> Solution:
-        """Solution of the scene with values over `sizes`; raises as `solve`."""
+        """Return the solution for values over `sizes`; errors are those of `solve`."""
         return self._solved(self.at(scaled)[0])
 
     def _solved(self, scene: Scene) -> Solution:
@@ -103,7 +103,7 @@ class Trials:
         return solution
 
     def misfit(self, scaled: Array) -> Array:
-        """(n,) of samples and priors, in standard deviations; infinite where there is no scene."""
+        """Return misfits (n,) of samples and priors, in deviations; infinite without a scene."""
         try:
             scene, setup = self.at(scaled)
             solution = self._solved(scene)
@@ -112,7 +112,7 @@ class Trials:
             return np.full(self.rows, np.inf)
 
     def misfits(self, points: Sequence[Array]) -> Array:
-        """(m, n) of many values, not to be searched on: by a sweep where one answers them."""
+        """Return the misfits (m, n) of many values, computed by a sweep where possible."""
         of_scene = set(self.unknowns.names).intersection(SOLVED)
         if not of_scene or of_scene - {"friction", "poisson_ratio"}:
             return np.array([self.misfit(point) for point in points])
@@ -131,14 +131,14 @@ class Trials:
         return rows
 
     def misfit_of(self, solution: Solution, setup: Setup, scaled: Array) -> Array:
-        """(n,) the same of a solution that is known."""
+        """Return the misfits (n,) of a solution that is known."""
         samples = self.samples
         seen = samples.gain(setup) * samples.of(solution, setup)
         known = list(self.pulls(scaled).values())
         return np.concatenate([(seen - samples.values) / samples.noise, known])
 
     def pulls(self, scaled: Array) -> dict[str, float]:
-        """Standard deviations of unknowns from the middle of their priors, by name."""
+        """Return how far unknowns are from the middle of their priors, in deviations, by name."""
         return {
             self.unknowns.names[number]: prior.misfit(value)[0]
             for number, prior, value in self._known_before(scaled)
@@ -146,11 +146,11 @@ class Trials:
 
     @property
     def rows(self) -> int:
-        """Of misfits: samples, and priors that are not uniform."""
+        """Number of misfits: samples, and priors that are not uniform."""
         return len(self.samples.t) + len(self._known_before(self.sizes))
 
     def _known_before(self, scaled: Array) -> list[tuple[int, Normal | LogNormal, float]]:
-        """Priors that pull: number, prior and value of each unknown that has one."""
+        """Return index, prior and value of each unknown with a prior that is not uniform."""
         values = scaled * self.sizes
         priors = (
             (number, self.priors.get(name)) for number, name in enumerate(self.unknowns.names)
@@ -162,7 +162,7 @@ class Trials:
         ]
 
     def jacobian(self, scaled: Array) -> Array:
-        """(n, p) derivatives of the misfits."""
+        """Return the derivatives (n, p) of the misfits."""
         scene, setup = self.at(scaled)
         solution, samples = self._solved(scene), self.samples
         t = samples.clear(solution, setup)
@@ -180,7 +180,7 @@ class Trials:
         return np.stack(columns, axis=1)
 
     def _column(self, name: str, solution: Solution, setup: Setup, t: Array) -> Array:
-        """(n,) derivatives of what gauges would see but for their gain; of gains with it."""
+        """Return derivatives (n,) of the samples without gain; those for gains include it."""
         samples = self.samples
         if name == "t0":
             return -samples.over_time(solution, setup, t)
@@ -207,9 +207,9 @@ class Trials:
     def difference(
         self, name: str, solution: Solution, setup: Setup, t: Array, longer: float = 1.0
     ) -> Array:
-        """(n,) derivatives with respect to a parameter of the scene, of differences of solutions.
+        """Return derivatives (n,) with respect to a parameter of the scene, by differences.
 
-        Their errors over a step h are that of the solutions over h and about h^2: h is the cubic
+        With a step h their errors are that of the solutions over h, and about h^2; h is the cubic
         root of the first, over the size of the parameter.
         """
         size = float(self.sizes[self.unknowns.names.index(name)])
@@ -226,8 +226,11 @@ class Trials:
         return np.asarray((seen[0] - seen[1]) / (above - below))
 
     def difference_error(self, scaled: Array) -> float:
-        """Of derivatives in the bodies, by those of twice the step (Richardson's third of the
-        difference): its norm over theirs, the largest of all parameters; 0 without any."""
+        """Return the relative error of derivatives in the bodies, from those with twice the step.
+
+        It is the norm of a third of the difference (Richardson) over that of the derivatives, the
+        largest of all parameters; 0 without gauges in the bodies.
+        """
         scene, setup = self.at(scaled)
         lacking = ~self.samples.on_interface
         solution, worst = self._solved(scene), 0.0

@@ -1,4 +1,4 @@
-"""What can be fitted: parameters of a scene, and of the set-up that recorded it."""
+"""Unknowns of a fit: parameters of a scene, and of the set-up that recorded it."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar.derivative import PARAMETERS, parameter
 
 MATERIAL = ("shear_modulus", "density")
-"""Of the scene; by similarity they change nothing but units."""
+"""Parameters of the scene that by similarity change nothing but units."""
 SOLVED = (*PARAMETERS, *MATERIAL)
-"""All of the scene: another value takes another solution."""
+"""All parameters of the scene: another value needs another solution."""
 SETUP = ("t0", "x0", "gain")
-"""Not of the scene at all; "gain:NAME" is that of one gauge."""
+"""Parameters of the set-up; "gain:NAME" is the gain of one gauge."""
 UNKNOWNS = (*SOLVED, *SETUP)
 DIMENSIONS: Mapping[str, str] = {
     **dict.fromkeys(("base_pressure", "base_shear", "load_pressure", "load_shear"), "stress"),
@@ -27,7 +27,7 @@ DIMENSIONS: Mapping[str, str] = {
     "t0": "time",
     "x0": "length",
 }
-"""Their dimensions; others have none."""
+"""Dimensions of parameters; others have none."""
 
 _TINY = 1e-3
 _LONE_GAIN = "gain:"
@@ -35,18 +35,25 @@ _LONE_GAIN = "gain:"
 
 @dataclass(frozen=True)
 class Setup:
-    """How records lie to the scene.
+    """The set-up of gauges: how the times, places and sizes of records relate to the scene.
 
     Attributes
     ----------
     t0 : float
         Time of the records at which the load acts [time]: that of a trigger that came early.
     x0 : float
-        Where the contact begins in the coordinates of the gauges [length].
+        Position of the contact edge in the coordinates of the gauges [length].
     gain : float
-        By which all records are too large.
+        Factor by which all records are too large.
     gains : mapping
-        The same of single gauges, by name; both multiply.
+        Such factors of single gauges, by name; both multiply.
+
+    Examples
+    --------
+    >>> from semianalytic import Gauge, Setup
+    >>> gauge = Gauge(x=0.2, t=[1.0], values=[0.1], noise=0.01, quantity="slip", name="A")
+    >>> Setup(gain=2.0, gains={"A": 1.5}).gain_of(gauge)
+    3.0
     """
 
     t0: float = 0.0
@@ -55,13 +62,13 @@ class Setup:
     gains: Mapping[str, float] = field(default_factory=dict)
 
     def gain_of(self, gauge: Gauge) -> float:
-        """By which the record of a gauge is too large."""
+        """Return the factor by which the record of a gauge is too large."""
         return self.gain * self.gains.get(gauge.name, 1.0)
 
 
 @dataclass(frozen=True)
 class Unknowns:
-    """What is sought, in a scene and a set-up that hold all else.
+    """The unknowns of a fit, with a scene and a set-up that hold all other parameters.
 
     Attributes
     ----------
@@ -78,7 +85,7 @@ class Unknowns:
     duration: float
 
     def value(self, name: str) -> float:
-        """Where the search begins."""
+        """Return the value at which the search begins."""
         if name in PARAMETERS:
             return parameter(self.scene, name)
         if name in MATERIAL:
@@ -88,7 +95,7 @@ class Unknowns:
         return self.setup.gains.get(name.removeprefix(_LONE_GAIN), 1.0)
 
     def at(self, values: Sequence[float]) -> tuple[Scene, Setup]:
-        """Scene and set-up with these values; raises as `Scene`."""
+        """Return scene and set-up with these values; errors are those of `Scene`."""
         scene, setup = self.scene, self.setup
         tractions: dict[str, dict[str, float]] = {"base": {}, "load": {}}
         for name, value in zip(self.names, map(float, values), strict=True):
@@ -106,7 +113,7 @@ class Unknowns:
         return replace(scene, **changed), setup
 
     def size(self, name: str) -> float:
-        """By which an unknown is counted: itself, or what it would be to matter."""
+        """Return the size by which an unknown is divided: its value, or one that would matter."""
         return max(abs(self.value(name)), self._least(name))
 
     def _least(self, name: str) -> float:
@@ -128,7 +135,7 @@ class Unknowns:
         return max(abs(one) for part in parts for one in (part.pressure, part.shear)) or 1.0
 
     def bounds(self, name: str) -> tuple[float, float]:
-        """Between which values it may lie."""
+        """Return the least and largest admissible value of an unknown."""
         if name == "poisson_ratio":
             return -0.95, 0.499
         if name in ("friction", "base_pressure", "viscosity"):
@@ -138,7 +145,7 @@ class Unknowns:
         return float("-inf"), float("inf")
 
     def plausible(self, name: str) -> tuple[float, float]:
-        """Where a search looks that knows no more."""
+        """Return the range that a search without a prior considers."""
         value = self.value(name)
         if name == "friction":
             return 0.02, max(1.2, 1.5 * value)
@@ -165,7 +172,7 @@ def _with_setup(setup: Setup, name: str, value: float) -> Setup:
 
 
 def with_parameter(scene: Scene, name: str, value: float) -> Scene:
-    """A scene with another value of one of its parameters."""
+    """Return a scene with another value of one of its parameters."""
     if name == "friction":
         return replace(scene, friction=value)
     if name in ("poisson_ratio", *MATERIAL):
@@ -177,12 +184,12 @@ def with_parameter(scene: Scene, name: str, value: float) -> Scene:
 
 
 def has_similarity(scene: Scene) -> bool:
-    """Whether modulus and density are in its units only, and in no friction law."""
+    """Return whether modulus and density enter through units only, and through no friction law."""
     return type(scene.friction_law) is CoulombFriction
 
 
 def check_names(names: tuple[str, ...], gauges: tuple[Gauge, ...], scene: Scene) -> None:
-    """Raise SceneError for what cannot be fitted."""
+    """Raise SceneError for names that cannot be fitted."""
     called = {one.name for one in gauges} - {""}
     for name in names:
         if isinstance(name, str) and name.startswith(_LONE_GAIN):

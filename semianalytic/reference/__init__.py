@@ -1,8 +1,8 @@
-"""What solvers are verified against: exact solutions in closed form, and the article's algorithm.
+"""References for verification: exact solutions in closed form, and the article's algorithm.
 
-None of it uses the solvers: only the Rayleigh function, its factors and quadrature.  Every slip
-rate is relative, both sides, in the units of the scene; `published_slip` alone is in the article's
-own, one-sided and over f P_0 / (mu b).
+They do not use the solvers, only the Rayleigh function, its factors and quadrature.  Every slip
+rate is relative, both sides, in the units of the scene; only `published_slip` uses the article's
+units, one-sided and over f P_0 / (mu b).
 
 Closed forms, at velocities x/t (chi = f P / Q_0):
 

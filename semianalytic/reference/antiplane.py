@@ -24,23 +24,24 @@ Array = NDArray[np.float64]
 
 _GAUSS = 80
 _SPACING, _REACH = 0.08, 90.0
-"""Of y in x = l + w / (1 + exp(-y)), which turns powers and logarithms at both ends of a stretch
-into exponentials."""
+"""Nodes of y in x = l + w / (1 + exp(-y)), which turns powers and logarithms at both ends of an
+interval into exponentials."""
 
 
 def antiplane_edge_speed(material: Material, strength_ratio: float) -> float:
-    """Speed [length / time] of the edge of the slip zone, c_t / (1 + chi_b)^2.
+    """Return the speed of the edge of the slip zone, c_t / (1 + chi_b)^2 [length / time].
 
     Parameters
     ----------
     material : Material
+        The solid.
     strength_ratio : float
         chi_b >= 0, strength less base shear, f P_b - Q_b, over the step Q_0 of shear.
 
     Raises
     ------
     SceneError
-        If the ratio is negative: all slips then.
+        If the ratio is negative: everything slips then.
     """
     if not strength_ratio >= 0:
         raise SceneError(f"strength_ratio: chi_b must not be negative, got {strength_ratio}.")
@@ -50,7 +51,9 @@ def antiplane_edge_speed(material: Material, strength_ratio: float) -> float:
 def antiplane_slip_rate(
     material: Material, load_shear: float, strength_ratio: float, velocity: ArrayLike
 ) -> Array:
-    """Relative slip rate [length / time], (4 Q_0/(pi rho c_t)) arctan sqrt((xi_s - xi)/(c_t + xi)).
+    """Return the relative slip rate of the antiplane zone [length / time].
+
+    It is (4 Q_0/(pi rho c_t)) arctan sqrt((xi_s - xi)/(c_t + xi)).
 
     Parameters
     ----------
@@ -75,9 +78,10 @@ def antiplane_slip_rate(
 def antiplane_slip(
     material: Material, load_shear: float, strength_ratio: float, x: ArrayLike, t: ArrayLike
 ) -> Array:
-    """Relative slip [length] at x > 0 and t > 0, which broadcast.
+    """Return the relative slip of the antiplane zone at x > 0 and t > 0, which broadcast [length].
 
-    t V - (4 Q_0 x / (pi mu sqrt(xi_s / c_t))) arsinh sqrt((t/x - u_s) / (b + u_s)), u_s = 1/xi_s.
+    It is t V - (4 Q_0 x / (pi mu sqrt(xi_s / c_t))) arsinh sqrt((t/x - u_s) / (b + u_s)), with
+    u_s = 1/xi_s.
     """
     x, t = np.asarray(x, dtype=float), np.asarray(t, dtype=float)
     xi = over_shear_speed(material, x / t, edge=True)
@@ -91,10 +95,10 @@ def antiplane_slip(
 def antiplane_traction(
     material: Material, load_shear: float, strength_ratio: float, velocity: ArrayLike
 ) -> Array:
-    """Shear traction [stress] that the step adds to the base, at x/t = velocity [length / time].
+    """Return the shear traction that the step adds to the base at x/t = velocity [stress].
 
-    (2 Q_0 / pi) [(1 + chi_b) arctan r - arctan((1 + chi_b) r)], r^2 = xi_s (c_t - xi) /
-    (c_t (xi - xi_s)), ahead of the zone; chi_b Q_0 in it, 0 ahead of the shear wave.
+    Ahead of the zone it is (2 Q_0 / pi) [(1 + chi_b) arctan r - arctan((1 + chi_b) r)], r^2 =
+    xi_s (c_t - xi) / (c_t (xi - xi_s)); in the zone chi_b Q_0, and 0 ahead of the shear wave.
     """
     xi = over_shear_speed(material, velocity, edge=True)
     edge = _edge(material, strength_ratio)
@@ -106,9 +110,9 @@ def antiplane_traction(
 
 
 def antiplane_edge_intensity(material: Material, load_shear: float, strength_ratio: float) -> float:
-    """A [length / time] of the slip rate A sqrt(1 - xi/xi_s) beside the edge of the zone.
+    """Return A of the slip rate A sqrt(1 - xi/xi_s) beside the edge of the zone [length / time].
 
-    A = (4 Q_0 / (pi rho c_t)) sqrt(xi_s / (c_t + xi_s)).
+    It is A = (4 Q_0 / (pi rho c_t)) sqrt(xi_s / (c_t + xi_s)).
     """
     edge = _edge(material, strength_ratio)
     unit = 4 * load_shear / (np.pi * material.shear_impedance)
@@ -118,7 +122,7 @@ def antiplane_edge_intensity(material: Material, load_shear: float, strength_rat
 def viscous_antiplane_edge_speed(
     material: Material, strength_ratio: float, viscosity: float
 ) -> float:
-    """Speed [length / time] of the edge of the zone if strength grows by viscosity |V|.
+    """Return the speed of the edge of the zone if strength grows by viscosity |V| [length / time].
 
     Parameters
     ----------
@@ -138,7 +142,7 @@ def viscous_antiplane_slip_rate(
     viscosity: float,
     velocity: ArrayLike,
 ) -> Array:
-    """Relative slip rate [length / time] of that zone at x/t = velocity [length / time] >= 0."""
+    """Return the relative slip rate of the viscous antiplane zone at x/t = velocity >= 0."""
     zone = _viscous_zone(material, strength_ratio, viscosity)
     xi = over_shear_speed(material, velocity, edge=True)
     return relative_rate(material, load_shear, xi, zone.slip_rate)
@@ -146,7 +150,7 @@ def viscous_antiplane_slip_rate(
 
 @dataclass(frozen=True)
 class _ViscousZone:
-    """Fields of a zone [0, edge], b = mu = Q_0 = 1, one-sided.
+    """The fields of a viscous zone [0, edge], b = mu = Q_0 = 1, one-sided.
 
     T(k) = A sqrt((b + k) / (u_s + k)) exp(-(1/pi) int theta dv / (v + k)), theta = arctan(eta/m),
     m^2 = v^2 - b^2 from u_s on; A from T(0) = Q_0.
@@ -157,18 +161,18 @@ class _ViscousZone:
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array, Array]:
-        """sin(angle), theta / sin(angle) and weights d sin(angle) on the zone."""
+        """Values of sin(angle), theta / sin(angle) and weights d sin(angle) on the zone."""
         node, weight = np.polynomial.legendre.leggauss(_GAUSS)
         last = np.arcsin(self.edge)
         angle = last * (node + 1) / 2
         return np.sin(angle), self._density(np.sin(angle)), last / 2 * weight * np.cos(angle)
 
     def _density(self, xi: Array) -> Array:
-        """theta / xi."""
+        """Return theta / xi."""
         return np.asarray(np.arctan2(self.eta * xi, np.sqrt(1 - xi * xi)) / xi)
 
     def _factor(self, xi: Array, from_edge: Array) -> Array:
-        """|T| over sqrt(|b - v| / |u_s - v|), at distances |xi - edge| that keep their digits."""
+        """Return |T| over sqrt(|b - v| / |u_s - v|), at exact distances |xi - edge|."""
         at, density, weight = self._nodes
         own = self._density(xi)
         quotient = (density - own[:, None]) / (at - xi[:, None])
@@ -177,14 +181,14 @@ class _ViscousZone:
         return np.asarray(np.exp((xi * exponent - at_zero) / np.pi) / np.sqrt(self.edge))
 
     def traction_at_edge(self) -> float:
-        """What traction has grown to between the shear wave and the zone, over Q_0."""
+        """Traction at the edge of the zone, grown from 0 at the shear wave, over Q_0."""
         from_edge, from_wave, weight = _stretch(1 - self.edge)
         xi = self.edge + from_edge
         density = np.sqrt(self.edge * from_wave / from_edge) * self._factor(xi, from_edge) / xi
         return float(density @ weight / np.pi)
 
     def slip_rate(self, xi: float) -> float:
-        """V at a velocity, over Q_0 / (mu b)."""
+        """Return V at a velocity, over Q_0 / (mu b)."""
         if xi >= self.edge:
             return 0.0
         from_xi, from_edge, weight = _stretch(self.edge - xi)
@@ -209,12 +213,12 @@ def _viscous_zone(material: Material, strength_ratio: float, viscosity: float) -
 
 
 def _stretch(width: float) -> tuple[Array, Array, Array]:
-    """Distances from both ends of a stretch of a width, and weights."""
+    """Return distances from both ends of an interval of a width, and weights."""
     y = np.arange(-_REACH, _REACH + _SPACING, _SPACING)
     left, right = 1 / (1 + np.exp(-y)), 1 / (1 + np.exp(y))
     return width * left, width * right, width * _SPACING * left * right
 
 
 def _edge(material: Material, strength_ratio: float) -> float:
-    """Edge of the zone without viscosity, over c_t."""
+    """Return the edge of the zone without viscosity, over c_t."""
     return antiplane_edge_speed(material, strength_ratio) / material.shear_speed

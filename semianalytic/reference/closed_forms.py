@@ -1,8 +1,8 @@
-"""Exact solutions in closed form, to test solvers against: public, and independent of them.
+"""Exact solutions in closed form for tests of the solvers, independent of them.
 
-Each is a plain quadrature of elementary functions and S_+ (3.12), (4.20); none uses the panels, the
+Each is a quadrature of elementary functions and S_+ (3.12), (4.20); none uses the panels, the
 collocation grid or Newton's method.  Slip rates are relative, upper minus lower side, and positive
-towards +x; velocities are x/t.
+towards +x; velocities are x/t.  See docs/theory.md, "Closed forms".
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from semianalytic.scene.scene import Material
 
 
 def over_shear_speed(material: Material, velocity: ArrayLike, *, edge: bool = False) -> Array:
-    """Velocities over c_t, checked: positive, or 0 as well where the contact edge is included."""
+    """Return velocities over c_t; raise SceneError unless positive, or 0 where that is allowed."""
     xi = np.asarray(velocity, dtype=float) / material.shear_speed
     if not np.all(xi >= 0 if edge else xi > 0):
         least = "not negative" if edge else "positive"
@@ -31,7 +31,7 @@ def over_shear_speed(material: Material, velocity: ArrayLike, *, edge: bool = Fa
 def relative_rate(
     material: Material, load: float, xi: Array, one_sided: Callable[[float], float]
 ) -> Array:
-    """Relative rate [length / time] at velocities over c_t, of one side over load / (mu b)."""
+    """Return a relative rate from that of one side, over load / (mu b) [length / time]."""
     rates = [one_sided(float(one)) for one in xi.ravel()]
     return np.asarray(2 * load / material.shear_impedance * np.array(rates).reshape(xi.shape))
 
@@ -39,10 +39,10 @@ def relative_rate(
 def rate_from_contact_edge(
     factors: RayleighFactors, mode: Literal["I", "II"], edge: float
 ) -> Callable[[float], float]:
-    """Rate of one side of a zone [0, edge c_t], over load / (mu b), as a function of x/(c_t t).
+    """Return the rate of one side of a zone [0, edge c_t], over load / (mu b), over x/(c_t t).
 
-    (sqrt(u_e) / (pi kappa M_+(0))) int sqrt(r + v) / (v sqrt(v - u_e) (c + v) S_+) dv from u_e to
-    1/xi, with r = a in mode I and b in mode II.
+    It is (sqrt(u_e) / (pi kappa M_+(0))) int sqrt(r + v) / (v sqrt(v - u_e) (c + v) S_+) dv from
+    u_e to 1/xi, with r = a in mode I and b in mode II.
     """
     front = {"I": factors.a, "II": 1.0}[mode]
     start = 1 / edge
@@ -65,9 +65,9 @@ def rate_from_contact_edge(
 
 
 def edge_speed_under_shear_step(material: Material, strength_ratio: float) -> float:
-    """Speed [length / time] of the only slip zone [0, speed t] under a shear step.
+    """Return the speed of the only slip zone [0, speed t] under a shear step [length / time].
 
-    c_t / ((1 - nu) (1 + chi_b)^2).  Holds while that speed is below c_R and no second zone has
+    It is c_t / ((1 - nu) (1 + chi_b)^2), as long as that is below c_R and no second zone has
     nucleated.
 
     Parameters
@@ -82,10 +82,10 @@ def edge_speed_under_shear_step(material: Material, strength_ratio: float) -> fl
 def slip_rate_under_shear_step(
     material: Material, load_shear: float, strength_ratio: float, velocity: ArrayLike
 ) -> Array:
-    """Relative slip rate [length / time] of that zone at x/t = velocity [length / time] >= 0.
+    """Return the relative slip rate of the only zone under a shear step [length / time].
 
-    2 V, V = (Q_0 sqrt(u_s) / (pi kappa M_+(0))) int sqrt(b + v) / (v sqrt(v - u_s) (c + v) S_+) dv
-    from u_s to 1/xi.
+    It is 2 V, V = (Q_0 sqrt(u_s) / (pi kappa M_+(0))) int sqrt(b + v) / (v sqrt(v - u_s) (c + v)
+    S_+) dv from u_s to 1/xi.
 
     Parameters
     ----------
@@ -116,9 +116,9 @@ def slip_rate_under_shear_step(
 def slip_rate_under_remote_shock(
     material: Material, pressure: float, shear: float, friction: float, velocity: ArrayLike
 ) -> Array:
-    """Relative slip rate [length / time] of an interface that slips everywhere at once.
+    """Return the relative slip rate of an interface that slips everywhere at once [length / time].
 
-    Sudden remote load with chi = f P_0 / Q_0 <= 1 (base = load), at x/t = velocity > 0:
+    Under a sudden remote load with chi = f P_0 / Q_0 <= 1 (base = load), at x/t = velocity > 0,
     V = [(Q_0 - f P_0) + f P_0 Lambda(1/xi)] / (mu b), constant behind the shear front.
 
     Parameters
@@ -161,10 +161,10 @@ def slip_rate_under_remote_shock(
 
 
 def slip_rate_without_friction(material: Material, load_shear: float, velocity: ArrayLike) -> Array:
-    """Relative slip rate [length / time] on a frictionless interface under a shear step.
+    """Return the relative slip rate on a frictionless interface under a shear step [length / time].
 
-    Lamb's surface velocity: 2 V, V = (Q_0 b^2 / (pi mu)) PV int_a^u U_1(w) / w dw, u = 1/xi, with
-    U_1 of (3.1); logarithmically singular at c_R, negative next to it.
+    It is Lamb's surface velocity, 2 V, V = (Q_0 b^2 / (pi mu)) PV int_a^u U_1(w) / w dw, u = 1/xi,
+    with U_1 of (3.1); logarithmically singular at c_R, negative next to it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which scenes have an answer in closed form, and which the published algorithm applies to."""
+"""Scenes that have an answer in closed form, and those to which the published algorithm applies."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class KnownAnswer:
-    """A known slip rate.
+    """A slip rate that is known in closed form.
 
     Attributes
     ----------
     slip_rate : callable
         Relative slip rate at velocities x/t > 0 [length / time].
     edge_speed : float or None
-        Outer edge of the only slip zone [length / time]; None where all slips.
+        Outer edge of the only slip zone [length / time]; None if everything slips.
     """
 
     slip_rate: Callable[[Array], Array]
@@ -41,10 +41,10 @@ class KnownAnswer:
 
 
 def closed_form(scene: Scene) -> KnownAnswer:
-    """The closed form of a scene under a step: shear on constant pressure, or all of it at once.
+    """Return the closed form of a scene under a step of shear, or under a sudden remote load.
 
-    A remote load must make all slip, f P_0 <= Q_0; that a shear step in plane makes one slip zone
-    slower than c_R is not looked at.
+    A remote load must make everything slip, f P_0 <= Q_0.  It is not checked that an in-plane shear
+    step makes only one slip zone, slower than c_R.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def closed_form(scene: Scene) -> KnownAnswer:
 
 
 def _antiplane_form(scene: Scene) -> KnownAnswer:
-    """The closed form of a step of antiplane shear under constant pressure."""
+    """Return the closed form of a step of antiplane shear under constant pressure."""
     material, (held, load) = scene.material, scene.superposition
     shear = load.shear
     if load.pressure or not shear or scene.far_slip_rate:
@@ -88,9 +88,9 @@ def _antiplane_form(scene: Scene) -> KnownAnswer:
 
 
 def published_obstacle(scene: Scene) -> str:
-    """Why the published algorithm does not apply, or nothing.
+    """Say why the published algorithm does not apply to a scene, or return "".
 
-    It knows one load, a sudden remote one, and divides by f P_0.
+    It treats one load, a sudden remote one, and divides by f P_0.
     """
     if not scene.is_step:
         return "its loads are not steps"
@@ -105,7 +105,7 @@ def published_obstacle(scene: Scene) -> str:
 
 
 def published_answer(scene: Scene) -> PublishedSlip | None:
-    """The published algorithm by its default reading, where it applies."""
+    """Return the result of the published algorithm in its default reading, where it applies."""
     if published_obstacle(scene):
         return None
     load = scene.superposition.taken_off
@@ -114,9 +114,9 @@ def published_answer(scene: Scene) -> PublishedSlip | None:
 
 
 def published_unit(scene: Scene) -> float:
-    """What the one-sided rates of the published algorithm are times to be relative slip rates.
+    """Return the factor from the published one-sided rates to relative slip rates.
 
-    2 f P_0/(mu b) [length / time].
+    It is 2 f P_0/(mu b) [length / time].
     """
     load = scene.superposition.taken_off
     return 2 * scene.friction * load.pressure / scene.material.shear_impedance

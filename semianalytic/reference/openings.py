@@ -1,6 +1,6 @@
-"""Where and how fast a contact opens under a step of pressure: closed forms, and quadratures.
+"""Edges and gap rates of a contact that opens under a step of pressure, by quadrature.
 
-As in `closed_forms`, none of it uses the panels or Newton's method for zone edges.  P, the
+Like `closed_forms` they use neither the panels nor Newton's method for zone edges.  P, the
 transform of the change of pressure, is M_+ over square roots at the edges, times what its
 behaviour at infinity leaves open (docs/separation.md).  Gap rates are relative, upper minus lower
 side, opening positive; velocities are x/t.
@@ -28,9 +28,9 @@ _NODES = 400
 
 
 def edge_speed_of_opening(material: Material, pressure_ratio: float) -> float:
-    """Speed [length / time] of the opening [0, speed t] under an extra pressure on the slot faces.
+    """Return the speed of the opening [0, speed t] under an extra pressure on the slot faces.
 
-    c_t sqrt((1 - 2 nu) / (2 (1 - nu))) / ((1 - nu) (1 + chi_o)^2).
+    It is c_t sqrt((1 - 2 nu) / (2 (1 - nu))) / ((1 - nu) (1 + chi_o)^2) [length / time].
 
     Parameters
     ----------
@@ -46,10 +46,10 @@ def edge_speed_of_opening(material: Material, pressure_ratio: float) -> float:
 def gap_rate_of_opening(
     material: Material, load_pressure: float, pressure_ratio: float, velocity: ArrayLike
 ) -> Array:
-    """Relative gap rate [length / time] of that opening at x/t = velocity [length / time] >= 0.
+    """Return the relative gap rate of the opening from the contact edge [length / time].
 
-    2 v_y, v_y = (|P_0| sqrt(u_o) / (pi kappa M_+(0))) int sqrt(a + v) / (v sqrt(v - u_o) (c + v)
-    S_+) dv from u_o to 1/xi, with M_+ of mode I.
+    It is 2 v_y, v_y = (|P_0| sqrt(u_o) / (pi kappa M_+(0))) int sqrt(a + v) / (v sqrt(v - u_o)
+    (c + v) S_+) dv from u_o to 1/xi, with M_+ of mode I.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class DetachedOpening:
     Attributes
     ----------
     inner, outer : float
-        Where it closes and where it opens [length / time].
+        Velocities of the edges at which it closes and opens [length / time].
     pressure_ratio : float
         Base pressure over the step of pressure, P_b / P_0.
     """
@@ -96,7 +96,7 @@ class DetachedOpening:
 
 
 def detached_opening(material: Material, outer: float) -> DetachedOpening:
-    """The opening that begins at the speed `outer`, from c_R to c_t, and the load that makes it.
+    """Return the opening that begins at the speed `outer`, from c_R to c_t, and its load.
 
     P = M_+ sqrt((k + u_o)(k + u_i)) / (c + k) (R + r / (k + u_i)) has two constants left after
     P(0) = P_0 is known, and u_i: the rate of the gap and the gap are 0 where it closes, and the
@@ -129,7 +129,7 @@ def detached_opening(material: Material, outer: float) -> DetachedOpening:
 
 
 def _constants(factors: RayleighFactors, start: float, end: float) -> tuple[float, float]:
-    """R and r for P_0 = 1 by which the gap closes at no rate."""
+    """Return R and r for P_0 = 1 for which the gap closes at zero rate."""
     smooth, sharp = (_closed(factors, start, end, one, 0) for one in ((1.0, 0.0), (0.0, 1.0)))
     unit = np.sqrt(factors.a / (start * end)) / float(factors.s_plus(0.0))
     r = unit / (1 / end - sharp / smooth)
@@ -139,8 +139,11 @@ def _constants(factors: RayleighFactors, start: float, end: float) -> tuple[floa
 def _closed(
     factors: RayleighFactors, start: float, end: float, constants: tuple[float, float], moment: int
 ) -> float:
-    """Principal value of int v^moment dv_y/dv dv over the opening, by the rule of Gauss and Jacobi
-    for sqrt((v - start) / (end - v)), for which that of 1 / (v - c) is pi."""
+    """Return the principal value of int v^moment dv_y/dv dv over the opening.
+
+    The Gauss-Jacobi rule for sqrt((v - start) / (end - v)) is used, for which the principal value
+    of 1 / (v - c) is pi.
+    """
     big, small = constants
     half = np.pi * (np.arange(_NODES) + 0.5) / (2 * _NODES + 1)
     v = end - (end - start) * np.square(np.sin(half))
@@ -157,7 +160,7 @@ def _closed(
 def _pressure_gained(
     factors: RayleighFactors, start: float, end: float, constants: tuple[float, float]
 ) -> float:
-    """Change of pressure from the longitudinal front to where the contact opens, P_0 = 1."""
+    """Return the change of pressure from the longitudinal front to the opening edge, P_0 = 1."""
     big, small = constants
 
     def slope(v: float) -> float:  # times sqrt(v - a)

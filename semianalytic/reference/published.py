@@ -42,7 +42,7 @@ Basis = Literal["box", "hat"]
 ARTICLE_POISSON_RATIO = 1 / 3
 """Poisson ratio of section 6."""
 ARTICLE_SHEAR_SLOWNESS = 0.2
-"""1 / c_t in the article's units (c_t = 5; section 6 prints a and b interchanged and b halved)."""
+"""Slowness 1 / c_t in the article's units (c_t = 5; section 6 exchanges a and b and halves b)."""
 REVERSE_LIMIT = 0.0575
 """chi below which the article finds reverse slip."""
 _LAST = 5.0  # slowness [1/b] up to which it collocates: x = c_t t / 5
@@ -52,7 +52,7 @@ _SIGNS = {"equal": (1, 1), "four minus square": (1, -1), "square minus four": (-
 
 @dataclass(frozen=True)
 class Reading:
-    """One way to read the algorithm; see the module."""
+    """One way to read the algorithm; the module's docstring lists what the text leaves open."""
 
     start: Start = "b"
     delay: Delay = "front"
@@ -77,7 +77,7 @@ ahead and forward behind.  It does so at every chi: it does not reproduce 0.0575
 
 
 def readings() -> Iterator[Reading]:
-    """All readings."""
+    """Return all readings."""
     for start, delay, signs, load, basis, arctan in product(
         ("0", "a", "b"), ("printed", "front"), _SIGNS, (False, True), ("box", "hat"), (False, True)
     ):
@@ -87,9 +87,9 @@ def readings() -> Iterator[Reading]:
 def kernel_primitives(
     poisson_ratio: float, u: Array, *, printed_arctan: bool = False
 ) -> tuple[Array, Array]:
-    """(int 4 v sqrt(v^2 - a^2) dv, int (1 - 2v^2)^2 / (v sqrt(v^2 - 1)) dv) up to u, b = 1.
+    """Return int 4 v sqrt(v^2 - a^2) dv and int (1 - 2v^2)^2 / (v sqrt(v^2 - 1)) dv up to u, b = 1.
 
-    L^(a) of (7.9) and L^(b) of (7.10); each 0 ahead of its front.
+    They are L^(a) of (7.9) and L^(b) of (7.10), each 0 ahead of its front.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def published_grid(
 
 @dataclass(frozen=True, eq=False)
 class PublishedSlip:
-    """What the algorithm yields.
+    """The result of the published algorithm.
 
     Attributes
     ----------
@@ -196,7 +196,7 @@ class PublishedSlip:
     condition: float
 
     def at(self, u: Array) -> Array:
-        """Slip rate at slownesses u: linear between the unknowns, 0 ahead of the first."""
+        """Return the slip rate at slownesses u, linear between the unknowns, 0 ahead of all."""
         return np.interp(u, self.u, self.slip_rate, left=0.0)
 
 
@@ -244,22 +244,23 @@ def published_slip(
 
 
 def _largest_forward(slip: PublishedSlip) -> float:
-    """x / (c_t t) of the largest slip rate behind 1.02 b, off the singular start."""
+    """Return x / (c_t t) of the largest slip rate behind 1.02 b, off the singular start."""
     behind = slip.u > 1.02
     return float(1 / slip.u[behind][np.argmax(slip.slip_rate[behind])])
 
 
 def _end_of_first_slip(slip: PublishedSlip) -> float:
-    """x / (c_t t) at which slip first changes sense behind the shear front; 0 if it never does."""
+    """Return x / (c_t t) at which slip first changes sense behind the shear front; 0 if never."""
     behind = slip.u > 1.02
     changes = np.flatnonzero(np.diff(np.sign(slip.slip_rate[behind])))
     return float(1 / slip.u[behind][changes[0]]) if len(changes) else 0.0
 
 
 def reverse_slip_limit(reading: Reading, size: int = 200) -> float:
-    """chi below which slip between c_R t and c_t t is reversed on the whole, with forward behind.
+    """Return chi below which slip between c_R t and c_t t is reversed, with forward slip behind.
 
-    0 if it is not at chi = 0.005, inf if it still is at chi = 2; the mean over b < u < c decides.
+    The mean over b < u < c decides.  It is 0 if slip is not reversed at chi = 0.005, and inf if it
+    still is at chi = 2.
     """
     c = rayleigh_factors(ARTICLE_POISSON_RATIO).c
     strip = np.linspace(1.0, c, 42)[1:-1]
@@ -277,7 +278,7 @@ def reverse_slip_limit(reading: Reading, size: int = 200) -> float:
 
 @dataclass(frozen=True)
 class ReadingResult:
-    """How one reading fares at the article's parameters.
+    """The behaviour of one reading at the article's parameters.
 
     Attributes
     ----------
@@ -331,6 +332,6 @@ def examine_reading(reading: Reading, size: int = 100) -> ReadingResult:
 
 
 def examine_all(size: int = 100) -> list[ReadingResult]:
-    """`examine_reading` of all readings, singular ones last, the most settled first."""
+    """Run `examine_reading` on all readings; the most settled come first, singular ones last."""
     results = [examine_reading(reading, size) for reading in readings()]
     return sorted(results, key=lambda r: (not r.settled, np.nan_to_num(r.change, nan=np.inf)))

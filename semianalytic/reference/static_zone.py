@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class StaticZone:
-    """Slip zone beside the contact edge under a constant strength.
+    """The static slip zone beside the contact edge under a constant strength.
 
     The stress intensity of the zone's own traction at its far end cancels that of the load,
     2 strength sqrt(2 length / pi) = K_II or K_III (Dugdale; Barenblatt).
@@ -25,7 +25,7 @@ class StaticZone:
     strength : float
         Friction bound less shear traction of the slot [stress].
     length : float
-        [length].
+        Length of the zone [length].
     modulus : float
         mu / (1 - nu), in antiplane shear mu [stress].
     """
@@ -35,7 +35,7 @@ class StaticZone:
     modulus: float
 
     def slip(self, x: Array) -> Array:
-        """Relative slip at x > 0, (n,) [length]."""
+        """Return the relative slip at x > 0, (n,) [length]."""
         share = np.clip(x / self.length, 1e-300, 1.0)
         root = np.sqrt(1 - share)
         shape = root - share / 2 * np.log((1 + root) / (1 - root + 1e-300))
@@ -43,7 +43,7 @@ class StaticZone:
 
 
 def static_zone(scene: Scene, t: float) -> StaticZone:
-    """The static zone at a time of a scene with slow shear under constant pressure."""
+    """Return the static zone of a scene with slow shear under constant pressure, at a time."""
     held, load = scene.superposition
     gone = load.shear * float(scene.shear_history.value(t))
     strength = scene.friction * held.pressure - held.shear + gone

@@ -41,9 +41,9 @@ _GAUSS = gauss(16)
 
 
 def viscous_edge_speed(material: Material, strength_ratio: float, viscosity: float) -> float:
-    """Speed [length / time] of the edge of the only slip zone.
+    """Return the speed of the edge of the only slip zone [length / time].
 
-    Holds while that is below c_R and no second zone has nucleated.
+    It holds as long as that is below c_R and no second zone has nucleated.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def viscous_slip_rate(
     viscosity: float,
     velocity: ArrayLike,
 ) -> Array:
-    """Relative slip rate [length / time] of that zone at x/t = velocity [length / time] >= 0."""
+    """Return the relative slip rate of the only zone at x/t = velocity >= 0 [length / time]."""
     zone = _viscous_zone(material, strength_ratio, viscosity)
     xi = over_shear_speed(material, velocity, edge=True)
     return relative_rate(material, load_shear, xi, zone.slip_rate)
@@ -71,7 +71,7 @@ def viscous_slip_rate(
 
 @dataclass(frozen=True)
 class _ViscousZone:
-    """The zone beyond slowness `edge`, whatever the strength it would take.
+    """The zone beyond slowness `edge`, with the strength that such a zone needs.
 
     Attributes
     ----------
@@ -85,22 +85,22 @@ class _ViscousZone:
     edge: float
 
     def _impedance(self, at: CutPoints) -> Array:
-        """Im M on the cut."""
+        """Return Im M on the cut."""
         return np.asarray(self.factors.impedance_on_cut(at).imag)
 
     def _angle(self, beyond: Array) -> Array:
-        """arctan(eta / m) at a distance beyond the edge."""
+        """Return arctan(eta / m) at a distance beyond the edge."""
         at = CutPoints(np.add.outer(self.factors.cut(self.edge).parts, beyond))
         return np.arctan(self.eta / self._impedance(at))
 
     @cached_property
     def _at_nodes(self) -> tuple[Array, Array]:
-        """Distances beyond the edge and arctan(eta / m) there."""
+        """Distances of nodes beyond the edge, and arctan(eta / m) there."""
         beyond = self.edge * np.exp(_NODES)
         return beyond, self._angle(beyond)
 
     def _retarded(self, before: Array) -> Array:
-        """T / (R M_+) at distances k + u_s > 0, (m,)."""
+        """Return T / (R M_+) at distances k + u_s > 0, (m,)."""
         beyond, angle = self._at_nodes
         log = _STEP * (angle * beyond / (beyond + before[:, None])).sum(axis=-1)
         log += angle[0] * np.log1p(beyond[0] * np.exp(-_STEP / 2) / before)
@@ -108,13 +108,13 @@ class _ViscousZone:
 
     @cached_property
     def constant(self) -> float:
-        """R."""
+        """The constant R, from T(0) = Q_0."""
         at_zero = self._retarded(np.array([self.edge]))[0]
         return float(1 / (self.factors.m_plus_at_zero["II"] * at_zero))
 
     @cached_property
     def strength(self) -> float:
-        """Traction at the edge, which is the strength where slip begins."""
+        """Traction at the edge, which is the strength at the onset of slip."""
         share, other = 1 / (1 + np.exp(-_NODES)), 1 / (1 + np.exp(_NODES))
         ends = [self.factors.front_a, self.factors.front_b, self.factors.cut([self.edge])]
         total = 0.0
@@ -128,7 +128,7 @@ class _ViscousZone:
         return self.constant * _STEP * total / (np.pi * self.factors.kappa)
 
     def slip_rate(self, velocity: float) -> float:
-        """One-sided V at a velocity >= 0 in units of c_t."""
+        """Return the one-sided V at a velocity >= 0 in units of c_t."""
         if velocity * self.edge >= 1:
             return 0.0
         last = _REACH if velocity == 0 else np.log(1 / (velocity * self.edge) - 1)
@@ -140,7 +140,7 @@ class _ViscousZone:
         return float(slopes @ weights)
 
     def _slope(self, y: Array) -> Array:
-        """dV/dy; principal values over nodes that straddle each y."""
+        """Return dV/dy; principal values use nodes that straddle each y."""
         beyond = self.edge * np.exp(y)
         angles = self._angle(beyond[:, None] * np.exp(_NODES))
         log = _STEP * (angles / -np.expm1(-_NODES)).sum(axis=-1)

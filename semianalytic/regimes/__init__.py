@@ -1,6 +1,6 @@
-"""Ways of slipping, and where they change: thresholds in friction and Poisson ratio, reverse slip.
+"""Slip regimes and their boundaries: thresholds in friction and Poisson ratio, reverse slip.
 
-`regime` names the way in which a solution slips, a `Regime`.
+`regime` names the regime of a solution, a `Regime`.
 
 Two loadings of unit shear (`Loading`, `scene_of`): "preload" steps shear alone, under a pressure
 P_b = 1 that was there before; "remote" is a sudden uniform load of pressure P_0 = 1 and shear.

@@ -1,4 +1,4 @@
-"""How the interface of a solution slips, in one word, and the friction above which it does not."""
+"""Classification of solutions by slip regime, and the friction above which nothing slips."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Regime = Literal["stuck", "slow", "front", "two", "one", "everywhere", "reverse"
 
 
 def regime(solution: Solution) -> Regime:
-    """Way of slipping of a solution.
+    """Return the slip regime of a solution, in one word.
 
     Slip counts as reverse if it opposes the shear of the load.
 
@@ -46,5 +46,5 @@ def regime(solution: Solution) -> Regime:
 
 
 def stuck_threshold(poisson_ratio: float) -> float:
-    """Friction f P_0/Q_0 above which a remotely loaded interface is fully stuck."""
+    """Return the friction f P_0/Q_0 above which a remotely loaded interface is fully stuck."""
     return max(edge_threshold_alone(poisson_ratio), front_threshold_stuck(poisson_ratio))

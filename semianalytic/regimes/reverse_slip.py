@@ -1,4 +1,4 @@
-"""Where slip reverses under a step of shear on a preloaded interface: threshold and width.
+"""Reverse slip under a step of shear on a preloaded interface: threshold and width.
 
 Loading, units and unknowns are those of `semianalytic.regimes.thresholds`.
 """
@@ -37,10 +37,11 @@ _MODERATE = 0.03  # up to this width the closed form of a narrow strip is good t
 
 
 def log_frictionless_half_width(poisson_ratio: float) -> float:
-    """Logarithm of the half-width [c_R] of the strip that reverses on a frictionless interface.
+    """Return ln of the half-width [c_R] of the strip that reverses on a frictionless interface.
 
-    Half the width between the two velocities at which V vanishes, shear alone being stepped;
-    from the logarithm at c_R where the strip is too narrow for x/t to resolve.
+    It is half the distance between the two velocities at which V vanishes under a step of shear
+    alone; where x/t does not resolve the strip, it follows from the logarithm at c_R
+    (docs/theory.md, "Reverse slip").
     """
     zone = one_zone("preload", poisson_ratio, past_rayleigh(poisson_ratio, _FASTEST))
     narrow = rayleigh_logarithm(zone).log_half_width
@@ -53,7 +54,7 @@ def log_frictionless_half_width(poisson_ratio: float) -> float:
 
 
 def _log_narrow_candidate(poisson_ratio: float, unknown: float) -> tuple[float, float]:
-    """Logarithms of (Im M)'(c) r w and of chi for a zone that ends at a front past c_R."""
+    """Return ln of (Im M)'(c) r w and of chi for a zone that ends at a front past c_R."""
     factors = rayleigh_factors(poisson_ratio)
     c = factors.c
     stiffness = 2 * c * float(factors.reduced_rayleigh(c)) / math.sqrt(c * c - 1)
@@ -63,7 +64,7 @@ def _log_narrow_candidate(poisson_ratio: float, unknown: float) -> tuple[float, 
 
 
 def log_narrow_reverse_threshold(poisson_ratio: float) -> float:
-    """Logarithm of the friction below which a narrow strip at c_R reverses, shear alone stepped.
+    """Return ln of the friction below which a narrow strip at c_R reverses, shear alone stepped.
 
     In a gap |v - c| < d the traction dips below +f p by (Im M)'(c) r sqrt(d^2 - (v - c)^2), r the
     residue of dV/dv, and d is twice the half-width w of the strip that the logarithm reverses.
@@ -79,9 +80,9 @@ def log_narrow_reverse_threshold(poisson_ratio: float) -> float:
 
 
 def _least_traction(profile: Profile, gap: float) -> float:
-    """tau / (f p) + 1 at c_R, where the traction between zones is least.
+    """Return tau / (f p) + 1 at c_R, where the traction between zones is least.
 
-    Read beside c_R by 1e-4 of the gap [b], which changes the dip by 1e-8 of itself.
+    It is evaluated beside c_R by 1e-4 of the gap [b], which changes the dip by 1e-8 of itself.
     """
     load = profile.fields.load
     u = np.array([profile.fields.factors.c + 1e-4 * gap])
@@ -90,10 +91,10 @@ def _least_traction(profile: Profile, gap: float) -> float:
 
 
 def reverse_threshold(poisson_ratio: float) -> float:
-    """Friction below which some of the interface slips backward, shear alone being stepped.
+    """Return the friction below which part of the interface slips backward, shear alone stepped.
 
-    Traced on one zone where reversal comes before slip at the shear front, on two otherwise,
-    with the closed form where the reversed strip is very narrow.
+    It is traced on one zone where reversal comes before slip at the shear front, on two zones
+    otherwise, and by the closed form where the reversed strip is very narrow.
 
     Raises
     ------
@@ -116,7 +117,7 @@ def reverse_threshold(poisson_ratio: float) -> float:
 
 
 def _threshold_on_one_zone(poisson_ratio: float, front: float) -> float:
-    """Friction at which a zone from the edge brings c_R to -f p; from a front v - c nearby."""
+    """Return the friction at which a zone from the edge brings c_R to -f p, from a start v - c."""
     factors = rayleigh_factors(poisson_ratio)
 
     def zone(log_distance: float) -> OneZone:
@@ -129,7 +130,7 @@ def _threshold_on_one_zone(poisson_ratio: float, front: float) -> float:
 
 
 def _threshold_on_two_zones(poisson_ratio: float, chi: float) -> float:
-    """Friction at which the gap between two zones is brought to -f p; from a friction above it."""
+    """Return the friction at which the gap between two zones is brought to -f p, from above."""
     factors = rayleigh_factors(poisson_ratio)
 
     def residual(unknowns: Array) -> Array:

@@ -46,12 +46,14 @@ _BESIDE = 1e-6  # where the logarithm is read: what it leaves, averaged over bot
 
 @dataclass(frozen=True)
 class OneZone:
-    """Slip from the contact edge to one front, friction chosen so that the front is in balance.
+    """A zone from the contact edge to one front, with the friction that balances the front.
 
     Attributes
     ----------
-    chi : float, friction over load; negative where no friction balances the front
-    profile : Profile, the fields of that friction
+    chi : float
+        Friction over load; negative where no friction balances the front.
+    profile : Profile
+        Fields for that friction.
     """
 
     chi: float
@@ -60,19 +62,19 @@ class OneZone:
 
 @dataclass(frozen=True)
 class RayleighLogarithm:
-    """V = level + residue ln|v - c| beside c_R, where a zone covers it, in Q_0 / (mu b)."""
+    """The logarithm V = level + residue ln|v - c| in a zone that covers c_R, in Q_0 / (mu b)."""
 
     level: float
     residue: float
 
     @property
     def log_half_width(self) -> float:
-        """Logarithm of the half-width [b] of the strip in which V < 0; residue > 0."""
+        """Return ln of the half-width [b] of the strip in which V < 0; residue > 0."""
         return -self.level / self.residue
 
 
 def scene_of(loading: Loading, poisson_ratio: float, chi: float) -> Scene:
-    """Scene of a loading in units mu = rho = Q_0 = 1 and unit pressure.
+    """Return the scene of a loading in units mu = rho = Q_0 = 1 and unit pressure.
 
     Raises
     ------
@@ -84,7 +86,7 @@ def scene_of(loading: Loading, poisson_ratio: float, chi: float) -> Scene:
 
 
 def load_of(loading: Loading, chi: float, viscosity: float = 0.0) -> Load:
-    """Load of a scene in its own units, of a viscosity [rho c_t / 2]."""
+    """Return the load of a scene in its own units, for a viscosity [rho c_t / 2]."""
     held, off = scene_of(loading, 0.0, 0.0).superposition
     tractions = (held.pressure, held.shear, off.pressure, off.shear)
     return Load(chi, *tractions, far_slip_rate=0.0, resistance=viscosity or None)
@@ -93,8 +95,10 @@ def load_of(loading: Loading, chi: float, viscosity: float = 0.0) -> Load:
 def one_zone(
     loading: Loading, poisson_ratio: float, front: CutPoints, viscosity: float = 0.0
 ) -> OneZone:
-    """Friction and fields for one zone from the contact edge to a front at a slowness (1,), where
-    slip meets a viscosity [rho c_t / 2]."""
+    """Return friction and fields for one zone from the contact edge to a front.
+
+    The front is at a slowness (1,), and slip meets a viscosity [rho c_t / 2].
+    """
     factors = rayleigh_factors(poisson_ratio)
     zones = (Zone(front, None, 1),)
 
@@ -107,7 +111,7 @@ def one_zone(
 
 
 def past_rayleigh(poisson_ratio: float, unknown: float) -> CutPoints:
-    """Front between c_t and c_l; its unknown runs from -inf at c_l to inf at c_t."""
+    """Return a front between c_t and c_l; its unknown runs from -inf at c_l to inf at c_t."""
     factors = rayleigh_factors(poisson_ratio)
     width = 1 - factors.a
     if unknown < 0:
@@ -116,7 +120,7 @@ def past_rayleigh(poisson_ratio: float, unknown: float) -> CutPoints:
 
 
 def rayleigh_logarithm(zone: OneZone) -> RayleighLogarithm:
-    """Level and residue of V at c_R in a zone whose front runs ahead of the shear wave."""
+    """Return level and residue of V at c_R in a zone whose front runs ahead of the shear wave."""
     profile = zone.profile
     panel = max(range(len(profile.panels.left)), key=lambda i: abs(profile.residue(i)))
     residue = profile.residue(panel)
@@ -125,8 +129,9 @@ def rayleigh_logarithm(zone: OneZone) -> RayleighLogarithm:
 
 
 def edge_threshold_alone(poisson_ratio: float) -> float:
-    """Friction at which the contact edge of an otherwise stuck, remotely loaded interface sticks:
-    sqrt(b/a), where K_II = f K_I of (3.13), (3.16); the article says 1 (3.17)-(3.19).
+    """Return the friction above which the edge of a stuck, remotely loaded interface sticks.
+
+    It is sqrt(b/a), where K_II = f K_I of (3.13), (3.16); the article says 1 (3.17)-(3.19).
 
     Raises
     ------
@@ -137,31 +142,33 @@ def edge_threshold_alone(poisson_ratio: float) -> float:
 
 
 def front_threshold_stuck(poisson_ratio: float) -> float:
-    """Friction at which the shear front of a fully stuck, remotely loaded interface slips:
-    (1 + q*(b)) / (1 + p*(b)), with the stuck tractions of (3.10), (3.14)."""
+    """Return the friction below which the shear front of a stuck, remotely loaded interface slips.
+
+    It is (1 + q*(b)) / (1 + p*(b)), with the stuck tractions of (3.10), (3.14).
+    """
     shear, pressure = (stuck_traction(poisson_ratio, mode) for mode in ("II", "I"))
     return float((1 + shear(1.0)) / (1 + pressure(1.0)))
 
 
 def opening_threshold(poisson_ratio: float) -> float:
-    """Base pressure over a sudden pressure, P_b / P_0, below which the contact opens ahead of it.
+    """Return the ratio P_b / P_0 below which the contact opens ahead of a sudden pressure P_0.
 
-    -p*(c): the pressure of a closed contact is least at the Rayleigh front, where it falls by
-    that much of the step.  Under pressure put on the slot, P_0 < 0, the contact edge opens at once
-    whatever the base.
+    It is -p*(c): the pressure of a closed contact is least at the Rayleigh front, where it falls by
+    this fraction of the step.  Under pressure put on the slot, P_0 < 0, the contact edge opens at
+    once, whatever the base.
 
-    Raises as `edge_threshold_alone`.
+    Errors are those of `edge_threshold_alone`.
     """
     return -float(stuck_traction(poisson_ratio, "I").at_rayleigh_front)
 
 
 def crossing_poisson_ratio() -> float:
-    """Poisson ratio below which a remote load breaks the shear front before the contact edge."""
+    """Return the Poisson ratio below which the shear front slips before the contact edge."""
     return float(brentq(lambda nu: edge_threshold_alone(nu) - front_threshold_stuck(nu), -0.6, 0.0))
 
 
 def _front_excess(zone: OneZone) -> float:
-    """Shear traction less friction bound at the shear front, ahead of a zone slower than c_R."""
+    """Return shear traction less friction at the shear front, ahead of a zone slower than c_R."""
     profile = zone.profile
     panel = next(i for i, at in enumerate(profile.panels.left) if at.from_b[0] == 0)
     bound = zone.chi * (profile.fields.load.base_pressure + profile.pressure_change(np.ones(1))[0])
@@ -169,7 +176,7 @@ def _front_excess(zone: OneZone) -> float:
 
 
 def nucleation_alone(loading: Loading, poisson_ratio: float, viscosity: float = 0.0) -> OneZone:
-    """Zone from the edge whose front has just brought the shear front to its bound."""
+    """Return the zone from the edge that has just brought the shear front to its bound."""
     factors = rayleigh_factors(poisson_ratio)
 
     def zone(log_distance: float) -> OneZone:
@@ -180,7 +187,7 @@ def nucleation_alone(loading: Loading, poisson_ratio: float, viscosity: float = 
 
 
 def nucleation(loading: Loading, poisson_ratio: float) -> float:
-    """Friction below which the interface slips at the shear front.
+    """Return the friction below which the interface slips at the shear front.
 
     The traction ahead of a slow zone peaks exactly at the shear front, so this is where that
     peak meets the bound; where the front breaks first, it is the peak of the stuck interface.
@@ -193,10 +200,11 @@ def nucleation(loading: Loading, poisson_ratio: float) -> float:
 
 
 def edge_threshold(poisson_ratio: float) -> float:
-    """Friction below which the contact edge slips under a remote load.
+    """Return the friction below which the contact edge slips under a remote load.
 
-    sqrt(b/a) unless slip at the shear front comes first and loads the edge further; just past the
-    Poisson ratio at which it does, the zone there is tiny and shifts the threshold by < 1e-8.
+    It is sqrt(b/a) unless slip at the shear front comes first and loads the edge further.  Just
+    past the Poisson ratio at which it does, the zone there is tiny and shifts the threshold by <
+    1e-8.
 
     Raises
     ------
@@ -221,7 +229,7 @@ def edge_threshold(poisson_ratio: float) -> float:
 
 
 def gap_threshold(loading: Loading, poisson_ratio: float) -> float | None:
-    """Friction below which the stick gap at c_R is narrower than double precision resolves.
+    """Return the friction below which double precision does not resolve the stick gap at c_R.
 
     The logarithm at c_R in a zone that covers it always reverses V, so a gap always exists; it
     narrows like exp(-level / residue).  None if it never gets as narrow as `NARROWEST`.
@@ -238,7 +246,7 @@ def gap_threshold(loading: Loading, poisson_ratio: float) -> float | None:
 
 
 def before_rayleigh(factors: RayleighFactors, unknown: float) -> CutPoints:
-    """Edge between c_R and c_t; its unknown runs from -inf at c_R to inf at c_t."""
+    """Return an edge between c_R and c_t; its unknown runs from -inf at c_R to inf at c_t."""
     width = factors.c - 1
     if unknown < 0:
         return factors.beside("c", [-width / (1 + math.exp(-unknown))])
@@ -246,14 +254,14 @@ def before_rayleigh(factors: RayleighFactors, unknown: float) -> CutPoints:
 
 
 def front_zone_unknowns(poisson_ratio: float, healed: float, front: float) -> tuple[float, float]:
-    """Unknowns of a zone around the shear front from the speeds [c_t] of its edges."""
+    """Return the unknowns of a zone around the shear front from the speeds [c_t] of its edges."""
     factors = rayleigh_factors(poisson_ratio)
     u, v = 1 / healed, 1 / front
     return math.log((factors.c - u) / (u - 1)), math.log((v - factors.a) / (1 - v))
 
 
 def rooted(residual: Callable[[Array], Array], start: Sequence[float]) -> Array:
-    """Root of a system of equations near a start."""
+    """Return a root of a system of equations near a start."""
     result = root(residual, start, options={"xtol": 1e-11, "factor": 0.1})  # small first steps
     if not np.abs(result.fun).max() < 1e-8:
         raise ComputationError(f"a regime boundary was not found: {result.message}")

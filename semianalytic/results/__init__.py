@@ -1,1 +1,1 @@
-"""What answers have in common, and what they are kept in: samples, files, memory asked for."""
+"""Results: what all answers have in common, their samples and files, and the memory they need."""

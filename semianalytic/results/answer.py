@@ -1,4 +1,4 @@
-"""What every solver answers: the same questions about the contact, with the same meaning."""
+"""The questions about the contact that every solver answers, with the same meaning."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TOTALS = ("max_slip", "accumulated_slip", "frictional_work")
 
 @dataclass(frozen=True)
 class SlipInterval:
-    """Part of the contact that slips at one time: start < x < end.
+    """A part of the contact that slips at one time: start < x < end.
 
     Attributes
     ----------
@@ -33,6 +33,13 @@ class SlipInterval:
         that was recorded.
     sense : int
         +1 where the upper side slips towards +x, -1 towards -x.
+
+    Examples
+    --------
+    >>> from semianalytic import find_scene, solve
+    >>> first, second = solve(find_scene("preloaded")).zones_at(1.0)
+    >>> first.start, round(first.end, 2), first.sense
+    (0.0, 0.88, 1)
     """
 
     start: float
@@ -42,12 +49,19 @@ class SlipInterval:
 
 @dataclass(frozen=True)
 class OpenInterval:
-    """Part of the contact whose sides do not touch at one time: start < x < end.
+    """A part of the contact whose sides do not touch at one time: start < x < end.
 
     Attributes
     ----------
     start, end : float
         Positions [length]; 0 is the contact edge.
+
+    Examples
+    --------
+    >>> from semianalytic import find_scene, solve
+    >>> (opening,) = solve(find_scene("tap")).openings_at(1.0)
+    >>> 0 < opening.start < 1 < opening.end < 2
+    True
     """
 
     start: float
@@ -55,10 +69,10 @@ class OpenInterval:
 
 
 def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "g") -> int:
-    """Digits with which edges that differ are shown as different, and distances to two digits.
+    """Return how many digits show different edges as different, and distances to two digits.
 
-    Strips about the Rayleigh front, of reverse slip without friction or of stick with little of
-    it, may be narrower than 1e-12 of its speed, and would else be shown as if they were empty.
+    Strips around the Rayleigh front, of reverse slip without friction or of stick with little
+    friction, may be narrower than 1e-12 of its speed and would otherwise appear empty.
 
     Parameters
     ----------
@@ -66,7 +80,7 @@ def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "
         Velocities or positions; infinite ones are left out, and what agrees to 15 significant
         digits is taken to be the same.
     least : int
-        How many digits at least.
+        Least number of digits.
     form : str
         Whether digits are significant ones ("g") or those after the point ("f").
     """
@@ -78,12 +92,21 @@ def digits_apart(edges: Iterable[float], least: int, form: Literal["f", "g"] = "
 
 
 class Answer(Protocol):
-    """What slips when, how fast and which way, and what it takes.
+    """An answer to a scene: slip, tractions, gap and totals of the contact, from any solver.
 
-    Positions x > 0 [length] and times t [time] broadcast; before t = 0 there is the base state.
-    Slip and slip rate are relative, upper minus lower side; tractions are the whole ones, base
-    included, pressure positive in compression.  All methods raise a SceneError for positions off
-    the contact, for what is not a finite number, and beyond what an answer has recorded.
+    Positions x > 0 [length] and times t [time] broadcast; before t = 0 the base state is returned.
+    Slip and slip rate are relative, upper minus lower side; tractions include the base, and
+    pressure is positive in compression.  All methods raise SceneError for positions off the
+    contact, for values that are not finite numbers, and beyond what the answer has recorded.
+
+    Examples
+    --------
+    >>> from semianalytic import Answer, find_scene, predict
+    >>> answer: Answer = predict(find_scene("preloaded"))
+    >>> round(float(answer.slip_rate(0.1, 1.0)), 3)
+    0.771
+    >>> answer.pressure([0.1, 0.2], 1.0).tolist()
+    [1.0, 1.0]
     """
 
     @property
@@ -108,7 +131,7 @@ class Answer(Protocol):
         ...
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """How far the contact is open [length], 0 where it is closed."""
+        """Return the opening of the contact [length], 0 where it is closed."""
         ...
 
     def max_slip(self, t: ArrayLike) -> Array:
@@ -124,31 +147,31 @@ class Answer(Protocol):
         ...
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """What slips at a time, from the contact edge outward; nothing until the load comes.
+        """Return the parts that slip at a time, from the contact edge outward.
 
-        What is open moves without friction, and is not among it.
+        There are none before the load.  Open parts move without friction and are not among them.
         """
         ...
 
     def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """What is open at a time, from the contact edge outward; nothing until the load comes."""
+        """Return the open parts at a time, from the contact edge outward."""
         ...
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """All fields at positions x (n,) and times t (m,)."""
+        """Return all fields at positions x (n,) and times t (m,)."""
         ...
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """All fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`."""
+        """Return fields and totals at positions x (n,) and times t (m,), an `xarray.Dataset`."""
         ...
 
 
 @runtime_checkable
 class BodyFields(Protocol):
-    """What knows how both bodies move and what they carry.
+    """The motion and the stress of both bodies.
 
     Positions and times broadcast; y > 0 is the upper body, y < 0 the lower one, 0.0 and -0.0 are
-    their faces.  What each returns is said at `Solution`.
+    their faces.  `Solution` describes what each method returns.
     """
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
@@ -166,32 +189,33 @@ class BodyFields(Protocol):
 
 @runtime_checkable
 class WholeFields(Answer, BodyFields, Protocol):
-    """An answer that knows the bodies too, not the contact alone."""
+    """An answer that holds the fields in the bodies as well as those of the contact."""
 
 
 def sampled_history(answer: Answer, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-    """All fields of an answer at positions x (n,) [length] and times t (m,) [time]."""
+    """Return all fields of an answer at positions x (n,) [length] and times t (m,) [time]."""
     x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
     return InterfaceHistory(x, t, *(getattr(answer, name)(x, t[:, None]) for name in FIELDS))
 
 
 def answer_dataset(answer: Answer, x: ArrayLike, t: ArrayLike) -> Any:
-    """Fields and totals of an answer as an `xarray.Dataset` of dimensions t and x.
+    """Return fields and totals of an answer as an `xarray.Dataset` of dimensions t and x.
 
     Parameters
     ----------
     answer : Answer
+        The answer to be sampled.
     x : (n,) array
-        [length].
+        Positions [length].
     t : (m,) array
-        [time].
+        Times [time].
 
     Raises
     ------
     MissingLibraryError
         If xarray is not installed.
     SceneError
-        As the methods of the answer.
+        If a position or time is not one the answer knows; see `Answer`.
     """
     history = answer.history(x, t)
     values = {field.name: getattr(history, field.name) for field in fields(history)}

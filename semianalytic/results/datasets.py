@@ -1,4 +1,4 @@
-"""Sampled quantities as xarray datasets, each with its name and its unit."""
+"""Sampled quantities as xarray datasets, each with its name and unit."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ QUANTITIES: Mapping[str, tuple[str, str]] = {
 
 
 def dataset(x: ArrayLike, t: ArrayLike, values: Mapping[str, Any]) -> Any:
-    """Quantities at positions and times as an `xarray.Dataset` of dimensions t and x.
+    """Return quantities at positions and times as an `xarray.Dataset` of dimensions t and x.
 
     Every variable has the attributes `units` and `long_name` of `QUANTITIES`.
 
     Parameters
     ----------
     x : (n,) array
-        [length].
+        Positions [length].
     t : (m,) array
-        [time].
+        Times [time].
     values : mapping of name to array
         Fields (m, n), and totals of the contact (m,).
 

@@ -1,8 +1,8 @@
-"""Files that appear whole or not at all, and that say so when a bit of them is lost.
+"""Files that appear complete or not at all, and in which damage is detected.
 
-A new file is filled under a name of its own beside its place and renamed when it is on the disk;
-what a killed writer leaves is removed by the next one.  A file that is read back ends in a seal,
-the SHA-256 of all that comes before, which is checked before anything is parsed.
+A new file is filled under a temporary name beside its place and renamed when it is on the disk; a
+temporary file that a killed writer has left is removed by the next one.  A file that is read back
+ends in a seal, the SHA-256 of everything before it, which is checked before anything is parsed.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ _CHUNK = 1 << 20
 
 
 class Seal(Enum):
-    """What stands around the seal at the end of a file, so that others can read the file too."""
+    """The text around the seal at the end of a file, chosen so that other programs can read it."""
 
     TRAILING = ("\n", "\n")
-    """After the end of an HDF5 file, where its readers do not look."""
+    """The seal after the end of an HDF5 file, where its readers do not look."""
     XML = ("<!-- ", " -->\n")
     MSH = ("$Comments\n", "\n$EndComments\n")
 
     def of(self, digest: str) -> bytes:
-        """The seal of a file of this SHA-256, in hexadecimal digits."""
+        """Return the seal of a file of this SHA-256, in hexadecimal digits."""
         before, after = self.value
         return f"{before}slipfront sha256 {digest}{after}".encode()
 
@@ -53,25 +53,26 @@ class Seal(Enum):
 def new_file(
     path: str | Path, size: int = 0, seal: Seal | None = None, suffix: str = ""
 ) -> Iterator[Path]:
-    """A temporary file to fill, which takes its place under `path` only when on the disk.
+    """Open a temporary file to fill, which takes its place under `path` when it is on the disk.
 
-    What `path` held before stays until then.  Missing folders are made.
+    An earlier file under `path` stays until then.  Missing folders are made.
 
     Parameters
     ----------
     path : path
+        Final name of the file.
     size : int
-        How large it is going to be, if that is known [bytes]; for the message if it is too large.
+        Final size, if it is known [bytes]; for the message if the disk is too small.
     seal : Seal, optional
-        To put at the end.
+        Seal to put at the end.
     suffix : str
-        What the temporary name has to end in, if anything.
+        Ending that the temporary name must have, if any.
 
     Raises
     ------
     DataFileError
-        If the file or its folder cannot be written; the message says what is needed and what is
-        free where that is the reason.
+        If the file or its folder cannot be written; if the disk is too small, the message says how
+        much is needed and free.
     """
     made: list[Path] = []
     held: tuple[Path, int] | None = None
@@ -105,12 +106,12 @@ def new_file(
 
 
 def write_bytes(path: str | Path, data: Any, seal: Seal | None = None) -> None:
-    """Write bytes, or anything that holds some, whole or not at all.
+    """Write bytes, or any buffer, as a file that appears complete or not at all.
 
     Raises
     ------
     DataFileError
-        As `new_file`.
+        If the file or its folder cannot be written.
     """
     end = b"" if seal is None else seal.of(hashlib.sha256(data).hexdigest())
     with new_file(path, len(data) + len(end)) as part, part.open("r+b") as stream:
@@ -120,10 +121,10 @@ def write_bytes(path: str | Path, data: Any, seal: Seal | None = None) -> None:
 
 @contextmanager
 def whole_hdf5(path: str | Path) -> Iterator[Any]:
-    """A new sealed HDF5 file to fill, which appears under its name only when it is complete.
+    """Open a new sealed HDF5 file to fill, which appears under its name only when complete.
 
-    It is filled in memory, since HDF5 does not survive a disk that gets full, and written at the
-    end.
+    It is filled in memory and written at the end, because HDF5 files are spoiled if the disk
+    becomes full.
 
     Raises
     ------
@@ -143,10 +144,10 @@ def whole_hdf5(path: str | Path) -> Iterator[Any]:
 
 @contextmanager
 def sealed_hdf5(path: str | Path) -> Iterator[Any]:
-    """An HDF5 file written by `whole_hdf5`, to read.
+    """Open an HDF5 file written by `whole_hdf5` for reading.
 
-    Its seal is checked before it is opened.  A file without any is opened, so that what is foreign
-    can be told from what is damaged, and refused at the end.
+    Its seal is checked before it is opened.  A file without a seal is opened, so that a foreign
+    file can be told from a damaged one, and refused at the end.
 
     Raises
     ------
@@ -168,7 +169,7 @@ def sealed_hdf5(path: str | Path) -> Iterator[Any]:
 
 
 def check_seal(path: str | Path) -> None:
-    """Raise unless a file ends in its seal.
+    """Raise an error unless a file ends in its seal.
 
     Raises
     ------
@@ -182,14 +183,14 @@ def check_seal(path: str | Path) -> None:
 
 
 def has_seal(path: str | Path) -> bool:
-    """Whether a file ends in a seal.
+    """Return whether a file ends in a seal.
 
     Raises
     ------
     OSError
         If it cannot be read.
     ValueError
-        If the seal does not fit what comes before.
+        If the seal does not match what comes before it.
     """
     with Path(path).open("rb") as stream:
         size = stream.seek(0, os.SEEK_END)
@@ -210,17 +211,17 @@ def has_seal(path: str | Path) -> bool:
 
 
 def row_checksum(cells: list[str]) -> str:
-    """Checksum of one row of a table, for tables that are read back or grow row by row."""
+    """Return the checksum of a row of a table, for tables that are read back or grow by rows."""
     return hashlib.sha256("\n".join(cells).encode()).hexdigest()[:16]
 
 
 def make_folder(folder: Path) -> list[Path]:
-    """Make a folder and those above it; those that were not there, innermost first.
+    """Make a folder and those above it; return those that were missing, innermost first.
 
     Raises
     ------
     OSError
-        If that cannot be done; then none is left.
+        If that is impossible; none of them is left then.
     """
     missing = []
     for place in (folder, *folder.parents):
@@ -243,9 +244,9 @@ def remove_empty(folders: list[Path]) -> None:
 
 
 def try_lock(descriptor: int) -> bool:
-    """Take the lock of an open file, which the system releases when the process ends.
+    """Try to lock an open file; the system releases the lock when the process ends.
 
-    True where the system has no such locks.
+    Return whether it was locked; True where the system has no such locks.
     """
     if sys.platform == "win32":
         return True
@@ -259,7 +260,7 @@ def try_lock(descriptor: int) -> bool:
 
 
 def _new_part(place: Path, suffix: str) -> tuple[Path, int]:
-    """An empty file beside `place`, under a name of its own and locked, and its descriptor."""
+    """Make an empty, locked file beside `place`; return its path and descriptor."""
     while True:
         part = place.with_name(f".{_stem(place)}.{secrets.token_hex(6)}.part{suffix}")
         descriptor = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
@@ -277,7 +278,7 @@ def _discard(part: Path, descriptor: int) -> None:
 
 
 def _sweep(place: Path) -> None:
-    """Remove what writers of the same file left when they were killed."""
+    """Remove temporary files that killed writers of the same file have left."""
     leftover = re.compile(re.escape(f".{_stem(place)}.") + r"[0-9a-f]{12}\.part(\.\w+)?")
     with os.scandir(place.parent) as entries:
         names = [entry.name for entry in entries if leftover.fullmatch(entry.name)]
@@ -295,12 +296,12 @@ def _sweep(place: Path) -> None:
 
 
 def _stem(place: Path) -> str:
-    """As much of a name as leaves room for an ending."""
+    """Shorten a name so that an ending can be added."""
     return place.name[:40]
 
 
 def refusal(path: Path, error: OSError, needed: int) -> str:
-    """Why a file of `needed` bytes cannot be written, in one sentence."""
+    """Say in one sentence why a file of `needed` bytes cannot be written."""
     reason = error.strerror or str(error)
     if error.errno not in NO_ROOM:
         return f"Cannot write {path}: {reason}."

@@ -18,7 +18,7 @@ FORMAT = "slipfront interface history 2"
 
 @dataclass(frozen=True, eq=False)
 class InterfaceHistory:
-    """What happens on the contact x > 0, sampled at positions x and times t.
+    """The fields of the contact x > 0, sampled at positions x and times t.
 
     Attributes
     ----------
@@ -31,7 +31,14 @@ class InterfaceHistory:
     shear_traction, pressure : (m, n) arrays
         Total tractions, base included [stress], compressive pressure positive.
     gap : (m, n) array
-        How far the contact is open [length], 0 where it is closed.
+        Opening of the contact [length], 0 where it is closed.
+
+    Examples
+    --------
+    >>> from semianalytic import find_scene, solve
+    >>> history = solve(find_scene("preloaded")).history(x=[0.25, 0.5], t=[0.5, 1.0, 1.5])
+    >>> history.slip_rate.shape
+    (3, 2)
     """
 
     x: NDArray[np.float64]
@@ -50,18 +57,18 @@ class InterfaceHistory:
 
     @property
     def rubbing_rate(self) -> NDArray[np.float64]:
-        """Slip rate where the sides touch, 0 where the contact is open [length / time], (m, n)."""
+        """Slip rate where the sides touch, 0 where the contact is open (m, n) [length / time]."""
         return np.where(self.gap > 0, 0.0, self.slip_rate)
 
     def save(self, path: str | Path) -> None:
-        """Write the history as HDF5; a file appears under its name only when complete."""
+        """Write the history as HDF5; the file appears under its name only when it is complete."""
         with whole_hdf5(path) as file:
             file.attrs["format"] = FORMAT
             for field in fields(self):
                 file.create_dataset(field.name, data=getattr(self, field.name), compression="gzip")
 
     def to_xarray(self) -> Any:
-        """The history as an `xarray.Dataset` of dimensions t and x, with units as attributes.
+        """Return the history as an `xarray.Dataset` of dimensions t and x, with units.
 
         Raises
         ------

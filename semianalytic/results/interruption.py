@@ -1,4 +1,4 @@
-"""Ctrl-C during a computation in steps: noted first, so that no step is left half done."""
+"""Deferred handling of Ctrl-C, so that a computation in steps never leaves a step half done."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Any
 
 
 class Interruption:
-    """Whether Ctrl-C was pressed."""
+    """A flag that tells whether Ctrl-C was pressed."""
 
     pressed = False
 
 
 @contextmanager
 def deferred_interrupt() -> Iterator[Interruption]:
-    """Let the first Ctrl-C only be noted, so that a step is never left half done.
+    """Note the first Ctrl-C instead of interrupting, so that a step is never left half done.
 
-    The second one interrupts at once.  Outside the main thread nothing is changed.
+    The second Ctrl-C interrupts at once.  Outside the main thread nothing is changed.
     """
     noted = Interruption()
     before = signal.getsignal(signal.SIGINT)

@@ -1,4 +1,4 @@
-"""How much memory a computation may take, and the refusal of what would take more."""
+"""The memory that a computation may take, and the refusal of computations that need more."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ _GROUPS = (
 
 
 def available_memory() -> int:
-    """Memory the machine, or the container around this process, can still give [bytes].
+    """Return the memory that the machine, or the container of this process, has left [bytes].
 
-    4 GB where the system does not tell.
+    It is taken as 4 GB where the system gives no information.
     """
     amounts = [_of_machine()]
     for limit, used in _GROUPS:
@@ -41,7 +41,7 @@ def available_memory() -> int:
 
 
 def _of_machine() -> int | None:
-    """What the machine has left [bytes]; None where it does not tell."""
+    """Return the memory that the machine has left [bytes]; None where it is not known."""
     try:
         for line in _MEMINFO.read_text().splitlines():
             name, _, rest = line.partition(":")
@@ -56,7 +56,7 @@ def _of_machine() -> int | None:
 
 
 def memory_limit(limit: float | None) -> int:
-    """The limit that was given, or 70 % of what is available [bytes].
+    """Return the limit that was given, or 70 % of the available memory [bytes].
 
     Raises
     ------
@@ -71,18 +71,18 @@ def memory_limit(limit: float | None) -> int:
 
 
 def check_memory(needed: int, limit: float | None, what: str, advice: str) -> None:
-    """Refuse what would take more memory than it may, before it starts.
+    """Refuse a computation that would take more memory than it may, before it starts.
 
     Parameters
     ----------
     needed : int
         Predicted peak [bytes].
     limit : float or None
-        What it may take [bytes]; 70 % of what is available if None.
+        Memory that it may take [bytes]; 70 % of what is available if None.
     what : str
-        What would take it: the subject of the sentence.
+        The computation, as the subject of the sentence.
     advice : str
-        What to change: the end of the sentence, without the full stop.
+        The change to make, as the end of the sentence, without the full stop.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def check_memory(needed: int, limit: float | None, what: str, advice: str) -> No
 
 
 def gigabytes(amount: int) -> str:
-    """An amount of memory [bytes] in words, of any size."""
+    """Write an amount of memory [bytes] in words, of any size."""
     if amount >= 10**300:
         return f"1e{len(str(amount)) - 10} GB"
     return f"{amount / GIGABYTE:.3g} GB"

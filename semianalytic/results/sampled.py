@@ -1,4 +1,4 @@
-"""Answers that were recorded at nodes and time levels, and what lies between the samples.
+"""Answers that were recorded at nodes and time levels, and interpolation between the samples.
 
 A solver that steps through time keeps an `InterfaceHistory` of the levels it stored and the
 `Totals` of every step; `SampledAnswer` makes an `Answer` of the two.
@@ -28,23 +28,27 @@ from semianalytic.scene.scene import Scene
 Array = NDArray[np.float64]
 
 _ROUNDING = 1e-9
-"""By which the last time or position may be missed, relative to it."""
+"""Relative amount by which a time or position may exceed the last one."""
 _EDGE_STEPS = 2
-"""Steps of the samples by which an edge may lie beyond the last of them that slips."""
+"""Largest distance of an edge beyond the last sample that slips, in steps of the samples."""
 _NO_SLIP = 1e-6
-"""Part of the largest recorded slip rate that counts as none; where it sticks it is 0 exactly."""
+"""Fraction of the largest recorded slip rate that counts as none; it is exactly 0 in stick."""
 
 
 @dataclass(frozen=True, eq=False)
 class Totals:
-    """What the contact as a whole has done, at every step, stored or not; (m,) arrays.
+    """Totals of the whole contact at every step, stored or not, as (m,) arrays.
 
     Attributes
     ----------
-    t : increasing from 0 [time].
-    max_slip : largest |slip| at the time [length].
-    accumulated_slip : integral over the contact of accumulated |slip| [length^2].
-    frictional_work : energy turned to heat per unit depth until then [stress length^2].
+    t : (m,) array
+        Times, increasing from 0 [time].
+    max_slip : (m,) array
+        Largest |slip| at each time [length].
+    accumulated_slip : (m,) array
+        Integral over the contact of the accumulated |slip| [length^2].
+    frictional_work : (m,) array
+        Energy turned to heat per unit depth until each time [stress length^2].
     """
 
     t: Array
@@ -53,7 +57,7 @@ class Totals:
     frictional_work: Array
 
     def at(self, name: str, t: ArrayLike) -> Array:
-        """One of them at times t [time], linear between steps, 0 before t = 0.
+        """Return the total of a name at times t [time], linear between steps, 0 before t = 0.
 
         Raises
         ------
@@ -66,17 +70,19 @@ class Totals:
 
 
 class SampledAnswer:
-    """An `Answer` between its samples: linear in position and time.
+    """An `Answer` that interpolates between samples, linearly in position and time.
 
     Fields are known at the stored levels only, totals at every step.  Between the contact edge and
-    the first node fields are those of the first node, and likewise as far beyond the last one.
+    the first node the fields are those of the first node, and likewise as far beyond the last one.
 
     Attributes
     ----------
     scene : Scene
+        The scene that was computed.
     interface : InterfaceHistory
-        From t = 0 on, at x > 0.
+        Fields from t = 0 on, at x > 0.
     totals : Totals
+        Totals of the recorded contact.
     """
 
     scene: Scene
@@ -84,7 +90,7 @@ class SampledAnswer:
     totals: Totals
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Relative slip rate, upper minus lower side [length / time].
+        """Return the relative slip rate, upper minus lower side [length / time].
 
         Raises
         ------
@@ -94,23 +100,26 @@ class SampledAnswer:
         return self._field("slip_rate", x, t)
 
     def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Relative slip since t = 0 [length]; raises as `slip_rate`."""
+        """Return the relative slip since t = 0 [length]; errors are those of `slip_rate`."""
         return self._field("slip", x, t)
 
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Shear traction sigma_xy [stress], base included; raises as `slip_rate`."""
+        """Return the shear traction [stress], base included; errors are those of `slip_rate`."""
         return self._field("shear_traction", x, t, self.scene.base.shear)
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Contact pressure [stress], base included, compression positive; raises as `slip_rate`."""
+        """Return the contact pressure [stress], base included, positive in compression.
+
+        Errors are those of `slip_rate`.
+        """
         return self._field("pressure", x, t, self.scene.base.pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
+        """Return the gap [length], 0 where closed; errors are those of `slip_rate`."""
         return self._field("gap", x, t)
 
     def max_slip(self, t: ArrayLike) -> Array:
-        """Largest |slip| on the recorded contact at times t [length].
+        """Return the largest |slip| on the recorded contact at times t [length].
 
         Raises
         ------
@@ -120,23 +129,24 @@ class SampledAnswer:
         return self.totals.at("max_slip", t)
 
     def accumulated_slip(self, t: ArrayLike) -> Array:
-        """Integral over the recorded contact of the |slip| accumulated until t [length^2].
+        """Return the integral over the contact of the |slip| accumulated until t [length^2].
 
-        Raises as `max_slip`.
+        Errors are those of `max_slip`.
         """
         return self.totals.at("accumulated_slip", t)
 
     def frictional_work(self, t: ArrayLike) -> Array:
-        """Energy turned to heat on the recorded contact until t per unit depth [stress length^2].
+        """Return the energy turned to heat on the contact until t per unit depth [stress length^2].
 
-        Raises as `max_slip`.
+        Errors are those of `max_slip`.
         """
         return self.totals.at("frictional_work", t)
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """What slips at a time, from the contact edge outward, as `slip_intervals` finds it.
+        """Return the parts that slip at a time, from the contact edge outward.
 
-        Between two stored levels that is what slips at either.  What is open at both is not in it.
+        `slip_intervals` finds them.  Between two stored levels these are the parts that slip at
+        either; parts that are open at both are left out.
 
         Raises
         ------
@@ -155,26 +165,26 @@ class SampledAnswer:
         )
 
     def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """What is open at a time, from the contact edge outward, as `open_intervals` finds it.
+        """Return the open parts at a time, from the contact edge outward.
 
-        Raises as `zones_at`.
+        `open_intervals` finds them.  Errors are those of `zones_at`.
         """
         t = checked_number("openings_at: t", t)
         return () if t <= 0 else open_intervals(self.interface.x, self.gap(self.interface.x, t))
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
+        """Return all fields at positions x (n,), times t (m,); errors are those of `slip_rate`."""
         return sampled_history(self, x, t)
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """Fields and totals at positions x (n,) and times t (m,) as an `xarray.Dataset`.
+        """Return fields and totals at positions x (n,) and times t (m,) as an `xarray.Dataset`.
 
         Raises
         ------
         MissingLibraryError
             If xarray is not installed.
         SceneError
-            As `slip_rate`.
+            If a position or time is not finite, not on the contact, or beyond what was recorded.
         """
         return answer_dataset(self, x, t)
 
@@ -186,15 +196,16 @@ class SampledAnswer:
 
 
 def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Array:
-    """A field between the samples of a history, linear in both; that of the nearest beyond them.
+    """Interpolate a field linearly between the samples of a history; beyond them take the nearest.
 
     Parameters
     ----------
     history : InterfaceHistory
+        The samples.
     name : str
-        Of the field, as "slip_rate".
+        Name of the field, such as "slip_rate".
     x, t : arrays of one shape
-        [length], [time].
+        Positions [length] and times [time].
     """
     (left, right, along), (earlier, later, on) = _between(history.x, x), _between(history.t, t)
     field = getattr(history, name)
@@ -204,7 +215,7 @@ def interpolated(history: InterfaceHistory, name: str, x: Array, t: Array) -> Ar
 
 
 def _between(samples: Array, at: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-    """Indices of the samples on either side, and the share of the way from one to the other."""
+    """Return the samples on either side, and the fraction of the way from one to the other."""
     after = np.clip(np.searchsorted(samples, at, "right"), 0, len(samples) - 1)
     before = np.maximum(after - 1, 0)
     width = samples[after] - samples[before]
@@ -213,12 +224,12 @@ def _between(samples: Array, at: Array) -> tuple[NDArray[np.intp], NDArray[np.in
 
 
 def slip_intervals(x: Array, slip_rate: Array, least: float) -> tuple[SlipInterval, ...]:
-    """What slips, from a sampled slip rate.
+    """Find the intervals that slip from a sampled slip rate.
 
-    An interval is a run of two samples or more of one sign beyond the least.  Its ends are placed
-    between samples by the square-root law of slip rate at an edge: a straight line through the
-    squares of the samples next to the end is followed down to zero, though no further than the
-    nearest sample that does not belong to the edge layer.
+    An interval is a run of two or more samples of one sign whose size exceeds `least`.  Its ends
+    are placed between samples by the square-root law of slip rate at an edge: a straight line
+    through the squares of the two samples next to the end is followed down to zero, but no further
+    than `_EDGE_STEPS` steps.
 
     Parameters
     ----------
@@ -232,8 +243,8 @@ def slip_intervals(x: Array, slip_rate: Array, least: float) -> tuple[SlipInterv
     Returns
     -------
     tuple of SlipInterval
-        From the edge outward.  One that holds the first sample starts at 0, one that holds the last
-        sample ends at infinity.
+        Intervals from the contact edge outward.  One that holds the first sample starts at 0, one
+        that holds the last sample ends at infinity.
     """
     sense = np.where(np.abs(slip_rate) > least, np.sign(slip_rate), 0.0)
     return tuple(
@@ -242,37 +253,38 @@ def slip_intervals(x: Array, slip_rate: Array, least: float) -> tuple[SlipInterv
 
 
 def open_intervals(x: Array, gap: Array, least: float = 0.0) -> tuple[OpenInterval, ...]:
-    """What is open, from a sampled gap; as `slip_intervals`, by the law of a smooth end.
+    """Find the open intervals from a sampled gap, like `slip_intervals`.
 
-    There the gap grows like the distance to the power 3/2.
+    At a smooth end the gap grows like the distance to the power 3/2, so the line goes through its
+    powers 2/3.
 
     Parameters
     ----------
     x : (n,) array
         Positions [length], increasing, all positive; velocities x/t do as well.
     gap : (n,) array
-        How far the contact is open [length], >= 0.
+        Opening of the contact [length], >= 0.
     least : float
         Largest gap that counts as none [length].
 
     Returns
     -------
     tuple of OpenInterval
-        From the edge outward.  One that holds the first sample starts at 0, one that holds the last
-        sample ends at infinity.
+        Intervals from the contact edge outward.  One that holds the first sample starts at 0, one
+        that holds the last sample ends at infinity.
     """
     return tuple(OpenInterval(*_ends(x, gap ** (2 / 3), run)) for run in _runs(gap > least))
 
 
 def _runs(kind: NDArray[Any]) -> Iterator[NDArray[np.intp]]:
-    """Indices of samples in a row that are of one kind, two or more, but not of none."""
+    """Yield the indices of each run of two or more neighbouring samples of one non-zero kind."""
     for run in np.split(np.arange(len(kind)), np.flatnonzero(kind[1:] != kind[:-1]) + 1):
         if len(run) > 1 and kind[run[0]]:
             yield run
 
 
 def _ends(x: Array, straight: Array, run: NDArray[np.intp]) -> tuple[float, float]:
-    """Ends of a run of samples of what falls to zero there along a straight line."""
+    """Return the ends of a run of samples whose values fall to zero along straight lines."""
     inward = run[::-1]
     start = _edge(x[run], straight[run]) if run[0] else 0.0
     end = _edge(x[inward], straight[inward]) if run[-1] < len(x) - 1 else math.inf
@@ -280,8 +292,10 @@ def _ends(x: Array, straight: Array, run: NDArray[np.intp]) -> tuple[float, floa
 
 
 def _beside(zone: SlipInterval, openings: Iterable[OpenInterval], near: float) -> SlipInterval:
-    """A zone that ends where an opening begins, if it does so nearly: it slips at full speed there,
-    and no law of an edge says where it ends."""
+    """Let a zone end where an opening begins, if its end lies within `near` of it.
+
+    Slip has its full speed there, so the law of an edge does not apply.
+    """
     start, end = zone.start, zone.end
     for opening in openings:
         if opening.start < start < opening.end + near:
@@ -292,7 +306,7 @@ def _beside(zone: SlipInterval, openings: Iterable[OpenInterval], near: float) -
 
 
 def _edge(x: Array, straight: Array) -> float:
-    """Where a straight line through samples falls to zero, given from the edge inward."""
+    """Return where a line through the first two samples, from the edge inward, falls to zero."""
     first, second = straight[:2].tolist()
     step = float(x[1] - x[0])
     steps = first / (second - first) if second > first else 0.0

@@ -1,1 +1,1 @@
-"""What is asked: bodies, tractions and histories, friction laws; read, checked, refused."""
+"""Scenes: bodies, tractions, load histories and friction laws, how they are read and checked."""

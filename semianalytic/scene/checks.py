@@ -1,4 +1,4 @@
-"""What counts as a number, and the one sentence that refuses what does not."""
+"""Checks of numbers that users give, and the sentence with which a wrong one is refused."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ SMALLEST, LARGEST = 1e-60, 1e60
 """Range of all parameters: products of five of them are still finite."""
 
 LARGEST_COUNT = 10**15
-"""Largest whole number that is taken; each up to it is a floating-point number too."""
+"""Largest whole number that is accepted; all up to it are floating-point numbers too."""
 
 
 class _Shown(Repr):
-    """Short and on one line, of whatever was given."""
+    """A `repr` that is short, for messages."""
 
     def __init__(self) -> None:
         super().__init__()
         self.maxstring = self.maxother = 60
 
     def repr_int(self, x: int, level: int) -> str:
-        """Integers of many digits by their size: Python refuses to write out the longest."""
+        """Describe integers of many digits by their size: Python refuses to write the longest."""
         if x.bit_length() < 100:
             return repr(x)
         return f"a whole number of about {round(x.bit_length() * math.log10(2))} digits"
@@ -34,14 +34,15 @@ _SHOWN = _Shown()
 
 
 def shown(value: object) -> str:
-    """What was given, for a message: short and on one line."""
+    """Write a value for a message, short and on one line."""
     return " ".join(_SHOWN.repr(value).split())
 
 
 def finite(value: object) -> float | None:
-    """A finite real number of any type, numpy's scalars included, as float; else None.
+    """Return a finite real number of any type, numpy's scalars included, as float; else None.
 
-    Truth values and text are no numbers, nor are integers beyond the range of floating point.
+    Truth values and text do not count as numbers, nor do integers beyond the range of floating
+    point.
     """
     if isinstance(value, bool) or not isinstance(value, Real):
         return None
@@ -58,17 +59,18 @@ def checked_number(
     required: str = "be a finite number",
     admitted: Callable[[float], bool] | None = None,
 ) -> float:
-    """A number of any type as float.
+    """Return a number of any type as float, or refuse it.
 
     Parameters
     ----------
     what : str
-        Whose it is and its name, for the message.
+        Owner and name of the number, for the message.
     value : object
+        The value that was given.
     required : str
-        What it must be, for the message.
+        The requirement, for the message.
     admitted : callable, optional
-        Whether a finite number will do; all do unless given.
+        Function that tells whether a finite number is admissible; all are by default.
 
     Raises
     ------
@@ -84,7 +86,9 @@ def checked_number(
 
 
 def checked_size(what: str, value: object, required: str = "be positive and finite") -> float:
-    """A modulus, density, length, time, rate or frequency as float, positive.
+    """Return a positive modulus, density, length, time, rate or frequency as float, or refuse it.
+
+    Arguments are those of `checked_number`.
 
     Raises
     ------
@@ -105,7 +109,9 @@ def _out_of_range(what: str, number: float) -> SceneError:
 
 
 def checked_count(what: str, value: object, least: int, required: str) -> int:
-    """A whole number of any integer type as int, from `least` to `LARGEST_COUNT`.
+    """Return a whole number from `least` to `LARGEST_COUNT` as int, or refuse it.
+
+    Arguments are those of `checked_number`, with the least admissible number.
 
     Raises
     ------

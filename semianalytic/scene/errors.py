@@ -1,16 +1,26 @@
-"""Errors a user can cause or meet, each with the exit code the command line reports for it."""
+"""Errors that users may meet, each with the exit code that the command line reports for it."""
 
 from __future__ import annotations
 
 
 class SlipfrontError(Exception):
-    """Base of all errors whose message is one sentence saying what to change."""
+    """Base class of all errors of this package; the message is one sentence saying what to change.
+
+    Examples
+    --------
+    >>> from semianalytic import SlipfrontError, find_scene
+    >>> try:
+    ...     find_scene("preloadde")
+    ... except SlipfrontError as error:
+    ...     print(error)
+    There is no scene called 'preloadde'; did you mean preloaded? (or give a .toml file).
+    """
 
     exit_code = 4
 
 
 class SceneError(SlipfrontError, ValueError):
-    """A scene, a parameter or an option is outside what the method or the law admits."""
+    """A scene, a parameter or an option is outside the range of the method or the friction law."""
 
     exit_code = 2
 
@@ -32,12 +42,12 @@ class ComputationError(SlipfrontError):
 
 
 class PluginError(SlipfrontError):
-    """A package that brings scenes, laws, histories or figures is broken, or one of two alike."""
+    """A package with scenes, laws, histories or figures is broken, or two have the same name."""
 
     exit_code = 5
 
 
 class MissingLibraryError(SlipfrontError, ImportError):
-    """A package of an extra, or a system library that one needs, is not installed."""
+    """A package of an optional extra, or a system library it needs, is not installed."""
 
     exit_code = 5

@@ -1,4 +1,4 @@
-"""Packages that an installation may lack: the extra that brings each, and a sentence for it."""
+"""Optional packages: which extra installs each, and the sentence that asks for a missing one."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from importlib.util import find_spec
 from semianalytic.scene.errors import MissingLibraryError
 
 FEM = ("skfem", "meshio", "gmsh", "h5py", "platformdirs")
-"""What the finite-element model imports."""
+"""Modules that the finite-element model imports."""
 HDF5 = ("h5py",)
-"""What saved results import."""
+"""Modules that saved results need."""
 PLOT = ("matplotlib", "PIL")
-"""What figures import."""
+"""Modules that figures need."""
 EXPLORE = ("bokeh",)
-"""What the page in the browser imports, beside figures."""
+"""Modules that the page in the browser needs, besides those of figures."""
 XARRAY = ("xarray", "h5netcdf", "h5py", "zarr")
-"""What datasets, and their files, import."""
+"""Modules that datasets and their files need."""
 CLUSTER = ("dask", "distributed")
-"""What runs on several machines imports."""
+"""Modules that runs on several machines need."""
 BAYES = ("emcee",)
-"""What samples of posteriors import."""
+"""Modules that sampling of posteriors needs."""
 
 _DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
 _EXTRAS = {
@@ -32,7 +32,8 @@ _EXTRAS = {
     "cluster": CLUSTER,
     "bayes": BAYES,
 }
-"""What each extra brings; what two bring is asked for by the first, unless more is missing."""
+"""Modules of each extra.  A module of two extras is asked for by the first of them, unless another
+one that is missing calls for the second."""
 
 
 def require(what: str, *modules: str) -> None:
@@ -41,14 +42,14 @@ def require(what: str, *modules: str) -> None:
     Parameters
     ----------
     what : str
-        What needs them, for the message.
+        The part of the package that needs them, for the message.
     *modules : str
-        As they are imported.
+        Names by which they are imported.
 
     Raises
     ------
     MissingLibraryError
-        If one is not there; the message is one sentence with the command that installs all.
+        If one is missing; the message is one sentence with the command that installs all.
     """
     missing = [module for module in modules if find_spec(module) is None]
     if missing:
@@ -57,12 +58,12 @@ def require(what: str, *modules: str) -> None:
 
 @contextmanager
 def needing(what: str) -> Iterator[None]:
-    """Imports in this context raise MissingLibraryError for packages that an extra would bring.
+    """Make imports in this context raise MissingLibraryError for packages of an extra.
 
     Parameters
     ----------
     what : str
-        What needs them, for the message.
+        The part of the package that needs them, for the message.
     """
     try:
         yield
@@ -74,7 +75,7 @@ def needing(what: str) -> Iterator[None]:
 
 
 def _sentence(what: str, missing: list[str]) -> str:
-    """What is missing and how to install it, in one sentence."""
+    """Say in one sentence which packages are missing and how to install them."""
     names = [_DISTRIBUTIONS.get(module, module) for module in missing]
     listed = " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
     extras = ",".join(_extras_of(missing))
@@ -85,7 +86,7 @@ def _sentence(what: str, missing: list[str]) -> str:
 
 
 def _extras_of(missing: list[str]) -> list[str]:
-    """One extra that brings all that is missing, or several."""
+    """Return the one extra that brings all missing modules, or several."""
     for extra, modules in _EXTRAS.items():
         if set(missing) <= set(modules):
             return [extra]

@@ -1,6 +1,7 @@
 """Friction laws: how much shear traction the interface carries while it slips.
 
-The article knows Coulomb's law with a constant coefficient only; the others go beyond it.
+The article treats Coulomb's law with a constant coefficient only; the other laws go beyond it
+(docs/rate.md; docs/spacetime.md, "Friction laws").
 """
 
 from __future__ import annotations
@@ -17,41 +18,54 @@ Array = NDArray[np.float64]
 
 
 class FrictionLaw(ABC):
-    """What a solver asks a friction law; one that leaves an answer out cannot be made.
+    """The interface that every friction law implements; a law must define all abstract methods.
 
-    Strength is what the interface carries where it slips, and at most where it sticks.  It depends
-    on the scene's friction coefficient times pressure, f p, on the relative slip rate, and on the
-    path, the |slip| accumulated so far.
+    The strength is the shear traction that the interface carries where it slips, and the most that
+    it carries where it sticks.  It depends on the scene's friction coefficient times pressure, f p,
+    on the relative slip rate, and on the path, the |slip| accumulated so far.  docs/extending.md
+    shows how to write a law of your own.
+
+    Examples
+    --------
+    >>> from semianalytic import FrictionLaw, SlipWeakening
+    >>> law = SlipWeakening(reduction=0.5, distance=0.1)
+    >>> isinstance(law, FrictionLaw)
+    True
+    >>> law.strength(1.0, 0.0, [0.0, 0.05, 0.2]).tolist()
+    [1.0, 0.75, 0.5]
     """
 
     @abstractmethod
     def strength(self, frictional: ArrayLike, slip_rate: ArrayLike, path: ArrayLike) -> Array:
-        """Strength [stress]; shapes broadcast.
+        """Return the strength [stress]; the shapes of the arguments broadcast.
 
         Parameters
         ----------
-        frictional : the scene's friction coefficient times pressure [stress].
-        slip_rate : relative slip rate [length / time], either sign.
-        path : accumulated |slip| [length].
+        frictional : array
+            The scene's friction coefficient times pressure [stress].
+        slip_rate : array
+            Relative slip rate [length / time], of either sign.
+        path : array
+            Accumulated |slip| [length].
         """
 
     @abstractmethod
     def slip_speed(
         self, stopping: Array, frictional: Array, impedance: ArrayLike, path: ArrayLike
     ) -> Array:
-        """|V| at which strength and radiation balance, 0 where it sticks [length / time].
+        """Return the |V| at which strength and radiation balance, 0 where the interface sticks.
 
-        The root V >= 0 of impedance V = stopping - strength(frictional, V, path), with the path as
-        it is before this slip.
+        It is the root V >= 0 [length / time] of impedance V = stopping - strength(frictional, V,
+        path), with the path as it is before this slip.
 
         Parameters
         ----------
         stopping : (n,) array
-            |traction| that would stop the interface [stress].
+            Absolute value of the traction that would stop the interface [stress].
         frictional : (n,) array
             Friction coefficient times pressure [stress].
         impedance : float or (n,) array
-            Traction that slip takes off per slip rate [stress time / length].
+            Traction that slip releases per slip rate [stress time / length].
         path : (n,) array
             Accumulated |slip| [length].
         """
@@ -64,12 +78,25 @@ class FrictionLaw(ABC):
     @property
     @abstractmethod
     def fall_with_slip(self) -> float:
-        """Largest fall of strength per accumulated slip, over f p [1 / length]; 0 if it never
-        falls."""
+        """Largest fall of strength per accumulated slip, over f p [1 / length].
+
+        It is 0 if the strength never falls with slip.
+        """
 
 
 class RateFriction(FrictionLaw):
-    """A law of smooth strength that depends on slip rate alone: fields stay self-similar."""
+    """A friction law whose strength is a smooth function of pressure and slip rate alone.
+
+    Under step loads the fields stay self-similar (docs/rate.md).
+
+    Examples
+    --------
+    >>> from semianalytic import RateFriction, RateWeakening, SlipWeakening
+    >>> isinstance(RateWeakening(0.5, 1.0), RateFriction)
+    True
+    >>> isinstance(SlipWeakening(0.5, 1.0), RateFriction)
+    False
+    """
 
     fall_with_slip = 0.0
 
@@ -77,16 +104,19 @@ class RateFriction(FrictionLaw):
     def rate_slopes(
         self, frictional: ArrayLike, slip_rate: ArrayLike
     ) -> tuple[Array, Array, Array, Array]:
-        """Derivatives of strength by f p, by |V|, by both and by |V| twice; arguments as there."""
+        """Return the derivatives of strength by f p, by |V|, by both and by |V| twice.
+
+        Arguments are those of `FrictionLaw.strength`.
+        """
 
 
 def _spread(*given: ArrayLike) -> list[Array]:
-    """Arguments of one law at one shape."""
+    """Broadcast the arguments of a law to one shape."""
     return list(np.broadcast_arrays(*(np.asarray(one, dtype=float) for one in given)))
 
 
 def _check(owner: str, law: RateWeakening | SlipWeakening, scale_name: str) -> None:
-    """Keep the parameters of a law as floats; raise a SceneError if one is out of range."""
+    """Store the parameters of a law as floats; raise SceneError if one is out of range."""
     reduction = checked_number(
         f"{owner}: reduction",
         law.reduction,
@@ -100,16 +130,23 @@ def _check(owner: str, law: RateWeakening | SlipWeakening, scale_name: str) -> N
 
 @dataclass(frozen=True)
 class CoulombFriction(FrictionLaw):
-    """Constant friction: strength f p."""
+    """Coulomb friction with a constant coefficient: strength f p.
+
+    Examples
+    --------
+    >>> from semianalytic import CoulombFriction
+    >>> CoulombFriction().strength(0.3, [-1.0, 2.0], 0.0).tolist()
+    [0.3, 0.3]
+    """
 
     def strength(self, frictional: ArrayLike, slip_rate: ArrayLike, path: ArrayLike) -> Array:
-        """See `FrictionLaw.strength`."""
+        """Return f p; see `FrictionLaw.strength`."""
         return _spread(frictional, slip_rate, path)[0].copy()
 
     def slip_speed(
         self, stopping: Array, frictional: Array, impedance: ArrayLike, path: ArrayLike
     ) -> Array:
-        """See `FrictionLaw.slip_speed`."""
+        """Return the slip rate of balance; see `FrictionLaw.slip_speed`."""
         return np.asarray(np.maximum(stopping - frictional, 0.0) / impedance)
 
     fall_with_rate = 0.0
@@ -118,17 +155,24 @@ class CoulombFriction(FrictionLaw):
 
 @dataclass(frozen=True)
 class ViscousFriction(RateFriction):
-    """A viscous film beside friction: strength f p + viscosity |V|.
+    """Friction with a viscous film: strength f p + viscosity |V| (docs/rate.md).
 
     Parameters
     ----------
-    viscosity : traction per relative slip rate [stress time / length], >= 0; over rho c_t / 2 it is
-        what the film takes for what a plane shear wave takes.
+    viscosity : float
+        Traction per relative slip rate [stress time / length], at least 0.  Its ratio to
+        rho c_t / 2 compares the resistance of the film with radiation by plane shear waves.
 
     Raises
     ------
     SceneError
         If the viscosity is negative or not finite.
+
+    Examples
+    --------
+    >>> from semianalytic import ViscousFriction
+    >>> ViscousFriction(viscosity=0.5).strength(0.25, [0.0, -2.0], 0.0).tolist()
+    [0.25, 1.25]
     """
 
     viscosity: float
@@ -143,21 +187,21 @@ class ViscousFriction(RateFriction):
         object.__setattr__(self, "viscosity", viscosity)
 
     def strength(self, frictional: ArrayLike, slip_rate: ArrayLike, path: ArrayLike) -> Array:
-        """See `FrictionLaw.strength`."""
+        """Return f p + viscosity |V|; see `FrictionLaw.strength`."""
         dry, speed, _ = _spread(frictional, slip_rate, path)
         return np.asarray(dry + self.viscosity * np.abs(speed))
 
     def slip_speed(
         self, stopping: Array, frictional: Array, impedance: ArrayLike, path: ArrayLike
     ) -> Array:
-        """See `FrictionLaw.slip_speed`."""
+        """Return the slip rate of balance; see `FrictionLaw.slip_speed`."""
         resistance = np.asarray(impedance) + self.viscosity
         return np.asarray(np.maximum(stopping - frictional, 0.0) / resistance)
 
     def rate_slopes(
         self, frictional: ArrayLike, slip_rate: ArrayLike
     ) -> tuple[Array, Array, Array, Array]:
-        """See `RateFriction.rate_slopes`."""
+        """Return the derivatives of strength; see `RateFriction.rate_slopes`."""
         none = np.zeros_like(_spread(frictional, slip_rate)[0])
         return none + 1, none + self.viscosity, none, none
 
@@ -166,20 +210,28 @@ class ViscousFriction(RateFriction):
 
 @dataclass(frozen=True)
 class RateWeakening(RateFriction):
-    """Friction falling with slip rate: strength f p (1 - reduction |V| / (|V| + rate)).
+    """Friction that falls with slip rate: strength f p (1 - reduction |V| / (|V| + rate)).
 
-    Well posed only while the strength falls more slowly than the radiated traction rises,
-    f p reduction / rate < rho c_t / 2; solvers refuse anything steeper.
+    The law is well posed only while the strength falls more slowly than the radiated traction
+    rises, f p reduction / rate < rho c_t / 2; solvers refuse anything steeper.
 
     Parameters
     ----------
-    reduction : part of friction lost at high slip rate, 0 ... 1.
-    rate : slip rate at which half of that is lost [length / time], positive.
+    reduction : float
+        Fraction of friction lost at high slip rate, 0 ... 1.
+    rate : float
+        Slip rate at which half of that is lost [length / time], positive.
 
     Raises
     ------
     SceneError
         If a parameter is out of range.
+
+    Examples
+    --------
+    >>> from semianalytic import RateWeakening
+    >>> RateWeakening(reduction=0.5, rate=1.0).strength(1.0, [0.0, 1.0, -3.0], 0.0).tolist()
+    [1.0, 0.75, 0.625]
     """
 
     reduction: float
@@ -189,7 +241,7 @@ class RateWeakening(RateFriction):
         _check("rate weakening", self, "rate")
 
     def strength(self, frictional: ArrayLike, slip_rate: ArrayLike, path: ArrayLike) -> Array:
-        """See `FrictionLaw.strength`."""
+        """Return f p (1 - reduction |V| / (|V| + rate)); see `FrictionLaw.strength`."""
         dry, slip_rate, _ = _spread(frictional, slip_rate, path)
         speed = np.abs(slip_rate)
         return np.asarray(dry * (1 - self.reduction * speed / (speed + self.rate)))
@@ -197,7 +249,9 @@ class RateWeakening(RateFriction):
     def slip_speed(
         self, stopping: Array, frictional: Array, impedance: ArrayLike, path: ArrayLike
     ) -> Array:
-        """See `FrictionLaw.slip_speed`; the root of a quadratic."""
+        """Return the slip rate of balance; see `FrictionLaw.slip_speed`."""
+        # Times (V + rate) the balance is a quadratic for the radiated traction w = impedance V:
+        # w^2 - linear w - knee excess = 0, of which this is the root that is positive.
         excess = stopping - frictional
         knee = np.asarray(impedance) * self.rate
         linear = excess + self.reduction * frictional - knee
@@ -207,7 +261,7 @@ class RateWeakening(RateFriction):
     def rate_slopes(
         self, frictional: ArrayLike, slip_rate: ArrayLike
     ) -> tuple[Array, Array, Array, Array]:
-        """See `RateFriction.rate_slopes`."""
+        """Return the derivatives of strength; see `RateFriction.rate_slopes`."""
         dry, slip_rate = _spread(frictional, slip_rate)
         above = np.abs(slip_rate) + self.rate
         first = -self.reduction * self.rate / np.square(above)
@@ -216,25 +270,34 @@ class RateWeakening(RateFriction):
 
     @property
     def fall_with_rate(self) -> float:
-        """See `FrictionLaw.fall_with_rate`; the fall at rest, where it is steepest."""
+        """Fall of strength per slip rate at rest, where it is largest, over f p [time / length]."""
         return self.reduction / self.rate
 
 
 @dataclass(frozen=True)
 class SlipWeakening(FrictionLaw):
-    """Friction falling linearly with accumulated slip: f p (1 - reduction min(path/distance, 1)).
+    """Friction that falls linearly with slip: strength f p (1 - reduction min(path/distance, 1)).
 
-    Slip localises within about G distance / ((1 - nu) f p reduction): a grid has to resolve it.
+    The path is the accumulated |slip|.  Slip localises within about mu distance / ((1 - nu) f p
+    reduction), which a grid has to resolve.
 
     Parameters
     ----------
-    reduction : part of friction lost after `distance`, 0 ... 1.
-    distance : accumulated |slip| over which it is lost [length], positive.
+    reduction : float
+        Fraction of friction lost after `distance`, 0 ... 1.
+    distance : float
+        Accumulated |slip| over which it is lost [length], positive.
 
     Raises
     ------
     SceneError
         If a parameter is out of range.
+
+    Examples
+    --------
+    >>> from semianalytic import SlipWeakening
+    >>> SlipWeakening(reduction=0.5, distance=0.25).strength(1.0, 0.0, [0.125, 0.25, 1.0]).tolist()
+    [0.75, 0.5, 0.5]
     """
 
     reduction: float
@@ -244,14 +307,14 @@ class SlipWeakening(FrictionLaw):
         _check("slip weakening", self, "distance")
 
     def strength(self, frictional: ArrayLike, slip_rate: ArrayLike, path: ArrayLike) -> Array:
-        """See `FrictionLaw.strength`."""
+        """Return f p (1 - reduction min(path / distance, 1)); see `FrictionLaw.strength`."""
         dry, _, path = _spread(frictional, slip_rate, path)
         return np.asarray(dry * (1 - self.reduction * np.minimum(path / self.distance, 1.0)))
 
     def slip_speed(
         self, stopping: Array, frictional: Array, impedance: ArrayLike, path: ArrayLike
     ) -> Array:
-        """See `FrictionLaw.slip_speed`."""
+        """Return the slip rate of balance; see `FrictionLaw.slip_speed`."""
         weakened = self.strength(frictional, 0.0, path)
         return np.asarray(np.maximum(stopping - weakened, 0.0) / impedance)
 
@@ -259,5 +322,5 @@ class SlipWeakening(FrictionLaw):
 
     @property
     def fall_with_slip(self) -> float:
-        """See `FrictionLaw.fall_with_slip`."""
+        """Fall of strength per accumulated slip, over f p [1 / length]."""
         return self.reduction / self.distance

@@ -1,10 +1,11 @@
-"""What a scene does to the interface at t = 0: tractions it puts on, and takes off the slot.
+"""Loads as a superposition: tractions in place on the interface, and tractions taken off the slot.
 
-All solvers take a load as a superposition.  On the uncut line y = 0 stand tractions "in place";
-the slot is made by taking tractions off its faces, and waves run out from there.  A load on the
-slot leaves the base in place and takes the load off.  One from far away is a plane wave of normal
-incidence that both half-planes let through as one body: from t = 0 on the whole line carries base
-and load, and off the slot faces, on which the base stays, the load is taken.
+All solvers take a load as this superposition (docs/theory.md, "Setting and signs").  The uncut line
+y = 0 carries tractions "in place".  The slot is made by taking tractions off its faces, from which
+waves run out.  A load on the slot leaves the base in place and takes the load off.  A load from far
+away is a plane wave of normal incidence that both half-planes would let through as one body: from
+t = 0 on the whole line carries base and load, and the load is taken off the slot faces, which keep
+the base.
 """
 
 from __future__ import annotations
@@ -24,12 +25,31 @@ Array = NDArray[np.float64]
 
 SLOT, REMOTE = "slot", "remote"
 LOADED = (SLOT, REMOTE)
-"""Where a load acts: it is taken off the slot faces, or arrives as a plane wave from far away."""
+"""Places of a load: it is taken off the slot faces, or arrives as a plane wave from far away."""
 
 
 @dataclass(frozen=True)
 class Tractions:
-    """A uniform pair of tractions [stress]: pressure (compression positive) and shear."""
+    """A uniform pair of tractions [stress]: pressure (positive in compression) and shear.
+
+    Parameters
+    ----------
+    pressure : float
+        Contact pressure, positive in compression [stress].
+    shear : float
+        Shear traction sigma_xy on y = 0, sigma_yz in antiplane shear [stress].
+
+    Raises
+    ------
+    SceneError
+        If one is not a finite number.
+
+    Examples
+    --------
+    >>> from semianalytic import Tractions
+    >>> Tractions(pressure=5e6, shear=1e6)
+    Tractions(pressure=5000000.0, shear=1000000.0)
+    """
 
     pressure: float
     shear: float
@@ -41,19 +61,19 @@ class Tractions:
             )
 
     def plus(self, other: Tractions) -> Tractions:
-        """The sum of two."""
+        """Return the sum of two pairs of tractions."""
         return Tractions(self.pressure + other.pressure, self.shear + other.shear)
 
 
 class Superposition(NamedTuple):
-    """A load as all solvers take it.
+    """A load in the form in which all solvers take it.
 
     Attributes
     ----------
     in_place : Tractions
-        On the contact from t = 0 on, where no wave from the slot has come.
+        Tractions of the contact from t = 0 on, ahead of the waves from the slot.
     taken_off : Tractions
-        Off the slot faces, each times its history f(t).
+        Tractions taken off the slot faces, each to be multiplied by its history f(t).
     """
 
     in_place: Tractions
@@ -61,18 +81,19 @@ class Superposition(NamedTuple):
 
 
 def superposition(scene: Scene) -> Superposition:
-    """What the load of a scene puts on the interface, and takes off the slot faces."""
+    """Return the tractions in place on the interface of a scene, and those taken off its slot."""
     if scene.load_on == REMOTE:
         return Superposition(scene.base.plus(scene.load), scene.load)
     return Superposition(scene.base, scene.load)
 
 
 def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
-    """What a traction of base or load is added to in the superposition.
+    """Return the parts of the superposition to which a traction of base or load is added.
 
     Parameters
     ----------
     scene : Scene
+        The scene; the place of its load matters.
     name : str
         "base_pressure", "base_shear", "load_pressure" or "load_shear"; any other name is added to
         nothing.
@@ -80,7 +101,8 @@ def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        The same names, here those of what is in place, "base_...", and taken off, "load_...".
+        The same names, where "base_..." stands for the traction in place and "load_..." for the
+        traction taken off.
     """
     part, _, kind = name.partition("_")
     if part not in ("base", "load"):
@@ -90,7 +112,10 @@ def superposed_by(scene: Scene, name: str) -> tuple[str, ...]:
 
 
 def traction_ahead(scene: Scene, kind: Literal["pressure", "shear"], t: ArrayLike) -> Array:
-    """A traction of the contact where no wave from the slot has come, at times t, any shape
-    [stress]: that of the base before t = 0, what is in place from then on."""
+    """Return a traction of the contact ahead of the waves from the slot [stress].
+
+    It is that of the base before t = 0 and the traction in place from then on.  The shape is that
+    of the times t [time].
+    """
     before, after = getattr(scene.base, kind), getattr(scene.superposition.in_place, kind)
     return np.where(np.asarray(t, dtype=float) < 0, before, after)

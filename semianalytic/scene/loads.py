@@ -1,7 +1,7 @@
-"""How loads rise and fall: the dimensionless histories f(t) that multiply a scene's loads.
+"""Load histories: the dimensionless functions f(t) that multiply a scene's loads.
 
-A history is 0 up to t = 0.  This is description only; what a history does to the interface is
-worked out by the solvers.
+A history is 0 up to t = 0.  It is kept as a sum of jumps, kinks and waves, which solvers treat
+exactly where they can (docs/theory.md, "Stuck tractions").
 """
 
 from __future__ import annotations
@@ -22,13 +22,16 @@ from semianalytic.scene.errors import SceneError
 Array = NDArray[np.float64]
 
 _SHOWN_SAMPLES = 4
-"""Up to which a table is written out in its repr."""
+"""Largest number of samples of a table that its repr writes out."""
 
 PULSE_SHAPES = ("rectangle", "triangle", "half-sine", "haversine")
 
 
 class Wave(NamedTuple):
-    """amplitude * sin(2 pi frequency lag), or (1 - cos) if `cosine`, from lag = t - start = 0."""
+    """A wave amplitude * sin(2 pi frequency lag) from lag = t - start = 0 on.
+
+    With `cosine` it is amplitude * (1 - cos(2 pi frequency lag)).
+    """
 
     start: float
     amplitude: float
@@ -36,17 +39,18 @@ class Wave(NamedTuple):
     cosine: bool
 
     def value(self, t: ArrayLike) -> Array:
-        """At times t [time], any shape."""
+        """Return the wave at times t [time], any shape."""
         angle = 2 * np.pi * self.frequency * np.maximum(np.asarray(t, dtype=float) - self.start, 0)
         return self.amplitude * (1 - np.cos(angle) if self.cosine else np.sin(angle))
 
     def integral(self, t: ArrayLike) -> Array:
-        """int_0^t [time], any shape."""
+        """Return the integral from 0 to t [time], any shape."""
         lag = np.maximum(np.asarray(t, dtype=float) - self.start, 0)
         angular = 2 * np.pi * self.frequency
         angle = angular * lag
         if self.cosine:
             return self.amplitude * (lag - np.sin(angle) / angular)
+        # 1 - cos(angle) without cancellation
         return self.amplitude * 2 * np.sin(angle / 2) ** 2 / angular
 
 
@@ -58,7 +62,7 @@ class Pieces(NamedTuple):
     waves: tuple[Wave, ...] = ()
 
     def value(self, t: ArrayLike) -> Array:
-        """f(t), any shape; at a jump the value before it."""
+        """Return f(t), any shape; at a jump the value before it."""
         t = np.asarray(t, dtype=float)
         total = np.zeros(t.shape)
         for start, height in self.jumps:
@@ -70,7 +74,7 @@ class Pieces(NamedTuple):
         return total
 
     def integral(self, t: ArrayLike) -> Array:
-        """int_0^t f [time], any shape."""
+        """Return the integral of f from 0 to t [time], any shape."""
         t = np.asarray(t, dtype=float)
         total = np.zeros(t.shape)
         for start, height in self.jumps:
@@ -89,22 +93,35 @@ class Pieces(NamedTuple):
 
 
 class LoadHistory(ABC):
-    """How a load rises and falls: f(t), the sum of its pieces.
+    """A load history f(t), the sum of its pieces.
 
-    All that solvers ask of it follows from `pieces` and `turn`; a history of your own is a frozen
-    dataclass that has both (docs/extending.md).
+    Everything that solvers ask of a history follows from `pieces` and `turn`; a history of your own
+    is a frozen dataclass that defines both (docs/extending.md).
+
+    Examples
+    --------
+    >>> from semianalytic import LoadHistory, Ramp
+    >>> history = Ramp(rise_time=2.0)
+    >>> isinstance(history, LoadHistory)
+    True
+    >>> history.value([0.0, 1.0, 5.0]).tolist()
+    [0.0, 0.5, 1.0]
+    >>> float(history.mean(0.0, 2.0))
+    0.5
     """
 
     @abstractmethod
     def turn(self, width: float, until: float) -> float:
-        """How far f goes up and down again (or down and up) within `width`, over its largest value.
+        """Return how far f goes up and down again, or down and up, within a time `width`.
 
-        0 where it only rises or falls: jumps are no turns.  What a march has to resolve.
+        The turn is relative to the largest value of f.  It is 0 where f only rises or only falls; a
+        jump is no turn.  A march has to resolve turns (docs/spacetime.md, "What the grid
+        resolves").
 
         Parameters
         ----------
         width : float
-            [time].
+            Length of the time interval [time].
         until : float
             Time up to which f matters [time].
         """
@@ -112,44 +129,62 @@ class LoadHistory(ABC):
     @property
     @abstractmethod
     def pieces(self) -> Pieces:
-        """Jumps, kinks and waves whose sum it is."""
+        """The jumps, kinks and waves whose sum is f."""
 
     def value(self, t: ArrayLike) -> Array:
-        """f(t) at times t [time], any shape; at a jump the value before it."""
+        """Return f(t) at times t [time], any shape; at a jump the value before it."""
         return self.pieces.value(t)
 
     def integral(self, t: ArrayLike) -> Array:
-        """int_0^t f [time], any shape."""
+        """Return the integral of f from 0 to t [time], any shape."""
         return self.pieces.integral(t)
 
     def mean(self, start: ArrayLike, end: ArrayLike) -> Array:
-        """Mean of f over the intervals start < t < end, any shape."""
+        """Return the mean of f over intervals start < t < end [time], any shape."""
         start, end = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
         return (self.integral(end) - self.integral(start)) / (end - start)
 
 
 @dataclass(frozen=True)
 class Step(LoadHistory):
-    """Shock load: f = H(t)."""
+    """A sudden load that stays: f = H(t).
+
+    Examples
+    --------
+    >>> from semianalytic import Step
+    >>> Step().value([-1.0, 0.0, 1.0]).tolist()
+    [0.0, 0.0, 1.0]
+    """
 
     @cached_property
     def pieces(self) -> Pieces:
-        """One jump."""
+        """The jump at t = 0."""
         return Pieces(jumps=((0.0, 1.0),))
 
     def turn(self, width: float, until: float) -> float:
-        """0: it stays."""
+        """Return 0: a step never turns."""
         return 0.0
 
 
 @dataclass(frozen=True)
 class Ramp(LoadHistory):
-    """Load rising linearly from 0 to 1 over `rise_time` [time], then constant; a step if it is 0.
+    """A load that rises linearly from 0 to 1 and then stays constant.
+
+    Parameters
+    ----------
+    rise_time : float
+        Time over which it rises [time]; a step if it is 0.
 
     Raises
     ------
     SceneError
         If the rise time is negative or not a finite number.
+
+    Examples
+    --------
+    >>> from semianalytic import Ramp
+    >>> Ramp(rise_time=2.0).value([0.0, 0.5, 3.0]).tolist()
+    [0.0, 0.25, 1.0]
     """
 
     rise_time: float
@@ -162,24 +197,25 @@ class Ramp(LoadHistory):
 
     @property
     def _sudden(self) -> bool:
-        """Whether the slope would be infinite."""
+        """Whether the slope would overflow, so that the ramp is a step."""
         return self.rise_time == 0 or math.isinf(1 / self.rise_time)
 
     @cached_property
     def pieces(self) -> Pieces:
-        """Two kinks; a jump where the slope would be infinite."""
+        """The kinks at both ends of the rise, or one jump where the slope would overflow."""
         if self._sudden:
             return Pieces(jumps=((0.0, 1.0),))
         slope = 1 / self.rise_time
         return Pieces(kinks=((0.0, slope), (self.rise_time, -slope)))
 
     def value(self, t: ArrayLike) -> Array:
-        """f(t), any shape; not as a sum, which loses the digits of very short ramps."""
+        """Return f(t), any shape."""
         t = np.asarray(t, dtype=float)
+        # not as a sum of pieces, which loses digits for very short ramps
         return super().value(t) if self._sudden else np.clip(t / self.rise_time, 0.0, 1.0)
 
     def integral(self, t: ArrayLike) -> Array:
-        """int_0^t f [time], any shape; likewise."""
+        """Return the integral of f from 0 to t [time], any shape."""
         if self._sudden:
             return super().integral(t)
         t = np.maximum(np.asarray(t, dtype=float), 0.0)
@@ -187,24 +223,32 @@ class Ramp(LoadHistory):
         return rising * (rising / self.rise_time) / 2 + (t - rising)
 
     def turn(self, width: float, until: float) -> float:
-        """0: it only rises."""
+        """Return 0: a ramp only rises."""
         return 0.0
 
 
 @dataclass(frozen=True)
 class Pulse(LoadHistory):
-    """Load that comes and goes within `duration` [time], with largest value 1.
+    """A load that rises and falls back to 0 within a time, with largest value 1.
 
     Parameters
     ----------
     duration : float
-    shape : "rectangle", "triangle" (up and down evenly), "half-sine" or "haversine"
-        (1 - cos)/2, which starts and ends without a kink.
+        Time from its beginning to its end [time], positive.
+    shape : str
+        "rectangle", "triangle" (up and down evenly), "half-sine", or "haversine", (1 - cos)/2,
+        which starts and ends without a kink.
 
     Raises
     ------
     SceneError
         If the duration is not positive or the shape is unknown.
+
+    Examples
+    --------
+    >>> from semianalytic import Pulse
+    >>> Pulse(duration=2.0, shape="triangle").value([0.5, 1.0, 1.5, 2.5]).tolist()
+    [0.5, 1.0, 0.5, 0.0]
     """
 
     duration: float
@@ -220,7 +264,7 @@ class Pulse(LoadHistory):
 
     @cached_property
     def pieces(self) -> Pieces:
-        """Jumps, kinks or waves, by shape."""
+        """The jumps, kinks or waves that make up the shape."""
         end = float(self.duration)
         if self.shape == "rectangle":
             return Pieces(jumps=((0.0, 1.0), (end, -1.0)))
@@ -229,11 +273,15 @@ class Pulse(LoadHistory):
             return Pieces(kinks=((0.0, slope), (end / 2, -2 * slope), (end, slope)))
         if self.shape == "half-sine":
             per = 0.5 / end
+            # a sine that begins at the end, half a period later, cancels the first one
             return Pieces(waves=(Wave(0.0, 1.0, per, False), Wave(end, 1.0, per, False)))
         return Pieces(waves=(Wave(0.0, 0.5, 1 / end, True), Wave(end, -0.5, 1 / end, True)))
 
     def turn(self, width: float, until: float) -> float:
-        """Around its middle; a rectangle turns where it is no longer than `width`."""
+        """Return the turn around the middle; see `LoadHistory.turn`.
+
+        A rectangle turns if it is no longer than `width`.
+        """
         share = min(width / self.duration, 1.0)
         if self.shape == "rectangle":
             return float(share == 1 and self.duration < until)
@@ -249,12 +297,23 @@ class Pulse(LoadHistory):
 
 @dataclass(frozen=True)
 class Harmonic(LoadHistory):
-    """f = sin(2 pi frequency t) for t > 0, `frequency` in cycles per time.
+    """A load that oscillates from t = 0 on: f = sin(2 pi frequency t).
+
+    Parameters
+    ----------
+    frequency : float
+        Cycles per time [1 / time], positive.
 
     Raises
     ------
     SceneError
         If the frequency is not positive.
+
+    Examples
+    --------
+    >>> from semianalytic import Harmonic
+    >>> Harmonic(frequency=0.5).value([0.0, 0.5, 1.5]).round(12).tolist()
+    [0.0, 1.0, -1.0]
     """
 
     frequency: float
@@ -265,18 +324,18 @@ class Harmonic(LoadHistory):
 
     @cached_property
     def pieces(self) -> Pieces:
-        """One wave."""
+        """The sine wave from t = 0 on."""
         return Pieces(waves=(Wave(0.0, 1.0, float(self.frequency), False),))
 
     def turn(self, width: float, until: float) -> float:
-        """Around its crests."""
+        """Return the turn around a crest; see `LoadHistory.turn`."""
         if until * self.frequency <= 0.25:
             return 0.0
         return float(1 - np.cos(np.pi * min(width * self.frequency, 1.0)))
 
 
 def _samples(given: Iterable[float]) -> Array:
-    """Samples of a table (n,); SceneError unless all are finite numbers."""
+    """Return the samples of a table (n,); raise SceneError unless all are finite numbers."""
     try:
         listed = list(given)
     except TypeError as error:
@@ -295,17 +354,27 @@ def _samples(given: Iterable[float]) -> Array:
 
 @dataclass(frozen=True)
 class Tabulated(LoadHistory):
-    """Load interpolated linearly between samples, 0 before the first and constant after the last.
+    """A load that is interpolated linearly between samples.
+
+    It is 0 before the first sample and constant after the last.
 
     Parameters
     ----------
-    t : increasing times >= 0 [time]; one time given twice is a jump.
-    value_at_t : values there; a first value other than 0 is a jump at t[0].
+    t : sequence of float
+        Increasing times >= 0 [time]; a time given twice is a jump.
+    value_at_t : sequence of float
+        Values at these times; a first value other than 0 is a jump at t[0].
 
     Raises
     ------
     SceneError
         If the samples are not finite numbers, not of one length, or not in order.
+
+    Examples
+    --------
+    >>> from semianalytic import Tabulated
+    >>> Tabulated(t=(0.0, 1.0, 2.0), value_at_t=(0.0, 1.0, 0.5)).value([0.5, 1.5, 9.0]).tolist()
+    [0.5, 0.75, 0.5]
     """
 
     t: tuple[float, ...]
@@ -338,7 +407,7 @@ class Tabulated(LoadHistory):
 
     @cached_property
     def pieces(self) -> Pieces:
-        """Jumps where a time is given twice, kinks elsewhere."""
+        """The jumps where a time is given twice, and the kinks at the other samples."""
         times, values = np.array(self.t), np.array(self.value_at_t)
         width, rise = np.diff(times), np.diff(values)
         sloped = width > 0
@@ -354,7 +423,8 @@ class Tabulated(LoadHistory):
         )
 
     def value(self, t: ArrayLike) -> Array:
-        """f(t), any shape; at a jump the value before it.  Looked up, not summed over samples."""
+        """Return f(t), any shape; at a jump the value before it."""
+        # looked up, since a sum over the samples would take much longer
         t = np.asarray(t, dtype=float)
         times, values = np.array(self.t), np.array(self.value_at_t)
         after = np.searchsorted(times, t, "left")
@@ -365,9 +435,10 @@ class Tabulated(LoadHistory):
         return np.where(t <= times[0], 0.0, inside)
 
     def integral(self, t: ArrayLike) -> Array:
-        """int_0^t f [time], any shape; from the areas between samples, not summed over all."""
+        """Return the integral of f from 0 to t [time], any shape."""
         t = np.asarray(t, dtype=float)
         times, values = np.array(self.t), np.array(self.value_at_t)
+        # areas up to each sample, by trapezoids
         areas = np.concatenate([[0.0], np.cumsum(np.diff(times) * (values[1:] + values[:-1]) / 2)])
         left = np.maximum(np.searchsorted(times, t, "left") - 1, 0)
         lag = np.maximum(t - times[left], 0.0)
@@ -376,7 +447,10 @@ class Tabulated(LoadHistory):
         return areas[left] + lag * (values[left] + here) / 2
 
     def turn(self, width: float, until: float) -> float:
-        """Around every sample, and half-way between, by windows that lie before and behind it."""
+        """Return the largest turn around a sample or a midpoint; see `LoadHistory.turn`.
+
+        Windows of the given width are placed around each of them in several ways.
+        """
         times, values = np.array(self.t), np.array(self.value_at_t)
         seen = times < until
         times = np.concatenate([times[:1], times[seen], [until]])
@@ -389,6 +463,7 @@ class Tabulated(LoadHistory):
         highest = 0.0
         for sign in (1, -1):
             least = _Least(times, sign * values)
+            # a turn is how far the sample stands above the least value before it, and after it
             for before in width * np.linspace(0, 1, 9):
                 lower = np.maximum(least(-before, 0.0), least(0.0, width - before))
                 highest = max(highest, float((sign * values - lower).max()))
@@ -396,7 +471,7 @@ class Tabulated(LoadHistory):
 
 
 class _Least:
-    """Least value of a piecewise linear function in windows around its own samples."""
+    """Find the least value of a piecewise linear function in windows around its own samples."""
 
     def __init__(self, times: Array, values: Array) -> None:
         self._times, self._values = times, values
@@ -407,9 +482,10 @@ class _Least:
             self._rows.append(np.minimum(last[:-reach], last[reach:]))
 
     def __call__(self, start: float, end: float) -> Array:
-        """Over start <= t - times <= end, with start <= 0 <= end, (n,).
+        """Return the least value over start <= t - times <= end, with start <= 0 <= end, (n,).
 
-        Of samples at one time those before, or behind, where the window ends there.
+        If a window ends at the time of its sample, and another sample has the same time, only the
+        sample itself and those on the side of the window count.
         """
         times, values = self._times, self._values
         own = np.arange(len(times))

@@ -26,6 +26,15 @@ class Material:
     ------
     SceneError
         If a parameter is not a finite number or outside its range.
+
+    Examples
+    --------
+    >>> from semianalytic import Material
+    >>> steel = Material(shear_modulus=80e9, density=7800.0, poisson_ratio=0.25)
+    >>> round(steel.shear_speed), round(steel.longitudinal_speed)
+    (3203, 5547)
+    >>> round(steel.rayleigh_speed / steel.shear_speed, 4)
+    0.9194
     """
 
     shear_modulus: float
@@ -58,13 +67,16 @@ class Material:
     def rayleigh_speed(self) -> float:
         """Speed c_R of Rayleigh waves [length / time]: the root of the Rayleigh function (4.17).
 
-        Found from the cubic in (c_R/c_t)^2 (the article's closed form, Appendix A, is garbled).
+        It is found from the cubic for (c_R/c_t)^2, since the closed form of the article's Appendix
+        A is garbled (docs/theory.md, "What the article got wrong").
         """
         ratio2 = (self.shear_speed / self.longitudinal_speed) ** 2
 
         def cubic(r: float) -> float:
             return ((r - 8) * r + 24 - 16 * ratio2) * r - 16 * (1 - ratio2)
 
+        # The cubic has one root between 0.1 and 1 and is negative below it; bisect to the last
+        # digit.
         low, high = 0.1, 1.0
         while low < (middle := (low + high) / 2) < high:
             low, high = (middle, high) if cubic(middle) < 0 else (low, middle)

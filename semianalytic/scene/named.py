@@ -1,4 +1,4 @@
-"""Scenes by name, from a TOML file, and with single parameters overridden."""
+"""Find scenes by name, read them from TOML files, and override single parameters."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ TABLES = {
 LOWER_MATERIAL = "lower_material"
 OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
 WORDS = ("mode", "load_on", "units")
-"""Optional keys that are no numbers; what they may be is for the scene to judge."""
+"""Optional keys whose values are words; the scene checks them."""
 
 
 @dataclass(frozen=True)
 class NamedScene:
-    """A scene that comes with the package, and one line saying what it shows."""
+    """A scene that comes with the package, and a line that says what it shows."""
 
     scene: Scene
     summary: str
@@ -104,21 +104,32 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
 
 
 def find_scene(source: str | PathLike[str]) -> Scene:
-    """Scene called by its name or by the path of a TOML file.
+    """Find a scene by its name or by the path of a TOML file.
 
     Parameters
     ----------
-    source : str
-        A key of `NAMED_SCENES`, a path (anything that ends in .toml or exists as a file), or the
-        name of a scene that a package brings (docs/extending.md).
+    source : str or path
+        A key of `NAMED_SCENES` (docs/scenes.md), a path (anything that ends in .toml or exists as a
+        file), or the name of a scene that another package brings (docs/extending.md).
+
+    Returns
+    -------
+    Scene
 
     Raises
     ------
     SceneError
-        If there is no such scene or file, or the file does not describe a scene, or one of two
-        materials.
+        If there is no such scene or file, or the file does not describe a scene, or describes a
+        scene of two materials.
     PluginError
-        If the package that brings the scene is broken, or not the only one.
+        If the package that brings the scene is broken, or two packages bring it.
+
+    Examples
+    --------
+    >>> from semianalytic import find_scene
+    >>> scene = find_scene("preloaded")
+    >>> scene.friction, scene.load
+    (0.3, Tractions(pressure=0.0, shear=1.0))
     """
     if not isinstance(source, str | PathLike):
         raise SceneError(
@@ -129,7 +140,7 @@ def find_scene(source: str | PathLike[str]) -> Scene:
 
 
 def find_blocks(source: str) -> tuple[Scene, Material | None]:
-    """Scene as by `find_scene`, and the lower material of its file; None if there is none."""
+    """Find a scene like `find_scene`, with the lower material of its file; None without one."""
     if source in NAMED_SCENES:
         return NAMED_SCENES[source].scene, None
     if _is_file(source):
@@ -144,12 +155,13 @@ def find_blocks(source: str) -> tuple[Scene, Material | None]:
 
 
 def _is_file(source: str) -> bool:
+    """Return whether a source is meant as a file, not as a name."""
     path = Path(source)
     return path.suffix == ".toml" or path.is_file()
 
 
 def brought_scene(plugin: Plugin) -> Scene:
-    """The scene that a package brings, as such or by a function without arguments.
+    """Return the scene that a package brings, either itself or by a function without arguments.
 
     Raises
     ------
@@ -164,27 +176,30 @@ def brought_scene(plugin: Plugin) -> Scene:
 
 
 def brought_summary(plugin: Plugin) -> str:
-    """One line saying what the scene of a package shows: the first of its function's docstring."""
+    """Return a line that says what the scene of a package shows.
+
+    It is the first line of the docstring of the function that makes the scene.
+    """
     brought = plugin.load()
     lines = (brought.__doc__ or "").strip().splitlines() if callable(brought) else []
     return lines[0] if lines else ""
 
 
 def scene_label(source: str) -> str:
-    """Short name of a scene for titles: its name, or the stem of its file."""
+    """Return a short name of a scene for titles: its name, or the stem of its file."""
     named = source in NAMED_SCENES or not _is_file(source)
     return source if named else Path(source).stem
 
 
 def scene_folder(source: str, overrides: Mapping[str, float | str]) -> Path:
-    """Folder for the results of a scene, as results/preloaded or results/preloaded-friction-0.31.
+    """Return the folder for the results of a scene, such as results/preloaded-friction-0.31.
 
     Parameters
     ----------
     source : str
-        As for `find_scene`.
+        Name or file of the scene, as for `find_scene`.
     overrides : mapping
-        What is put in place of the scene's own values, as for `override_scene`.
+        Values that replace the scene's own, as for `override_scene`.
     """
     changes = (
         f"{name.replace('_', '-')}-{str(value).removesuffix('.0')}"
@@ -194,11 +209,11 @@ def scene_folder(source: str, overrides: Mapping[str, float | str]) -> Path:
 
 
 def read_scene(path: str | Path) -> Scene:
-    """Scene described by a TOML file.
+    """Read the scene that a TOML file describes.
 
     The file holds ``friction``, ``[material]`` with shear_modulus, density and poisson_ratio, and
-    ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units; and if
-    wanted ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
+    ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units.  It may hold
+    ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
     ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).
     Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on = "remote"``
     lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s and Pa.
@@ -206,14 +221,14 @@ def read_scene(path: str | Path) -> Scene:
     Raises
     ------
     SceneError
-        If the file cannot be read, or a key is missing, unknown, of the wrong type or out of
-        range, or describes two materials; the message names file and key.
+        If the file cannot be read, if a key is missing, unknown, of the wrong type or out of range,
+        or if the file describes two materials; the message names file and key.
     """
     return _identical(path, *read_blocks(path))
 
 
 def _identical(source: str | Path, scene: Scene, lower: Material | None) -> Scene:
-    """The scene, unless its lower block is of another material."""
+    """Return the scene; raise SceneError if its lower block is of another material."""
     if lower not in (None, scene.material):
         raise SceneError(
             f"{source}: the theory and its solvers know identical bodies only, so take out "
@@ -224,9 +239,9 @@ def _identical(source: str | Path, scene: Scene, lower: Material | None) -> Scen
 
 
 def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
-    """Scene as by `read_scene`, and what ``[lower_material]`` says; None if it is not there.
+    """Read a scene like `read_scene`, with the material of ``[lower_material]``; None without one.
 
-    That table holds what ``[material]`` does, for the lower block.
+    That table has the keys of ``[material]``, for the lower block.
     """
     try:
         document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
@@ -265,9 +280,10 @@ def override_scene(
     mode: str | None = None,
     load_on: str | None = None,
 ) -> Scene:
-    """The scene with every parameter that is not None replaced.
+    """Return a scene with every parameter replaced that is not None.
 
-    A viscosity turns constant friction into viscous friction, and 0 turns it back.
+    Dimensions are those of `Scene`, `Material` and `Tractions`.  A viscosity turns constant
+    friction into viscous friction, and 0 turns it back.
 
     Raises
     ------
@@ -292,7 +308,7 @@ def override_scene(
 
 
 def _with_viscosity(law: FrictionLaw, viscosity: float | None) -> FrictionLaw:
-    """The law with a viscosity in place of its own, constant friction without any."""
+    """Return a law with this viscosity; Coulomb friction if it is 0, the same law if it is None."""
     if viscosity is None:
         return law
     if not isinstance(law, CoulombFriction | ViscousFriction):
@@ -304,11 +320,12 @@ def _with_viscosity(law: FrictionLaw, viscosity: float | None) -> FrictionLaw:
 
 
 def _replace_given(description: Any, **values: float | None) -> Any:
+    """Return a dataclass with the fields replaced that are not None."""
     return replace(description, **{key: v for key, v in values.items() if v is not None})
 
 
 _NAMED_OTHERWISE = {"step": "what is loaded goes into the table [load]."}
-"""Keys one may take for others that are spelt too differently to be guessed."""
+"""Hints for keys that may be mistaken for others but are spelt too differently to be guessed."""
 
 
 def _check_keys(
@@ -318,7 +335,7 @@ def _check_keys(
     expected: tuple[str, ...],
     optional: tuple[str, ...] = (),
 ) -> None:
-    """Raise unless the table holds the expected keys and no others but optional ones."""
+    """Raise SceneError unless a table has all expected keys, and besides only optional ones."""
     known = (*expected, *optional)
     for key, value in table.items():
         if key not in known:

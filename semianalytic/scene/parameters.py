@@ -1,4 +1,4 @@
-"""What the numbers of a scene are: dimension and meaning of each, for files, units and help."""
+"""Dimension and meaning of each parameter of a scene, for files, units and help texts."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from semianalytic.scene.loads import LoadHistory
 
 
 class Parameter(NamedTuple):
-    """Dimension, as in `semianalytic.scene.units`, "" for words; and what it means."""
+    """A parameter: its dimension as in `semianalytic.scene.units` ("" for words), and meaning."""
 
     dimension: str
     meaning: str
@@ -41,10 +41,11 @@ _OF_PARTS: Mapping[str, Parameter] = {
 
 
 def part_parameters(kind: type[LoadHistory] | type[FrictionLaw]) -> dict[str, Parameter]:
-    """Parameters of a class of load histories or friction laws, by name.
+    """Return the parameters of a class of load histories or friction laws, by name.
 
-    Those of a package of your own say what they are in the metadata of their fields, as in
-    ``field(metadata={"dimension": "length", "meaning": "..."})``; else they are taken for "1".
+    A class of another package declares them in the metadata of its fields, as in
+    ``field(metadata={"dimension": "length", "meaning": "..."})``; otherwise they are taken as
+    dimensionless, "1".
     """
     described: tuple[Field[Any], ...] = fields(kind)  # type: ignore[arg-type]
     return {one.name: _parameter(one) for one in described}

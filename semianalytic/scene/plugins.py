@@ -1,7 +1,8 @@
-"""What installed packages bring beside ours: scenes, friction laws, load histories, figures.
+"""Plugins: scenes, friction laws, load histories and figures that other packages bring.
 
-A package names them by entry points (docs/extending.md).  They are looked for only where a name is
-none of ours, so that ours cannot be replaced; what is in a package is imported when it is used.
+A package names them by entry points (docs/extending.md).  They are looked up only if this package
+has nothing of the name, so that its own cannot be replaced.  A package is imported when one of its
+plugins is used.
 """
 
 from __future__ import annotations
@@ -24,20 +25,23 @@ SCENES, LAWS, HISTORIES, FIGURES = GROUPS = (
     "slipfront.histories",
     "slipfront.figures",
 )
-"""Of entry points."""
+"""Groups of entry points."""
 
 _NOUNS = {SCENES: "scene", LAWS: "friction law", HISTORIES: "load history", FIGURES: "figure"}
 
 
 @dataclass(frozen=True)
 class Plugin:
-    """One thing that a package brings.
+    """One scene, law, history or figure that another package brings.
 
     Attributes
     ----------
     group : str
-        Of `GROUPS`.
+        Group of entry points, one of `GROUPS`.
     name, package : str
+        Its name, and that of the package.
+    entry : EntryPoint
+        Entry point that is loaded when it is used.
     """
 
     group: str
@@ -47,16 +51,16 @@ class Plugin:
 
     @property
     def noun(self) -> str:
-        """What it is, in a word or two."""
+        """The kind of plugin, in a word or two."""
         return _NOUNS[self.group]
 
     @property
     def what(self) -> str:
-        """Its name and that of its package, for messages."""
+        """Kind, name and package, for messages."""
         return f"the {self.noun} {self.name!r} of the package {self.package}"
 
     def load(self) -> Any:
-        """What the entry point names.
+        """Import and return the object that the entry point names.
 
         Raises
         ------
@@ -66,12 +70,12 @@ class Plugin:
         return self.guarded("cannot be imported", self.entry.load)
 
     def guarded(self, failing: str, run: Callable[[], Any]) -> Any:
-        """What a function of the package returns.
+        """Call a function of the package and return its result.
 
         Raises
         ------
         PluginError
-            Whatever the function raises; `failing` says what went wrong.
+            If the function raises anything; `failing` says what went wrong.
         """
         try:
             return run()
@@ -80,7 +84,7 @@ class Plugin:
             raise self.error(f"{failing} ({reason})") from error
 
     def error(self, failing: str) -> PluginError:
-        """What is wrong with it, and what to do."""
+        """Make the error that says what is wrong with the plugin, and what to do."""
         return PluginError(
             f"{self.what[0].upper()}{self.what[1:]} {failing}; mend or uninstall that package."
         )
@@ -88,7 +92,7 @@ class Plugin:
 
 @cache
 def plugins(group: str) -> tuple[Plugin, ...]:
-    """What installed packages bring in a group, in the order of names; nothing is imported."""
+    """Return the plugins of a group, in the order of their names; nothing is imported."""
     from importlib.metadata import entry_points
 
     brought = (
@@ -99,17 +103,17 @@ def plugins(group: str) -> tuple[Plugin, ...]:
 
 
 def plugin_names(group: str, own: Collection[str] = ()) -> list[str]:
-    """Names in a group that are none of ours."""
+    """Return the names of plugins in a group that are not among the package's own names."""
     return [name for name in dict.fromkeys(one.name for one in plugins(group)) if name not in own]
 
 
 def find_plugin(group: str, name: str) -> Plugin | None:
-    """What a name stands for in a group; None if no package has it.
+    """Return the plugin of a name in a group; None if no package has it.
 
     Raises
     ------
     PluginError
-        If two packages bring one of that name.
+        If two packages bring a plugin of that name.
     """
     named = [one for one in plugins(group) if one.name == name]
     if len(named) > 1:
@@ -122,22 +126,23 @@ def find_plugin(group: str, name: str) -> Plugin | None:
 
 
 def known_class(group: str, base: type, own: Mapping[str, type], kind: str) -> type | None:
-    """The class that a kind stands for: one of ours, or of a package; None if there is none.
+    """Return the class that a kind stands for, from this package or a plugin; None without one.
 
     Parameters
     ----------
     group : str
         `LAWS` or `HISTORIES`.
     base : type
-        What a class of a package must inherit.
+        Base class that a class of a plugin must inherit.
     own : mapping from kind to class
-        Ours.
+        Classes of this package.
     kind : str
+        Name by which a scene refers to the class.
 
     Raises
     ------
     PluginError
-        If the class of a package is not what solvers need.
+        If the class of a plugin lacks something that solvers need.
     """
     if kind in own:
         return own[kind]
@@ -151,7 +156,7 @@ def known_class(group: str, base: type, own: Mapping[str, type], kind: str) -> t
 
 
 def kind_of(group: str, base: type, own: Mapping[str, type], described: type) -> str | None:
-    """The kind that a class goes by, the reverse of `known_class`; None if it has none."""
+    """Return the kind of a class, the reverse of `known_class`; None if it has none."""
     for kind, known in own.items():
         if known is described:
             return kind
@@ -166,14 +171,14 @@ def _kind_brought(
         try:
             named = plugin.load() is described
         except PluginError:
-            continue  # of another package, which this one need not suffer for
+            continue  # another package is broken; that does not concern this class
         if named and known_class(group, base, dict(own), plugin.name) is described:
             return plugin.name
     return None
 
 
 def _failings(described: Any, base: type, own: Collection[type]) -> Iterator[str]:
-    """What a class of a package lacks, in words that go behind its name."""
+    """Yield what a class of a plugin lacks, in words that follow its name in a message."""
     if not (isinstance(described, type) and issubclass(described, base)):
         yield f"must be a class that inherits {base.__name__}, not {shown(described)}"
         return
@@ -192,7 +197,7 @@ def _failings(described: Any, base: type, own: Collection[type]) -> Iterator[str
 
 
 def _same_arguments(method: Any, asked: Any) -> bool:
-    """Whether a method can be called as the one it stands for; values need not be methods."""
+    """Return whether a method can be called like the abstract one; values need not be methods."""
     if not callable(asked):
         return True
     try:

@@ -1,4 +1,4 @@
-"""The length that slip weakening gives a front."""
+"""The process zone of slip weakening: the length over which friction falls behind a front."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from semianalytic.scene.scene import Scene
 
 
 def process_zone(scene: Scene) -> float:
-    """Length within which friction weakens behind a front [length]; inf if slip does not weaken it.
+    """Return the length within which friction weakens behind a front [length].
 
-    mu / ((1 - nu) f p w), in antiplane shear without 1 - nu, under the pressure p in place, w being
-    the largest fall of the friction factor per slip: a crack of about that length is as compliant
-    as friction weakens.
+    It is mu / ((1 - nu) f p w), in antiplane shear without 1 - nu, where p is the pressure in place
+    and w the largest fall of the friction factor per slip: a crack of about that length is as
+    compliant as friction weakens.  It is inf if friction does not weaken with slip.
     """
     held = scene.superposition.in_place
     fall = scene.friction * held.pressure * scene.friction_law.fall_with_slip

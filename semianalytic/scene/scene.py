@@ -1,9 +1,9 @@
-"""What is loaded, by what, and with which friction: the description every solver shares.
+"""The scene: bodies, loads and friction, the description that all solvers share.
 
-Conventions (all modules): interface y = 0, contact on x > 0, open slot on x < 0.  Compressive
-pressure is positive.  Shear traction is sigma_xy on y = 0, in plane strain, or sigma_yz in
-antiplane shear, where nothing depends on z.  Slip and slip rate are relative (upper face minus
-lower face), positive towards +x, or +z.  Any consistent set of units will do.
+Conventions of all modules: the interface is y = 0, with contact on x > 0 and an open slot on x < 0.
+Compressive pressure is positive.  Shear traction is sigma_xy on y = 0 in plane strain, or sigma_yz
+in antiplane shear, where nothing depends on z.  Slip and slip rate are relative (upper face minus
+lower face), positive towards +x, or +z.  Any consistent set of units may be used.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ HISTORY_KINDS: Mapping[str, type[LoadHistory]] = {
 }
 IN_PLANE, ANTIPLANE = "in-plane", "antiplane"
 MODES = (IN_PLANE, ANTIPLANE)
-"""Which way shear acts: along x, across the edge of the contact, or along z, along that edge."""
+"""Directions of shear: along x, across the edge of the contact, or along z, along that edge."""
 
 FRICTION_LAWS: Mapping[str, type[FrictionLaw]] = {
     "coulomb": CoulombFriction,
@@ -54,7 +54,11 @@ FRICTION_LAWS: Mapping[str, type[FrictionLaw]] = {
 
 
 class _Part(NamedTuple):
-    """What goes by its kind in a scene: entry points, what its classes inherit, ours, the usual."""
+    """A part of a scene that is named by a kind in files.
+
+    It has a group of entry points, the base class of its classes, the classes of this package by
+    kind, and the default.
+    """
 
     group: str
     base: type
@@ -68,27 +72,27 @@ _PARTS: Mapping[str, _Part] = {
     "shear_history": _HISTORY,
     "friction_law": _Part(LAWS, FrictionLaw, FRICTION_LAWS, CoulombFriction()),
 }
-"""By name of the field of a scene."""
+"""The parts by name of the field of a scene."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """Two identical half-planes, Coulomb friction, base tractions and a load.
+    """Two identical half-planes in frictional contact, with base tractions and a load.
 
     Parameters
     ----------
     material : Material
-        The solid on both sides.
+        Solid on both sides of the interface.
     friction : float
         Coulomb friction coefficient f >= 0.
     base : Tractions
-        Uniform tractions (P_b, Q_b), in place on the whole line y = 0 and at rest before t = 0.
+        Uniform tractions (P_b, Q_b) [stress] on the whole line y = 0, at rest before t = 0.
     load : Tractions
-        Load (P_0, Q_0); `load_on` says where it acts.
+        Load (P_0, Q_0) [stress]; `load_on` says where it acts.
     pressure_history, shear_history : LoadHistory
-        How P_0 and Q_0 rise and fall, f(t); steps unless given.
+        Histories f(t) by which P_0 and Q_0 are multiplied; steps by default.
     friction_law : FrictionLaw
-        How strength depends on slip rate and slip; not at all unless given.
+        Dependence of strength on slip rate and slip; Coulomb's law by default, without any.
     mode : str
         "in-plane": shear and slip along x, plane strain; "antiplane": shear and slip along z.
         Pressure acts in plane strain in both.
@@ -97,8 +101,8 @@ class Scene:
         "remote": a plane wave of normal incidence arrives from far away at t = 0, a step, and far
         ahead of the slot the contact then carries (P_b + P_0, Q_b + Q_0).
     units : str
-        "SI" if all numbers are in metres, seconds, kilograms and pascals, which tables then say;
-        "" for any consistent set.  Scenes that differ in it alone are equal.
+        "SI" if all numbers are in metres, seconds, kilograms and pascals, which tables then state;
+        "" for any consistent set.  Scenes that differ only in their units compare as equal.
 
     Raises
     ------
@@ -107,6 +111,20 @@ class Scene:
         the base, or what a remote load makes of it, presses the interface apart, if the base cannot
         be at rest, if a remote load is no step, or if friction falls with slip rate faster than
         radiation can balance under the pressure in place.
+
+    Examples
+    --------
+    >>> from semianalytic import Material, Scene, Tractions
+    >>> scene = Scene(
+    ...     Material(shear_modulus=80e9, density=7800.0, poisson_ratio=1 / 3),
+    ...     friction=0.3,
+    ...     base=Tractions(pressure=5e6, shear=0.0),
+    ...     load=Tractions(pressure=0.0, shear=5e6),
+    ... )
+    >>> scene.is_self_similar
+    True
+    >>> scene.superposition.taken_off
+    Tractions(pressure=0.0, shear=5000000.0)
     """
 
     material: Material
@@ -121,7 +139,7 @@ class Scene:
     units: str = field(default="", compare=False)
 
     def __new__(cls, *args: Any, **given: Any) -> Scene:
-        """A scene to be filled, unless a parameter is none: Python's own words do not help."""
+        """Make a scene to be filled; refuse unknown parameters with a hint that helps."""
         for name in given.keys() - cls.__dataclass_fields__.keys():
             if name == "lower_material":
                 raise SceneError(
@@ -169,7 +187,7 @@ class Scene:
         self.check_weakening(self.superposition.in_place.pressure)
 
     def _check_rest(self) -> None:
-        """Raise SceneError unless friction holds the base."""
+        """Raise SceneError unless friction holds the interface under the base tractions."""
         if self._at_rest(self.base):
             return
         before = self.base.plus(Tractions(-self.load.pressure, -self.load.shear))
@@ -199,7 +217,7 @@ class Scene:
             )
 
     def __repr__(self) -> str:
-        """As it is made, without what is left at its default."""
+        """Return the expression that makes the scene, without parameters at their default."""
         values = {part.name: getattr(self, part.name) for part in fields(self)}
         defaults = {
             part.name: part.default if part.default_factory is MISSING else part.default_factory()
@@ -211,6 +229,8 @@ class Scene:
     def check_weakening(self, pressure: float) -> None:
         """Raise SceneError if rate weakening is ill posed under a pressure [stress]."""
         slope = self.friction * pressure * self.friction_law.fall_with_rate
+        # rho c_t / 2, the local term of the space-time equation: a steeper law would have several
+        # slip rates, or none, for one stopping traction (docs/theory.md, "Any load history")
         radiated = self.material.shear_impedance / 2
         if slope >= radiated:
             raise SceneError(
@@ -221,6 +241,7 @@ class Scene:
             )
 
     def _at_rest(self, tractions: Tractions) -> bool:
+        """Return whether friction holds the interface under tractions, up to rounding."""
         strength = self.friction * tractions.pressure
         return tractions.pressure >= 0 and abs(tractions.shear) <= strength * (1 + 1e-12)
 
@@ -236,14 +257,14 @@ class Scene:
 
     @property
     def shear_mode(self) -> Literal["II", "III"]:
-        """Mode of fracture that shear loads the edge in."""
+        """Mode of fracture in which shear loads the edge."""
         return "III" if self.antiplane else "II"
 
     @property
     def static_modulus(self) -> float:
-        """Shear traction of standing slip over its wave number and half of it [stress].
+        """Static shear traction of a slip cos(q x), divided by q/2 times its amplitude [stress].
 
-        mu / (1 - nu) in plane, mu in antiplane shear.
+        It is mu / (1 - nu) in plane strain and mu in antiplane shear.
         """
         material = self.material
         return material.shear_modulus / (1 if self.antiplane else 1 - material.poisson_ratio)
@@ -254,7 +275,7 @@ class Scene:
         return self.fastest_in(self.material)
 
     def fastest_in(self, material: Material) -> float:
-        """The same in another solid, as it may be on the lower side [length / time]."""
+        """Return the speed of the first wave in another solid, such as that of the lower side."""
         alone = self.antiplane and not self.superposition.taken_off.pressure
         return material.shear_speed if alone else material.longitudinal_speed
 
@@ -272,7 +293,7 @@ class Scene:
 
     @property
     def is_self_similar(self) -> bool:
-        """Whether all fields depend on x/t alone: step loads, friction that slip leaves alone."""
+        """Whether all fields depend on x/t alone: step loads, friction independent of slip."""
         return self.is_step and isinstance(self.friction_law, CoulombFriction | RateFriction)
 
     def check_self_similar(self) -> None:
@@ -289,8 +310,8 @@ class Scene:
     def far_slip_rate(self) -> float:
         """Relative slip rate far ahead of all waves [length / time], 2 V(inf), before any slip.
 
-        Zero unless a sudden remote load exceeds friction everywhere, by more than rounding; then
-        strength and radiation balance.
+        It is zero unless a sudden remote load exceeds friction everywhere, by more than rounding;
+        strength and radiation then balance.
         """
         held = self.superposition.in_place
         shear, frictional = abs(held.shear), self.friction * held.pressure
@@ -304,12 +325,12 @@ class Scene:
 
 
 def checked_scene(function: str, given: object) -> Scene:
-    """What a function was given for its scene.
+    """Return what a function was given for its scene, if it is one.
 
     Raises
     ------
     SceneError
-        "{function}: scene must be a Scene, got {given}", and what to write for a name.
+        "{function}: scene must be a Scene, got {given}", with a hint if a name was given.
     """
     if isinstance(given, Scene):
         return given
@@ -318,10 +339,10 @@ def checked_scene(function: str, given: object) -> Scene:
 
 
 def scene_document(scene: Scene) -> dict[str, Any]:
-    """A scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
+    """Return a scene as plain dictionaries, lists, strings and numbers, for TOML or JSON.
 
-    Histories and friction law are named by `kind`; they, the mode, the place of the load and the
-    units are left out where they are the default.
+    Histories and friction law are named by `kind`.  These, the mode, the place of the load and the
+    units are left out if they are the default.
     """
     document: dict[str, Any] = {
         "friction": scene.friction,
@@ -343,13 +364,13 @@ def scene_document(scene: Scene) -> dict[str, Any]:
 
 
 def part_document(part: Any) -> dict[str, Any]:
-    """A history or friction law by its kind and parameters."""
+    """Return a history or friction law as a dictionary of its kind and parameters."""
     known = _PARTS["friction_law" if isinstance(part, FrictionLaw) else "shear_history"]
     return {"kind": kind_of(*known[:3], type(part)), **asdict(part)}
 
 
 def scene_from_document(document: Mapping[str, Any]) -> Scene:
-    """The scene that `scene_document` or a TOML file describes.
+    """Make the scene that a dictionary of `scene_document`, or of a TOML file, describes.
 
     Raises
     ------
@@ -375,7 +396,7 @@ def scene_from_document(document: Mapping[str, Any]) -> Scene:
 
 
 def _named(name: str, part: _Part, table: Any) -> Any:
-    """The history or friction law that a table with a kind and parameters describes."""
+    """Make the history or friction law that a table with a kind and parameters describes."""
     kind = table.get("kind") if isinstance(table, Mapping) else None
     description: Any = None
     if isinstance(kind, str):

@@ -1,4 +1,4 @@
-"""A scene as a TOML file to start from: every parameter with its unit and what it means."""
+"""Scenes as TOML files to start from, with the unit and meaning of every parameter."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ from semianalytic.scene.units import SI, unit
 Part = TypeVar("Part", LoadHistory, FrictionLaw)
 
 SI_SOLID, SI_STRESS = (1e9, 1000.0), 1e6
-"""Shear modulus [Pa] and density [kg/m^3] that stand for 1, near those of polymers, in which shear
-waves take a millisecond for a metre; and the traction that stands for 1 [Pa]."""
+"""Shear modulus [Pa] and density [kg/m^3] that replace 1, near those of polymers, in which a shear
+wave takes a millisecond for a metre; and the traction that replaces 1 [Pa]."""
 
 _HISTORIES: tuple[LoadHistory, ...] = (
     Step(),
@@ -62,9 +62,9 @@ _SAYINGS: Mapping[type, str] = {
 
 
 def in_si_units(scene: Scene) -> Scene:
-    """A scene of unit modulus and density as a solid of `SI_SOLID` under tractions in `SI_STRESS`.
+    """Return a scene of unit modulus and density in SI units, by `SI_SOLID` and `SI_STRESS`.
 
-    Slips at the same x / (c_t t), with times over a metre as they were over a length of 1.
+    The contact slips at the same x / (c_t t); a length of 1 becomes a metre.
 
     Raises
     ------
@@ -100,15 +100,16 @@ def in_si_units(scene: Scene) -> Scene:
 
 
 def scene_text(scene: Scene, origin: str = "") -> str:
-    """A scene as a TOML file with comments; other laws and histories stand in comments.
+    """Write a scene as a TOML file with comments, which also show the other laws and histories.
 
-    `find_scene` of the file is the scene again.
+    `find_scene` reads the same scene from the file.
 
     Parameters
     ----------
     scene : Scene
+        The scene to write.
     origin : str
-        Where it comes from, for the first line.
+        Origin of the scene, for the first line.
     """
     return "\n".join(_lines(scene, origin)) + "\n"
 
@@ -142,7 +143,7 @@ def _lines(scene: Scene, origin: str) -> Iterator[str]:
 
 
 def _part(scene: Scene, own: Part, examples: tuple[Part, ...]) -> Iterator[str]:
-    """A history or law as the scene has it, and behind it the others in comments."""
+    """Return the lines of the scene's history or law, and of the others as comments."""
     yield from _kind(own, scene.units)
     scales = _scales(scene.material, _largest(scene))
     for example in examples:
@@ -159,7 +160,7 @@ def _kind(part: LoadHistory | FrictionLaw, units: str) -> Iterator[str]:
 def _values(
     values: Mapping[str, Any], parameters: Mapping[str, Parameter], units: str
 ) -> Iterator[str]:
-    """Lines of a table, each value with what it means and its unit behind."""
+    """Return the lines of a table, each value followed by its meaning and unit."""
     for name, value in values.items():
         dimension, meaning = parameters[name]
         measure = "" if dimension in ("", "1") else f"[{unit(dimension, units)}]"
@@ -168,7 +169,7 @@ def _values(
 
 
 def _value(value: Any) -> str:
-    """A value as TOML has it; large and small numbers as short as they can be."""
+    """Write a value in TOML, large and small numbers as short as possible."""
     if isinstance(value, tuple):
         return f"[{', '.join(map(_value, value))}]"
     if isinstance(value, str):
@@ -183,13 +184,13 @@ def _value(value: Any) -> str:
 
 
 def _largest(scene: Scene) -> float:
-    """Largest traction of a scene [stress], 1 if there is none."""
+    """Return the largest traction of a scene [stress], 1 if there is none."""
     tractions = (scene.load, scene.base)
     return max(max(abs(one.pressure), abs(one.shear)) for one in tractions) or 1.0
 
 
 def _scales(material: Material, stress: float) -> dict[str, float]:
-    """What 1 stands for in a solid under a traction, by dimension; lengths are slips."""
+    """Return the unit of each dimension in a solid under a traction; lengths are those of slip."""
     speed, impedance = material.shear_speed, material.shear_impedance
     return {
         "1": 1.0,
@@ -203,7 +204,7 @@ def _scales(material: Material, stress: float) -> dict[str, float]:
 
 
 def _scaled(part: Part, scales: Mapping[str, float], digits: int = 15) -> Part:
-    """A history or law of units mu = rho = 1 in those that the scales are of, rounded."""
+    """Convert a history or law from units mu = rho = 1 to those of the scales, rounded."""
     values: dict[str, Any] = {}
     for name, (dimension, _) in part_parameters(type(part)).items():
         if dimension and dimension not in scales:

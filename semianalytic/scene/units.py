@@ -1,4 +1,4 @@
-"""Units of numbers: dimensions where a scene has any consistent set, those of the SI if it says so.
+"""Units of numbers: SI units if a scene declares them, otherwise the dimensions themselves.
 
 Dimensions are written as in the docstrings: "length / time", "stress sqrt(length)".
 """
@@ -25,15 +25,16 @@ _SI_UNITS: Mapping[str, str] = {
 
 
 def unit(dimension: str, units: str = "") -> str:
-    """Unit of a dimension in a system of units.
+    """Return the unit of a dimension in a system of units.
 
     Parameters
     ----------
     dimension : str
-        As "length / time"; what is none, as "1" or "c_t", comes back as it is.
+        The dimension, such as "length / time"; other words, such as "1" or "c_t", are returned as
+        they are.
     units : str
-        Of the scene: "SI", or "" for any consistent set, where the dimension itself, "length/time",
-        stands for the unit.
+        Units of the scene: "SI", or "" for any consistent set, where the dimension itself,
+        "length/time", stands for the unit.
     """
     named = _SI_UNITS.get(dimension) if units == SI else None
     return named or dimension.replace(" / ", "/")

@@ -1,1 +1,1 @@
-"""Where the contact opens: the normal problem alone, gap and pressure >= 0, one of them zero."""
+"""Opening of the contact: the normal problem, in which gap or pressure is zero everywhere."""

@@ -1,4 +1,4 @@
-"""The normal problem, solved: pressure and gap of a contact that opens, over slowness."""
+"""The solved normal problem: pressure and gap of a contact that opens, over slowness."""
 
 from __future__ import annotations
 
@@ -18,13 +18,16 @@ from semianalytic.separation.opening import Opening, opening_of
 
 @dataclass(frozen=True)
 class Normal:
-    """Pressure and gap of a contact that opens, b = mu = 1 and in the unit of stress of its load.
+    """Pressure and gap of a contact that opens, b = mu = 1 and in the stress unit of its load.
 
     Attributes
     ----------
     opening : Opening
-    profile : Profile, minus pressure for traction, the opening of one side for slip
-    error : float, estimate of the error of edges, pressure and rate of the gap
+        Edges of the opening.
+    profile : Profile
+        Fields, with minus pressure as traction and the opening of one side as slip.
+    error : float
+        Estimate of the error of edges, pressure and rate of the gap.
     """
 
     opening: Opening
@@ -32,12 +35,14 @@ class Normal:
     error: float
 
     def pressure(self, at: CutPoints) -> Array:
-        """Contact pressure at points on the cut, any shape; 0 where the contact is open."""
+        """Return the contact pressure at points on the cut, any shape; 0 where it is open."""
         return -self.profile.traction_at(CutPoints(at.parts.reshape(4, -1))).reshape(at.v.shape)
 
     def known_pressure(self) -> Array:
-        """(2, n): slownesses of the nodes, increasing, and about the pressures there: sums over
-        nodes, right to some thousandths."""
+        """Slownesses of the nodes, increasing, and approximate pressures there, (2, n).
+
+        The pressures are sums over nodes, right to some thousandths.
+        """
         fields, panels = self.profile.fields, self.profile.panels
         fall = (fields.traction_slope * panels.jacobian).ravel() * panels.rule.spacing
         pressure = -fields.base_traction - np.cumsum(fall) + fall / 2
@@ -46,9 +51,9 @@ class Normal:
 
 
 def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Load, Normal | None]:
-    """The load with the contact open where it opens, and the normal problem; None if it does not.
+    """Return the load with the contact open where it opens, and the normal problem; None if closed.
 
-    `factors` are those of shear, in or out of the plane.
+    `factors` are those of shear, in plane or antiplane.
 
     Raises
     ------
@@ -72,7 +77,7 @@ def with_opening(load: Load, factors: RayleighFactors, rtol: float) -> tuple[Loa
 
 
 def normal_problem(load: Load, poisson_ratio: float, rtol: float) -> Normal | None:
-    """The normal problem of a load to an accuracy; None if the contact stays closed."""
+    """Solve the normal problem of a load to an accuracy; None if the contact stays closed."""
     tolerance = max(rtol * tuning.RULE_SHARE, tuning.LEAST_TOLERANCE)
     opening = opening_of(poisson_ratio, load.base_pressure, load.load_pressure, tolerance)
     while (

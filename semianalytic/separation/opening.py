@@ -1,4 +1,4 @@
-"""Edges of the opening: where the pressure has fallen to zero, and where the gap has closed.
+"""Edges of the opening: where the pressure falls to zero, and where the gap closes.
 
 The transform P of the change of pressure is real where the contact is open, P / M_+ of mode I is
 real where it is closed, and P(0) = P_0.  There is one opening at most (docs/separation.md):
@@ -31,14 +31,17 @@ from semianalytic.separation import tuning
 
 @dataclass(frozen=True)
 class Opening:
-    """Where the contact is open, in slowness, and the constants of P.
+    """The open part of the contact, in slowness, and the constants of P.
 
     Attributes
     ----------
-    zone : Zone, its sense 1; right None is the contact edge
-    closing : tuple of (edge, r), the term r / (k + edge) where it closes; none at the contact edge
-    error : float, estimate of the error of its edges, relative to c_t, and of its gap, relative to
-        the largest
+    zone : Zone
+        The open part, with sense 1; right None is the contact edge.
+    closing : tuple of (edge, r)
+        The terms r / (k + edge) of edges at which it closes; none at the contact edge.
+    error : float
+        Estimate of the error of its edges, relative to c_t, and of its gap, relative to the
+        largest.
     """
 
     zone: Zone
@@ -47,14 +50,18 @@ class Opening:
 
 
 def opening_of(poisson_ratio: float, base: float, step: float, tolerance: float) -> Opening | None:
-    """The opening under a step of pressure on a base, any unit of stress; None if there is none.
+    """Return the opening under a step of pressure on a base; None if there is none.
 
     Parameters
     ----------
     poisson_ratio : float
-    base : float, P_b > 0
-    step : float, P_0
-    tolerance : float, of the rule on which its edges are placed
+        Poisson ratio of the solid.
+    base : float
+        Base pressure P_b > 0, in any unit of stress.
+    step : float
+        Step of pressure P_0 that is taken off the slot, in the same unit.
+    tolerance : float
+        Tolerance of the rule on which its edges are placed.
 
     Raises
     ------
@@ -70,7 +77,7 @@ def opening_of(poisson_ratio: float, base: float, step: float, tolerance: float)
 
 
 def _from_contact_edge(poisson_ratio: float, ratio: float) -> Opening:
-    """One zone up to the contact edge, where P = P_0 - P_b: closed form of `reference`."""
+    """Return one zone up to the contact edge, where P = P_0 - P_b: closed form of `reference`."""
     factors = rayleigh_factors(poisson_ratio, "I")
     start = (1 - poisson_ratio) * (1 + ratio) ** 2 / factors.a
     return Opening(Zone(factors.cut([start]), None, 1), (), tuning.LEAST_ERROR)
@@ -78,8 +85,11 @@ def _from_contact_edge(poisson_ratio: float, ratio: float) -> Opening:
 
 @lru_cache(maxsize=64)
 def detached_opening(poisson_ratio: float, ratio: float, tolerance: float) -> Opening:
-    """The opening around c under P_0 = 1, placed on a fine rule and compared with a coarser one;
-    those of the 64 most recent scenes are kept, for friction and shear do not change them."""
+    """Return the opening around c under P_0 = 1.
+
+    It is placed on a fine rule and compared with a coarser one.  Those of the 64 most recent scenes
+    are cached, since friction and shear do not change them.
+    """
     problem = Detached(poisson_ratio, ratio, rule_for(tolerance))
     below = 1 + ratio / stuck_traction(poisson_ratio, "I").at_rayleigh_front
     loose = max(min(tuning.LOOSE_RULE, tuning.LOOSE_SHARE * below), tuning.LEAST_LOOSE)
@@ -102,8 +112,10 @@ def detached_opening(poisson_ratio: float, ratio: float, tolerance: float) -> Op
 
 
 def _shift(one: Zone, other: Zone) -> float:
-    """Largest difference of velocities of edges, over c_t; of an opening that is narrow, over its
-    width in so far: the gap follows that."""
+    """Return the largest difference of the velocities of edges, over c_t.
+
+    For a narrow opening it is taken over the width instead, which determines the gap's error.
+    """
     pairs = ((one.left, other.left), (one.right, other.right))
     ends = [(float(1 / p.v[0]), float(1 / q.v[0])) for p, q in pairs if p and q]
     largest = max(abs(before - after) for before, after in ends)
@@ -112,7 +124,7 @@ def _shift(one: Zone, other: Zone) -> float:
 
 
 def _located(problem: Detached) -> tuple[Array, Array]:
-    """Edges by Newton's method, nearly, and the inverse Jacobian there."""
+    """Return approximate edges by Newton's method, and the inverse Jacobian there."""
     unknowns = problem.start()
     nudges = tuning.NUDGE * np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     for _ in range(tuning.MOST_NEWTON_STEPS):
@@ -129,7 +141,7 @@ def _located(problem: Detached) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Detached:
-    """An opening around c under P_0 = 1 on a base: unknown are its edges.
+    """An opening around c under P_0 = 1 on a base, with its edges as unknowns.
 
     The first unknown is the logit of the opening edge between a and c, the second the logarithm of
     the distance of the closing edge from c.
@@ -141,11 +153,11 @@ class Detached:
 
     @property
     def factors(self) -> RayleighFactors:
-        """Of mode I."""
+        """The factors of mode I."""
         return rayleigh_factors(self.poisson_ratio, "I")
 
     def zone(self, unknowns: Array) -> Zone:
-        """The opening of unknowns (2,), or of several (2, k)."""
+        """Return the opening of unknowns (2,), or of several (2, k)."""
         factors = self.factors
         width = factors.c - factors.a
         from_a, from_c = (width / (1 + np.exp(sign * unknowns[0])) for sign in (-1, 1))
@@ -159,9 +171,11 @@ class Detached:
         return Zone(CutPoints(left[..., None]), CutPoints(right[..., None]), 1)
 
     def start(self) -> Array:
-        """Unknowns to begin with, between some that are tried: of opening edges from where the
-        stuck pressure is zero on, the closing edge at which no gap is left, and of these both the
-        one at which no pressure is left."""
+        """Return unknowns to begin with, interpolated between some that are tried.
+
+        Opening edges are tried from where the stuck pressure is zero on.  For each the closing edge
+        is found at which no gap is left, and of these pairs the one at which no pressure is left.
+        """
         width = self.factors.c - self.factors.a
         first = self._tried_openings()
         second = tuning.CLOSINGS[:, None] + np.log(width / (1 + np.exp(first)))
@@ -182,9 +196,11 @@ class Detached:
         return np.array([opens, closing + np.log(width / (1 + np.exp(opens)))])
 
     def _tried_openings(self) -> Array:
-        """Opening edges as unknowns, (m,), from where the stuck pressure is zero on: ahead of that
-        near the longitudinal front, where it falls like a root and then does not, else behind it;
-        on one side of every cut."""
+        """Return opening edges to try, as unknowns (m,), from where the stuck pressure is zero on.
+
+        They lie ahead of that place near the longitudinal front, where the pressure falls like a
+        root at first, else behind it, and on one side of every cut.
+        """
         factors, logits = self.factors, tuning.LOGITS
         width, stuck = factors.c - factors.a, stuck_traction(self.poisson_ratio, "I")
         left = stuck(factors.a + width / (1 + np.exp(-logits))) + self.base
@@ -198,32 +214,32 @@ class Detached:
         return np.linspace(start, stop, tuning.OPENINGS)
 
     def fields(self, unknowns: Array) -> ZoneFields:
-        """Those with r = 0, without what lies behind the opening."""
+        """Return the fields with r = 0, without the part behind the opening."""
         zones = (self.zone(unknowns),)
         return ZoneFields(self.factors, normal_load(self.base, 1.0), zones, self.rule, False)
 
 
 @dataclass(frozen=True)
 class Left:
-    """What an opening with given edges leaves unfulfilled, of fields with r = 0."""
+    """The conditions that an opening with given edges does not satisfy, from fields with r = 0."""
 
     fields: ZoneFields
 
     @cached_property
     def _share(self) -> Array:
-        """(p, ..., n): v / (e (e - v)) at the nodes, e the closing edge."""
+        """Factor v / (e (e - v)) at the nodes, (p, ..., n), with the closing edge e."""
         panels = self.fields.panels
         return -panels.at.v / (panels.ends.v[-1] * panels.from_ends[-1])
 
     @cached_property
     def _rates(self) -> tuple[Array, Array]:
-        """Slopes of the rate of the gap, for R and for the term, (p, ..., n)."""
+        """Slopes of the rate of the gap, for R and for the term in r, (p, ..., n)."""
         slope = self.fields.slip_rate_slope
         return slope, slope * self._share
 
     @cached_property
     def term(self) -> Array:
-        """rho = r / R_0, by which the gap closes at no rate, () or (k,)."""
+        """The ratio rho = r / R_0 for which the gap closes at zero rate, () or (k,)."""
         smooth, sharp = (self._whole(rate) for rate in self._rates)
         return np.asarray(-smooth / sharp)
 
@@ -232,10 +248,11 @@ class Left:
 
     @cached_property
     def mismatch(self) -> Array:
-        """(2,) or (2, k): what is left of the pressure where the contact opens, over its base, and
-        of the gap where it closes, over what R alone would leave.
+        """Residuals of the two conditions, (2,) or (2, k).
 
-        At a known rate of the gap its slope may be weighed with v - c for v.
+        They are the pressure left where the contact opens, over its base, and the gap left where it
+        closes, over the gap that R alone would leave.  Since the rate of the gap is known, its
+        slope may be weighted with v - c instead of v.
         """
         slope, base = self.fields.traction_slope, -self.fields.load.base_shear
         pressure = base - self._whole(slope) - self.term * self._whole(slope * self._share)

@@ -1,18 +1,18 @@
-"""The numbers that tune the normal problem, each with what set it."""
+"""Tuning constants of the normal problem, each with the reason for its value."""
 
 import numpy as np
 
 FIRST_RULE, LOOSE_RULE = 1e-2, 1e-3
 """Tolerance of the rules on which edges are tried to begin with, and looked for, at most."""
 LOOSE_SHARE, LEAST_LOOSE = 0.1, 1e-12
-"""The same over what the base is below the threshold, relative, and at least: the opening is as
-wide as the root of that."""
+"""Tolerance of the loose rule over the relative distance of the base below the threshold, and its
+least value: the width of the opening grows like the root of that distance."""
 CLOSINGS = np.linspace(np.log(0.3), np.log(60.0), 6)
 """Logarithms of distances of the closing edge from c that are tried, over that of the opening edge:
 three times as far beside the threshold (docs/separation.md), 25 times at nu = 0.49."""
 LOGITS = np.linspace(-40.0, 40.0, 321)
 """Logits of places between the longitudinal and the Rayleigh front at which the stuck pressure is
-looked at."""
+evaluated."""
 OPENINGS, NEAR_FRONT, FARTHER, BESIDE_CUT = 4, -1.0, 0.9, 0.05
 """Number of opening edges that are tried; the logit of the zero of the stuck pressure below which
 they go to half of it (measured: 0.5 to 0.97 of it), and how far they go beyond it elsewhere
@@ -21,15 +21,15 @@ and 0.01 off (medians over a hundred scenes), and takes two steps."""
 MOST_NEWTON_STEPS = 30
 """Not recorded; five are the rule."""
 LONGEST_MOVE = 2.0
-"""Of an unknown, a logit or a logarithm, in one step."""
+"""Largest change of an unknown, a logit or a logarithm, in one step."""
 NUDGE = 1e-6
-"""Of an unknown, for its column of the Jacobian: about the root of 1e-12."""
+"""Change of an unknown for its column of the Jacobian: about the root of 1e-12."""
 LAST_MOVE = 1e-2
-"""Of an unknown, after which the Jacobian is kept and the rule is made finer."""
+"""Move of an unknown after which the Jacobian is kept and the rule is made finer."""
 MOST_CHORD_STEPS, LEAST_MOVE = 12, 1e-13
-"""Steps on the finer rule, and the move that ends them, but for half the tolerance."""
+"""Most steps on the finer rule, and the least move that ends them, besides half the tolerance."""
 COARSER_COMPANION = 5.0
-"""Tolerance of the rule the edges are compared with, over that."""
+"""Tolerance of the rule with which edges are compared, over that of the rule itself."""
 SAFETY = 15.0
 """Error estimate over the difference of two rules: the rate of the gap changes several times as
 much as the edges, relative to itself."""
@@ -37,12 +37,12 @@ NARROW = 0.2
 """Width [c_t] below which edges are to be known over the width: the gap's error over its size is
 about 15 times theirs over the width, which `SAFETY` leaves room for down to here."""
 LEAST_ERROR = 1e-14
-"""Rounding, part of every estimate."""
+"""Rounding error, which is part of every estimate."""
 RULE_SHARE, LEAST_TOLERANCE = 1e-2, 1e-14
 """Tolerance of the rule of the normal problem over what is asked for, and at least: shear is to
 find nothing missing in it.  Finer by the same share where edges are not placed that well."""
 EDGE_SHARE = 0.2
-"""Error of edges over what is asked for, that is well enough."""
+"""Largest error of edges over the requested one that is good enough."""
 BETWEEN_NODES = 6.0
 """Error of the gap at points between nodes over the tolerance of a rule, relative to its largest:
 at most 4.5 was seen, beside the threshold in all scenes; of its rate, away from edges and c, 0.25.

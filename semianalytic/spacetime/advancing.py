@@ -1,4 +1,4 @@
-"""A march and its companion taken on from the state they have reached, from jump to jump."""
+"""Advance a march and its companion from the state they have reached, from jump to jump."""
 
 from __future__ import annotations
 
@@ -21,20 +21,29 @@ def advance(
     setup: float,
     progress: Callable[[int, int], object] | None,
 ) -> Marched:
-    """March on from the state reached to the end time, with the companion if there is one.
+    """Continue a march from the state reached to the end time, with its companion if there is one.
 
     Parameters
     ----------
     marched : Marched
-        Left as it is.
+        The march to be continued; it is not changed.
     end_time : float
-        [time].
+        Time to march to [time].
     memory : float, optional
-        What the march may take [bytes].
+        Memory that the march may take [bytes].
     setup : float
-        What it took to make the grid [s].
+        Time it took to make the grid and the memory [s], added to the statistics.
     progress : callable, optional
-        As in `march`.
+        Called with (step, steps) after each step, as in `march`.
+
+    Raises
+    ------
+    SceneError
+        If the march does not fit into the memory, or a step is beyond the stable range.
+    TensionError
+        If the pressure turns tensile at a node.
+    ComputationError
+        If values are no longer finite.
     """
     began = time.perf_counter()
     segments = segments_between(
@@ -49,6 +58,7 @@ def advance(
         for segment in segments:
             _march_segment(segment, walk, None)
         return _reached(marched, walk, every, setup, time.perf_counter() - began)
+    # Half of `every`, rounded up, of half the steps: stored levels lie at about the same times.
     own_every = -(-every // 2)
     behind = _walk(companion, coarser, own_every, lambda done, steps: follower.stopping)
     follower = Follower(behind, walk, marched.departure)
@@ -60,7 +70,7 @@ def advance(
 
 
 def _march_segment(segment: Segment, walk: Walk, follower: Follower | None) -> None:
-    """To the end of a segment, or to where the march is stopped; nothing if it is already."""
+    """March to the end of a segment, or until stopped; do nothing if already stopped."""
     if walk.record.stopped:
         return
     walk.begin(segment)
@@ -81,7 +91,7 @@ def _walk(
     every: int,
     progress: Callable[[int, int], object] | None,
 ) -> Walk:
-    """A march ready to go through segments."""
+    """Prepare a march for its way through segments."""
     scene, grid, finest = marched.scene, marched.grid, _finest(segments)
     contact = grid.size - grid.slot
     pressure = GridPressure(scene, contact, grid.spacing, segments[-1].end, finest)
@@ -90,18 +100,18 @@ def _walk(
 
 
 def _table_bytes(marched: Marched, segments: Sequence[Segment]) -> float:
-    """What the table of the pressure of a march takes [bytes]."""
+    """Return the size of the pressure table of a march [bytes]."""
     contact = marched.grid.size - marched.grid.slot
     return table_bytes(marched.scene, contact, segments[-1].end / _finest(segments))
 
 
 def _finest(segments: Sequence[Segment]) -> float:
-    """Shortest time step of segments [time]."""
+    """Return the shortest time step of segments [time]."""
     return min(segment.time_step for segment in segments)
 
 
 def _reached(marched: Marched, walk: Walk, every: int, setup: float, steps: float) -> Marched:
-    """A march as far as it has been walked, in so many seconds more."""
+    """Return the march at the state that was reached, with the seconds it took added."""
     before, record = marched.statistics, walk.record
     seconds = {
         "setup": before.seconds["setup"] + setup,

@@ -1,7 +1,9 @@
-"""The companion of a march: the same on half the nodes in half the steps, for an error estimate.
+"""The companion of a march: the same march on half the nodes in half the steps.
 
-It goes along some steps behind, so that little has to be stored for the comparison, and either grid
-stays in the cache for a while.  Its nodes lie half-way between two of the march.
+The difference between the two gives the error estimate (docs/spacetime.md, "Its own error").  The
+companion follows some steps behind: little has to be stored for the comparison, and either grid
+stays in the processor cache for a while.  Each of its nodes lies half-way between two nodes of the
+march.
 """
 
 from __future__ import annotations
@@ -19,24 +21,25 @@ Array = NDArray[np.float64]
 
 
 class Follower:
-    """A companion on its way behind the march it follows.
+    """A companion under way, behind the march it follows.
 
     Parameters
     ----------
     walk : Walk
-        Of the companion.
+        The steps of the companion.
     leader : Walk
-        Of the march.
+        The steps of the march.
     departure : Departure
-        Until now.
+        Difference between the two until now.
 
     Attributes
     ----------
     departure : Departure
+        Difference between the two, updated with each step of the companion.
     stopping : bool
-        Whether the step under way is the last, since the march was stopped.
+        Whether the step under way is the last, because the march was stopped.
     seconds : float
-        That the companion has taken [s].
+        Time that the companion has taken [s].
     """
 
     def __init__(self, walk: Walk, leader: Walk, departure: Departure) -> None:
@@ -45,14 +48,14 @@ class Follower:
         self._rates: list[Array] = []
 
     def begin(self, segment: Segment) -> None:
-        """Enter a segment, given as the march steps through it, which has entered it."""
+        """Enter a segment of the march, after the march has entered it."""
         self._steps, self._segment = segment.steps, segment.coarser
         self._walk.begin(self._segment)
         self._rates = [self._paired()]
         self._look(self._rates[0])
 
     def follow(self) -> None:
-        """Note a step of the march, and catch up now and then."""
+        """Note a step of the march, and catch up with it every `COMPANION_LAG` steps."""
         self._rates.append(self._paired())
         if len(self._rates) > COMPANION_LAG:
             self._catch_up()
@@ -62,6 +65,8 @@ class Follower:
         self._catch_up()
         self._walk.end()
         if self._leader.record.stopped:
+            # the march may have stopped between two levels of the companion: one step of its own
+            # length brings the companion to the same time
             self.stopping = True
             self._walk.begin(Segment(self._walk.state.time, self._leader.state.time, 1))
             self._walk.step()
@@ -69,13 +74,16 @@ class Follower:
             self._walk.end()
 
     def _catch_up(self) -> None:
-        """Step on as far as the march is; if it was stopped, not quite."""
+        """Step on to the time of the march; if the march was stopped, to a level before it."""
         began = time.perf_counter()
         done, whole = self._leader.done, self._segment.steps
+        # Times are compared as whole numbers: level i of n steps of the march and level j of m
+        # steps of the companion are at i m and j n.
         reached = done * whole - self._leader.record.stopped
         first = done - len(self._rates) + 1
         while (level := (self._walk.done + 1) * self._steps) <= reached:
             self._walk.step()
+            # the level of the march at or after this one, and the share of the level before it
             after, share = -(-level // whole), (-level % whole) / whole
             rate = self._rates[after - first]
             if share:
@@ -85,7 +93,10 @@ class Follower:
         self.seconds += time.perf_counter() - began
 
     def _add(self, rate: Array) -> None:
-        """Add a step of the companion, given the slip rate of the march where it ends."""
+        """Add a step of the companion, by the trapezoidal rule.
+
+        `rate` is the slip rate of the march at the end of the step, at the companion's nodes.
+        """
         difference, slip_rate = self._difference, self._slip_rate
         self._look(rate)
         half = self._walk.grid.spacing * (self._walk.state.time - self._walk.before.time) / 2
@@ -95,13 +106,14 @@ class Follower:
         )
 
     def _look(self, rate: Array) -> None:
-        """Sums over nodes of |V - V of the companion| and |V|, given the slip rate of the march."""
+        """Sum |V - V of the companion| and |V| over the nodes, given V, that of the march."""
         own = self._walk.grid.observe(self._walk.state.rate)
         self._difference = float(np.abs(rate - own).sum())
         self._slip_rate = float(np.abs(rate).sum())
 
     def _paired(self) -> Array:
-        """Slip rate of the march at the nodes of the companion, half-way between two of its own."""
+        """Return the slip rate of the march at the nodes of the companion."""
         leader = self._leader
+        # companion node i at (i + 1/2) 2h lies half-way between nodes 2i and 2i + 1 of the march
         contact = leader.state.rate[leader.grid.contact][: 2 * self._walk.grid.observed]
         return np.asarray((contact[::2] + contact[1::2]) / 2)

@@ -1,19 +1,21 @@
-"""Slip under any load history: the interface alone, marched in time on a spectral grid.
+"""Slip under any load history: the interface alone is marched in time on a spectral grid.
 
 On the whole line y = 0, slot included, the shear traction is (4.40), with the sign of section 6,
 
-    tau = Q_b - (rho c_t / 2) [V + int h(q c_t (t - s)) q c_t V ds]   for each wavenumber q,
+    tau = Q_b - (rho c_t / 2) [V + int h(q c_t (t - s)) q c_t V ds]   for each wavenumber q.
 
-with V the relative slip rate and h from `exponentials`.  On the slot tau is prescribed, which
-gives V; on the contact V is what Coulomb's law leaves of the traction that would stop the point.
-V is linear in time over a step; the memory of its end value is small and iterated twice, which
-converges while that of the shortest wave stays below the local term (`feedback` < 1).  Short waves
-are damped by raising their feedback: by (q/q_max)^4, so that what is resolved is left alone.
+V is the relative slip rate and h comes from `exponentials`.  On the slot tau is prescribed, which
+gives V.  On the contact V follows from Coulomb's law and the traction that would stop the point.
+V is linear in time over a step.  The contribution of its end value to the memory is small and is
+iterated twice; the iteration converges while that contribution, for the shortest wave, stays below
+the local term (`feedback` < 1).  Short waves are damped by raising their feedback in proportion to
+(q/q_max)^4, so that resolved wavelengths are hardly affected.
 
-Cosines about both ends of the grid mirror the scene: nothing that starts at x = 0 comes back from
-the mirrors to the observed length before the latest time.  Jumps of the loads fall on time levels;
-between them a level takes the load at its time, or the exact mean over a step that holds several
-samples of a table.  What turns faster than the grid follows is refused (`resolution`).
+The cosine series is even about both ends of the grid and so mirrors the scene there.  The grid is
+long enough that no wave from x = 0 returns from a mirror to the observed length before the latest
+time.  Jumps of the loads fall on time levels; between them a level takes the load at its time, or
+the exact mean over a step that holds several samples of a table.  Loads that turn faster than the
+grid can follow are refused (`resolution`).  See docs/spacetime.md, "Method".
 """
 
 from __future__ import annotations
@@ -60,13 +62,28 @@ from semianalytic.spacetime.tuning import (
 
 
 def causal_grid(scene: Scene, latest: float, length: float, nodes: int) -> Grid:
-    """The smallest grid whose mirrors are out of reach of 0 < x < length until `latest`."""
+    """Return the smallest grid whose mirror images do not reach 0 < x < length until `latest`.
+
+    Parameters
+    ----------
+    scene : Scene
+        The fastest wave speed is taken from it.
+    latest : float
+        Time until which the observed contact must be unaffected by the mirrors [time].
+    length : float
+        Length of the observed contact [length].
+    nodes : int
+        Number of nodes on the observed contact.
+    """
     from scipy.fft import next_fast_len
 
     spacing = length / nodes
     reach = scene.fastest_speed * latest
+    # A wave from x = 0 that is mirrored at x = L travels L + (L - length) to the observed contact;
+    # one that is mirrored at x = -L travels 2 L back to x = 0.
     contact = math.ceil(max(length, (reach + length) / 2) / spacing) + MARGIN_NODES
     slot = math.ceil(reach / 2 / spacing) + MARGIN_NODES
+    # the nodes that are added for the fast transform lengthen the slot
     size = next_fast_len(contact + slot, real=True)
     return Grid(spacing, size - contact, nodes, size)
 
@@ -89,45 +106,55 @@ def march(
 ) -> Marched:
     """March the interface of a scene in time, under any load history and friction law.
 
-    Memory is 80 bytes per pole (about 25) and grid node (about 1.5 per contact node), and 32
-    bytes per stored node and level (see `GridPressure` for pressure that oscillates), and half as
-    much again for the companion; time grows like nodes^2.
+    The method is described in docs/spacetime.md; its equation is (4.40) with the right sign
+    (docs/theory.md, "Any load history").  A march needs 80 bytes per pole (about 25) and grid node
+    (about 1.5 per contact node), 32 bytes per stored node and level (see `GridPressure` for
+    pressure that oscillates), and half as much again for the companion.  Its time grows like
+    nodes^2.
 
     Parameters
     ----------
     scene : Scene
+        Material, friction law, tractions and load histories.
     end_time : float, optional
         T [time]; by default the time a shear wave takes over a length of 1.
     nodes : int, optional
-        Contact nodes on 0 < x < length, at least 16.  1000 unless given, or up to 8000 where that
-        lets the grid follow the loads, or resolve the slip zone at the edge or slip weakening.
+        Contact nodes on 0 < x < length, at least 16.  The default is 1000, or up to 8000 where the
+        loads, the slip zone at the edge or slip weakening need them.
     rtol : float, optional
-        Largest `Marched.error_estimate`, in place of `nodes`: marches on more and more nodes until
-        it is met, the last returned.  With 8000 the last in any case, "unresolved" then.
+        Largest acceptable `Marched.error_estimate`; excludes `nodes`.  The scene is marched on more
+        and more nodes until the estimate is small enough, and the last march is returned.  It has
+        at most 8000 nodes, and is "unresolved" if these are not enough.
     length : float, optional
-        Length of the contact that is observed [length]; what waves reach, c_l T (c_t T under
-        antiplane shear alone), unless given.
+        Length of the contact that is observed [length]; by default the distance that waves reach,
+        c_l T (c_t T under antiplane shear alone).
     latest : float, optional
         Time to which `march_on` may be asked to go on [time]; end_time unless given.  The grid is
         made for it.
     companion : bool
-        Whether a companion on half the nodes and in half the steps goes along, for the error
+        Whether to march a companion on half the nodes and in half the steps, for the error
         estimate; it takes a quarter to a third more time from 1000 nodes on, half below.
     step_ratio : float
         Largest c_t dt / h; stable below about 0.57 (nu near 0.5) to 0.7 (nu = 1/3) and more.
     damping : float
         Least feedback of the shortest wave, 0 (none) ... 0.95.
     every : int
-        Store every n-th time level; the last is always stored.  Raised if all that is stored does
-        not fit into the memory: see `Marched.every`.
+        Store every n-th time level; the last is always stored.  The number is raised if the stored
+        levels do not fit into the memory: see `Marched.every`.
     tolerance : float
         Relative error of the memory's transform, above 1e-11 and up to 1e-2.
     memory : float, optional
-        What the march may take [bytes]; 70 % of what the machine has available unless given.
+        Memory that the march may take [bytes]; by default 70 % of what the machine has available.
     progress : callable, optional
         Called with (step, steps) after each step of a march, not of its companion; if it returns
         True the march ends there, and can go on with `march_on`.  With `rtol` each march counts
         its own steps.
+
+    Returns
+    -------
+    Marched
+        Slip, tractions and totals along the interface, the fields in both bodies, and an error
+        estimate.
 
     Raises
     ------
@@ -140,6 +167,23 @@ def march(
         If the pressure turns tensile at a node.
     ComputationError
         If the memory cannot be fitted or values are no longer finite.
+
+    Examples
+    --------
+    A shear load that rises within 15 microseconds makes the contact slip from the edge on:
+
+    >>> from semianalytic import Material, Ramp, Scene, Tractions, march
+    >>> steel = Material(shear_modulus=80e9, density=7800.0, poisson_ratio=1 / 3)
+    >>> scene = Scene(
+    ...     steel, 0.1, Tractions(5e6, 0.0), Tractions(0.0, 5e6), shear_history=Ramp(1.5e-5)
+    ... )
+    >>> run = march(scene, end_time=3e-5, nodes=128)
+    >>> run.status
+    'resolved'
+    >>> bool(run.error_estimate < 0.05)
+    True
+    >>> f"{float(run.slip(0.01, 3e-5)):.1e} m"
+    '3.0e-06 m'
     """
     material = checked_scene("march", scene).material
     end_time = 1 / material.shear_speed if end_time is None else end_time
@@ -174,16 +218,18 @@ def march(
 
 
 def check_march(scene: Scene, end_time: float, nodes: int, length: float) -> None:
-    """Raise what `march` would for the loads of a scene, before a step is taken.
+    """Raise the errors that `march` would raise for the loads of a scene, without taking a step.
 
     Parameters
     ----------
     scene : Scene
+        The scene to be checked.
     end_time : float
-        [time].
+        Time until which the loads are checked [time].
     nodes : int
+        Contact nodes on the observed length.
     length : float
-        [length].
+        Length of the contact that is observed [length].
 
     Raises
     ------
@@ -203,7 +249,7 @@ def check_march(scene: Scene, end_time: float, nodes: int, length: float) -> Non
 
 @dataclass(frozen=True)
 class _Plan:
-    """A march but for its nodes: the options of `march`, checked."""
+    """The checked options of `march`, all but the number of nodes."""
 
     scene: Scene
     end_time: float
@@ -217,12 +263,12 @@ class _Plan:
     companion: bool
 
     def enough_nodes(self, nodes: int | None, least: int, memory: float | None) -> int:
-        """The nodes asked for, or as many from `least` on as loads, edge and law call for.
+        """Return the given nodes, or from `least` on as many as loads, edge and friction law need.
 
         Raises
         ------
         SceneError
-            If the loads need more.
+            If the loads need more than are given, or more than `MOST_NODES`.
         """
         check_size(self.scene, self.latest, self.length, nodes or least, memory, self.companion)
         most = nodes
@@ -231,6 +277,8 @@ class _Plan:
                 nodes_for_zone(self.scene, self.end_time, self.length),
                 nodes_for_weakening(self.scene, self.length),
             )
+            # A zone that even MOST_NODES do not resolve is marched on the usual number of nodes
+            # and reported as "unresolved" (`Marched.caution`).
             nodes = max(least, *(needed for needed in zones if needed <= MOST_NODES), LEAST_NODES)
             most = MOST_NODES
         return check_loads(
@@ -243,7 +291,10 @@ class _Plan:
         memory: float | None,
         progress: Callable[[int, int], object] | None,
     ) -> Marched:
-        """Marches on more and more nodes until the error estimate is `rtol`; the last of them."""
+        """March on more and more nodes until the error estimate is at most `rtol`; return the last.
+
+        See docs/spacetime.md, "Its own error".
+        """
         nodes, order, coarser = self.enough_nodes(None, FIRST_NODES, memory), 1.0, None
         while True:
             marched = self.run(nodes, memory, progress)
@@ -254,6 +305,7 @@ class _Plan:
             if coarser is not None and math.isfinite(coarser.error_estimate):
                 ratio = math.log(nodes / coarser.grid.observed)
                 order = math.log(coarser.error_estimate / estimate) / ratio
+            # error ~ nodes^-order: the nodes that bring the estimate to rtol / GROWTH_MARGIN
             growth = (GROWTH_MARGIN * estimate / rtol) ** (1 / np.clip(order, *ORDERS))
             growth = float(np.clip(growth, LEAST_GROWTH, LARGEST_GROWTH))
             nodes, coarser = min(MOST_NODES, math.ceil(growth * nodes)), marched
@@ -264,15 +316,18 @@ class _Plan:
         memory: float | None,
         progress: Callable[[int, int], object] | None,
     ) -> Marched:
-        """The march on so many contact nodes."""
+        """March on a given number of contact nodes."""
         started, material = time.perf_counter(), self.scene.material
         grid = causal_grid(self.scene, self.latest, self.length, nodes)
         check_size(self.scene, self.latest, self.length, nodes, memory, self.companion)
         check_weakening_seen(self.scene, grid.spacing)
+        # The largest argument q c_t t of h.  The companion has half the largest wavenumber, so the
+        # same sum of exponentials serves both.
         horizon = grid.wavenumbers[-1] * material.shear_speed * self.latest
         past = fit_memory(impedance_of(self.scene), horizon, self.tolerance)
         at_rest = self._at_rest(grid, past)
         if self.companion:
+            # twice the spacing exactly, so that its nodes lie half-way between pairs of nodes
             coarse = math.ceil(nodes / 2)
             length = 2 * grid.spacing * coarse
             companion = self._at_rest(causal_grid(self.scene, self.latest, length, coarse), past)
@@ -282,7 +337,7 @@ class _Plan:
         return advance(at_rest, self.end_time, memory, setup, progress)
 
     def _at_rest(self, grid: Grid, past: Memory) -> Marched:
-        """A march on a grid, before it begins."""
+        """Return a march on a grid at t = 0, before its first step."""
         no_times, no_levels = np.zeros(0), np.zeros((0, grid.observed))
         return Marched(
             scene=self.scene,
@@ -309,15 +364,44 @@ def march_on(
     *,
     memory: float | None = None,
 ) -> Marched:
-    """Continue a march to a later time, without recomputing anything; `memory` as in `march`.
+    """Continue a march to a later time, without recomputing anything.
+
+    Parameters
+    ----------
+    marched : Marched
+        The march to be continued; it is not changed.
+    end_time : float
+        Later time to march to [time], at most `marched.latest`.
+    progress : callable, optional
+        Called with (step, steps) after each step, as in `march`.
+    memory : float, optional
+        Memory that the march may take [bytes], as in `march`.
+
+    Returns
+    -------
+    Marched
+        The whole march from t = 0 to the new end time.
 
     Raises
     ------
     SceneError
         If the end time is not later, or beyond the `latest` of the first run, or the march would
         take more memory than it may.
-    TensionError, ComputationError
-        As `march`.
+    TensionError
+        If the pressure turns tensile at a node.
+    ComputationError
+        If values are no longer finite.
+
+    Examples
+    --------
+    >>> from semianalytic import Harmonic, Material, Scene, Tractions, march, march_on
+    >>> solid = Material(shear_modulus=1.0, density=1.0, poisson_ratio=0.25)
+    >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 0.5)
+    >>> scene = Scene(solid, 0.2, base, load, shear_history=Harmonic(frequency=1.0))
+    >>> run = march(scene, end_time=1.0, nodes=128, latest=1.5)
+    >>> longer = march_on(run, 1.5)
+    >>> run.end_time, longer.end_time
+    (1.0, 1.5)
     """
     end_time = _check_range("end_time", end_time, marched.end_time)
     if end_time > marched.latest:
@@ -329,7 +413,7 @@ def march_on(
 
 
 def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> float:
-    """A number low < value <= high as float; SceneError if it is not."""
+    """Return a number low < value <= high as float; raise SceneError if it is not one."""
     limit = f" and at most {high:g}" if high < LARGEST else ""
     return checked_number(
         f"march: {name}", value, f"be above {low:g}{limit}", lambda given: low < given <= high
@@ -337,4 +421,5 @@ def _check_range(name: str, value: float, low: float, high: float = LARGEST) -> 
 
 
 def _check_count(name: str, value: int, least: int) -> int:
+    """Return a whole number from `least` on; raise SceneError if it is not one."""
     return checked_count(f"march: {name}", value, least, "a whole number from")

@@ -1,4 +1,4 @@
-"""What a march is going to take of the memory of the machine, before it starts."""
+"""The memory that a march needs, predicted before it starts."""
 
 from __future__ import annotations
 
@@ -25,15 +25,22 @@ _HUGE = 1e30
 
 
 def state_bytes(size: int, poles: int) -> int:
-    """What a march takes for a grid of `size` nodes in all [bytes], measured at its peak."""
+    """Return the memory of a march on a grid of `size` nodes [bytes], measured at its peak."""
     return size * (poles * BYTES_PER_POLE + BYTES_PER_NODE)
 
 
 def check_size(
     scene: Scene, latest: float, length: float, nodes: int, memory: float | None, companion: bool
 ) -> None:
-    """Refuse a grid whose state, and that of its companion, do not fit into the memory."""
+    """Refuse a grid whose state, with that of its companion, does not fit into the memory.
+
+    Raises
+    ------
+    SceneError
+        If it does not fit; `memory` [bytes] is what the march may take.
+    """
     reach = scene.fastest_speed * latest / length
+    # all nodes over the observed ones, as in `causal_grid`
     share = max(1.0, (reach + 1) / 2) + reach / 2
     size = int(min(share, _HUGE) * min(nodes, _HUGE))
     check_memory(
@@ -45,7 +52,18 @@ def check_size(
 
 
 def affordable_every(marched: Marched, memory: float | None, steps: int, table: float) -> int:
-    """`every`, raised until what is stored fits into the memory, that of the companion too.
+    """Return `every`, raised until the stored levels fit into the memory.
+
+    Parameters
+    ----------
+    marched : Marched
+        The march to be continued; its companion is counted too.
+    memory : float or None
+        Memory that the march may take [bytes].
+    steps : int
+        Steps that are to come.
+    table : float
+        Size of the pressure tables [bytes].
 
     Raises
     ------
@@ -64,5 +82,6 @@ def affordable_every(marched: Marched, memory: float | None, steps: int, table: 
         f"march: {steps:.6g} steps of {marched.grid.size} nodes",
         "lower `nodes` or `end_time`, or raise `step_ratio` or `length`",
     )
+    # `fixed` has room for LEAST_LEVELS already, which leaves one level more as a margin
     levels = (memory_limit(memory) - fixed) // per_level + 1
     return max(marched.every, math.ceil(steps / levels))

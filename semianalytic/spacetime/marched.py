@@ -1,4 +1,4 @@
-"""What a space-time march leaves: histories, sums along the interface, and where to go on from."""
+"""The result of a space-time march: histories, totals, and the state from which it can go on."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ FORMAT = "slipfront march 4"
 
 @dataclass(frozen=True)
 class Grid:
-    """Nodes (i + 1/2) h: `slot` of them on x < 0, the others on the contact.
+    """The nodes x = (i + 1/2) h of a march: `slot` of them on x < 0, the others on the contact.
 
     Attributes
     ----------
     spacing : float
-        h [length].
+        Node distance h [length].
     slot, observed, size : int
-        Nodes on the slot, on the part of the contact that was asked for, and in all.
+        Numbers of nodes on the slot, on the observed part of the contact, and in all.
     """
 
     spacing: float
@@ -60,34 +60,38 @@ class Grid:
 
     @property
     def x(self) -> Array:
-        """Observed positions on the contact (observed,) [length]."""
+        """Positions of the observed nodes of the contact (observed,) [length]."""
         return np.asarray((np.arange(self.observed) + 0.5) * self.spacing)
 
     @property
     def contact(self) -> slice:
-        """The nodes of the contact among all of them."""
+        """The slice of all nodes that lie on the contact."""
         return slice(self.slot, self.size)
 
     def observe(self, values: Array) -> Array:
-        """Values (size,) at the observed nodes of the contact, (observed,)."""
+        """Return the values of (size,) at the observed nodes of the contact, (observed,)."""
         return values[self.slot : self.slot + self.observed]
 
     @property
     def wavenumbers(self) -> Array:
-        """Of the cosines, (size,) [1 / length]."""
+        """Wavenumbers of the cosines, (size,) [1 / length]."""
+        # cos(q x) is even about both ends of a grid of length size h
         return np.asarray(np.pi * np.arange(self.size) / (self.size * self.spacing))
 
 
 @dataclass(frozen=True, eq=False)
 class Extremes:
-    """What every step of a march adds to, stored or not; (n,) arrays at the observed nodes.
+    """Extremes over every step of a march, stored or not, at the observed nodes.
 
     Attributes
     ----------
-    forward, reverse : largest and least slip rate so far, 0 or beyond [length / time].
-    slip : largest |slip| so far [length].
-    onset : when slip began [time], inf where it did not: when |V| passed 1 % of the largest |V|
-        that there had been anywhere until then, linear between the two levels around it.
+    forward, reverse : (n,) arrays
+        Largest slip rate so far, at least 0, and least one, at most 0 [length / time].
+    slip : (n,) array
+        Largest |slip| so far [length].
+    onset : (n,) array
+        Time at which slip began [time], inf where it did not: |V| passed 1 % of the largest |V|
+        anywhere until then, interpolated linearly between the two levels around that time.
     """
 
     forward: Array
@@ -97,7 +101,7 @@ class Extremes:
 
     @classmethod
     def at_rest(cls, nodes: int) -> Extremes:
-        """Before anything happens."""
+        """Return the extremes at so many nodes before anything happens."""
         rest = np.zeros(nodes)
         return cls(rest, rest, rest, np.full(nodes, np.inf))
 
@@ -109,7 +113,17 @@ class Extremes:
     def with_level(
         self, before: float, now: float, old: Array, new: Array, slip: Array
     ) -> Extremes:
-        """With one more level: slip rates at it and at the level before it, and slip."""
+        """Return the extremes with one more level included.
+
+        Parameters
+        ----------
+        before, now : float
+            Times of the level before it and of the level itself [time].
+        old, new : (n,) arrays
+            Slip rates at these two levels [length / time].
+        slip : (n,) array
+            Slip at the level [length].
+        """
         forward, reverse = np.maximum(self.forward, new), np.minimum(self.reverse, new)
         threshold = ONSET_SHARE * max(float(forward.max()), -float(reverse.min()))
         late, speed = np.abs(old), np.abs(new)
@@ -117,6 +131,7 @@ class Extremes:
         onset = self.onset
         if begins.any():
             onset, late, speed = onset.copy(), late[begins], speed[begins]
+            # |V| is linear between the two levels; after a jump, where they are one, onset is now
             rise = np.where(speed > late, speed - late, 1.0)
             share = np.where(speed > late, (threshold - late) / rise, 0.0)
             onset[begins] = before + (now - before) * np.clip(share, 0.0, 1.0)
@@ -125,24 +140,24 @@ class Extremes:
 
 @dataclass(frozen=True, eq=False)
 class MarchState:
-    """Where a march is.
+    """The state of a march at one time, from which it can be continued.
 
     Attributes
     ----------
     time : float
-        [time].
+        Time reached [time].
     modes : (poles, size) complex array
-        Memory of the past, per pole and cosine [length / time].
+        Memory of past slip, per pole and cosine [length / time].
     lasting : (size,) array
-        Its static part, per cosine [length / time].
+        Static part of the memory, per cosine [length / time].
     rate : (size,) array
         Relative slip rate, slot included [length / time].
     traction : (size - slot,) array
         Shear traction of the contact [stress].
     slip, path : (size - slot,) arrays
-        On the contact: slip and accumulated |slip| [length].
+        Slip and accumulated |slip| on the contact [length].
     work : (size - slot,) array
-        On the contact: frictional work per area [stress length].
+        Frictional work per area of the contact [stress length].
     """
 
     time: float
@@ -156,24 +171,24 @@ class MarchState:
 
     @classmethod
     def at_rest(cls, poles: int, grid: Grid) -> MarchState:
-        """Before anything happens."""
+        """Return the state before anything happens, for so many poles."""
         lasting, contact = np.zeros(grid.size), np.zeros(grid.size - grid.slot)
         modes = np.zeros((poles, grid.size), dtype=complex)
         return cls(0.0, modes, lasting, lasting, contact, contact, contact, contact)
 
     def copy(self) -> MarchState:
-        """A state of which the memory can be changed in place."""
+        """Return a state whose memory can be changed in place."""
         return replace(self, modes=self.modes.copy(), lasting=self.lasting.copy())
 
 
 @dataclass(frozen=True)
 class Departure:
-    """How far a march is from its companion: integrals over the observed contact and time.
+    """The difference between a march and its companion, over the observed contact and time.
 
     Attributes
     ----------
     difference, slip_rate : float
-        Of |V - V of the companion| and of |V| [length^2].
+        Integrals of |V - V of the companion| and of |V| [length^2].
     """
 
     difference: float = 0.0
@@ -182,19 +197,20 @@ class Departure:
 
 @dataclass(frozen=True)
 class MarchStatistics:
-    """What a march cost.
+    """The cost of a march.
 
     Attributes
     ----------
     steps : int
+        Number of time steps.
     nodes : int
-        Of the whole grid.
+        Number of nodes of the whole grid.
     poles : int
-        Exponentials that carry the memory.
+        Number of exponentials that carry the memory.
     memory_error : float
         Relative error of their transform.
     seconds : dict
-        By stage: setup, steps.
+        Seconds by stage: "setup" and "steps".
     """
 
     steps: int
@@ -206,34 +222,53 @@ class MarchStatistics:
 
 @dataclass(frozen=True, eq=False)
 class Marched(SampledAnswer):
-    """Slip history of the interface by the space-time solver; see `SampledAnswer`.
+    """The slip history of an interface by the space-time solver; see `SampledAnswer`.
 
-    Fields are those of the stored levels, and linear between them; where `every` is above 1 ask
-    for what lies on levels, `interface.t`.  Totals are those of every step.
+    `march` returns it.  Fields are known at the stored levels and interpolated linearly between
+    them; where `every` is above 1, ask for values at the stored levels, `interface.t`.  Totals are
+    known at every step.
 
     Attributes
     ----------
     scene : Scene
+        The scene that was marched.
     interface : InterfaceHistory
-        At the observed nodes and stored levels.
+        Fields at the observed nodes and stored levels.
     totals : Totals
-        Of the observed contact, at t = 0 and after every step.
+        Totals of the observed contact, at t = 0 and after every step.
     latest : float
-        Time to which it can go on [time].
+        Time to which the march can go on [time].
     step_ratio, damping, every : float, float, int
         Options of the march, which a continuation keeps.
     statistics : MarchStatistics
+        Steps, nodes, poles and seconds.
     grid, memory, state
-        What a continuation starts from.
+        The grid, memory kernel and state from which a continuation starts.
     seen : Extremes
-        Largest values and beginnings of slip over all steps, stored or not.
+        Largest values and onset times of slip over all steps, stored or not.
     companion : Marched or None
-        The same march on half the nodes in half the steps, to the same time: what an answer may be
-        off by is seen in the difference (see `error_of`).  It stores every other of the levels.
+        The same march on half the nodes in half the steps, to the same time.  The difference
+        between the two indicates the error (see `error_of`).  It stores every other level.
     departure : Departure
-        From the companion.
+        Difference from the companion.
     rtol : float or None
         The error that was asked for.
+
+    Examples
+    --------
+    >>> from semianalytic import Material, Pulse, Scene, Tractions, march
+    >>> solid = Material(shear_modulus=1.0, density=1.0, poisson_ratio=0.25)
+    >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 0.5)
+    >>> scene = Scene(solid, 0.2, base, load, shear_history=Pulse(duration=0.5))
+    >>> run = march(scene, end_time=1.0, nodes=128)
+    >>> [zone.sense for zone in run.zones_at(0.4)]  # the upper side slips towards +x
+    [1]
+    >>> run.slip_rate([0.1, 0.2], [[0.2], [0.4]]).shape
+    (2, 2)
+    >>> run.stress(0.5, 0.5, 1.0).shape  # sigma_xx, sigma_yy, sigma_xy
+    (3,)
+    >>> bool(run.error_of(lambda one: one.max_slip(1.0)) < 0.1 * run.max_slip(1.0))
+    True
     """
 
     scene: Scene
@@ -259,35 +294,39 @@ class Marched(SampledAnswer):
 
     @property
     def error_estimate(self) -> float:
-        """Estimate, meant as a bound, of the error of the slip rate: L1, relative.
+        """Estimate of the relative L1 error of the slip rate, meant as a bound.
 
-        The integral of the error's size over the observed contact and all time until the end, over
-        that of |slip rate|.  nan without a companion; inf where nothing slips though the edge must.
-        No bound under rate weakening, where no grid is fine enough (docs/spacetime.md).
+        It estimates the integral of |error| over the observed contact and all time until the end,
+        divided by that of |slip rate|.  It is nan without a companion, and inf where nothing slips
+        though the edge must.  Under rate weakening no grid is fine enough, and it is no bound
+        (docs/spacetime.md, "Friction laws").
         """
         if self.companion is None:
             return math.nan
         if self.departure.slip_rate == 0:
             return math.inf if self.departure.difference or self._missed_zone else 0.0
+        # Both marches share the error of the memory's transform, which their difference does not
+        # show.
         share = self.departure.difference / self.departure.slip_rate
         return ERROR_SAFETY * share + MEMORY_SAFETY * self.memory.error
 
     def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
-        """Estimate, meant as a bound, of the error of anything read off the march, in its unit.
+        """Estimate the error of any quantity read off the march, in its unit; meant as a bound.
 
-        From what the companion says instead, which takes the error to fall with the first power of
-        the node distance or faster.  Where two curves cross it is too small: take the largest, or a
-        norm, of a reading over several places.
+        The estimate is 1.6 times the difference from the companion, which assumes that the error
+        falls with the first power of the node distance or faster.  It is too small at a point where
+        the two curves cross: take the largest value, or a norm, over several places.
 
         Parameters
         ----------
         reading : callable
-            Of a march, as ``lambda march: march.slip(x, t)``; a number or an array.
+            Function of a march that returns a number or an array, as
+            ``lambda march: march.slip(x, t)``.
 
         Returns
         -------
         array
-            Of the shape of the reading; nan without a companion.
+            The estimate, of the shape of the reading; nan without a companion.
         """
         if self.companion is None:
             return np.full(np.shape(reading(self)), np.nan)
@@ -295,16 +334,17 @@ class Marched(SampledAnswer):
 
     @cached_property
     def _missed_zone(self) -> Shortfall | None:
+        """A slip zone at the edge that the grid does not resolve, or None."""
         slips = self.seen.slip_rate > 0
         reach = float(self.grid.x[slips].max(initial=0.0))
         return missed_zone(self.scene, self.end_time, self.grid.spacing, reach)
 
     @cached_property
     def shortfalls(self) -> tuple[Shortfall, ...]:
-        """What the grid is too coarse for, as far as is known.
+        """The known reasons why the grid is too coarse; empty if there is none.
 
-        Slip at the edge over less than four nodes, told in place of an answer of "no slip"; slip
-        weakening on too few nodes; an error estimate above `rtol`, or above a half.
+        These are slip at the edge over less than four nodes (which would otherwise look like no
+        slip), slip weakening on too few nodes, and an error estimate above `rtol`, or above a half.
         """
         every = (
             self._missed_zone,
@@ -315,6 +355,7 @@ class Marched(SampledAnswer):
 
     @property
     def _inaccurate(self) -> Shortfall | None:
+        """An error estimate above what was asked for, or None."""
         estimate = self.error_estimate
         largest = LARGEST_ERROR if self.rtol is None else self.rtol
         if not largest < estimate < math.inf:
@@ -326,13 +367,13 @@ class Marched(SampledAnswer):
 
     @property
     def caution(self) -> str:
-        """What the grid is too coarse for and what would do, as a sentence; "" if nothing is."""
+        """A sentence that says why the grid is too coarse and what would do; "" if it is not."""
         sentence = advice(self.shortfalls, "nodes")
         return sentence and f"{sentence}, or shorten `length` as much"
 
     @property
     def status(self) -> str:
-        """ "resolved", or "unresolved" where there is a `caution`."""
+        """The word "resolved", or "unresolved" where there is a `caution`."""
         return "unresolved" if self.caution else "resolved"
 
     @cached_property
@@ -340,12 +381,13 @@ class Marched(SampledAnswer):
         return MarchedBodies(self.scene, self.interface)
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Particle velocity anywhere in the bodies [length / time].
+        """Return the particle velocity anywhere in the bodies [length / time].
 
-        Jumps of the loads on the stuck interface are exact; what slip does, and what loads do that
-        rise and fall, is as accurate as the march, and smoothed over a hundredth of what waves have
-        come through.  Points of one time, or of one depth, share most of the work: 100,000 at once
-        take seconds.
+        The effect of load jumps on the stuck interface is exact.  The effects of slip, and of loads
+        that rise and fall gradually, are as accurate as the march, and are smoothed over a
+        hundredth of the distance that waves have travelled.  Points at one time, or at one depth,
+        share most of the work: 100,000 at once take seconds.  See docs/spacetime.md, "Fields in the
+        bodies".
 
         Parameters
         ----------
@@ -369,7 +411,9 @@ class Marched(SampledAnswer):
         return self._bodies.velocity(x, y, t)
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Stress anywhere in the bodies, tension positive [stress]; otherwise as `velocity`.
+        """Return the stress anywhere in the bodies, tension positive [stress].
+
+        Parameters and errors are those of `velocity`.
 
         Returns
         -------
@@ -381,7 +425,9 @@ class Marched(SampledAnswer):
         return self._bodies.stress(x, y, t)
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Displacement since t = 0 anywhere in the bodies [length]; otherwise as `velocity`.
+        """Return the displacement since t = 0 anywhere in the bodies [length].
+
+        Parameters and errors are those of `velocity`.
 
         Returns
         -------
@@ -392,10 +438,10 @@ class Marched(SampledAnswer):
 
     @cached_property
     def field_error(self) -> float:
-        """Estimate of the error of stress in the bodies: L1, relative to what has changed.
+        """Estimate of the L1 error of stress in the bodies, relative to the change of stress.
 
-        From what the companion says at some points, at the end or when waves have come through the
-        observed contact; nan without a companion.
+        March and companion are compared at 60 random points, at the end time or when waves have
+        crossed the observed contact.  The estimate is nan without a companion.
         """
         reach = self.grid.observed * self.grid.spacing
         x, y = reach * np.random.default_rng(0).uniform(-1, 1, (2, FIELD_POINTS))
@@ -406,7 +452,7 @@ class Marched(SampledAnswer):
 
     @property
     def final_path(self) -> Array:
-        """|slip| accumulated at the observed nodes until the end (n,) [length]."""
+        """Accumulated |slip| at the observed nodes until the end (n,) [length]."""
         return self.state.path[: self.grid.observed]
 
     @property
@@ -424,7 +470,22 @@ class Marched(SampledAnswer):
         )
 
     def save(self, path: str | Path) -> None:
-        """Write all of it as HDF5, to be loaded or continued; whole or not at all."""
+        """Write the march as HDF5, to be loaded or continued.
+
+        The file appears under its name only when it is complete.
+
+        Parameters
+        ----------
+        path : path
+            File to write; missing folders are made.
+
+        Raises
+        ------
+        MissingLibraryError
+            If h5py is not installed.
+        DataFileError
+            If the file cannot be written.
+        """
         with whole_hdf5(path) as file:
             file.attrs["format"] = FORMAT
             file.attrs["scene"] = json.dumps(scene_document(self.scene))
@@ -433,7 +494,7 @@ class Marched(SampledAnswer):
                 self.companion._write(file.create_group("companion"))
 
     def _write(self, group: Any) -> None:
-        """Write all but scene and companion into an HDF5 group."""
+        """Write everything but scene and companion into an HDF5 group."""
         for name in _OPTIONS:
             group.attrs[name] = getattr(self, name)
         if self.rtol is not None:
@@ -447,10 +508,17 @@ class Marched(SampledAnswer):
 
     @classmethod
     def load(cls, path: str | Path) -> Marched:
-        """Read what `save` wrote.
+        """Read a march that `save` wrote.
+
+        Parameters
+        ----------
+        path : path
+            File to read.
 
         Raises
         ------
+        MissingLibraryError
+            If h5py is not installed.
         DataFileError
             If the file is missing, damaged or not a march.
         """
@@ -468,7 +536,7 @@ class Marched(SampledAnswer):
 
     @classmethod
     def _read(cls, group: Any, scene: Scene) -> Marched:
-        """What `_write` wrote."""
+        """Read what `_write` wrote."""
         parts = {
             name: kind(**{field.name: group[name][field.name][()] for field in fields(kind)})
             for name, kind in _GROUPS.items()

@@ -1,4 +1,4 @@
-"""What is kept of the steps of a march: stored levels, and what every step adds to."""
+"""The record of a march: stored levels, and the extremes and totals over every step."""
 
 from __future__ import annotations
 
@@ -15,22 +15,31 @@ from semianalytic.spacetime.marched import Marched, MarchState
 Array = NDArray[np.float64]
 
 _FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
-"""What is stored of each level; a march ends where the contact would open."""
+"""Fields that are stored of each level; a march ends where the contact would open."""
 
 
 class MarchRecord:
-    """Level by level, in arrays that are as long as they will be.
+    """The recorded levels of a march, in arrays that are allocated at their final length.
 
     Parameters
     ----------
     marched : Marched
-        What there is already.
+        The march so far; its levels and totals are kept.
     steps : int
-        That are to come.
+        Steps that are to come.
     every : int
         Store every n-th level, and the last.
     progress : callable, optional
         Called with (step, steps) after each step; if it returns True the march is `stopped`.
+
+    Attributes
+    ----------
+    done : int
+        Steps recorded since the march was entered.
+    stopped : bool
+        Whether `progress` has ended the march.
+    seen : Extremes
+        Extremes over every step, stored or not.
     """
 
     def __init__(
@@ -46,6 +55,7 @@ class MarchRecord:
         earlier, before = marched.interface, marched.statistics.steps
         self._stored = len(earlier.t)
         whole = (before + steps) // every - before // every
+        # besides every n-th: the level at t = 0, the last, and one where the march may be stopped
         levels = self._stored + (not self._stored) + whole + bool((before + steps) % every) + 1
         self._times = _extended(earlier.t, levels)
         self._fields = [_extended(getattr(earlier, name), levels) for name in _FIELDS]
@@ -56,21 +66,21 @@ class MarchRecord:
         ]
 
     def begin(self, state: MarchState, pressure: Array) -> None:
-        """Keep the level at t = 0, pressure of the contact; once."""
+        """Store the level at t = 0, with the pressure of the contact, unless it is stored."""
         if self._stored:
             return
         self._store(state, pressure)
         self._sum(state)
 
     def jump(self, state: MarchState) -> None:
-        """Note the slip rate that a jump of the loads sets off at once."""
+        """Include in `seen` the slip rate right after a jump of the loads."""
         rate = self._marched.grid.observe(state.rate)
         self.seen = self.seen.with_level(
             state.time, state.time, rate, rate, state.slip[: self._observed]
         )
 
     def add(self, before: MarchState, state: MarchState, pressure: Array) -> None:
-        """Keep one more level after that before it, pressure of the contact."""
+        """Add the level `state` that follows `before`, with the pressure of the contact."""
         observe = self._marched.grid.observe
         self.seen = self.seen.with_level(
             before.time,
@@ -89,6 +99,7 @@ class MarchRecord:
             self._store(state, pressure)
 
     def _store(self, state: MarchState, pressure: Array) -> None:
+        """Store a level."""
         self._times[self._stored] = state.time
         rate = state.rate[self._marched.grid.contact]
         for kept, field in zip(
@@ -98,6 +109,7 @@ class MarchRecord:
         self._stored += 1
 
     def _sum(self, state: MarchState) -> None:
+        """Add the totals of a level: sums over nodes times h are integrals over the contact."""
         slip, path, work = (
             field[: self._observed] for field in (state.slip, state.path, state.work)
         )
@@ -108,19 +120,20 @@ class MarchRecord:
         self._summed += 1
 
     def interface(self) -> InterfaceHistory:
-        """What was stored."""
+        """Return the stored levels."""
         kept = slice(0, self._stored)
         fields = [field[kept] for field in self._fields]
+        # a march ends where the contact would open, so the gap is zero throughout
         closed = np.broadcast_to(0.0, (self._stored, self._observed))
         return InterfaceHistory(self._marched.grid.x, self._times[kept], *[*fields, closed])
 
     def totals(self) -> Totals:
-        """Of every step."""
+        """Return the totals of every step."""
         return Totals(*(total[: self._summed] for total in self._totals))
 
 
 def _extended(earlier: Array, rows: int) -> Array:
-    """An array of so many rows that begins with earlier ones."""
+    """Return an array of so many rows that begins with the rows of an earlier one."""
     longer = np.empty((rows, *earlier.shape[1:]))
     longer[: len(earlier)] = earlier
     return longer

@@ -1,12 +1,13 @@
-"""What a march leaves on y = 0 once what has exact fields is taken off: continuous tractions.
+"""The continuous tractions of y = 0 after a march, without the parts that have exact fields.
 
 Jumps of the loads on an interface that sticks have exact fields, and slip ahead of all waves sends
-plane waves (`marched_bodies`).  Their tractions on the contact are taken off those recorded.  Of
-what is left, and of the rest of the loads on the slot, this module makes a `Spectrum`.
+plane waves (`marched_bodies`).  Their tractions are subtracted from the recorded ones.  From the
+remainder, and from the continuous part of the loads on the slot, this module makes a `Spectrum`.
 
-The grid sees what is singular at the edge as if its first node lay 0.310 spacings from there, not
-half a spacing (`edge_factors`).  Where the edge sticks that holds for all of the grid; where it
-slips, for friction under a singular pressure, and for the stuck tractions that are taken off.
+The grid sees tractions that are singular at the edge as if its first node lay 0.310 spacings from
+there, not half a spacing (`edge_factors`; docs/theory.md, "The edge on a grid").  Where the edge
+sticks, that holds for the whole traction.  Where it slips, it holds for the friction under a
+singular pressure, and for the stuck tractions that are subtracted.
 """
 
 from __future__ import annotations
@@ -43,16 +44,16 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class SlotLoad:
-    """Traction that is taken off the slot: jumps, and a continuous rest.
+    """A traction that is taken off the slot, as a sum of jumps and a continuous rest.
 
     Attributes
     ----------
     mode : Mode
-        "I" of pressure, "II" or "III" of shear.
+        "I" for pressure, "II" or "III" for shear.
     jumps : tuple of (time, height)
-        [time], [stress].
+        Times [time] and heights [stress] of the jumps.
     rest : (m,) array
-        At the stored levels [stress].
+        The continuous rest at the stored levels [stress].
     """
 
     mode: Mode
@@ -61,7 +62,7 @@ class SlotLoad:
 
     @classmethod
     def of(cls, mode: Mode, load: float, history: LoadHistory, times: Array) -> SlotLoad:
-        """That of a load [stress] and its history at times [time]."""
+        """Make it from a load [stress] and its history at times (m,) [time]."""
         pieces = history.pieces
         rest = np.zeros(len(times))
         if load and (pieces.kinks or pieces.waves):
@@ -70,26 +71,28 @@ class SlotLoad:
 
     @property
     def varies(self) -> bool:
-        """Whether there is a rest."""
+        """Whether there is a continuous rest."""
         return bool(np.any(self.rest))
 
     def jumped(self, t: Array) -> Array:
-        """Sum of the jumps until times (m,), [stress]."""
+        """Return the sum of the jumps until times (m,), [stress]."""
         return Pieces(jumps=self.jumps).value(t)
 
 
 @dataclass(frozen=True, eq=False)
 class Remainder:
-    """Tractions of y = 0 that have no exact fields, on the nodes of a march and some more.
+    """The tractions of y = 0 that have no exact fields, on the nodes of a march and some more.
 
     Attributes
     ----------
     scene : Scene
+        The scene that was marched.
     interface : InterfaceHistory
-        Of the march.
+        Recorded fields of the contact.
     far : (m,) array
         Change of shear traction ahead of all waves at the stored levels [stress].
     normal, shear : SlotLoad
+        Pressure and shear that are taken off the slot.
     """
 
     scene: Scene
@@ -100,36 +103,42 @@ class Remainder:
 
     @property
     def reach(self) -> float:
-        """How far waves have come at the last level [length]."""
+        """Distance that waves have travelled at the last level [length]."""
         return float(self.scene.fastest_speed * self.interface.t[-1])
 
     @property
     def _spacing(self) -> float:
+        """Node distance: the first node is half of it from the edge [length]."""
         return 2 * float(self.interface.x[0])
 
     @cached_property
     def _reached(self) -> int:
-        """Nodes that waves come to on one side."""
+        """Number of nodes that waves reach on one side of the edge."""
         return math.ceil(self.reach / self._spacing) + FIELD_MARGIN
 
     @property
     def _contact(self) -> int:
-        """Nodes of the contact, the first of all."""
+        """Number of nodes of the contact, which come first."""
         return min(len(self.interface.x), self._reached)
 
     @property
     def _slot(self) -> int:
-        """Nodes of the slot that is loaded, the last of all: its other end is not seen."""
+        """Number of nodes of the loaded slot, which come last."""
+        # twice as long as waves reach, so that the waves of its other end come too late
         return 2 * self._reached if self.normal.varies or self.shear.varies else 0
 
     @cached_property
     def _nodes(self) -> int:
+        """Number of nodes in a period along x."""
         from scipy.fft import next_fast_len  # here, for `import semianalytic` is to be quick
 
         return int(next_fast_len(2 * self._reached + self._slot, real=True))
 
     def spectra(self) -> tuple[Spectrum, ...]:
-        """Of shear, and of pressure if its load does not only jump; together in plane."""
+        """Return the spectra of shear and, unless its load consists of jumps only, of pressure.
+
+        In plane strain one spectrum holds both; in antiplane shear there is one for each.
+        """
         scene, seen = self.scene, self.interface
         speed = scene.material.shear_speed
         steps = max(len(seen.t) - 1, 2 * FIELD_NODES)  # more than are stored, if those are few
@@ -153,30 +162,41 @@ class Remainder:
         return (Spectrum(q, omega, shear, normal),)
 
     def _along_line(self, left: Callable[[slice], tuple[Array, Array]], q: Array) -> Complex:
-        """Amplitudes (m, n) at wavenumbers, level by level in blocks."""
+        """Return the amplitudes (m, n) at the wavenumbers q, level by level in blocks.
+
+        `left` returns the tractions of a part of the levels, singular at the edge and bounded.
+        """
         lines = np.empty((len(self.interface.t), len(q)), dtype=complex)
         block = max(1, FIELD_VALUES // self._nodes)
         offset, _ = edge_offset_and_factors()
         for first in range(0, len(lines), block):
             part = slice(first, first + block)
             singular, bounded = left(part)
+            # the two have their first node at 0.310 and at half a spacing from the edge
             lines[part] = along_line(singular, self._spacing, offset, q)
             if np.any(bounded):
                 lines[part] += along_line(bounded, self._spacing, 0.5, q)
         return lines
 
     def _pressure_left(self, part: slice) -> tuple[Array, Array]:
-        """Change of sigma_yy (l, nodes), singular at the edge and not, at a part of the levels."""
+        """Return the change of sigma_yy at a part of the levels, singular and bounded at the edge.
+
+        Both have the shape (l, nodes).  All of it is taken as singular; the second one is zero.
+        """
         seen, contact = self.interface, self._contact
         singular = np.zeros((len(seen.t[part]), self._nodes))
         pressed = seen.pressure[part, :contact] - self._held.pressure
+        # sigma_yy is minus the pressure: -(pressed - stuck)
         singular[:, :contact] = self._stuck(self.normal, seen.t[part], contact) - pressed
         if self._slot:
             singular[:, -self._slot :] = self.normal.rest[part, None]
         return singular, np.zeros_like(singular)
 
     def _edge(self, part: slice) -> tuple[Flags, Array]:
-        """Whether the first node slips (l, 1), and its shear traction over its pressure then."""
+        """Return whether the first node slips, and its shear traction over its pressure if so.
+
+        Both have the shape (l, 1).
+        """
         pressure = self.interface.pressure[part, :1]
         slips = self.interface.slip_rate[part, :1] != 0
         rubbing = slips & (pressure > 0)
@@ -185,7 +205,9 @@ class Remainder:
 
     @cached_property
     def singular_share(self) -> Array:
-        """What slip leaves of the stuck intensity of shear at the edge, (m,)."""
+        """Share of the stuck shear intensity at the edge that slip leaves, (m,)."""
+        # Where the edge slips, tau = s f p holds up to it: the shear is as singular as the friction
+        # under the singular pressure.
         seen, every = self.interface, slice(None)
         slips, coefficient = (one[:, 0] for one in self._edge(every))
         stuck = self._stuck(self.shear, seen.t, 1)[:, 0] + self.shear.jumped(seen.t)
@@ -195,23 +217,27 @@ class Remainder:
 
     @property
     def _held(self) -> Tractions:
-        """On the contact until waves come."""
+        """Tractions of the contact ahead of the waves."""
         return self.scene.superposition.in_place
 
     def _pressure_load(self, t: Array) -> Array:
+        """Return the pressure P_0 f_p that is taken off the slot at times t, (m,) [stress]."""
         return self.scene.superposition.taken_off.pressure * self.scene.pressure_history.value(t)
 
     def _shear_left(self, part: slice) -> tuple[Array, Array]:
-        """Change of shear traction (l, nodes), singular at the edge and not, likewise."""
+        """Return the change of shear traction, singular and bounded at the edge, (l, nodes)."""
         seen, held, contact, t = self.interface, self._held, self._contact, self.interface.t
         slips, coefficient = self._edge(part)
         singular, bounded = np.zeros((2, len(t[part]), self._nodes))
         sheared = seen.shear_traction[part, :contact] - held.shear - self.far[part, None]
         pressed = seen.pressure[part, :contact] - held.pressure
+        # at an edge that slips, friction under the singular pressure is singular, the rest is not
         bounded[:, :contact] = np.where(slips, sheared - coefficient * pressed, 0.0)
         singular[:, :contact] = np.where(slips, coefficient * pressed, sheared)
         singular[:, :contact] -= self._stuck(self.shear, t[part], contact)
-        # what is singular is the response together with the load, which begins at the edge itself
+        # Singular is the response plus the load; the load is a constant on the contact, subtracted
+        # again.  On nodes of which the first is 0.310 h from the edge, that constant would begin
+        # (0.5 - 0.310) h before the edge; the excess is taken off the first node.
         offset, _ = edge_offset_and_factors()
         moved = coefficient[:, 0] * self._pressure_load(t[part]) - self.shear.jumped(t[part])
         bounded[:, 0] += (0.5 - offset) * np.where(slips[:, 0], moved, 0.0)
@@ -222,7 +248,10 @@ class Remainder:
         return singular, bounded
 
     def _stuck(self, slot: SlotLoad, t: Array, nodes: int) -> Array:
-        """What jumps exert on a contact that sticks, as its grid sees it, (l, nodes) [stress]."""
+        """Return the tractions of load jumps on a contact that sticks, as its grid sees them.
+
+        The shape is (l, nodes) [stress]; `t` (l,) are times [time].
+        """
         offset, near = edge_offset_and_factors()
         factors = np.ones(nodes)
         factors[: len(near)] = near[:nodes]
@@ -233,18 +262,27 @@ class Remainder:
         for start, height in slot.jumps:
             after = t > start
             u = np.multiply.outer(material.shear_speed * (t[after] - start), 1 / x)
+            # the response plus the load, q* + 1, is singular and takes the factors of the grid
             total[after] += height * ((step(u) + 1) * factors - 1)
         return total
 
 
 def far_traction(scene: Scene, times: Array) -> Array:
-    """Change of shear traction ahead of all waves at increasing times from 0 on, (m,) [stress].
+    """Return the change of shear traction ahead of all waves, (m,) [stress].
 
-    Not 0 where a remote load is more than the contact bears.
+    It is zero unless a remote load is more than the contact bears.
+
+    Parameters
+    ----------
+    scene : Scene
+        Material, friction law and tractions.
+    times : (m,) array
+        Increasing times from 0 on [time].
     """
     impedance, held = scene.material.shear_impedance / 2, scene.superposition.in_place
     stopping = np.array([abs(held.shear)])
     frictional = np.array([scene.friction * held.pressure])
+    # There V is uniform and the waves it sends are plane: no memory, only the local term of (4.40).
     path, rates = np.zeros(1), np.zeros(len(times))
     for level, step in enumerate(np.diff(times, append=times[-1])):
         rates[level] = scene.friction_law.slip_speed(stopping, frictional, impedance, path)[0]
@@ -253,7 +291,7 @@ def far_traction(scene: Scene, times: Array) -> Array:
 
 
 def _resampled(lines: Complex, times: Array, at: Array) -> Complex:
-    """Lines (m, n) at increasing times, linear between them, at others."""
+    """Interpolate lines (m, n), given at increasing times, linearly at other times."""
     after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
     share = (at - times[after - 1]) / (times[after] - times[after - 1])
     share = np.clip(share, 0.0, 1.0)[:, None]

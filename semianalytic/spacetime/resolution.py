@@ -1,12 +1,13 @@
-"""What a march resolves: the turns of its loads, the slip zone at the edge, and slip weakening.
+"""The resolution of a march: turns of its loads, the slip zone at the edge, and slip weakening.
 
-A grid of node distance h follows what lasts longer than some steps of h / (2 c_t), whatever the
-time step: measured on waves and pulses of every shape (docs/spacetime.md), frictional work is off
-by 1 to 3 % where a load turns by no more than 0.32 of its largest value within four such steps.
-A wave makes 16 of them a period then, a triangle lasts 13, a rectangle 4.  A turn within one step
-may be 0.08, or short pulses on top of longer ones would be lost.  Of a slip zone shorter than some
-nodes a grid sees little, and of one below the first node nothing; slip weakening has a length of
-its own, that of its process zone.
+A grid of node distance h follows events that last longer than some steps of h / (2 c_t), whatever
+the time step.  Measured on waves and pulses of every shape (docs/spacetime.md, "What the grid
+resolves"), frictional work is off by 1 to 3 % where a load turns by no more than 0.32 of its
+largest value within four such steps: a wave then has 16 of them in a period, a triangle lasts 13,
+a rectangle 4.  Within one step a load may turn by 0.08; otherwise short pulses on top of longer
+ones would be lost.  A slip zone of a few nodes is seen badly, and one shorter than the distance of
+the first node from the edge is not seen at all.  Slip weakening has a length of its own, that of
+its process zone.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ Array = NDArray[np.float64]
 
 
 def _follows(history: LoadHistory, step: float, latest: float) -> bool:
+    """Return whether a history turns slowly enough for steps h / (2 c_t) of this length [time]."""
     return all(
         history.turn(steps * step, latest) <= allowed for steps, allowed in LARGEST_TURN.items()
     )
@@ -48,26 +50,40 @@ def _follows(history: LoadHistory, step: float, latest: float) -> bool:
 def nodes_for_loads(
     scene: Scene, latest: float, length: float, least: int, step_ratio: float = STEP_RATIO
 ) -> tuple[int, str]:
-    """Contact nodes that follow the loads until `latest`, `least` or more, and what needs them.
+    """Return how many contact nodes follow the loads until `latest`, and which load needs them.
 
     Parameters
     ----------
     scene : Scene
+        Its load histories and shear wave speed are used.
     latest : float
-        [time].
+        Time until which the loads are looked at [time].
     length : float
-        On which the nodes lie [length].
+        Length on which the nodes lie [length].
     least : int
-        Returned with "" if it is enough.
+        Least number of nodes; returned with "" if it is enough.
     step_ratio : float
         Largest c_t dt / h; less than 0.5 does not help.
+
+    Returns
+    -------
+    (int, str)
+        The number of nodes, and "pressure" or "shear", or "" if `least` is enough.
+
+    Raises
+    ------
+    SceneError
+        If a load turns back within no time at all.
     """
     nodes, reason = least, ""
+    # step times nodes: a step of step_ratio h / c_t with h = length / nodes
     times_nodes = max(step_ratio, STEP_RATIO) * length / scene.material.shear_speed
     for name, history in scene.acting_histories.items():
         step = times_nodes / nodes
         if _follows(history, step, latest):
             continue
+        # Bisect for the longest step that follows the load: sixteenths until one is short enough,
+        # then halves of the interval.
         enough, lacking = 0.0, step
         for _ in range(HALVINGS):
             middle = lacking / 16 if enough == 0 else (enough + lacking) / 2
@@ -93,12 +109,14 @@ def check_loads(
     most: int,
     step_ratio: float = STEP_RATIO,
 ) -> int:
-    """Contact nodes to march with: `nodes`, or as many up to `most` as follow the loads.
+    """Return the contact nodes to march with: `nodes`, or as many up to `most` as the loads need.
+
+    Parameters are those of `nodes_for_loads`, with `nodes` for `least`.
 
     Raises
     ------
     SceneError
-        If more than `most` are needed, with their number.
+        If more than `most` are needed; the message states their number.
     """
     needed, name = nodes_for_loads(scene, latest, length, nodes, step_ratio)
     if needed > most:
@@ -111,17 +129,30 @@ def check_loads(
 
 
 def _rounded(count: float) -> str:
-    """A number of nodes rounded up to two figures."""
+    """Write a number of nodes, rounded up to two figures."""
     unit = 10 ** max(0, int(math.log10(count)) - 1)
     rounded = math.ceil(count / unit) * unit
     return f"{rounded}" if rounded < 1_000_000 else f"{rounded:.1e}"
 
 
 def zone_at_edge(scene: Scene, end_time: float) -> float:
-    """Longest slip zone at the edge that the stuck tractions call for until a time [length].
+    """Return the longest slip zone at the edge that the stuck tractions cause until a time.
 
-    (pi/8) (K / s)^2, Dugdale's, with K what the stress intensity of a stuck edge is above friction
-    and s the strength left beside it; what waves have reached at most.  0 where the edge holds.
+    Its length is Dugdale's, (pi/8) (K / s)^2, where K is the excess of the stress intensity of a
+    stuck edge over friction and s the strength left beside the edge (docs/spacetime.md, "What the
+    grid resolves"); it is at most the distance that waves have travelled.
+
+    Parameters
+    ----------
+    scene : Scene
+        Material, friction, tractions and load histories.
+    end_time : float
+        Time until which the zone is looked for [time].
+
+    Returns
+    -------
+    float
+        Length of the zone [length]; 0 where the edge sticks.
     """
     breaks = [at for history in scene.acting_histories.values() for at in history.pieces.breaks]
     count = max(LEAST_TIMES, min(TIMES, MOST_SAMPLES // max(1, len(breaks))))
@@ -135,6 +166,8 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
             mode_one = intensities[0]
         else:
             mode_two = intensities[1]
+    # Beside the edge |tau| - f p ~ (|K_II| - f K_I) / sqrt(2 pi x).  The zone closes that against
+    # f p less the shear that the slot faces carry, both of the tractions left on the slot.
     excess = np.abs(mode_two) - scene.friction * mode_one
     strength = scene.friction * (
         held.pressure - load.pressure * scene.pressure_history.value(times)
@@ -148,26 +181,32 @@ def zone_at_edge(scene: Scene, end_time: float) -> float:
 
 
 def nodes_for_zone(scene: Scene, end_time: float, length: float) -> int:
-    """Contact nodes on a length that resolve the longest slip zone at the edge; 0 without one."""
+    """Return how many contact nodes on a length resolve the slip zone at the edge; 0 without one.
+
+    `zone_at_edge` gives the longest zone until `end_time` [time]; `length` is in [length].
+    """
     zone = zone_at_edge(scene, end_time)
     return math.ceil(ZONE_NODES * length / zone) if zone else 0
 
 
 def nodes_for_weakening(scene: Scene, length: float) -> int:
-    """Contact nodes on a length that resolve the process zone of slip weakening; 0 without one."""
+    """Return how many contact nodes on a length resolve the process zone of slip weakening.
+
+    The number is 0 for other friction laws.
+    """
     return math.ceil(WEAKENING_NODES * length / process_zone(scene))
 
 
 @dataclass(frozen=True)
 class Shortfall:
-    """What a march is too coarse for.
+    """A reason why a march is too coarse.
 
     Attributes
     ----------
     reason : str
-        What is wrong, as a clause.
+        The reason, as a clause.
     times : float
-        How many times as many nodes would do.
+        How many times as many nodes would be enough.
     """
 
     reason: str
@@ -175,7 +214,7 @@ class Shortfall:
 
 
 def advice(shortfalls: Sequence[Shortfall], option: str) -> str:
-    """What a march is too coarse for, and how many times an option has to be raised; or ""."""
+    """Return the reasons, and how many times an option has to be raised; "" without reasons."""
     if not shortfalls:
         return ""
     reasons = "; ".join(one.reason for one in shortfalls)
@@ -183,17 +222,18 @@ def advice(shortfalls: Sequence[Shortfall], option: str) -> str:
 
 
 def missed_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> Shortfall | None:
-    """A slip zone at the edge of which a march sees next to nothing; None if there is none.
+    """Return the slip zone at the edge that a march does not resolve; None if there is none.
 
     Parameters
     ----------
     scene : Scene
+        The scene that was marched.
     end_time : float
-        Until when it went [time].
+        End time of the march [time].
     spacing : float
         Node distance [length].
     reach : float
-        How far from the edge it saw slip [length].
+        Largest distance from the edge at which the march found slip [length].
     """
     least = ZONE_NODES * spacing
     if reach >= least:
@@ -209,7 +249,10 @@ def missed_zone(scene: Scene, end_time: float, spacing: float, reach: float) -> 
 
 
 def coarse_weakening(scene: Scene, spacing: float) -> Shortfall | None:
-    """Slip weakening on too few nodes, of a distance [length]; None if they are enough."""
+    """Return the shortfall of slip weakening on too few nodes; None if they are enough.
+
+    `spacing` is the node distance [length].
+    """
     zone = process_zone(scene)
     nodes = zone / spacing
     if nodes >= WEAKENING_NODES:
@@ -222,7 +265,10 @@ def coarse_weakening(scene: Scene, spacing: float) -> Shortfall | None:
 
 
 def check_weakening_seen(scene: Scene, spacing: float) -> None:
-    """Raise SceneError if the grid, not the law, would set the length of slip weakening."""
+    """Raise SceneError if the process zone of slip weakening is shorter than two nodes.
+
+    The grid, not the friction law, would then set the length over which friction weakens.
+    """
     zone = process_zone(scene)
     if zone < LEAST_WEAKENING_NODES * spacing:
         raise SceneError(

@@ -1,8 +1,9 @@
-"""The steps of a march, in segments between jumps of the loads.
+"""The time steps of a march, in segments between jumps of the loads.
 
-A step takes the loads at its end, the traction that would stop each node under what the past exerts
-(`Line.stopping_traction`), the slip rate that friction leaves of it (`Line.slip_rate`), and what
-that adds to the memory (`Recursion`).
+A step takes the loads at its end, computes the traction that would stop each node under the memory
+of past slip (`Line.stopping_traction`), from it and the friction law the slip rate
+(`Line.slip_rate`), and adds the new slip to the memory (`Recursion`).  See docs/spacetime.md,
+"Method".
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Segment:
-    """A span of time within which no load jumps, in equal steps; begin and end [time]."""
+    """A span of time from `begin` to `end` [time], divided into equal steps, without load jumps."""
 
     begin: float
     end: float
@@ -38,24 +39,37 @@ class Segment:
 
     @property
     def time_step(self) -> float:
-        """[time]."""
+        """Length of one step [time]."""
         return (self.end - self.begin) / self.steps
 
     @property
     def coarser(self) -> Segment:
-        """In half the steps."""
+        """This span in half as many steps, rounded up, for the companion."""
         return Segment(self.begin, self.end, math.ceil(self.steps / 2))
 
     @property
     def levels(self) -> Array:
         """Begin and end of all steps, (steps + 1,) [time]."""
+        # the end is taken as it is: a jump there has to fall on the level to the last digit
         return np.append(self.begin + self.time_step * np.arange(self.steps), self.end)
 
 
 def segments_between(
     scene: Scene, start: float, end: float, step_ratio: float, spacing: float
 ) -> list[Segment]:
-    """Segments from a time to another in steps of c_t dt <= step_ratio spacing."""
+    """Divide the time from `start` to `end` at the load jumps, in steps c_t dt <= step_ratio h.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its load histories determine the jumps, its material the shear wave speed.
+    start, end : float
+        First and last time [time].
+    step_ratio : float
+        Largest c_t dt / h.
+    spacing : float
+        Node distance h [length].
+    """
     ends = [start, *(at for at in _jumps(scene) if start < at < end), end]
     speed, largest = scene.material.shear_speed, step_ratio * spacing
     return [
@@ -65,23 +79,25 @@ def segments_between(
 
 
 def _jumps(scene: Scene) -> list[float]:
-    """Times at which a load jumps, in order [time]."""
+    """Return the times at which a load jumps, in increasing order [time]."""
     histories = scene.acting_histories.values()
     return sorted({at for history in histories for at, _ in history.pieces.jumps})
 
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """What acts at a time level.
+    """The loads that act at one time level.
 
     Attributes
     ----------
-    time, step : float
-        And the step that ends there [time].
+    time : float
+        Time of the level [time].
+    step : float
+        Length of the step that ends there [time].
     shear_load : float
-        Q_0 f [stress].
+        Shear traction Q_0 f that is taken off the slot [stress].
     pressure : (contact,) array
-        On the contact [stress].
+        Contact pressure at the nodes [stress].
     """
 
     time: float
@@ -91,7 +107,10 @@ class Level:
 
 
 def _levels(scene: Scene, segment: Segment, pressure: GridPressure) -> Iterator[Level]:
-    """Levels of a segment; the first takes the load just after it, the others that before."""
+    """Yield the levels of a segment.
+
+    At a jump, the first level takes the shear load just after it and the last one that before it.
+    """
     times, step = segment.levels, segment.time_step
     loads = _shear_loads(scene, times)
     for now, load, on_contact in zip(times.tolist(), loads, pressure.over(times), strict=True):
@@ -99,7 +118,10 @@ def _levels(scene: Scene, segment: Segment, pressure: GridPressure) -> Iterator[
 
 
 def check_levels(scene: Scene, segments: Sequence[Segment], pressure: GridPressure) -> None:
-    """Raise what steps through segments would for the pressure, which slip does not change.
+    """Raise the errors that steps through segments would raise for the pressure.
+
+    The pressure can be checked without marching because slip between identical bodies does not
+    change it.
 
     Raises
     ------
@@ -117,34 +139,43 @@ def check_levels(scene: Scene, segments: Sequence[Segment], pressure: GridPressu
 
 @dataclass(frozen=True)
 class Line:
-    """The line y = 0 as a step sees it: tractions of the slot are prescribed, the contact rubs."""
+    """The line y = 0 in a step: shear is prescribed on the slot, the contact obeys friction."""
 
     scene: Scene
     grid: Grid
 
     @cached_property
     def impedance(self) -> float:
-        """Traction that slip takes off per relative slip rate [stress time / length]."""
+        """Traction that slip releases at once, per relative slip rate [stress time / length]."""
+        # rho c_t / 2: half of it because V is the relative rate of two bodies
         return self.scene.material.shear_impedance / 2
 
     def stopping_traction(self, past: Array) -> Array:
-        """Shear traction at which no node would move, (size,) [stress].
+        """Return the shear traction of all nodes if none of them moved now, (size,) [stress].
 
-        `past` is what past slip exerts, per cosine, over the impedance [length / time].
+        Parameters
+        ----------
+        past : (size,) array
+            Convolution over past slip in (4.40), per cosine [length / time].
         """
         from scipy.fft import idct
 
         held = self.scene.superposition.in_place.shear
+        # docs/theory.md, "Any load history", without the local term V
         return np.asarray(held - self.impedance * idct(past, type=2))
 
     def slip_rate(self, stopping: Array, level: Level, path: Array) -> Array:
-        """Relative slip rate of all nodes (size,) [length / time].
+        """Return the relative slip rate of all nodes (size,) [length / time].
+
+        On the slot the shear traction is prescribed; on the contact tau = tau_stop - (rho c_t/2) V
+        must satisfy the friction law.
 
         Parameters
         ----------
         stopping : (size,) array
             Shear traction at which a node would not move [stress].
         level : Level
+            Loads at the time of the slip rate.
         path : (contact,) array
             Accumulated |slip| [length].
         """
@@ -153,32 +184,37 @@ class Line:
             np.abs(on_contact), scene.friction * level.pressure, self.impedance, path
         )
         rate, held = np.empty(len(stopping)), scene.superposition.in_place.shear
+        # the slot carries Q_b - Q_0 f: tau_stop - (rho c_t/2) V equals it
         rate[:slot] = (stopping[:slot] - (held - level.shear_load)) / self.impedance
+        # Slip has the sense of the traction that it reduces: V tau >= 0.  0.0 - speed, and not
+        # -speed, keeps the rate of nodes that stick at +0.0.
         rate[slot:] = np.where(on_contact < 0, 0.0 - speed, speed)
         return rate
 
     def traction(self, stopping: Array, rate: Array) -> Array:
-        """Shear traction of the contact at a slip rate (size,), (contact,) [stress]."""
+        """Return the shear traction of the contact at a slip rate (size,), (contact,) [stress]."""
         contact = self.grid.contact
         return np.asarray(stopping[contact] - self.impedance * rate[contact])
 
 
 class Walk:
-    """A march on its way: what it has reached, carried on step by step through segments.
+    """A march under way, carried step by step through segments.
 
     Parameters
     ----------
     marched : Marched
-        Left as it is.
+        Where the march starts from; it is not changed.
     pressure : GridPressure
+        Contact pressure at the nodes.
     record : MarchRecord
+        Where the steps are recorded.
 
     Attributes
     ----------
     state, before : MarchState
-        What is reached, and where the last step began.
+        The state that is reached, and the state at the beginning of the last step.
     done : int
-        Steps of the segment.
+        Steps that have been taken in the present segment.
     """
 
     def __init__(self, marched: Marched, pressure: GridPressure, record: MarchRecord) -> None:
@@ -189,12 +225,14 @@ class Walk:
         self._line = Line(marched.scene, marched.grid)
 
     def begin(self, segment: Segment) -> None:
-        """Enter a segment; its loads jump first."""
+        """Enter a segment, applying the load jump at its beginning."""
         marched, grid, scene = self._marched, self.grid, self._marched.scene
         phase = grid.wavenumbers * scene.material.shear_speed * segment.time_step
         self._recursion = Recursion(marched.memory, phase, marched.damping)
         self._levels = _levels(scene, segment, self._pressure)
         first = next(self._levels)
+        # A segment that begins neither at t = 0 nor at a jump continues an earlier march, whose
+        # rate is the right one already.
         if segment.begin == 0 or segment.begin in _jumps(scene):
             self.state = _after_jump(self._line, self.state, first)
             self.record.jump(self.state)
@@ -205,7 +243,7 @@ class Walk:
         self._recursion.enter(self.state.modes, self.state.lasting, self._transform)
 
     def step(self) -> None:
-        """Take the next step; the memory in place."""
+        """Take the next step; the memory of the state is updated in place."""
         level = next(self._levels)
         _check_pressure(self._marched.scene, level, self.grid.spacing)
         self.before = self.state
@@ -217,12 +255,17 @@ class Walk:
         self.record.add(self.before, self.state, level.pressure)
 
     def end(self) -> None:
-        """Leave the segment, at its end or before."""
+        """Leave the segment, at its end or before it if the march was stopped."""
+        # complete the memory, so that a segment of another step length can begin from it
         self._recursion.leave(self.state.modes, self.state.lasting, self._transform)
 
 
 def _after_jump(line: Line, state: MarchState, level: Level) -> MarchState:
-    """What a jump of the loads makes of a state at once."""
+    """Return the state right after a jump of the loads.
+
+    The memory is an integral over the past, which a jump does not change; slip rate and traction
+    change at once, through the local term of (4.40).
+    """
     stopping = line.stopping_traction(exerted(state.modes, state.lasting))
     rate = line.slip_rate(stopping, level, state.path)
     return replace(state, rate=rate, traction=line.traction(stopping, rate))
@@ -231,22 +274,43 @@ def _after_jump(line: Line, state: MarchState, level: Level) -> MarchState:
 def _step(
     line: Line, recursion: Recursion, before: MarchState, transform: Array, level: Level
 ) -> tuple[MarchState, Array]:
-    """The state one step later, and the cosines of its slip rate; given those of the rate before.
+    """Return the state one step later, and the cosines of its slip rate.
 
-    The memory is that of the new level already, but for the end value of the rate.
+    Parameters
+    ----------
+    line : Line
+        Tractions and friction on y = 0.
+    recursion : Recursion
+        Its `feedback` is what the end value of the rate contributes to the memory.
+    before : MarchState
+        State at the beginning of the step, except for its memory: that belongs to the end of the
+        step already, the contribution of the end value left out.
+    transform : (size,) array
+        Cosines of the slip rate at the beginning of the step, the first guess for its end.
+    level : Level
+        Loads at the end of the step.
+
+    Raises
+    ------
+    ComputationError
+        If the slip rate is no longer finite.
     """
     contact, half = line.grid.contact, level.step / 2
     past, old, path = exerted(before.modes, before.lasting), before.rate[contact], before.path
+    # Fixed-point iteration for the end value; its contraction factor is the feedback (< 1).  The
+    # accumulated slip is iterated with it, since friction may depend on it.
     for _ in range(SWEEPS):
         stopping = line.stopping_traction(past + recursion.feedback * transform)
         rate = line.slip_rate(stopping, level, path)
         path = before.path + half * (np.abs(old) + np.abs(rate[contact]))
         transform = _cosines(rate)
+    # the first cosine is the sum over all nodes, which one value that is not finite spoils
     if not math.isfinite(float(transform[0])):
         raise ComputationError(
             f"the march lost its finite values at t = {level.time:.4g}; lower `step_ratio`."
         )
     traction, new = line.traction(stopping, rate), rate[contact]
+    # the rate is linear in time over a step: slip is exact, work by the trapezoidal rule
     work = before.work + half * (before.traction * old + traction * new)
     slip = before.slip + half * (old + new)
     modes, lasting = before.modes, before.lasting
@@ -254,16 +318,19 @@ def _step(
 
 
 def _cosines(rate: Array) -> Array:
-    """Amplitudes of the cosines of a slip rate, (size,)."""
+    """Return the amplitudes of the cosines of a slip rate, (size,)."""
     from scipy.fft import dct  # here, for `import semianalytic` is to be quick
 
+    # type 2: nodes half a spacing from the ends, even about both of them
     return np.asarray(dct(rate, type=2))
 
 
 def _shear_loads(scene: Scene, levels: Array) -> Array:
-    """Q_0 f at evenly spaced levels [stress], at a jump the value before it, at the first after it.
+    """Return Q_0 f at evenly spaced levels (n,) [stress].
 
-    Where several of the breaks of the history lie within the step around a level, its exact mean.
+    At a jump the value is that before it, but at the first level that after it.  Where several
+    breaks of the history lie within the step around a level, the exact mean over that step is
+    taken (docs/spacetime.md, "What the grid resolves").
     """
     history = scene.shear_history
     loads, breaks = history.value(levels), np.array(history.pieces.breaks)
@@ -277,7 +344,7 @@ def _shear_loads(scene: Scene, levels: Array) -> Array:
 
 
 def _check_pressure(scene: Scene, level: Level, spacing: float) -> None:
-    """Raise if the contact would open, or friction weaken too fast under its pressure."""
+    """Raise if the contact would open, or if friction weakens too fast under its pressure."""
     if scene.superposition.taken_off.pressure == 0:
         return
     pressure = level.pressure

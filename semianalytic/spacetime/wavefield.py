@@ -1,10 +1,10 @@
-"""What tractions on y = 0 send into the upper body, summed over wavenumbers and frequencies.
+"""The field of tractions on y = 0 in the upper body, summed over wavenumbers and frequencies.
 
-A traction exp(i (omega t + q x)) makes a P wave that falls off like exp(-A y) and an S wave like
-exp(-B y), A^2 = q^2 - omega^2 / c_l^2, B^2 = q^2 - omega^2 / c_t^2, with the amplitudes of
-`field.waves` at the slowness k = q / omega.  Frequencies are taken on a line below the real axis,
-omega - i eta, where nothing is singular and what comes round again in time is small: the method of
-the exponential window.
+A traction exp(i (omega t + q x)) makes a P wave that falls off like exp(-A y) and an S wave that
+falls off like exp(-B y), A^2 = q^2 - omega^2 / c_l^2, B^2 = q^2 - omega^2 / c_t^2, with the
+amplitudes of `field.waves` at the slowness k = q / omega.  Frequencies are taken on a line below
+the real axis, omega - i eta, where nothing is singular and the periodic repetition in time is
+small.  This is the method of the exponential window (docs/spacetime.md, "Fields in the bodies").
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ Quantity = Literal["velocity", "stress", "displacement"]
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Tractions on y = 0, c_t = mu = 1: their values at wavenumbers and complex frequencies.
+    """Amplitudes of tractions on y = 0 at wavenumbers and complex frequencies, c_t = mu = 1.
 
     Attributes
     ----------
     wavenumbers : (n,) array
-        q >= 0 [1 / length].
+        Wavenumbers q >= 0 [1 / length].
     frequencies : (m,) complex array
-        omega / c_t [1 / length].
+        Frequencies omega / c_t [1 / length].
     shear, normal : (n, m) complex arrays or None
         Changes of sigma_xy (sigma_yz in antiplane shear) and of sigma_yy.
     """
@@ -56,23 +56,28 @@ class Spectrum:
 
     @property
     def mirrored(self) -> Spectrum:
-        """What the lower body sees of it, where what shear does has other signs."""
+        """The spectrum as seen from the lower body.
+
+        The signs of the fields are those of shear there, hence the opposite sign of sigma_yy.
+        """
         return self if self.normal is None else replace(self, normal=-self.normal)
 
 
 def kept_wavenumbers(period: float, nodes: int, share: float) -> Array:
-    """A share of the wavenumbers (n,) of tractions on nodes that repeat [1 / length]."""
+    """Return the lowest `share` of the wavenumbers of nodes with a period, (n,) [1 / length]."""
     count = math.ceil(min(share, 1.0) * (nodes // 2))
     return np.asarray(2 * np.pi * np.arange(count) / period)
 
 
 def along_line(values: Array, spacing: float, first: float, wavenumbers: Array) -> Complex:
-    """Amplitudes (m, n) of exp(i q x), whose real parts add up to tractions (m, nodes).
+    """Return the amplitudes (m, n) of exp(i q x) whose real parts add up to tractions (m, nodes).
 
-    The nodes are (i + first) h, and those beyond the middle lie one period further left.
+    Node i is at (i + first) h; the nodes beyond the middle lie one period further left, on the
+    slot.
     """
     from scipy.fft import rfft  # here, for `import semianalytic` is to be quick
 
+    # twice, since q > 0 stands for -q as well, but not for q = 0; the phase puts node 0 at first h
     lines = rfft(values, axis=1)[:, : len(wavenumbers)]
     lines *= 2 * np.exp(-1j * first * spacing * wavenumbers) / values.shape[1]
     lines[:, 0] /= 2
@@ -81,14 +86,14 @@ def along_line(values: Array, spacing: float, first: float, wavenumbers: Array) 
 
 @dataclass(frozen=True)
 class Window:
-    """Even time levels, some more in which what acts fades out, and a fall like exp(-eta t).
+    """An exponential window in time: even levels, a fade-out beyond the last, a fall exp(-eta t).
 
     Attributes
     ----------
     end : float
         c_t times the last time [length].
     steps : int
-        Until then.
+        Steps until then.
     """
 
     end: float
@@ -96,31 +101,33 @@ class Window:
 
     @property
     def times(self) -> Array:
-        """(steps + 1,), c_t t [length]."""
+        """Time levels c_t t, (steps + 1,) [length]."""
         return np.linspace(0.0, self.end, self.steps + 1)
 
     @property
     def _size(self) -> int:
+        """Number of levels in the window, after which the transform repeats."""
         return math.ceil(WINDOW * self.steps)
 
     @property
     def _fall(self) -> float:
+        """The rate eta / c_t [1 / length]: over one window, exp(-eta t) falls to `WRAPPED`."""
         return math.log(1 / WRAPPED) * self.steps / (self._size * self.end)
 
     def frequencies(self, highest: float) -> Complex:
-        """omega / c_t, (m,), real parts up to the highest that matters [1 / length]."""
+        """Return the frequencies omega / c_t, (m,), real parts up to the highest [1 / length]."""
         spacing = 2 * np.pi * self.steps / (self._size * self.end)
         count = int(min(highest / spacing, (self._size - 1) // 2))
         return np.asarray(spacing * np.arange(-count, count + 1) - 1j * self._fall, dtype=complex)
 
     def transformed(self, lines: Complex, frequencies: Complex) -> Complex:
-        """Amplitudes (n, m) of exp(i omega t) of lines (steps + 1, n)."""
+        """Return the amplitudes (n, m) of exp(i omega t) of lines (steps + 1, n)."""
         from scipy.fft import fft
 
         fading = int(FADE * self.steps)
         beyond = np.arange(1, fading + 1)
         fade = 0.5 * (1 + np.cos(np.pi * beyond / fading))[:, None]
-        # turned about the last value, so that nothing breaks there
+        # point reflection about the last value: value and slope continue, the cosine fades it out
         after = fade * (2 * lines[-1] - lines[-1 - beyond])
         whole = np.zeros((self._size, lines.shape[1]), dtype=complex)
         whole[: len(lines)], whole[len(lines) : len(lines) + fading] = lines, after
@@ -131,7 +138,10 @@ class Window:
 
 
 def tapered(wavenumbers: Array, frequencies: Complex) -> Array:
-    """(n, m) from 1 to nearly 0 at the highest wavenumber and frequency."""
+    """Return a taper (n, m) that falls from 1 to nearly 0 at the highest wavenumber and frequency.
+
+    It avoids the ringing of a sum that ends abruptly.
+    """
     shares = wavenumbers / wavenumbers[-1], np.abs(frequencies.real) / frequencies.real[-1]
     return np.multiply.outer(*(np.exp(-TAPER * share**TAPER_POWER) for share in shares))
 
@@ -139,21 +149,24 @@ def tapered(wavenumbers: Array, frequencies: Complex) -> Array:
 def evaluated(
     spectrum: Spectrum, quantity: Quantity, a: float, mode: Mode, x: Array, y: Array, t: Array
 ) -> Array:
-    """Velocity, stress or displacement (rows, p) at points (p,) of the upper body, y >= 0.
+    """Return velocity, stress or displacement (rows, p) at points (p,) of the upper body, y >= 0.
 
     Parameters
     ----------
     spectrum : Spectrum
+        Tractions on y = 0.
     quantity : Quantity
-        Rows as in `Solution`, c_t = mu = 1.
+        "velocity", "stress" or "displacement"; rows as in `Solution`, c_t = mu = 1.
     a : float
         c_t / c_l.
     mode : Mode
-        "III" if the shear of the spectrum is along z; rows are those of z alone then.
+        "III" if the shear of the spectrum is along z; the rows are then those of z alone.
     x, y, t : (p,) arrays
-        c_t t for t [length].
+        Positions and c_t times time [length].
     """
     lines = _Lines.through(y, t)
+    # The wavenumbers are even, so exp(i q x) follows by repeated multiplication.  All points of a
+    # line of equal y and t share the sum over frequencies.
     turn, phase = np.exp(1j * spectrum.wavenumbers[1] * x), np.ones(len(x), dtype=complex)
     result = 0.0
     for index in range(len(spectrum.wavenumbers)):
@@ -167,10 +180,16 @@ def evaluated(
 def _waves(
     spectrum: Spectrum, index: int, quantity: Quantity, a: float, mode: Mode
 ) -> list[tuple[Complex, Complex]]:
-    """Decay (m,) and amplitudes (rows, m) at one wavenumber of each wave; see `field.waves`."""
+    """Return decay (m,) and amplitudes (rows, m) of each wave at one wavenumber; see `field.waves`.
+
+    `index` is that of the wavenumber, `a` is c_t / c_l.
+    """
     q, omega = spectrum.wavenumbers[index], spectrum.frequencies
+    # Im omega < 0 keeps the radicand off its branch cut: the principal root decays upwards, and
+    # decay = i omega beta with the beta of `field.waves`
     decay_s = np.sqrt(q * q - omega * omega)
     k, beta = q / omega, decay_s / (1j * omega)
+    # displacement is velocity over i omega
     over = 1 / (1j * omega) if quantity == "displacement" else np.ones_like(omega)
     none = np.zeros_like(omega)
     shear, normal = (
@@ -183,6 +202,7 @@ def _waves(
         return [(decay_s, np.asarray(waving))]
     decay_p = np.sqrt(q * q - np.square(a * omega))
     alpha, square = decay_p / (1j * omega), 1 - 2 * k * k
+    # R(k), docs/theory.md, "Rayleigh function and factors"; its zeros lie on the real axis of omega
     rayleigh = square * square + 4 * k * k * alpha * beta
     # v_x over k of the P wave, and v_x of the S wave
     compression = (square * normal - 2 * k * beta * shear) / rayleigh
@@ -200,15 +220,16 @@ def _waves(
 
 @dataclass(frozen=True, eq=False)
 class _Lines:
-    """Lines y, t = const on which points lie, or between which they are interpolated in y.
+    """Lines of equal y and t on which points lie, or between which they are interpolated in y.
 
     Attributes
     ----------
     depths, times : (d,), (n,) arrays
+        The depths y and times t that occur [length].
     pairs : (l,) array
-        Which depth and time a line has, depth n + time.
+        Depth and time of each line, as the index of the depth times n plus that of the time.
     pick : sparse (p, l) matrix
-        What makes values at points of those on lines.
+        Matrix from values on lines to values at points.
     """
 
     depths: Array
@@ -218,7 +239,7 @@ class _Lines:
 
     @classmethod
     def through(cls, y: Array, t: Array) -> _Lines:
-        """Those of points (p,)."""
+        """Make the lines for points (p,)."""
         from scipy.sparse import csr_matrix
 
         depths, level = np.unique(y, return_inverse=True)
@@ -234,10 +255,11 @@ class _Lines:
         return cls(depths, times, pairs, pick)
 
     def summed(self, decay: Complex, amplitudes: Complex, frequencies: Complex) -> Complex:
-        """Sums over frequencies of a wave on all lines, (l, rows)."""
+        """Return the sums over frequencies of a wave on all lines, (l, rows)."""
         fallen = _fallen(self.depths, decay)
         waving = np.exp(1j * np.multiply.outer(self.times, frequencies))
         every = len(self.depths) * len(self.times)
+        # all pairs of a depth and a time by one matrix product, unless few of them are wanted
         if every <= FIELD_CROWD * len(self.pairs):
             columns = (waving[:, None] * amplitudes).reshape(-1, len(decay)).T
             return (fallen @ columns).reshape(every, -1)[self.pairs]
@@ -250,7 +272,10 @@ class _Lines:
 
 
 def _fallen(depths: Array, decay: Complex) -> Complex:
-    """exp(-depth decay), (d, m); for many evenly spaced depths by products."""
+    """Return exp(-depth decay), (d, m).
+
+    For many evenly spaced depths it is formed from products of about 2 sqrt(d) exponentials.
+    """
     count = math.isqrt(len(depths))
     step = depths[-1] - depths[0]
     even = depths[0] + step * np.linspace(0.0, 1.0, len(depths))
@@ -262,7 +287,7 @@ def _fallen(depths: Array, decay: Complex) -> Complex:
 
 
 def _between(levels: Array, y: Array) -> tuple[NDArray[np.intp], Array]:
-    """Indices of evenly spaced levels around each y, and their weights in Lagrange's formula."""
+    """Return indices of evenly spaced levels around each y, and their Lagrange weights."""
     order = np.arange(LEVEL_DEGREE + 1)
     at = (y - levels[0]) / (levels[1] - levels[0])
     first = np.clip(at.astype(int) - LEVEL_DEGREE // 2, 0, len(levels) - len(order))

@@ -1,1 +1,1 @@
-"""Many self-similar scenes that differ in friction, in one go."""
+"""Sweeps: many self-similar scenes that differ in friction or Poisson ratio, solved together."""

@@ -1,4 +1,4 @@
-"""Zones of many frictions corrected at once: the batched side of `sweep`."""
+"""Correction of the zones of many frictions at once, the batched part of `sweep`."""
 
 from __future__ import annotations
 
@@ -27,8 +27,11 @@ from semianalytic.sweeps import tuning
 
 @dataclass(frozen=True)
 class Prediction:
-    """Unknowns at one friction and the inverse Jacobian from those near it, how far they may be
-    off, and the tolerance of the rule that is likely needed."""
+    """The predicted zones at one friction.
+
+    It holds the unknowns, the inverse Jacobian from neighbours, a bound of the unknowns' error, and
+    the tolerance of the rule that is probably needed.
+    """
 
     unknowns: Array
     inverse: Array
@@ -56,10 +59,10 @@ class ContinuedZones:
 def batches(
     edges: Edges, starts: Sequence[Array], trusted: Sequence[bool] | None = None
 ) -> Iterator[list[int]]:
-    """Sets of zones that may share panels: every edge on one side of every cut, close to one
-    front or to none.
+    """Group sets of zones that may share panels.
 
-    Those whose prediction is trusted come last.
+    In a group every edge lies on one side of every cut, and close to one front or to none.  Sets
+    whose prediction is trusted come last.
     """
     groups: dict[tuple, list[int]] = {}
     for j, unknowns in enumerate(starts):
@@ -80,13 +83,13 @@ def batches(
 
 @dataclass(frozen=True)
 class ZoneSets:
-    """What k sets of zones between the same edges are asked for: these edges, and the loads."""
+    """A group of k sets of zones with the same kinds of edges, and their loads."""
 
     edges: Edges
     load: Load
 
     def chosen(self, which: np.ndarray) -> ZoneSets:
-        """Some of them; themselves, with all they have worked out, if it is all."""
+        """Return some of the sets; all of them are the same object, with its cached values."""
         if len(which) == np.size(self.load.friction) and np.all(np.diff(which) == 1):
             return self
         friction, far = np.asarray(self.load.friction), np.asarray(self.load.far_slip_rate)
@@ -94,16 +97,16 @@ class ZoneSets:
         return ZoneSets(self.edges.chosen(which), load)
 
     def fields(self, unknowns: Array, rule: Rule) -> ZoneFields:
-        """Their fields at unknowns (e, k) on a rule."""
+        """Return the fields of the sets at unknowns (e, k) on a rule."""
         return ZoneFields(self.edges.factors, self.load, self.edges.zones(unknowns), rule)
 
     def mismatch(self, unknowns: Array, rule: Rule) -> Array:
-        """What their edges leave unfulfilled, (e, k)."""
+        """Return the residuals of the edge conditions, (e, k)."""
         return self.edges.mismatch(unknowns, self.load, rule)
 
 
 def linearised(sets: ZoneSets, unknowns: Array, rule: Rule) -> tuple[Array, Array]:
-    """Inverse Jacobians (k, e, e) and mismatches (e, k) at unknowns (e, k); NaN if singular."""
+    """Return inverse Jacobians (k, e, e) and mismatches (e, k) at unknowns; NaN if singular."""
     size, count = unknowns.shape
     nudges = sets.edges.nudges(unknowns)
     neighbours = np.repeat(unknowns[:, :, None], size + 1, axis=2)
@@ -119,8 +122,11 @@ def linearised(sets: ZoneSets, unknowns: Array, rule: Rule) -> tuple[Array, Arra
 
 
 def _newton(sets: ZoneSets, start: Array, rule: Rule) -> tuple[Array, Array, Array, int]:
-    """Unknowns (e, k) near their places on a rule, inverse Jacobians (k, e, e), the last
-    moves (k,), infinite for sets that did not get there, and the steps taken."""
+    """Find unknowns (e, k) on a rule by Newton's method.
+
+    Returned are the unknowns, inverse Jacobians (k, e, e), the last moves (k,), infinite for sets
+    that did not converge, and the steps taken.
+    """
     size, count = start.shape
     unknowns, inverse = start.copy(), np.zeros((count, size, size))
     waiting = np.flatnonzero(sets.edges.admits(unknowns))
@@ -149,10 +155,10 @@ def _newton(sets: ZoneSets, start: Array, rule: Rule) -> tuple[Array, Array, Arr
 def approached(
     sets: ZoneSets, start: Array, neighbours: Array, rule: Rule
 ) -> tuple[Array, Array, Array, int]:
-    """Broyden steps on a rule from neighbours' inverse Jacobians (k, e, e).
+    """Take Broyden steps on a rule from neighbours' inverse Jacobians (k, e, e).
 
-    Unknowns (e, k), or the start where that did not succeed; inverse Jacobians; what a step
-    leaves of itself (k,), infinite where it did not succeed; the steps taken.
+    Returned are the unknowns (e, k), or the start where the steps failed; inverse Jacobians; the
+    contraction of a step (k,), infinite where they failed; and the steps taken.
     """
     count = start.shape[1]
     unknowns, inverse = start.copy(), neighbours.copy()
@@ -186,11 +192,11 @@ def approached(
 def _located(
     sets: ZoneSets, start: Array, neighbours: Array, doubt: Array, rtol: float
 ) -> tuple[Array, Array, Array, int]:
-    """Unknowns (e, k) near their places on the loose rule, inverse Jacobians (k, e, e), what a
-    chord step with them leaves of itself (k,), infinite for sets that did not get there, and the
-    steps taken.
+    """Locate unknowns (e, k) on the loose rule.
 
-    Where predictions (e, k) with little doubt (k,) lead nowhere there are other zones.
+    Returned are the unknowns, inverse Jacobians (k, e, e), the contraction of a chord step with
+    them (k,), infinite for sets that did not converge, and the steps taken.  If predictions (e, k)
+    with little doubt (k,) do not converge, the zones are other ones.
     """
     rule = rule_for(loose_tolerance(rtol))
     unknowns, inverse, contraction, steps = approached(sets, start, neighbours, rule)
@@ -206,8 +212,11 @@ def _located(
 
 @dataclass(frozen=True)
 class _PolishedZones:
-    """Sets of zones on a rule: which, whether settled, their unknowns (e, k), how far these may
-    be off, and the fields beside them."""
+    """Sets of zones on a rule.
+
+    It holds their indices, whether they are settled, their unknowns (e, k), bounds of the unknowns'
+    errors, and the fields beside them.
+    """
 
     kept: np.ndarray
     settled: np.ndarray
@@ -226,10 +235,11 @@ def _polished(
     rtol: float,
     tolerance: float,
 ) -> _PolishedZones:
-    """Chord steps on the rule of a tolerance until what is left of the mismatch is negligible.
+    """Take chord steps on the rule of a tolerance until the mismatch is negligible.
 
-    A step leaves `contraction` (k,) of itself, at least what has been seen.  The fields are those
-    before the last step, which is far below what Coulomb's law is checked to.
+    A step leaves the fraction `contraction` (k,) of itself, or the fraction observed if that is
+    larger. The fields are those before the last step, which is far below the accuracy to which
+    Coulomb's law is checked.
     """
     kept, unknowns, rule = np.arange(start.shape[1]), start, rule_for(tolerance)
     previous, sound = np.full(len(kept), np.inf), np.zeros(len(kept), dtype=bool)
@@ -258,8 +268,10 @@ def _polished(
 def _estimates(
     edges: Edges, zones: _PolishedZones, profile: Profile, inverse: Array, tolerance: float
 ) -> Array:
-    """Error estimates (k,) of sets of zones on the rule of a tolerance, from a coarser companion,
-    shifts that are left and slip that is missed."""
+    """Return error estimates (k,) of sets of zones on the rule of a tolerance.
+
+    They come from a coarser companion rule, remaining shifts of edges and slip that is missed.
+    """
     fields = profile.fields
     rule = rule_for(COARSER_COMPANION * tolerance)
     coarse = replace(fields, rule=rule)
@@ -271,9 +283,9 @@ def _estimates(
 
 
 def continued(sets: ZoneSets, predictions: list[Prediction], rtol: float) -> ContinuedZones:
-    """Edges at several frictions from predictions, polished, estimated and checked.
+    """Compute edges at several frictions from predictions, with error estimates and checks.
 
-    Those whose error estimate exceeds rtol are taken to finer rules.
+    Edges whose error estimate exceeds rtol are computed on finer rules.
     """
     count, size = len(predictions), len(sets.edges.segments)
     unknowns = np.array([one.unknowns for one in predictions]).T.reshape(size, count)

@@ -1,4 +1,4 @@
-"""What many solutions show at the contact edge, evaluated together where they have like zones."""
+"""Slip rate and stress intensity of many solutions at the contact edge, evaluated together."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from semianalytic.sweeps import tuning
 
 
 def at_contact_edge(solutions: Sequence[Solution]) -> tuple[Array, Array]:
-    """Slip rate and stress intensities at the contact edge of solutions of one load.
+    """Return slip rate and stress intensities at the contact edge of solutions of one load.
 
     Parameters
     ----------
     solutions : (n,) sequence
-        Of scenes that differ in friction and Poisson ratio alone.
+        Solutions of scenes that differ in friction and Poisson ratio alone.
 
     Returns
     -------
@@ -53,20 +53,23 @@ def at_contact_edge(solutions: Sequence[Solution]) -> tuple[Array, Array]:
 
 
 def _shares(solution: Solution) -> bool:
-    """Whether its fields can be evaluated along with those of others."""
+    """Return whether the fields of a solution can be evaluated along with those of others."""
     scene, load = solution.scene, solution.profile.fields.load
     coulomb = type(scene.friction_law) is CoulombFriction and scene.shear_mode == "II"
     return coulomb and not (load.frictionless or load.opened)
 
 
 def _edges(zones: Iterable[Zone]) -> list[CutPoints]:
-    """Edges of zones that are not at an end of the cut."""
+    """Return the edges of zones that are not at an end of the cut."""
     return [p for zone in zones for p in (zone.left, zone.right) if p is not None]
 
 
 def _key(solution: Solution) -> tuple:
-    """What solutions on common panels have alike: kinds of zones, on which side of all fronts and
-    cuts their edges are, and the front that they are close to."""
+    """Return a key that solutions on common panels share.
+
+    It holds the kinds of zones, the sides of all fronts and cuts on which their edges lie, and the
+    front to which they are close.
+    """
     fields = solution.profile.fields
     kinds = tuple(
         (zone.sense, zone.inward, zone.held, zone.left is None, zone.right is None)
@@ -84,7 +87,7 @@ def _key(solution: Solution) -> tuple:
 
 
 def _batches(solutions: Sequence[Solution], family: RayleighFamily) -> Iterator[np.ndarray]:
-    """Places of solutions of one key: as many together as fill the cache, like panels together."""
+    """Yield groups of solutions of one key, as many as fill the cache, with similar panels."""
     tolerance = [solution.profile.fields.rule.tolerance for solution in solutions]
     gap = [
         min((abs(p.first[3]) for p in _edges(solution.profile.fields.zones)), default=1.0)
@@ -102,7 +105,7 @@ def _batches(solutions: Sequence[Solution], family: RayleighFamily) -> Iterator[
 
 
 def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Array, Array]:
-    """Slip rates (k,) and intensities (k, 2) of solutions that may share panels."""
+    """Return slip rates (k,) and intensities (k, 2) of solutions that may share panels."""
     scenes = [solution.scene for solution in solutions]
     unit = scaled_load(scenes[0])[1]
     every = [solution.profile.fields for solution in solutions]
@@ -130,13 +133,13 @@ def _together(solutions: Sequence[Solution], family: RayleighFamily) -> tuple[Ar
 def _stacked(
     sets: Sequence[tuple[Zone, ...]],
 ) -> Iterator[tuple[CutPoints | None, CutPoints | None]]:
-    """Ends of each zone for k sets of like zones, (k, 1)."""
+    """Return the ends of each zone for k sets of like zones, (k, 1)."""
     for same in zip(*sets, strict=True):
         left, right = [zone.left for zone in same], [zone.right for zone in same]
         yield _column(left), _column(right)
 
 
 def _column(points: Sequence[CutPoints | None]) -> CutPoints | None:
-    """Points of several sets, (k, 1); None where they are an end of the cut."""
+    """Return the points of several sets, (k, 1); None where they are an end of the cut."""
     parts = [point.parts for point in points if point is not None]
     return CutPoints(np.stack(parts, axis=1)) if parts else None

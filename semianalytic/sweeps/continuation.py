@@ -1,4 +1,4 @@
-"""The continuation of zones in friction: found at a few, followed through the rest.
+"""The continuation of zones in friction: found at a few values, followed through the others.
 
 Edges are smooth functions of friction as long as the zones stay the same.  Beside frictions
 solved from scratch they are predicted and corrected by Newton's method on many frictions at
@@ -40,8 +40,11 @@ and checked on the loose rule alone."""
 
 @dataclass(frozen=True)
 class KnownZones:
-    """Zones known at one friction: the unknowns, the inverse Jacobian on the loose rule (None
-    where not yet formed), the tolerance of their rule and the error estimate."""
+    """The zones known at one friction.
+
+    It holds the unknowns, the inverse Jacobian on the loose rule (None if not yet formed), the
+    tolerance of their rule and the error estimate.
+    """
 
     edges: Edges
     unknowns: Array
@@ -52,7 +55,7 @@ class KnownZones:
 
 
 class Continuation:
-    """Solutions so far of scenes with ascending friction, and the zones known at them."""
+    """The solutions so far of scenes with ascending friction, and the zones known at them."""
 
     def __init__(self, scenes: Sequence[Scene], rtol: float) -> None:
         self.scenes, self.rtol = scenes, rtol
@@ -83,11 +86,11 @@ class Continuation:
                 self._confirm()
 
     def _nodes(self) -> list[int]:
-        """Frictions in order that were solved, not interpolated."""
+        """Return the frictions, in order, that were solved and not interpolated."""
         return sorted(i for i, origin in self.origin.items() if origin != INTERPOLATED)
 
     def _gaps(self) -> list[tuple[int, int, list[int]]]:
-        """Neighbours among `_nodes`, and the frictions between that are still open."""
+        """Return neighbours among `_nodes`, and the frictions between them that are still open."""
         gaps, done = [], self.solutions.keys() | self.pending.keys()
         for i, j in pairwise(self._nodes()):
             inside = [k for k in range(i + 1, j) if k not in done]
@@ -99,9 +102,9 @@ class Continuation:
         return self.zones[i].edges if i in self.zones else None
 
     def _proposed(self) -> dict[Edges, list[int]]:
-        """Scenes to try next, by the edges they may have.
+        """Return the scenes to try next, by the edges they may have.
 
-        What has been tried in vain is not tried again: the middle is then solved from scratch.
+        Edges that failed before are not tried again; the middle is then solved from scratch.
         """
         proposed: dict[Edges, list[int]] = {}
         between: dict[Edges, list[int]] = {}
@@ -126,8 +129,11 @@ class Continuation:
     def _tries(
         self, left: int, right: int, inside: list[int]
     ) -> list[tuple[Edges | None, int, tuple[int, ...]]]:
-        """Edges to try in a gap, the end they are known from, and at which frictions: between equal
-        sets of zones a few, between different ones a few from either side."""
+        """Return edges to try in a gap, the end at which they are known, and the frictions.
+
+        Between equal sets of zones a few frictions are tried, between different ones a few from
+        either side.
+        """
         at_left, at_right, count = self._edges(left), self._edges(right), len(inside)
         if at_left == at_right:
             parts = 1
@@ -156,7 +162,7 @@ class Continuation:
             self.zones[i] = KnownZones(edges, unknowns, None, tolerance, estimate)
 
     def _with_jacobians(self, edges: Edges) -> list[int]:
-        """Frictions in order that are known to have some edges; one at least has a Jacobian."""
+        """Return the frictions, in order, known to have some edges; one at least has a Jacobian."""
         nodes = sorted(i for i, known in self.zones.items() if known.edges == edges)
         if any(self.zones[i].inverse is not None for i in nodes):
             return nodes
@@ -181,7 +187,7 @@ class Continuation:
         return nodes
 
     def _inverse_near(self, nodes: list[int], i: int) -> Array:
-        """Inverse Jacobian at a friction from the nearest of `nodes` that have it."""
+        """Return the inverse Jacobian at a friction from the nearest of `nodes` that have one."""
         with_one = [j for j in nodes if self.zones[j].inverse is not None]
         place = bisect(with_one, i)
         pair = with_one[max(0, place - 1) : place + 1]
@@ -193,7 +199,7 @@ class Continuation:
         )
 
     def _prediction(self, nodes: list[int], i: int) -> Prediction:
-        """Zones at a friction from the known ones nearest to it, by Lagrange's formula."""
+        """Predict the zones at a friction from the nearest known ones, by Lagrange's formula."""
         place = bisect(nodes, i)
         near = nodes[max(0, place - tuning.PREDICTION_REACH) : place + tuning.PREDICTION_REACH]
         stencil = sorted(near, key=lambda j: abs(self.friction[j] - self.friction[i]))
@@ -210,7 +216,7 @@ class Continuation:
         return Prediction(value, self._inverse_near(nodes, i), doubt, first.tolerance)
 
     def _continue(self, edges: Edges, targets: list[int]) -> None:
-        """Try one set of zones at some frictions; keep what fulfils Coulomb's law."""
+        """Try one set of zones at some frictions; keep those that satisfy Coulomb's law."""
         nodes = self._with_jacobians(edges)
         targets = sorted(i for i in set(targets) if i not in self.solutions)
         predictions = [self._prediction(nodes, i) for i in targets]
@@ -244,7 +250,7 @@ class Continuation:
         )
 
     def _interpolate(self) -> None:
-        """Fill in frictions between known ones with the same zones, where that is good enough."""
+        """Interpolate between known frictions with the same zones, where it is accurate enough."""
         for left, right, inside in self._gaps():
             edges = self._edges(left)
             inside = [i for i in inside if i not in self.refused]
@@ -256,8 +262,10 @@ class Continuation:
                 self.pending.update(self._between(stencil, left, right, inside))
 
     def _stencil(self, left: int, right: int) -> list[int]:
-        """Known frictions around a gap with the same zones all through, nearest to it first;
-        none if they are too few or the gap borders on other zones."""
+        """Return known frictions around a gap that have the same zones, nearest first.
+
+        There are none if they are too few, or if the gap borders on other zones.
+        """
         nodes = self._nodes()
         edges, place = self._edges(left), nodes.index(left)
         below, above = place, place + 1
@@ -288,7 +296,7 @@ class Continuation:
     def _between(
         self, stencil: list[int], left: int, right: int, inside: list[int]
     ) -> dict[int, KnownZones]:
-        """Interpolated zones whose error estimate is below rtol."""
+        """Return the interpolated zones whose error estimate is below rtol."""
         known = [self.zones[j] for j in stencil]
         edges, tolerance = (
             known[0].edges,
@@ -308,8 +316,7 @@ class Continuation:
         }
 
     def _confirm(self) -> None:
-        """Keep interpolated zones that fulfil Coulomb's law, and whose edges hold, on the loose
-        rule."""
+        """Keep interpolated zones that pass Coulomb's law and edge conditions on the loose rule."""
         by_edges: dict[Edges, list[int]] = {}
         for i in sorted(self.pending):
             by_edges.setdefault(self.pending[i].edges, []).append(i)

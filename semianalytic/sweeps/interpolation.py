@@ -1,4 +1,4 @@
-"""Zone edges between frictions at which they are known, by polynomials, and what they are worth."""
+"""Interpolation of zone edges between frictions by polynomials, with error estimates."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from semianalytic.sweeps import tuning
 def confirmed(
     edges: Edges, unknowns: Array, inverse: Array, load: Load, loose: float
 ) -> tuple[np.ndarray, int]:
-    """Whether zones of unknowns (e, k) pass as right on the loose rule, (k,), and its nodes."""
+    """Return whether zones of unknowns (e, k) pass on the loose rule, (k,), and its nodes."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         fields = ZoneFields(edges.factors, load, edges.zones(unknowns), rule_for(loose))
         sound = admissible(Profile(fields), tuning.LOOSE_CHECK * loose)
@@ -31,28 +31,27 @@ def confirmed(
 
 
 def fits(edges: Edges, scene: Scene) -> bool:
-    """Whether zones are open ahead of all waves only where friction is reached there."""
+    """Return whether zones slip ahead of all waves only where friction is reached there."""
     critical = scaled_load(scene)[0].critical
     return critical if edges.open_ends[0] else not scene.far_slip_rate
 
 
 def lagrange(at: Array, to: ArrayLike) -> Array:
-    """Weights (..., m) of values at different places `at` (m,) in the polynomial through them,
-    at places `to` (...)."""
+    """Return Lagrange weights (..., m) of values at `at` (m,) for the polynomial at `to` (...)."""
     own = np.eye(len(at), dtype=bool)
     others = np.where(own, 1.0, np.asarray(to, dtype=float)[..., None, None] - at)
     return np.asarray(np.prod(others / (at[:, None] - at + own), axis=-1))
 
 
 def _in_friction(at: Array, unknowns: Array, to: Array) -> Array:
-    """The polynomial in friction through unknowns (m, e) at frictions `at`, (t, e)."""
+    """Evaluate the polynomial in friction through unknowns (m, e) at frictions `at`, (t, e)."""
     return lagrange(at, to) @ unknowns
 
 
 def _in_edge(at: Array, unknowns: Array, to: Array) -> Array:
-    """The same with polynomials in the unknown that moves most, friction being one of them.
+    """Evaluate polynomials in the unknown that moves most, friction being one of them, (t, e).
 
-    Smoother near thresholds, where edges move fast; NaN where that unknown is not monotone.
+    They are smoother near thresholds, where edges move fast; NaN if that unknown is not monotone.
     """
     order = np.argsort(at)
     which = int(np.argmax(np.ptp(unknowns, axis=0)))
@@ -73,14 +72,13 @@ def _in_edge(at: Array, unknowns: Array, to: Array) -> Array:
 def interpolated(
     edges: Edges, at: Array, unknowns: Array, to: Array, noise: float, rtol: float
 ) -> tuple[Array, Array]:
-    """Unknowns (t, e) at frictions `to` through those (m, e) at `at`, the most central first, and
-    their error estimates (t,).
+    """Interpolate unknowns (t, e) at frictions `to` from those (m, e) at `at`, most central first.
 
-    Estimated from the polynomials without the last and the last but one: from the first
-    difference if it is well below the second, else from the larger.  The largest estimate `noise`
-    of the known adds to it, amplified by the interpolation less the safety it contains.  Of
-    polynomials in friction and in an edge the better is taken; the second are tried where the
-    first do not reach rtol.
+    Error estimates (t,) are returned with them.  They come from the polynomials without the last
+    and the last two values: from the first difference if it is well below the second, else from the
+    larger.  The largest estimate `noise` of the known values is added, amplified by the
+    interpolation, less the safety it contains.  The better of polynomials in friction and in an
+    edge is taken; the second are tried where the first do not reach rtol.
     """
     if not edges.segments:
         return np.zeros((len(to), 0)), np.full(len(to), noise)
@@ -104,6 +102,6 @@ def interpolated(
 
 
 def _apart(edges: Edges, one: Array, other: Array) -> Array:
-    """(t,): how far two interpolations (t, e) are apart, for an error estimate."""
+    """Return how far two interpolations (t, e) are apart, (t,), for an error estimate."""
     shift = SAFETY * edge_shift(edges, one.T, other.T)
     return np.maximum(shift, np.abs(one - other).max(axis=1))

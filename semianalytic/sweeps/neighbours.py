@@ -1,4 +1,4 @@
-"""Values at scattered points from those at neighbours: local polynomials of two variables."""
+"""Interpolation from scattered neighbours by local polynomials of two variables."""
 
 from __future__ import annotations
 
@@ -14,21 +14,23 @@ from semianalytic.sweeps import tuning
 
 @dataclass(frozen=True)
 class Stencils:
-    """Neighbours of t points, m each, and what their values weigh at these points.
+    """The neighbours of t points, m each, and the weights of their values at these points.
 
     Attributes
     ----------
-    near : (t, m) indices of neighbours
-    weights : (d, t, m) array, of polynomials of degree 0, 1 ...
+    near : (t, m) array
+        Indices of neighbours.
+    weights : (d, t, m) array
+        Weights for polynomials of degree 0, 1 ...
     """
 
     near: np.ndarray
     weights: Array
 
     def best(self, known: Array) -> Blends:
-        """The two polynomials two degrees apart whose values of known ones (n, e) differ least.
+        """Return the two polynomials, two degrees apart, that differ least for known values (n, e).
 
-        One degree apart they agree, whatever they miss, amid neighbours that lie symmetrically.
+        Polynomials one degree apart agree among symmetric neighbours, even if both are wrong.
         """
         points = np.arange(len(self.near))
         if len(self.weights) < 3:
@@ -43,14 +45,14 @@ class Stencils:
 
 @dataclass(frozen=True)
 class Blends:
-    """Weights (t, m) of neighbours (t, m) in a polynomial, and those in the next best one."""
+    """The weights (t, m) of neighbours (t, m) in a polynomial, and in the next best one."""
 
     near: np.ndarray
     weights: Array
     others: Array
 
     def __call__(self, known: Array) -> tuple[Array, Array]:
-        """Values (t, ...) of both, from known ones (n, ...)."""
+        """Return the values (t, ...) of both polynomials, from known ones (n, ...)."""
         near = known[self.near]
         flat = near.reshape(*self.near.shape, -1)
         both = (np.einsum("tm,tmo->to", one, flat) for one in (self.weights, self.others))
@@ -60,7 +62,7 @@ class Blends:
 
 @dataclass(frozen=True, eq=False)
 class Neighbourhood:
-    """Points (n, 2) at which something is known."""
+    """Points (n, 2) at which values are known."""
 
     places: Array
 
@@ -71,12 +73,12 @@ class Neighbourhood:
         return cKDTree(self.places)
 
     def nearest(self, to: Array, count: int) -> np.ndarray:
-        """Indices (t, m) of the m <= count points nearest to others (t, 2), the nearest first."""
+        """Return indices (t, m) of the m <= count points nearest to others (t, 2), in order."""
         count = min(count, len(self.places))
         return np.asarray(self._tree.query(to, count)[1]).reshape(len(to), count)
 
     def stencils(self, to: Array) -> Stencils:
-        """Local polynomials around points (t, 2): least squares over the nearest, weighted."""
+        """Return local polynomials around points (t, 2), by weighted least squares."""
         near = self.nearest(to, tuning.NEIGHBOURS)
         offset = self.places[near] - to[:, None]
         radius = np.hypot(*np.moveaxis(offset, -1, 0)).max(axis=1)

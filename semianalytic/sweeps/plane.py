@@ -1,4 +1,4 @@
-"""Zones over friction and Poisson ratio: found at a few points, followed to the rest.
+"""Zones over friction and Poisson ratio: found at a few points, followed to the others.
 
 Points are taken lattice by lattice, each twice as fine as the one before.  At every point the
 edges are predicted by polynomials through those of the nearest points that have the same zones.
@@ -47,7 +47,7 @@ from semianalytic.sweeps.predictions import (
 
 
 class Plane:
-    """Solutions so far of scenes that differ in friction and Poisson ratio."""
+    """The solutions so far of scenes that differ in friction and Poisson ratio."""
 
     def __init__(self, scenes: Sequence[Scene], rtol: float) -> None:
         self.scenes, self.rtol = scenes, rtol
@@ -71,14 +71,16 @@ class Plane:
 
     @cached_property
     def _closed(self) -> np.ndarray:
-        """(n,) whether the contact stays closed: pressure is least at the Rayleigh front, or at
-        once at the contact edge."""
+        """Whether the contact stays closed, (n,).
+
+        The pressure is least at the Rayleigh front, or falls at once at the contact edge.
+        """
         base, step = (part.pressure for part in self.scenes[0].superposition)
         change = traction_of(self.family, "I")(self.family.c)[:, 0]
         return np.asarray((step >= 0) & (base + step * change >= 0))
 
     def _lattices(self) -> Iterator[np.ndarray]:
-        """Points nearest to those of finer and finer lattices, and at last all that are left."""
+        """Yield the points nearest to those of finer and finer lattices, and at last all others."""
         left, spaces = np.ones(len(self.scenes), dtype=bool), tuning.FIRST_LATTICE - 1
         everywhere = Neighbourhood(self.places)
         while (spaces + 1) ** 2 < len(self.scenes):
@@ -100,8 +102,10 @@ class Plane:
         self._from_scratch([int(i) for i in targets if i not in self.origin])
 
     def _patterns(self, targets: list[int], rank: int) -> dict[tuple[Pattern, bool], list[int]]:
-        """Points by the pattern of zones they may have, rank 0 the most likely one, and whether all
-        known points around have it."""
+        """Group points by the pattern of zones they may have, rank 0 being the most likely one.
+
+        The second result tells whether all known points around have that pattern.
+        """
         if not targets:
             return {}
         known = np.array(list(self.zones))
@@ -115,22 +119,22 @@ class Plane:
         return result
 
     def _edges(self, pattern: Pattern, which: Sequence[int] | np.ndarray) -> Edges:
-        """The edges of some points."""
+        """Return the edges of some points."""
         return Edges(self.family.chosen(np.asarray(which)), *pattern)
 
     def _sets(self, pattern: Pattern, which: np.ndarray) -> ZoneSets:
-        """What is asked of the zones of some points."""
+        """Return the sets of zones of some points, with their loads."""
         load = common_load([self.scenes[i] for i in which], self.unit)
         return ZoneSets(self._edges(pattern, which), load)
 
     def _batches(
         self, pattern: Pattern, which: np.ndarray, unknowns: Array, rule: Array | float
     ) -> Iterator[np.ndarray]:
-        """Points, as places in `which`, whose zones may share panels: edges on one side of every
-        cut, and close to one front or to none.
+        """Yield groups of points, as indices into `which`, whose zones may share panels.
 
-        Those with many nodes come together, and fewer of them: on fine rules of the tolerances
-        `rule` (t,), and those with narrow gaps, which need long panels.
+        Their edges are on one side of every cut, and close to one front or to none.  Points with
+        many nodes come together in smaller groups: those on fine rules of the tolerances `rule`
+        (t,), and those with narrow gaps, which need long panels.
         """
         if not len(which):
             return
@@ -153,7 +157,7 @@ class Plane:
 
     @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # of edges that cross a cut
     def _follow(self, pattern: Pattern, certain: bool, targets: np.ndarray) -> None:
-        """Try a pattern of zones at some points; keep what fulfils Coulomb's law."""
+        """Try a pattern of zones at some points; keep those that satisfy Coulomb's law."""
         known = [i for i, one in self.zones.items() if one.pattern == pattern]
         parts = [self.zones[i] for i in known], self.places[known]
         every = predicted(*parts, targets, self.places[targets], self.rtol)
@@ -167,8 +171,7 @@ class Plane:
             self._compute(pattern, rest[batch])
 
     def _correct(self, pattern: Pattern, certain: bool, some: Predictions) -> Predictions:
-        """Keep predictions that can be corrected on a loose rule; those of the others that may
-        still have these zones."""
+        """Keep predictions that a loose rule can correct; return others that may be right."""
         start = perf_counter()
         done = corrected(self._sets(pattern, some.points), some, certain, self.rtol)
         seconds = (perf_counter() - start) / len(some)
@@ -231,7 +234,7 @@ class Plane:
         nodes: int,
         seconds: float,
     ) -> None:
-        """Solutions at points from zones of one pattern that were found there."""
+        """Make solutions at points from zones of one pattern that were found there."""
         if not found:
             return
         count, size = len(found), len(found[0].unknowns)
@@ -258,8 +261,11 @@ class Plane:
 
 
 def _footings(sets: ZoneSets, unknowns: Array, inverse: Array, loose: Rule) -> list[Footing]:
-    """What others may rest on, from unknowns (e, k) that are right on the fine rule and inverse
-    Jacobians (k, e, e)."""
+    """Return footings for other points.
+
+    They are made from unknowns (e, k) that are right on the fine rule and inverse Jacobians
+    (k, e, e).
+    """
     if not len(unknowns):
         return [Footing(one, 0.0) for one in inverse]
     fields = sets.fields(unknowns, loose)

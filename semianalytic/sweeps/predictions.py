@@ -1,7 +1,7 @@
 """Zones at many points of friction and Poisson ratio, predicted from neighbours and corrected.
 
-A prediction becomes an answer on a rule that is loose: what edges lack on it is known at
-neighbours, far less than the tolerance of the rule, and counts in the error estimate.
+A prediction is corrected on a loose rule.  The error of edges on that rule is known at neighbours;
+it is far less than the tolerance of the rule, and is part of the error estimate.
 """
 
 from __future__ import annotations
@@ -30,8 +30,11 @@ Pattern = tuple[tuple[Zone, ...], tuple[bool, bool], tuple[int, ...]]
 
 @dataclass(frozen=True)
 class Footing:
-    """What others may rest on: the inverse Jacobian (e, e), and the error of edges that are right
-    on the loose rule instead of the fine one."""
+    """A basis for the prediction of other points.
+
+    It holds the inverse Jacobian (e, e), and the error of edges that are right on the loose rule
+    instead of the fine one.
+    """
 
     inverse: Array
     shift: float
@@ -39,8 +42,11 @@ class Footing:
 
 @dataclass(frozen=True)
 class Followed:
-    """Zones at one point: their pattern and unknowns (e,), the tolerance of their rule and the
-    error estimate; and what others may rest on, if they were found on the fine rule."""
+    """The zones at one point.
+
+    It holds their pattern and unknowns (e,), the tolerance of their rule, the error estimate, and a
+    `Footing` if they were found on the fine rule.
+    """
 
     pattern: Pattern
     unknowns: Array
@@ -77,11 +83,11 @@ class Predictions:
         return len(self.points)
 
     def __getitem__(self, which: np.ndarray) -> Predictions:
-        """Some of them."""
+        """Return some of the predictions."""
         return Predictions(*(getattr(self, field.name)[which] for field in fields(self)))
 
     def each(self) -> list[Prediction]:
-        """For correction on the fine rule, none of them trusted."""
+        """Return the predictions for correction on the fine rule, none of them trusted."""
         doubt = np.maximum(self.doubt, tuning.LEADING_DOUBT)
         parts = zip(self.unknowns, self.inverse, doubt, self.tolerance, strict=True)
         return [Prediction(one, two, float(off), rule) for one, two, off, rule in parts]
@@ -90,7 +96,7 @@ class Predictions:
 def predicted(
     known: Sequence[Followed], at: Array, points: np.ndarray, places: Array, rtol: float
 ) -> Predictions:
-    """Zones at places (t, 2) of points (t,) from those of one pattern known at others (n, 2)."""
+    """Predict zones at places (t, 2) of points (t,) from those of one pattern known at others."""
     values = np.array([one.unknowns for one in known])
     unknowns, doubt, shared = _between(Neighbourhood(at).stencils(places), values)
     footed = [(one, one.footing) for one in known if one.footing is not None]
@@ -123,9 +129,12 @@ def predicted(
 
 @np.errstate(invalid="ignore", divide="ignore")  # of polynomials that leave 0 to 1: no number
 def _between(stencils: Stencils, values: Array) -> tuple[Array, Array, np.ndarray]:
-    """Unknowns (t, e) between known ones (n, e), how far they may be off (t,), and of which edges
-    (e,) not they but their shares 1 / (1 + exp(-u)) were taken for polynomials: where an edge comes
-    near the end of its segment one of them is smooth."""
+    """Interpolate unknowns (t, e) between known ones (n, e).
+
+    Returned with them are bounds of their errors (t,), and for which edges (e,) the shares
+    1 / (1 + exp(-u)) were interpolated instead: near the end of an edge's segment one of the two is
+    smooth.
+    """
     places, edges = len(stencils.near), values.shape[1]
     result, doubt = np.zeros((places, edges)), np.zeros(places)
     shared = np.zeros(edges, dtype=bool)
@@ -143,18 +152,21 @@ def _between(stencils: Stencils, values: Array) -> tuple[Array, Array, np.ndarra
 
 
 def _apart(one: Array, other: Array) -> Array:
-    """(t,) differences of values (t, 1), infinite where these are no numbers."""
+    """Return differences (t,) of values (t, 1), infinite where these are no numbers."""
     return np.nan_to_num(np.abs(one - other)[:, 0], nan=np.inf)
 
 
 def _share_slope(unknowns: Array) -> Array:
-    """Derivative of 1 / (1 + exp(-u))."""
+    """Return the derivative of 1 / (1 + exp(-u))."""
     return np.asarray(1 / (2 + np.exp(unknowns) + np.exp(-unknowns)))
 
 
 def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
-    """Tolerances, in steps, of rules on which errors (t,) of the loose rule, which fall like a
-    power of the tolerance, take but a share of the room in the error estimate."""
+    """Return tolerances, in steps, of rules that are loose but accurate enough.
+
+    Errors (t,) of the loose rule fall like a power of the tolerance; on the rule they take only a
+    share of the room that the error estimate leaves.
+    """
     most = tuning.LOOSE_SHARE * room / SAFETY
     decades = np.log10(np.maximum(shift / most, 1.0)) / tuning.LACK_ORDER
     steps = np.ceil(decades / tuning.RULE_STEP)
@@ -162,7 +174,7 @@ def _loose_enough(shift: Array, room: Array, rtol: float) -> Array:
 
 
 def joined(parts: Sequence[Predictions]) -> Predictions:
-    """Predictions of several batches in a row."""
+    """Join the predictions of several batches."""
     return Predictions(
         *(np.concatenate([getattr(one, field.name) for one in parts]) for field in fields(parts[0]))
     )
@@ -185,9 +197,11 @@ class CorrectedZones:
 def corrected(
     sets: ZoneSets, predictions: Predictions, certain: bool, rtol: float
 ) -> CorrectedZones:
-    """Correct predictions on the loosest rule that serves, and hold them against Coulomb's law as
-    strictly as that allows, or, where it is not certain that there are these zones, as strictly as
-    the fine one does."""
+    """Correct predictions on the loosest rule that is accurate enough, and check Coulomb's law.
+
+    The check is as strict as that rule allows, or, if the zones are not certain, as strict as on
+    the fine rule.
+    """
     loosest = loose_tolerance(rtol)
     unknowns, inverse = predictions.unknowns.T.copy(), predictions.inverse.copy()
     arrived = np.ones(len(predictions), dtype=bool)

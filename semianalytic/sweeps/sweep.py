@@ -1,4 +1,4 @@
-"""A scene over many friction coefficients and Poisson ratios: what is asked, and the answer."""
+"""Sweeps of a scene over many friction coefficients and Poisson ratios, and their result."""
 
 from __future__ import annotations
 
@@ -31,15 +31,14 @@ _OF_SWEEPS = {
     "status": ("", "converged, or what to distrust"),
     "origin": ("", "how the solution was found"),
 }
-"""Units and meaning of what datasets of sweeps hold beside the fields."""
+"""Units and meaning of the variables of sweep datasets that are no fields."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """Solutions of one scene with different friction coefficients and Poisson ratios: a sequence of
-    `Solution`.
+    """The solutions of one scene with different friction coefficients and Poisson ratios.
 
-    As all results that hold arrays, a sweep equals only itself.
+    A sweep is a sequence of `Solution`.  Like all results that hold arrays, it equals only itself.
 
     Attributes
     ----------
@@ -49,11 +48,21 @@ class Sweep:
         Coulomb friction coefficients, in the order asked for.
     poisson_ratio : (n,) array
         Poisson ratios that go with them.
-    solutions : tuple of Solution, one per friction
-    origin : tuple of str, one per friction
-        "from scratch": solved without help from neighbours; "computed": edges corrected from a
-        prediction, and checked like those from scratch; "interpolated" between such with the
-        same zones, edges and Coulomb's law checked on a loose rule alone.
+    solutions : tuple of Solution
+        One solution per friction coefficient.
+    origin : tuple of str
+        Origin of each solution.  "from scratch": solved without help from neighbours; "computed":
+        edges corrected from a prediction, and checked like those from scratch; "interpolated"
+        between solutions with the same zones, edges and Coulomb's law checked on a loose rule only.
+
+    Examples
+    --------
+    >>> from semianalytic import find_scene, sweep
+    >>> swept = sweep(find_scene("preloaded"), friction=[0.2, 0.3, 0.5])
+    >>> len(swept), swept.status
+    (3, ('converged', 'converged', 'converged'))
+    >>> swept.slip_rate(0.1, 1.0).round(2).tolist()
+    [0.83, 0.77, 0.68]
     """
 
     scene: Scene
@@ -73,8 +82,7 @@ class Sweep:
     @overload
     def __getitem__(self, index: slice) -> Sweep: ...
     def __getitem__(self, index: int | slice) -> Solution | Sweep:
-        """The solution at a place of `friction`, negative ones counted from the end, or the sweep
-        over a slice of it."""
+        """Return the solution at an index of `friction`, or the sweep over a slice of it."""
         if not isinstance(index, slice):
             return self.solutions[index]
         part = self.friction[index], self.poisson_ratio[index]
@@ -91,9 +99,10 @@ class Sweep:
         )
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Relative slip rate [length / time], upper minus lower side, at each friction.
+        """Return the relative slip rate, upper minus lower side, at each friction [length / time].
 
-        (n, ...) for positions x > 0 [length] and times t [time] that broadcast to (...).
+        The shape is (n, ...) for positions x > 0 [length] and times t [time] that broadcast to
+        (...).
 
         Raises
         ------
@@ -103,13 +112,13 @@ class Sweep:
         return self._field("slip_rate", x, t)
 
     def _field(self, name: str, x: ArrayLike, t: ArrayLike) -> Array:
-        """A field of every solution, (n, ...)."""
+        """Return a field of every solution, (n, ...)."""
         shape = np.broadcast_shapes(np.shape(x), np.shape(t))
         fields = [getattr(solution, name)(x, t) for solution in self.solutions]
         return np.array(fields).reshape(len(self), *shape)
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """All fields at positions x (k,) and times t (m,) as an `xarray.Dataset`.
+        """Return all fields at positions x (k,) and times t (m,) as an `xarray.Dataset`.
 
         Fields have the dimensions friction, t and x, `edges` friction, zone (from the contact edge
         outward) and edge ("inner", "outer"); `error_estimate`, `status` and `origin` friction
@@ -150,7 +159,7 @@ class Sweep:
 
     @property
     def from_scratch(self) -> np.ndarray:
-        """(n,) which solutions were solved without help from their neighbours."""
+        """Whether each solution was solved without help from its neighbours, (n,)."""
         return np.array([origin == FROM_SCRATCH for origin in self.origin], dtype=bool)
 
     @property
@@ -160,13 +169,15 @@ class Sweep:
 
     @property
     def error_estimate(self) -> Array:
-        """(n,) error estimates, see `Solution`."""
+        """Error estimate of each solution, (n,); see `Solution`."""
         return np.array([solution.error_estimate for solution in self.solutions])
 
     @property
     def edges(self) -> Array:
-        """(n, m, 2) velocities of the inner and outer edge of the m-th zone from the contact
-        edge outward [length / time]; NaN where there are fewer zones."""
+        """Velocities of the inner and outer edges of zones, (n, m, 2) [length / time].
+
+        Zones are counted from the contact edge outward; NaN stands where there are fewer than m.
+        """
         most = max((len(solution.zones) for solution in self.solutions), default=0)
         result = np.full((len(self.solutions), most, 2), np.nan)
         for row, solution in zip(result, self.solutions, strict=True):
@@ -182,12 +193,14 @@ def sweep(
     *,
     poisson_ratio: ArrayLike | None = None,
 ) -> Sweep:
-    """Solve a scene for many friction coefficients, and Poisson ratios, faster than one by one: the
-    more, the faster.
+    """Solve a scene for many friction coefficients and Poisson ratios, faster than one by one.
+
+    Edges are followed from value to value, so the time per solution falls with their number.
 
     Parameters
     ----------
     scene : Scene
+        The scene; its own friction plays no part.
     friction : (n,) array
         Coulomb friction coefficients, in any order.
     rtol : float
@@ -215,6 +228,14 @@ def sweep(
         not make a scene, the shapes do not broadcast, or rtol is out of range.
     TensionError
         If the contact would open all the way to infinity.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from semianalytic import find_scene, sweep
+    >>> swept = sweep(find_scene("antiplane"), friction=np.linspace(0.1, 0.9, 5))
+    >>> swept.edges[:, 0, 1].round(3).tolist()  # c_t / (1 + friction)^2
+    [0.826, 0.592, 0.444, 0.346, 0.277]
     """
     given = np.asarray(friction, dtype=object)
     ratio = np.asarray(checked_scene("sweep", scene).material.poisson_ratio)
@@ -233,7 +254,7 @@ def sweep(
 
 
 def _broadcast(friction: np.ndarray, ratio: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Both in a row."""
+    """Broadcast friction and Poisson ratio, and return both in a row."""
     try:
         friction, ratio = np.broadcast_arrays(friction, ratio)
     except ValueError:
@@ -245,14 +266,13 @@ def _broadcast(friction: np.ndarray, ratio: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def _numbers(name: str, given: np.ndarray) -> Array:
-    """Finite numbers."""
+    """Return an array of finite numbers; raise SceneError if it is not one."""
     values = [checked_number(f"sweep: {name}", value) for value in np.ravel(given)]
     return np.array(values, dtype=float)
 
 
 def _solved(scene: Scene, points: Array, rtol: float) -> tuple[list[Solution], list[str]]:
-    """Solutions of a scene at different Poisson ratios and frictions (2, n), in order, and their
-    origins."""
+    """Return the solutions at Poisson ratios and frictions (2, n), in order, and their origins."""
     materials = {
         ratio: replace(scene.material, poisson_ratio=ratio) for ratio in set(points[0].tolist())
     }

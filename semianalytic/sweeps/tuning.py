@@ -1,4 +1,4 @@
-"""The numbers that tune sweeps, each with what set it; "not recorded" where that is lost."""
+"""Tuning constants of sweeps, each with the reason for its value, "not recorded" if it is lost."""
 
 # Which frictions to try next (continuation)
 
@@ -70,42 +70,42 @@ recorded."""
 # Neighbours among friction and Poisson ratio (neighbours, plane)
 
 NEIGHBOURS = 32
-"""Known points that a polynomial is fitted to."""
+"""Known points to which a polynomial is fitted."""
 NEIGHBOURS_PER_TERM = 1.4
-"""At least, of a polynomial."""
+"""Least number of neighbours per term of a polynomial."""
 NEAREST_WEIGHT = 0.05
-"""Of distances squared over the farthest: neighbours nearer than its root weigh alike."""
+"""Least squared distance over the farthest: neighbours nearer than its root have equal weights."""
 LEAST_PIVOT = 1e-14
-"""Added to pivots, for neighbours in a row."""
+"""Number added to pivots, for neighbours that lie on a line."""
 CERTAIN_NEIGHBOURS = 8
 """Nearest known points that have the same zones where these are not doubted."""
 NEAREST_ESTIMATES = 4
 """Nearest known points whose largest error estimate is taken over."""
 FARTHEST_STEP = 1e-2
-"""Of a chord step on the rule that decides: longer ones tell little of what is left."""
+"""Largest chord step on the deciding rule: longer ones say little about the remaining error."""
 MOST_DISAGREEMENT = 0.3
-"""Of two inverse Jacobians on a step, over that step: one that is nearly singular takes short steps
-far from the edges' places, and how these shrink does not tell.  Two of 3,107 interpolated points of
-a fine grid were 3 and 18 times their error estimate off, at 0.4 and 44."""
+"""Largest disagreement of two inverse Jacobians on a step, over that step: a nearly singular one
+takes short steps far from the edges' places, and their decrease says nothing.  Two of 3,107
+interpolated points of a fine grid were 3 and 18 times their error estimate off, at 0.4 and 44."""
 LEAST_LEFT = 0.2
-"""Of a first step, whatever the two agree on: amid far neighbours both were 17 % off, and agreed to
-0.2 %."""
+"""Least fraction of a first step that counts as error, however well the two agree: amid far
+neighbours both were 17 % off, and agreed to 0.2 %."""
 MORE_STEPS = 3
-"""Chord steps after the first, where that leaves too much."""
+"""Chord steps after the first, if it leaves too large an error."""
 LOOSE_SHARE, LEAST_ROOM = 0.5, 0.05
-"""Share of the room that neighbours' error estimates leave below rtol which the rule takes that
-edges are corrected on, and that room over rtol at least."""
+"""Share of the room between neighbours' error estimates and rtol that the rule may use on which
+edges are corrected, and the least such room over rtol."""
 LACK_ORDER = 1.25
-"""Power of its tolerance with which what edges lack on a rule falls; 1.5 where edges are sharp."""
+"""Power of a rule's tolerance with which the error of edges falls; 1.5 where edges are sharp."""
 RULE_STEP = 0.25
-"""Between such rules, in powers of ten."""
+"""Distance between the tolerances of such rules, in powers of ten."""
 FIRST_LATTICE = 6
 """Points to a side of the first lattice, solved from scratch; each further one has twice as many
 spaces."""
 PATTERNS_TRIED = 2
 """Patterns of zones of the nearest known points that are tried."""
 PLANE_BATCH = 1.6e5
-"""Size of a batch, over what it counts nodes by: 146 points of one edge on a rule of 1e-5, 74 of
+"""Size of a batch, in units of its count of nodes: 146 points of one edge on a rule of 1e-5, 74 of
 three.  Half of it takes 4 % longer, three halves no less; either way 10,000 points leave 310 MB."""
 FEWEST_IN_PLANE = 300
 """Points from which neighbours of other Poisson ratios help."""

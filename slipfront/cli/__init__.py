@@ -1,1 +1,1 @@
-"""The command line: commands, options, what the terminal shows, how it ends."""
+"""The command line: commands, their options, terminal output and exit codes."""

@@ -1,4 +1,4 @@
-"""The command ``slipfront``: what it can do, and how it ends."""
+"""The command ``slipfront`` with its subcommands, and the exit code of each ending."""
 
 from __future__ import annotations
 
@@ -33,16 +33,19 @@ NO_MEMORY = "There is not enough memory for this; ask for less at once, or on a 
 
 
 class _Commands(TyperGroup):
-    """Commands that end with 1 only where answers differ, which typer does not care for."""
+    """Group of commands that reports unexpected endings, which typer would pass over, as faults.
+
+    Exit code 1 remains reserved for answers that differ.
+    """
 
     def invoke(self, ctx: Any) -> Any:
-        """Run a command; a file that ends too early, and a library that ends, are faults."""
+        """Run a command; a file that ends too early and a library that exits count as faults."""
         try:
             return super().invoke(ctx)
         except EOFError as error:
             raise RuntimeError("a file ends before it should") from error
         except SystemExit as end:
-            if isinstance(end.__context__, BrokenPipeError):  # `main` knows
+            if isinstance(end.__context__, BrokenPipeError):  # `main` handles this one
                 raise
             raise RuntimeError(f"a library ended the program with {end.code!r}") from end
 
@@ -101,19 +104,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : sequence of str, optional
-        What follows ``slipfront``; taken from the process if not given.
+        Words after ``slipfront``; those of this process by default.
 
     Returns
     -------
     int
-        0 if all went well, 1 if two answers differ by more than their error bars allow, 2 for a
-        usage or scene error, 3 for a damaged file, 4 for a failed computation, 5 for a missing
-        or broken package, 70 for a fault of the program, 130 when interrupted (the program itself
-        returns 143 if that was by SIGTERM), 141 if whoever reads the output has gone.
+        0 on success, 1 if two answers differ by more than their error bars allow, 2 for a usage
+        or scene error, 3 for a damaged file, 4 for a failed computation, 5 for a missing or
+        broken package, 70 for a fault of the program, 130 when interrupted (the program itself
+        returns 143 if that was by SIGTERM), 141 if the reader of the output is gone.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     _make_streams_lenient()
-    os.environ["MPLBACKEND"] = "agg"  # figures go to files; no other backend need exist
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files, so that no other backend needs to exist
     try:
         with needing("This command"):
             app(args=arguments, prog_name="slipfront")
@@ -139,7 +142,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _options(arguments: Sequence[str]) -> set[str]:
-    """Names of the arguments that are options of the command called, and of its own commands."""
+    """Return the names of the options of the called command and of its subcommands."""
     command: Any = typer.main.get_command(app)
     options: set[str] = set()
     for word in arguments:
@@ -152,7 +155,7 @@ def _options(arguments: Sequence[str]) -> set[str]:
 
 
 def _make_streams_lenient() -> None:
-    """Characters that a terminal cannot show are replaced instead of refused."""
+    """Make output streams replace characters that a terminal cannot show instead of failing."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper) and stream.errors == "strict":
             stream.reconfigure(errors="replace")

@@ -1,7 +1,7 @@
-"""Where the program ``slipfront`` starts: signals are taken care of before anything is imported.
+"""Entry point of the program ``slipfront``; it installs signal handlers before importing the rest.
 
-Ctrl-C and SIGTERM both end a command as an interruption: what is being written is dropped, what was
-computed before is kept, one line says so, and the exit code is 130 or 143.
+Ctrl-C and SIGTERM both end a command as an interruption: unfinished files are discarded, finished
+ones are kept, a message is printed, and the exit code is 130 or 143.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from slipfront.cli.faults import READER_GONE, crashed, printable
 from slipfront.cli.interruption import INTERRUPTED, INTERRUPTION, TERMINATED
 
 BROKEN_FILE, BROKEN_PACKAGE = 3, 5
-"""As those of `DataFileError` and `PluginError`, which may not be there to be imported."""
+"""Exit codes of `DataFileError` and `PluginError`, repeated here as their import may fail."""
 
 
 def main() -> int:
-    """Run the command line of this process and return its exit code, as `commands.main`.
+    """Run the command line of this process and return its exit code, like `commands.main`.
 
     Returns
     -------
@@ -29,7 +29,7 @@ def main() -> int:
     terminated = False
 
     def terminate(number: int, frame: FrameType | None) -> None:
-        """Do what Ctrl-C would do now; also where Ctrl-C is ignored, as in background jobs."""
+        """Do what Ctrl-C does at this moment, even if Ctrl-C is ignored, as in background jobs."""
         nonlocal terminated
         terminated = True
         on_interrupt = signal.getsignal(signal.SIGINT)
@@ -40,7 +40,7 @@ def main() -> int:
 
     heeded = signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
     try:
-        # while modules are imported nothing has begun, and an exception might get lost in them
+        # nothing has begun during the imports, and importing code might swallow an exception
         signal.signal(signal.SIGTERM, _leave)
         if heeded:
             signal.signal(signal.SIGINT, _leave)
@@ -59,15 +59,15 @@ def main() -> int:
         code = BROKEN_PACKAGE
     except Exception as error:
         code = crashed(error, sys.argv[1:])
-    # all is done; what is left is to end
+    # the command is complete, so a signal must not change its exit code any more
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     return TERMINATED if terminated and code == INTERRUPTED else code
 
 
 def _flushed(code: int) -> int:
-    """The exit code once all output has been handed over: Python itself would end with 120."""
-    if sys.stdout is None:  # closed before the program began
+    """Flush the output and return the exit code; otherwise Python itself would exit with 120."""
+    if sys.stdout is None:  # stdout was closed before the program began
         return code
     try:
         sys.stdout.flush()

@@ -1,4 +1,4 @@
-"""``slipfront explore``: a page in the browser that follows its sliders."""
+"""``slipfront explore``: a page in the browser whose pictures follow its sliders."""
 
 from __future__ import annotations
 
@@ -28,23 +28,23 @@ def explore_command(
             autocompletion=scene_names,
         ),
     ] = DEFAULT_SCENE,
-    port: Annotated[int, typer.Option(help="Port of the page; 0 for any that is free.")] = 5006,
+    port: Annotated[int, typer.Option(help="Port of the page; 0 for any free port.")] = 5006,
     browser: Annotated[
         bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")
     ] = True,
     as_json: AsJson = False,
 ) -> None:
-    """Explore a scene in the browser: all pictures follow the sliders; Ctrl-C ends it.
+    """Explore a scene in the browser, where all pictures follow the sliders; Ctrl-C ends it.
 
-    The page is served to this machine alone.  Its address holds the scene, its buttons bring
-    figure, table, scene file and the program that makes the same.
+    The page is served to this machine only.  Its address contains the scene.  Its buttons download
+    the figure, a table, the scene file and a program that reproduces the answer.
     """
     require("slipfront explore", *EXPLORE, *PLOT)
     from slipfront.explore.controls import defaults
     from slipfront.explore.serving import serve
 
     scene = override_scene(find_scene(scene_name), **overrides)
-    defaults(scene)  # refuses what has no controls
+    defaults(scene)  # refuses scenes that the controls cannot describe
 
     def tell(address: str) -> None:
         if as_json:

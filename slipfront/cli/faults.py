@@ -1,6 +1,6 @@
-"""How a command ends that meets a fault of the program itself: a sentence, a report, exit code 70.
+"""End of a command that meets a fault of the program: a sentence, a report, exit code 70.
 
-Only what comes with Python is imported, for this also has to work where nothing else does.
+This module imports only the standard library, because it must work when other packages are broken.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from importlib.metadata import PackageNotFoundError, version
 CRASHED = 70
 """EX_SOFTWARE of sysexits.h."""
 READER_GONE = 141
-"""What a shell says of a program that was ended by SIGPIPE."""
+"""Exit code that a shell reports for a program ended by SIGPIPE."""
 
 _PACKAGES = ("slipfront", "numpy", "scipy", "typer", "rich", "h5py", "xarray", "gmsh", "matplotlib")
 _LONGEST = 200
@@ -36,7 +36,7 @@ packages: {packages}
 
 
 def crashed(error: BaseException, arguments: Sequence[str]) -> int:
-    """Write a report of an exception that nothing caught, and say so in one sentence.
+    """Write a report of an exception that nothing caught, and name it in one sentence.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def crashed(error: BaseException, arguments: Sequence[str]) -> int:
 
 
 def printable(message: object) -> str:
-    """A message on one line that a terminal shows as it is, whatever names it quotes."""
+    """Return a message on one line without characters that a terminal would act on."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(message))
 
 
@@ -75,7 +75,7 @@ def _report(error: BaseException, arguments: Sequence[str]) -> str:
 
 
 def _installed(package: str) -> str:
-    """A package and its version; nothing where it is not there."""
+    """Return a package and its version; an empty string if it is not installed."""
     try:
         return f"{package} {version(package)}"
     except PackageNotFoundError:

@@ -1,4 +1,4 @@
-"""``slipfront field``: what happens inside the bodies, as pictures, films, grids and records."""
+"""``slipfront field``: fields inside the bodies as pictures, animations, grids and records."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ if TYPE_CHECKING:
 
 MARCHED_OPTIONS = {name: MARCH_OPTIONS[name] for name in ("nodes", "rtol", "length", "memory")}
 GRID = (200, 200)
-"""Cells of a grid unless they are given."""
+"""Default number of cells of a grid, along x and y."""
 MOST_POINTS, MOST_FRAMES, MOST_SAMPLES = 4000, 10_000, 1_000_000
-"""What is refused as a slip of the finger: points and cells along an axis, frames, times."""
+"""Limits of points and cells along an axis, of frames, and of times; more are a typing error."""
 
 _DIMENSIONS: Dimensions = {
     "scene": SCENE_DIMENSIONS,
@@ -65,7 +65,7 @@ _Window = Annotated[
     str | None,
     typer.Option(
         metavar="X0,X1,Y0,Y1",
-        help="What is shown [length]; all that waves can have come to unless given.",
+        help="Part of the plane to show \\[length]; everything the waves have reached by default.",
     ),
 ]
 _Gauges = Annotated[
@@ -80,19 +80,28 @@ _Gauges = Annotated[
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for, looked at before anything is computed.
+    """Checked options of the command, complete before anything is computed.
 
     Attributes
     ----------
-    time : float, [time]
-    window : (x0, x1, y0, y1), [length]; None for all that waves can have come to
-    points : int, along the longer side of a picture
-    frames : int, of an animation and of what is written for ParaView; 0 for no animation
-    form : str, of `FORMATS`
-    grid : (int, int), cells for ParaView, or None for no such files
-    gauges : places, [length]
-    samples : int, of a record
-    figures : str, format of pictures
+    time : float
+        Time of the picture and end of animations and records [time].
+    window : (x0, x1, y0, y1) or None
+        Part of the plane that is shown [length]; None for everything the waves have reached.
+    points : int
+        Points along the longer side of a picture.
+    frames : int
+        Number of frames of an animation and of files for ParaView; 0 for no animation.
+    form : str
+        Format of an animation, one of `FORMATS`.
+    grid : (int, int) or None
+        Cells of the grid for ParaView; None for no such files.
+    gauges : tuple of (x, y)
+        Positions of gauges [length].
+    samples : int
+        Number of times of a record.
+    figures : str
+        Format of pictures.
     """
 
     time: float
@@ -107,7 +116,7 @@ class Request:
 
     @property
     def times(self) -> list[float]:
-        """Of the frames, the last one alone without an animation."""
+        """Times of the frames; without an animation only the last one [time]."""
         count = max(self.frames, 1)
         return np.linspace(self.time / count, self.time, count).tolist()
 
@@ -120,40 +129,42 @@ def field_command(
     of: Annotated[
         str,
         typer.Option(
-            help="speed, pressure, max-shear, fringes, vx, vy, ux, uy, sxx, syy or sxy; in "
-            "antiplane shear also vz, uz, sxz or syz.",
+            help="Quantity: speed, pressure, max-shear, fringes, vx, vy, ux, uy, sxx, syy or sxy; "
+            "in antiplane shear also vz, uz, sxz or syz.",
             autocompletion=one_of(*QUANTITIES),
             rich_help_panel=_PICTURE,
         ),
     ] = "speed",
-    time: Annotated[float | None, typer.Option(help="When [time]; 1 / c_t unless given.")] = None,
+    time: Annotated[
+        float | None, typer.Option(help="Time of the picture \\[time]; 1 / c_t by default.")
+    ] = None,
     window: _Window = None,
     points: Annotated[
         int, typer.Option(help="Points along the longer side.", rich_help_panel=_PICTURE)
     ] = 400,
     thickness: Annotated[
         float | None,
-        typer.Option(help="Of the body along z, for fringes.", rich_help_panel=_PICTURE),
+        typer.Option(help="Thickness of the body along z, for fringes.", rich_help_panel=_PICTURE),
     ] = None,
     stress_optical: Annotated[
         float | None,
         typer.Option(
-            help="Material fringe constant, stress times thickness per fringe; such that the "
-            "larger step makes 4 fringes unless given, with --thickness.",
+            help="Material fringe constant, stress times thickness per fringe; by default "
+            "the larger step makes 4 fringes. Needs --thickness.",
             rich_help_panel=_PICTURE,
         ),
     ] = None,
     animate: Annotated[
         int,
         typer.Option(
-            metavar="N", help="Show N times from 0 to --time as well.", rich_help_panel=_FILM
+            metavar="N", help="Animate N times from 0 to --time as well.", rich_help_panel=_FILM
         ),
     ] = 0,
     form: Annotated[
         str,
         typer.Option(
             "--format",
-            help="gif or mp4.",
+            help="Format of the animation: gif or mp4.",
             rich_help_panel=_FILM,
             autocompletion=one_of(*FORMATS),
         ),
@@ -162,28 +173,30 @@ def field_command(
         bool,
         typer.Option(
             "--vtu",
-            help="Write velocity, displacement and stress; at the times of --animate if given.",
+            help="Write velocity, displacement and stress, at the times of --animate if given.",
             rich_help_panel=_GRID,
         ),
     ] = False,
     grid: Annotated[
         str | None,
         typer.Option(
-            metavar="NX,NY", help="Cells of it, 200,200 unless given.", rich_help_panel=_GRID
+            metavar="NX,NY", help="Cells of the grid; 200,200 by default.", rich_help_panel=_GRID
         ),
     ] = None,
     gauge: _Gauges = None,
-    samples: Annotated[int, typer.Option(help="Times of a record.", rich_help_panel=_GAUGE)] = 1000,
+    samples: Annotated[
+        int, typer.Option(help="Number of times of a record.", rich_help_panel=_GAUGE)
+    ] = 1000,
     method: Method = "auto",
     output: Output = None,
     figures: FiguresForm = "png",
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Draw what happens inside the bodies, with all fronts named; film it, grid it, record it.
+    """Draw fields inside the bodies with all fronts named; animate, export or record them.
 
-    Velocity, stress and displacement are exact where the scene is self-similar.  A picture is
-    written to DIR/SCENE_QUANTITY.png, an animation beside it, the rest to DIR/fields.pvd and
+    Velocity, stress and displacement are exact if the scene is self-similar.  A picture is written
+    to DIR/SCENE_QUANTITY.png, an animation beside it, and the rest to DIR/fields.pvd and
     DIR/SCENE_gauge-1.csv.
     """
     require("slipfront field", *PLOT, *(FEM if vtu else ()))
@@ -235,7 +248,7 @@ def field_command(
 
 
 def _document(answer: Solution | Marched, of: str, request: Request) -> dict[str, Any]:
-    """What was drawn and recorded, as plain dictionaries, each number with its unit."""
+    """Return what was drawn and recorded as plain dictionaries, with units."""
     window = request.window or _reach(answer, request)
     document: dict[str, Any] = {
         "scene": scene_document(answer.scene),
@@ -252,7 +265,7 @@ def _document(answer: Solution | Marched, of: str, request: Request) -> dict[str
 
 
 def _reach(fields: WholeFields, request: Request) -> tuple[float, float, float, float]:
-    """All that waves can have come to."""
+    """Return the window that holds everything the waves have reached."""
     from compare.figures.fronts import reach
 
     return reach(fields, request.time)
@@ -272,7 +285,7 @@ def _draw(
     request: Request,
     quiet: bool,
 ) -> None:
-    """The picture, and the animation if one is asked for."""
+    """Draw the picture, and the animation if one is requested."""
     from compare.figures.animation import write_animation
     from compare.figures.fields import FieldPicture
     from compare.figures.saving import save_figure
@@ -298,7 +311,7 @@ def _write_grid(directory: Path, fields: WholeFields, request: Request, quiet: b
 def _record(
     directory: Path, label: str, fields: WholeFields, request: Request, words: list[str]
 ) -> None:
-    """A table and a figure for every gauge."""
+    """Write a table and a figure for every gauge."""
     from compare.figures.records import record_figure
     from compare.figures.saving import save_figure
     from compare.output.field_files import record_fields, write_record
@@ -313,7 +326,7 @@ def _record(
 
 
 def _fringe_stress(of: str, thickness: float | None, stress_optical: float | None) -> float | None:
-    """Difference of principal stresses per fringe [stress], if it is given."""
+    """Return the difference of principal stresses per fringe [stress], if it is given."""
     if thickness is None and stress_optical is None:
         return None
     if of != "fringes":
@@ -355,7 +368,7 @@ def _grid(text: str) -> tuple[int, int]:
 
 
 def _numbers(name: str, text: str, count: int, required: str) -> Iterator[float]:
-    """As many finite numbers as there must be, which commas part."""
+    """Parse a given count of finite numbers that are separated by commas."""
     try:
         numbers = [float(part) for part in text.split(",")]
     except ValueError:

@@ -1,4 +1,4 @@
-"""How an interrupted command ends: its exit codes, and the one line it says."""
+"""Exit codes and message of interrupted commands."""
 
 INTERRUPTED = 130
 TERMINATED = 143

@@ -1,4 +1,4 @@
-"""``slipfront solve`` of what is not self-similar: a march in time, kept and gone on with."""
+"""``slipfront solve`` of scenes that are not self-similar: marches that can be resumed."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ def march_command(
     plot: Path | None,
     quiet: bool,
 ) -> None:
-    """March a scene, or go on with a saved march, and say what happened.
+    """March a scene, or continue a saved march, and print the result.
 
     Raises
     ------
     ComputationError
-        When all is shown, if the error estimate is above the --rtol.
+        If the error estimate is above --rtol; the result is printed before.
     """
     options = dict(options)
     save, earlier = options.pop("save", None), options.pop("go_on", None)
@@ -82,7 +82,7 @@ def march_command(
 
 
 def check_rtol(marched: Marched, label: str) -> None:
-    """Raise ComputationError, when all is shown, if the error estimate is above the --rtol."""
+    """Raise ComputationError if the error estimate is above --rtol; call after printing."""
     if marched.rtol is not None and not marched.error_estimate <= marched.rtol:
         raise ComputationError(f"{label} is not within --rtol: {marched.caution}.")
 
@@ -95,7 +95,7 @@ def _gone_on(
     options: dict[str, Any],
     progress: Callable[[int, int], bool],
 ) -> Marched:
-    """A saved march of a scene continued, to the latest time it can reach unless given."""
+    """Continue a saved march, to the latest time it can reach unless an end time is given."""
     if saved.scene != scene:
         raise SceneError(f"{path} holds a march of another scene; give that scene.")
     memory = in_bytes(options.pop("memory", None))
@@ -117,7 +117,7 @@ def _show(
     draw: Draw | None,
     plot: Path | None,
 ) -> None:
-    """Draw a march if asked for, and print it."""
+    """Draw a march if requested, and print it."""
     if draw is not None and plot is not None:
         from compare.figures.saving import save_figure
 

@@ -1,4 +1,4 @@
-"""Options that several commands share: scene parameters, settings of solvers, places, quietness."""
+"""Options that several commands share: scene parameters, settings of solvers, output, quietness."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from slipfront.cli.scenes.completion import (
 )
 
 SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "m": 60.0, "h": 3600.0}
-"""Units of time as they are typed."""
+"""Units of time on the command line, in seconds."""
 
 SceneArgument = Annotated[
     str,
@@ -34,26 +34,27 @@ SceneArgument = Annotated[
         metavar="SCENE", help="Name of a scene, or a TOML file.", autocompletion=scene_names
     ),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results only, no progress.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show results without progress.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 NoSnapshots = Annotated[bool, typer.Option("--no-snapshots", help="Write no field snapshots.")]
 Budget = Annotated[
     str | None,
     typer.Option(
         metavar="TIME",
-        help="Time for the simulation, as 60s, 5min or 1h, from which the mesh follows; about that "
-        "of a resolution of 100 unless given.",
+        help="Time for the simulation, such as 60s, 5min or 1h, which decides the mesh; about that "
+        "of a resolution of 100 by default.",
         rich_help_panel="Finite elements",
     ),
 ]
 NoCompanions = Annotated[
-    bool, typer.Option("--no-companions", help="Run no coarser meshes, which give error bars.")
+    bool,
+    typer.Option("--no-companions", help="Skip the runs on coarser meshes, which give error bars."),
 ]
 Output = Annotated[
     Path | None,
     typer.Option(
         metavar="DIR",
-        help="Folder to write to; results/SCENE unless given, as in results/SCENE-friction-0.2.",
+        help="Folder to write to; by default results/SCENE, such as results/SCENE-friction-0.2.",
     ),
 ]
 FORMS = ("png", "pdf", "svg")
@@ -77,14 +78,14 @@ FiguresForm = Annotated[
 Method = Annotated[
     str,
     typer.Option(
-        help="self-similar, space-time, or auto: the one the scene calls for.",
+        help="self-similar, space-time, or auto, which chooses by the scene.",
         autocompletion=one_of(*METHODS),
     ),
 ]
 
 
 def _option(type_: type, panel: str, text: str, *names: str) -> Any:
-    # units are in brackets, which would be taken for markup
+    # rich would take units in brackets for markup
     named = one_of(*names) if names else None
     option = typer.Option(help=escape(text), rich_help_panel=panel, autocompletion=named)
     return Annotated[type_ | None, option]
@@ -93,11 +94,11 @@ def _option(type_: type, panel: str, text: str, *names: str) -> Any:
 _SCENE_PANEL = "Scene (in place of the scene's own values)"
 
 SCENE_OPTIONS: Mapping[str, Any] = {
-    "mode": _option(str, _SCENE_PANEL, "Which way shear acts: in-plane or antiplane.", *MODES),
+    "mode": _option(str, _SCENE_PANEL, "Direction of shear: in-plane or antiplane.", *MODES),
     "load_on": _option(
         str,
         _SCENE_PANEL,
-        "Where the load acts: taken off the faces of the slot, or arriving from far away (remote).",
+        "Where the load acts: on the faces of the slot, or arriving from far away (remote).",
         *LOADED,
     ),
 } | {
@@ -111,7 +112,7 @@ SCENE_OPTIONS: Mapping[str, Any] = {
         "base_shear": "Shear traction in place before the load [stress].",
         "load_pressure": "Pressure of the load, from t = 0 [stress].",
         "load_shear": "Shear traction of the load, from t = 0 [stress].",
-        "viscosity": "Strength of a viscous film over relative slip rate [stress time / length].",
+        "viscosity": "Viscosity of a film: shear strength over slip rate [stress time / length].",
     }.items()
 }
 
@@ -123,36 +124,36 @@ LOWER_OPTIONS: Mapping[str, Any] = {
         "poisson_ratio": "Poisson ratio of the lower block.",
     }.items()
 }
-"""Where both blocks are not alike; what is not given is that of the upper block."""
+"""Options of the lower block; numbers that are not given are those of the upper block."""
 
 MESH_OPTIONS: Mapping[str, Any] = {
     name: _option(type_, "Finite elements", text, *MESH_NAMES.get(name, ()))
     for name, (type_, text) in {
-        "end_time": (float, "Time T at which the simulation ends [time]; 1 / c_t unless given."),
-        "resolution": (int, "Elements per c_t T, 100 unless given; compare can choose it."),
-        "damping": (float, "Kelvin–Voigt time over h / c_t, 0.02 unless given."),
-        "step_ratio": (float, "Time step over the critical one, 0.95 unless given."),
-        "model": (str, "Blocks to mesh, auto unless given."),
-        "element": (str, "P1, Q1 or Q2; Q1 unless given."),
-        "mesh": (str, "squares, graded, or triangles for P1; squares unless given."),
-        "frames": (int, "Number of field snapshots, 20 unless given."),
-        "every": (int, "Store every n-th step of the histories, 1 unless given."),
-        "memory": (float, "Most memory to take [GB], 70 % of what is free unless given."),
+        "end_time": (float, "Time T at which the simulation ends [time]; 1 / c_t by default."),
+        "resolution": (int, "Elements per c_t T; 100 by default, and compare can choose it."),
+        "damping": (float, "Kelvin–Voigt time over h / c_t; 0.02 by default."),
+        "step_ratio": (float, "Time step over the critical one; 0.95 by default."),
+        "model": (str, "Blocks to mesh; auto by default."),
+        "element": (str, "P1, Q1 or Q2; Q1 by default."),
+        "mesh": (str, "squares, graded, or triangles for P1; squares by default."),
+        "frames": (int, "Number of field snapshots; 20 by default."),
+        "every": (int, "Store every n-th step of the histories; 1 by default."),
+        "memory": (float, "Largest memory to use [GB]; 70 % of the free memory by default."),
     }.items()
 }
 
 MARCH_OPTIONS: Mapping[str, Any] = {
     name: _option(type_, "Space-time solver", text)
     for name, (type_, text) in {
-        "nodes": (int, "Contact nodes; 1000, or what the loads need, unless given."),
-        "rtol": (float, "Largest error estimate, in place of nodes."),
-        "length": (float, "Part of the contact that is observed [length], c_l T unless given."),
-        "step_ratio": (float, "c_t times the step over the node distance, 0.5 unless given."),
+        "nodes": (int, "Contact nodes; 1000 by default, or as many as the loads need."),
+        "rtol": (float, "Largest error estimate; chooses the nodes."),
+        "length": (float, "Part of the contact that is observed [length]; c_l T by default."),
+        "step_ratio": (float, "c_t times the step over the node distance; 0.5 by default."),
         "every": (int, "Store every n-th step."),
-        "latest": (float, "Time to which a saved march may go on [time], T unless given."),
-        "memory": (float, "Most memory to take [GB], 70 % of what is free unless given."),
-        "save": (Path, "File to keep the march in (.h5)."),
-        "go_on": (Path, "File of a saved march to go on with."),
+        "latest": (float, "Time to which a saved march can be continued [time]; T by default."),
+        "memory": (float, "Largest memory to use [GB]; 70 % of the free memory by default."),
+        "save": (Path, "File to save the march to (.h5)."),
+        "go_on": (Path, "File of a saved march to continue."),
     }.items()
 }
 
@@ -167,7 +168,7 @@ CHECKPOINT_OPTIONS: Mapping[str, Any] = {
         bool | None,
         typer.Option(
             "--resume",
-            help="Go on from DIR/checkpoint.h5 if it is there; give the same options again.",
+            help="Resume from DIR/checkpoint.h5 if it exists; give the same options again.",
             rich_help_panel="Checkpoints",
         ),
     ],
@@ -183,7 +184,7 @@ def with_options(**groups: Mapping[str, Any]) -> Callable[[Callable[..., Any]], 
     Parameters
     ----------
     **groups : mapping from option name to annotation
-        The options, by the name of the argument that collects them.
+        Options by the name of the argument that collects them.
     """
     options = {name: hint for group in groups.values() for name, hint in group.items()}
 
@@ -210,17 +211,17 @@ def with_options(**groups: Mapping[str, Any]) -> Callable[[Callable[..., Any]], 
 
 
 def option_name(argument: str) -> str:
-    """An option as it is typed."""
+    """Return the option of an argument as it is typed."""
     return "--" + argument.replace("_", "-")
 
 
 def in_seconds(time: str | None) -> float | None:
-    """A time as it is typed, such as 90, 60s, 1.5min or 2h, in seconds.
+    """Convert a time as it is typed, such as 90, 60s, 1.5min or 2h, to seconds.
 
     Raises
     ------
     SceneError
-        If it is nothing of that kind, or not positive.
+        If the text is no such time, or the time is not positive.
     """
     if time is None:
         return None
@@ -232,7 +233,7 @@ def in_seconds(time: str | None) -> float | None:
 
 
 def in_bytes(gigabytes: float | None) -> float | None:
-    """An amount of memory as the solvers take it."""
+    """Convert an amount of memory from gigabytes to bytes, as the solvers expect it."""
     return None if gigabytes is None else gigabytes * GIGABYTE
 
 

@@ -1,4 +1,4 @@
-"""Refusals in the words of the command line: arguments of functions become its options."""
+"""Translation of refusals into the words of the command line: arguments become options."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from collections.abc import Collection
 from slipfront.cli.options import option_name
 
 ALIKE = {"nodes": "resolution"}
-"""What stands for an argument where a command does not have it: nodes of a march follow from it."""
+"""Options that replace arguments a command does not have: the nodes of a march follow from them."""
 
 _SUBJECT = re.compile(r"^(?:\w+(?: \w+)?: )?(\w+(?: \w+)?)(?= must )")
 _NAMED = re.compile(r"`(\w+)`")
 
 
 def in_options(sentence: str, options: Collection[str]) -> str:
-    """A sentence with the arguments it names as options.
+    """Return a sentence in which the arguments it names are replaced by options.
 
     Parameters
     ----------
     sentence : str
-        Arguments are `in backticks`, or are what must be something: "march: nodes must be ...".
+        Names arguments `in backticks`, or as its subject: "march: nodes must be ...".
     options : names of arguments
-        That are options of the command; others stay as they are.
+        Arguments that are options of the command; others stay as they are.
     """
 
     def replaced(match: re.Match[str]) -> str:

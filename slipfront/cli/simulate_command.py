@@ -1,4 +1,4 @@
-"""``slipfront simulate``: the finite-element model of a scene, kept on disk."""
+"""``slipfront simulate``: run the finite-element model of a scene and write its results."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ if TYPE_CHECKING:
 
 CHECKPOINT = "checkpoint.h5"
 WORTH_SAYING = 60.0
-"""Predicted time of a simulation from which on it is said before it starts [s]."""
+"""Predicted run time above which it is printed before a simulation starts [s]."""
 WORTH_KEEPING = 1e8
-"""Predicted size of its snapshots from which on that is said [bytes]."""
+"""Predicted size of snapshots above which it is printed [bytes]."""
 
 
 @with_options(
@@ -65,13 +65,13 @@ def simulate_command(
 ) -> None:
     """Simulate a scene with finite elements; write the interface history and field snapshots.
 
-    The same run on two coarser meshes, in a seventh of the time, then says how far the first may be
-    off.
+    Two more runs on coarser meshes, which take a seventh of the time, then estimate the error of
+    the first.
 
-    With --checkpoint-every or --checkpoint-seconds a run that is interrupted or killed can be taken
-    up again with the same options and --resume; the result is the same to the last bit.  A finished
-    run removes its checkpoint.  The lower block may be of another material, though to two materials
-    the theory does not apply.
+    With --checkpoint-every or --checkpoint-seconds, a run that was interrupted or killed resumes
+    with the same options and --resume; the result is identical to the last bit.  A finished run
+    removes its checkpoint.  The lower block may be of another material, but the theory does not
+    apply to two materials.
     """
     require("slipfront simulate", *FEM)
     label = scene_label(scene_name)
@@ -113,10 +113,10 @@ def simulate_into(
     foretold: Collection[str] = (),
     quiet: bool,
 ) -> Simulation:
-    """Run the finite-element model and keep its history, and snapshots if asked for, on disk.
+    """Run the finite-element model and write its history, and snapshots if requested.
 
-    Then the same on coarser meshes, if companions are wanted.  What is foretold is said before it
-    starts, in place of what it is going to take.
+    Companion runs on coarser meshes follow unless `companions` is false.  `foretold` holds
+    sentences that are printed before the run in place of the predicted cost.
     """
     from fem import cost, opening_sentence, simulate
     from fem.budget import check_room
@@ -159,9 +159,10 @@ def simulate_into(
 def with_error_bars(
     simulation: Simulation, directory: Path, label: str, *, keep: bool = True, quiet: bool
 ) -> Simulation:
-    """Run a simulation that is on disk on coarser meshes too, and say how far it may be off.
+    """Repeat a stored simulation on coarser meshes and print its error estimates.
 
-    They are kept with it, if at all, once they are done: an interruption leaves it as it is.
+    The coarser runs are stored only when both are done (and `keep` is true), so an interruption
+    leaves the stored simulation as it was.
     """
     from fem import with_companions
 
@@ -176,7 +177,7 @@ def with_error_bars(
 
 
 def _expected(predicted: Cost, directory: Path, foretold: Collection[str]) -> Iterator[str]:
-    """What is worth knowing before a run starts, times being those of this machine."""
+    """Yield messages to print before a run starts; times are predictions for this machine."""
     from fem.budget import machine_pace
 
     here = replace(predicted, seconds=machine_pace() * predicted.seconds)
@@ -194,7 +195,7 @@ def _checkpointing(
     checkpoint_seconds: float | None = None,
     resume: bool = False,
 ) -> dict[str, Any]:
-    """Options of a simulation that writes checkpoints to a path; none if none are asked for."""
+    """Return the checkpoint options of a simulation; none if no checkpoints are requested."""
     if not (checkpoint_every or checkpoint_seconds is not None or resume):
         return {}
     return {

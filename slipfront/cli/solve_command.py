@@ -1,4 +1,4 @@
-"""``slipfront solve``: a scene by the exact solver, or marched in time where it calls for that."""
+"""``slipfront solve``: solve a scene exactly, or march it in time if it is not self-similar."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def solve_command(
     end_time: Annotated[
         float | None,
         typer.Option(
-            help="Time T until which to say what happens; where a march ends, 1 / c_t then."
+            help="Time T up to which to report \\[time]; a march ends there, at 1 / c_t by default."
         ),
     ] = None,
     as_json: AsJson = False,
@@ -55,17 +55,17 @@ def solve_command(
         str | None,
         typer.Option(
             metavar="NAME",
-            help="What --plot draws: interface, or what packages of yours bring.",
+            help="Figure that --plot draws: interface, or one of an installed package.",
             autocompletion=figure_names,
         ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Solve a scene: zones and edge velocities, and what happens until an end time.
+    """Solve a scene: slip zones, edge velocities, and everything that happens until an end time.
 
     Step loads are self-similar and solved exactly; other load histories are marched in time.  The
-    exit code is 4 if the solution has not converged, or a march is not within --rtol; the best
-    answer is printed all the same.
+    exit code is 4 if the solution has not converged, or if the error estimate of a march exceeds
+    --rtol; the best answer is printed all the same.
     """
     scene, label = override_scene(find_scene(scene_name), **overrides), scene_label(scene_name)
     draw = _drawing(plot, figure)
@@ -90,7 +90,7 @@ def solve_command(
 
 
 def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
-    """What draws the figure asked for, looked at before anything is computed."""
+    """Return the function that draws the requested figure; its output path is checked first."""
     if plot is None:
         if figure is not None:
             raise SceneError("--figure is what --plot draws; give both.")
@@ -113,7 +113,7 @@ def _solve_exactly(
     draw: Draw | None,
     plot: Path | None,
 ) -> None:
-    """Solve a self-similar scene and say what was found."""
+    """Solve a self-similar scene and print the result."""
     if end_time is not None:
         checked_size("solve: end_time", end_time)
     solution = solve(scene)
@@ -136,7 +136,7 @@ def _solve_exactly(
 
 
 def check_converged(solution: Solution, label: str) -> None:
-    """Raise ComputationError, when all is shown, unless a solution has converged."""
+    """Raise ComputationError unless a solution has converged; call after printing."""
     if solution.status != "converged":
         raise ComputationError(
             f"{label} has not converged: {solution.status}; do not rely on this answer, "

@@ -30,7 +30,7 @@ from slipfront.cli.options import (
 from slipfront.cli.study_commands import Scheduler, on_scheduler
 from slipfront.cli.terminal import print_json
 
-_VALUES = "Values: 0.3, a row 0.1,0.2,0.5, or start:stop:count, with :log in equal ratios"
+_VALUES = "Values: a number, a list 0.1,0.2,0.5, or start:stop:count, with :log for equal ratios"
 
 VALUE_OPTIONS: Mapping[str, Any] = {
     name: Annotated[
@@ -48,17 +48,17 @@ SAMPLES: Mapping[str, Any] = {
         str | None, typer.Option(metavar="VALUES", help=escape(text), rich_help_panel=_VALUES)
     ]
     for name, text in {
-        "x": "Positions at which fields are held [length].",
-        "t": "Times at which fields are held [time].",
+        "x": "Positions at which fields are stored [length].",
+        "t": "Times at which fields are stored [time].",
     }.items()
 }
 QUESTIONS: Mapping[str, Any] = {
     name: Annotated[type_ | None, typer.Option(help=escape(text))]
     for name, (type_, text) in {
-        "rtol": (float, "Wanted accuracy; 1e-6 where scenes are solved, of marches if given."),
-        "end_time": (float, "Until when totals are taken and marches go [time]."),
-        "nodes": (int, "Of marches."),
-        "length": (float, "Of the contact that marches observe [length]."),
+        "rtol": (float, "Requested accuracy; 1e-6 by default for solutions, none for marches."),
+        "end_time": (float, "Time until which totals are taken and marches run [time]."),
+        "nodes": (int, "Number of contact nodes of marches."),
+        "length": (float, "Length of the contact that marches observe [length]."),
     }.items()
 }
 
@@ -73,30 +73,34 @@ def survey_command(
         list[str] | None,
         typer.Option(
             metavar="NAME=VALUES",
-            help="Any other number of the scene, as friction_law.reduction=0:1:11.",
+            help="Any other number of the scene, such as friction_law.reduction=0:1:11.",
         ),
     ] = None,
     together: Annotated[
-        bool, typer.Option("--together", help="One list of points instead of a grid.")
+        bool,
+        typer.Option("--together", help="Take the values as one list of points instead of a grid."),
     ] = False,
     output: Annotated[
         Path | None,
         typer.Option(
-            metavar="FILE", help="File.nc or .zarr; results/SCENE-survey.nc if not given."
+            metavar="FILE", help="File to write, .nc or .zarr; results/SCENE-survey.nc by default."
         ),
     ] = None,
     chunk: Annotated[
-        int | None, typer.Option(help="Most points that are solved and saved together.")
+        int | None,
+        typer.Option(help="Largest number of points that are solved and saved together."),
     ] = None,
-    workers: Annotated[int | None, typer.Option(help="Processes; one for each core.")] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="Number of processes; one per core by default.")
+    ] = None,
     scheduler: Scheduler = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Solve a scene at many values of its parameters, and write them as NetCDF or Zarr.
+    """Solve a scene at many values of its parameters, and write the results as NetCDF or Zarr.
 
-    An interrupted survey goes on when it is started again with the same values.  Scenes that are
-    refused are nan, with the reason in their status; the exit code is 0 all the same.
+    An interrupted survey resumes when it is started again with the same values.  Scenes that are
+    refused have nan as their values and the reason as their status; the exit code is still 0.
     """
     from slipfront.surveys.plan import Question, planned
     from slipfront.surveys.run import FIELDS, run_survey
@@ -126,12 +130,12 @@ def survey_command(
 
 
 def typed_values(name: str, text: str) -> Any:
-    """Values as they are typed: a number, a row ``0.1,0.2``, or ``start:stop:count``.
+    """Parse values as they are typed: a number, a row ``0.1,0.2``, or ``start:stop:count``.
 
     Raises
     ------
     SceneError
-        If they are nothing of the kind, or too many.
+        If the text has none of these forms, or there are too many values.
     """
     from slipfront.surveys.plan import MOST_VALUES
 
@@ -154,7 +158,7 @@ def typed_values(name: str, text: str) -> Any:
 
 
 def _others(vary: Sequence[str]) -> dict[str, Any]:
-    """Values of parameters that have no option of their own."""
+    """Return the values of parameters that have no option of their own."""
     result = {}
     for text in vary:
         name, equals, values = text.partition("=")
@@ -167,7 +171,7 @@ def _others(vary: Sequence[str]) -> dict[str, Any]:
 
 
 def survey_document(found: Any, path: Path) -> dict[str, Any]:
-    """What a survey found in numbers, with their units, for JSON."""
+    """Summarise a survey in numbers with their units, for JSON."""
     counts = Counter(np.asarray(found["status"].values).ravel().tolist())
     methods = Counter(np.asarray(found["method"].values).ravel().tolist())
     estimates = found["error_estimate"].values if "error_estimate" in found else np.array([np.nan])
@@ -213,4 +217,4 @@ def _table(document: Mapping[str, Any], label: str) -> Table:
 
 
 _SHOWN = 4
-"""Kinds of status in the table."""
+"""Number of statuses in the table; the rest are counted together."""

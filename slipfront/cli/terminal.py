@@ -1,4 +1,4 @@
-"""What the terminal shows: tables, or JSON and nothing else."""
+"""Terminal output of all commands: tables for readers, or JSON and nothing else."""
 
 from __future__ import annotations
 
@@ -50,7 +50,10 @@ def print_json(
 
 
 def zones_table(solution: Solution, title: str) -> Table:
-    """Slip zones and openings with their edge velocities, in units of the scene and over c_t."""
+    """Return a table of slip zones and openings with their edge velocities.
+
+    Velocities are given in units of the scene and relative to c_t.
+    """
     scene, material = solution.scene, solution.scene.material
     table = Table("zone", "edge", title=title)
     for name in (f"[{unit('length / time', solution.scene.units)}]", "/ c_t"):
@@ -81,7 +84,7 @@ def zones_table(solution: Solution, title: str) -> Table:
 
 
 def facts_table(solution: Solution) -> Table:
-    """Wave speeds, state of the edge, status, error estimate and statistics of a solution."""
+    """Return a table of wave speeds, edge state, status, error estimate and statistics."""
     mode_one, sheared = solution.stress_intensity(1.0)
     fronts = scene_fronts(solution.scene)
     when = _measure(1.0, "time", solution.scene)
@@ -111,14 +114,14 @@ def facts_table(solution: Solution) -> Table:
 
 
 def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
-    """What is on the interface before, what comes, and where: name, value and dimension."""
+    """Yield name, value and dimension of the base tractions and of the load, with its place."""
     where = "from far away" if scene.load_on == REMOTE else "on the slot"
     for name, part in (("pressure, shear before", scene.base), (f"load {where}", scene.load)):
         yield name, f"{part.pressure:.6g}, {part.shear:.6g}", "stress"
 
 
 def end_table(solution: Solution, end_time: float) -> Table:
-    """What has happened until an end time: zones in positions, slip, work."""
+    """Return a table of everything until an end time: positions of zones, slip, work."""
     scene, end = solution.scene, end_document(solution, end_time)
     units = units_document(end, END_DIMENSIONS, scene)
     table = Table("quantity", "value", "unit", title=f"t = {_measure(end['time'], 'time', scene)}")
@@ -139,7 +142,7 @@ def end_table(solution: Solution, end_time: float) -> Table:
 
 
 def march_table(marched: Marched, title: str) -> Table:
-    """What `documents.march_document` says of a march, in the units of the scene."""
+    """Return a table of the content of `documents.march_document`, in the units of the scene."""
     scene, document = marched.scene, march_document(marched)
     statistics, units = document["statistics"], document["units"]
     table = Table("quantity", "value", "unit", title=title)
@@ -169,7 +172,7 @@ def march_table(marched: Marched, title: str) -> Table:
 
 
 def simulation_line(simulation: Simulation) -> str:
-    """One line saying which mesh, model and damping a simulation used, and what it cost."""
+    """Return one line on mesh, model, damping and cost of a simulation."""
     shear_speed = simulation.scene.material.shear_speed
     cell = simulation.element_size / (shear_speed * simulation.end_time)
     return (
@@ -181,7 +184,7 @@ def simulation_line(simulation: Simulation) -> str:
 
 
 def mesh_lines(choice: MeshChoice, *, snapshots: bool) -> Iterator[str]:
-    """Which mesh was chosen, why and what it takes; then each thing it is too coarse for."""
+    """Yield which mesh was chosen, why, and its cost; then each feature that it cannot resolve."""
     taken = toll(choice.seconds, choice.memory)
     yield f"resolution {choice.resolution} ({choice.reason}): about {taken}"
     bare = " without snapshots" if snapshots else ""
@@ -191,7 +194,7 @@ def mesh_lines(choice: MeshChoice, *, snapshots: bool) -> Iterator[str]:
 
 
 def error_line(simulation: Simulation) -> str:
-    """How far slip rate and slip at the end of a simulation may be off, by its companions."""
+    """Return a sentence on the errors of final slip rate and slip, estimated by coarser meshes."""
     if simulation.companion is None:
         return "no error bars, for there is no coarser mesh"
     rate, slip = (
@@ -203,10 +206,10 @@ def error_line(simulation: Simulation) -> str:
 
 
 def judgement_table(judgement: Judgement, label: str) -> Table:
-    """The rows of a judgement with their units; what differs in red, norms' errors in per cent."""
+    """Return the rows of a judgement with units; differences in red, norms' errors in per cent."""
     title = f"Semi-analytic against finite elements: {label}"
     table = Table(title=title, box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    table.add_column("quantity", min_width=14)  # for 80 columns
+    table.add_column("quantity", min_width=14)  # the whole table fits into 80 columns
     for heading in ("exact", "at nodes", "FEM", "differ by", "bar ±"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
@@ -222,7 +225,7 @@ def judgement_table(judgement: Judgement, label: str) -> Table:
 
 
 def validation_table(validation: Validation, label: str) -> Table:
-    """The rows of a validation, errors of norms in per cent; what differs in red."""
+    """Return the rows of a validation; differences in red, errors of norms in per cent."""
     title = f"{label}: {validation.source or 'records'} against the exact answer"
     table = Table(title=escape(title), box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("quantity", min_width=14)
@@ -242,7 +245,7 @@ def validation_table(validation: Validation, label: str) -> Table:
 
 
 def norms_table(validation: Validation) -> Table:
-    """Relative errors of every quantity over all stations."""
+    """Return a table of the relative errors of every quantity over all stations."""
     table = Table(title="Over all stations", box=SIMPLE_HEAD)
     table.add_column("quantity")
     for heading in ("L1 error", "L2 error", "samples"):
@@ -255,7 +258,7 @@ def norms_table(validation: Validation) -> Table:
 
 
 def references_line(judgement: Judgement | Validation) -> str:
-    """What the symbols in the units of a judgement stand for."""
+    """Return a line that explains the symbols in the units of a judgement."""
     run = judgement.simulation if isinstance(judgement, Judgement) else judgement.exact
     references = reference_values(run.scene, run.end_time)
     values = (f"{symbol} = {value:.4g} {unit}" for symbol, (value, unit) in references.items())
@@ -263,7 +266,7 @@ def references_line(judgement: Judgement | Validation) -> str:
 
 
 def verdict_text(judgement: Judgement | Validation, options: Collection[str] = MESH_OPTIONS) -> str:
-    """The verdict in a sentence; then what is unresolved, why, and what would do."""
+    """Return the verdict as a sentence, followed by each unresolved row, its reason and remedy."""
     counts = judgement.counts
     parts = [f"{count} {verdict}" for verdict, count in counts.items() if count]
     lines = [f"Verdict: {judgement.verdict} ({', '.join(parts)})."]
@@ -279,7 +282,7 @@ def verdict_text(judgement: Judgement | Validation, options: Collection[str] = M
 
 
 def fields_table(fields: FieldErrors) -> Table:
-    """Errors of the last frame of field snapshots, by component."""
+    """Return a table of the errors of the last field snapshot, by component."""
     band = f"outside the band of\n{BAND:g} elements about fronts"
     errors = fields.frames[-1]
     table = Table(title=f"Field snapshot at t = {errors[0].time:.6g}: L1 errors", box=SIMPLE_HEAD)
@@ -293,7 +296,7 @@ def fields_table(fields: FieldErrors) -> Table:
 
 
 def fields_note(judgement: Judgement) -> str:
-    """Why fields have no verdict, and what would tell."""
+    """Return a note on why fields have no verdict, and how to check them."""
     resolution = 2 * judgement.simulation.resolution
     return (
         "Fields are not judged: coarser meshes keep no snapshots, so that there are no error bars. "
@@ -302,13 +305,13 @@ def fields_note(judgement: Judgement) -> str:
 
 
 def _label(name: str) -> str:
-    """Name of a number of a document, saying of totals that they are such."""
+    """Return the printed name of a number of a document; totals say that they are totals."""
     words = name.replace("_", " ")
     return f"{words} over the contact" if name in TOTALS else words
 
 
 def _measure(value: float, dimension: str, scene: Scene) -> str:
-    """A value with its unit, where the scene has any."""
+    """Return a value with its unit, if the scene has units."""
     return f"{value:.4g} {unit(dimension, scene.units)}" if scene.units else f"{value:.4g}"
 
 

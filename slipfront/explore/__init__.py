@@ -1,8 +1,11 @@
-"""A page in the browser on which everything is drawn anew while a slider moves; needs bokeh.
+"""An interactive page in the browser whose pictures follow sliders; needs bokeh.
 
-Scene to values of controls and back (`controls`), what is drawn of an answer (`views`) and the map
-of regimes around it (`maps`), both plain arrays; what takes seconds in a process of its own
-(`work`); pictures that are sent anew (`pictures`); files to take home (`downloads`); the page and
-what it answers (`page`); the server on this machine alone (`serving`), and how quick it is, as
-measured in a browser (`latency`, `chromium`).
+- `controls`: converts a scene to values of controls and back.
+- `views`, `maps`: plain arrays that the pictures of an answer, and the map of regimes, show.
+- `jobs`, `work`: computations that take seconds, in a process of their own.
+- `pictures`: pictures that are created once and receive new numbers.
+- `downloads`: files that the page offers.
+- `page`: the page and its answers to requests of the browser.
+- `serving`: the server, for this machine only.
+- `latency`, `chromium`: measurements of its speed in a browser.
 """

@@ -1,4 +1,4 @@
-"""Headless Chromium, spoken to without a library of its own: for tests and measurements."""
+"""Headless Chromium for tests and measurements, controlled without another library."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser"))
 
 
 class Browser:
-    """Headless Chromium, spoken to by its DevTools protocol over two pipes."""
+    """Headless Chromium, controlled by its DevTools protocol over two pipes."""
 
     def __init__(self, profile: Path) -> None:
         assert CHROMIUM is not None
@@ -40,7 +40,7 @@ class Browser:
             self.call(f"{domain}.enable")
 
     def call(self, method: str, **parameters: object) -> dict:
-        """Send a command and return its result; events that come meanwhile are kept."""
+        """Send a command and return its result; events that arrive meanwhile are kept."""
         self._number += 1
         message = {"id": self._number, "method": method, "params": parameters}
         if self._session:
@@ -71,7 +71,7 @@ class Browser:
         return answer
 
     def open(self, address: str, width: int, scheme: str = "light") -> None:
-        """Load a page in a window of some width and colour scheme, with an empty log."""
+        """Load a page in a window of given width and colour scheme, with an empty log."""
         self.call(
             "Emulation.setDeviceMetricsOverride",
             width=width,
@@ -86,7 +86,7 @@ class Browser:
         self.wait("Page.loadEventFired")
 
     def value(self, expression: str) -> Any:
-        """What an expression of JavaScript comes to."""
+        """Return the value of an expression in JavaScript."""
         found = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
         assert "exceptionDetails" not in found, found
         return found["result"].get("value")
@@ -98,7 +98,7 @@ class Browser:
             )
 
     def complaints(self, own: tuple[str, ...] = ("file:", "data:")) -> list[dict]:
-        """Exceptions, console messages, log entries, and requests for what is not its own."""
+        """Return exceptions, console messages, log entries, and requests for foreign addresses."""
         kinds = ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded")
         found = [event for event in self.events if event["method"] in kinds]
         for event in self.events:

@@ -1,4 +1,4 @@
-"""The controls of the page: a scene as flat values, their ranges, and the query of an address."""
+"""Controls of the page: a scene as flat values, their ranges, and the query of an address."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from semianalytic.scene.scene import (
 from semianalytic.scene.units import unit
 
 Values = dict[str, Any]
-"""Numbers and words of a scene, by the name of the control that sets them."""
+"""Numbers and words of a scene, keyed by the control that sets them."""
 
 LAWS: Mapping[str, tuple[str, ...]] = {
     "coulomb": (),
@@ -38,7 +38,7 @@ HISTORIES: Mapping[str, tuple[str, ...]] = {
     "pulse": ("duration", "shape"),
     "harmonic": ("frequency",),
 }
-"""What can be chosen, and the controls that are shown then."""
+"""Friction laws and load histories to choose from, and the controls that each of them shows."""
 
 CHOICES: Mapping[str, tuple[str, ...]] = {
     "mode": MODES,
@@ -48,12 +48,12 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
     "shape": tuple(PULSE_SHAPES),
 }
 FIXED = ("shear_modulus", "density", "units")
-"""What the scene the page was opened with decides; only in the address."""
+"""Values that the scene given at the start fixes; they appear only in the address."""
 
 
 @dataclass(frozen=True)
 class Slider:
-    """A number and the range it moves in [unit of the scene]."""
+    """A number with a slider, and the range of the slider [unit of the scene]."""
 
     name: str
     label: str
@@ -64,13 +64,16 @@ class Slider:
 
 
 def sliders(scene: Scene) -> tuple[Slider, ...]:
-    """The sliders for scenes like one, in its units: tractions to twice its own, rates and lengths
-    by what its waves do in the time they take over a length of 1.
+    """Return the sliders for scenes like a given one, in its units.
+
+    Tractions range up to twice its own.  Ranges of rates and lengths follow from the motion that
+    its waves cause while they cross a length of 1.
 
     Raises
     ------
     SceneError
-        If a range cannot be divided, as where an impedance underflows; or as `values_of`.
+        If a range cannot be divided into steps, for instance because an impedance underflows, or
+        for the reasons of `values_of`.
     """
     stress, rate = 2 * stress_scale(scene), slip_rate_scale(scene)
     time, impedance = 1 / scene.material.shear_speed, scene.material.shear_impedance
@@ -105,8 +108,10 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
 
 
 def serve_for(sliders_of: Scene, values: Mapping[str, Any]) -> bool:
-    """Whether the sliders of a scene serve for that of other values too: in the same units, of
-    bodies with the same waves, and none that it calls for out of range."""
+    """Return whether the sliders of a scene suit other values too.
+
+    The values must have the same units and the same material, and lie within the ranges.
+    """
     own, called_for = values_of(sliders_of), values_of(scene_of(values))
     return all(values[name] == own[name] for name in FIXED) and all(
         one.low <= called_for.get(one.name, one.low) <= one.high for one in sliders(sliders_of)
@@ -114,12 +119,12 @@ def serve_for(sliders_of: Scene, values: Mapping[str, Any]) -> bool:
 
 
 def _step(width: float) -> float:
-    """Of a slider: the power of ten that gives at least 200 places."""
+    """Return the step of a slider: the power of ten that gives at least 200 positions."""
     return float(10.0 ** math.floor(math.log10(width / 200)))
 
 
 def defaults(scene: Scene) -> Values:
-    """Values of all controls: the scene's own, and a middle of the range of the others."""
+    """Return the values of all controls; those that the scene does not use are mid-range."""
     rest = {one.name: _rounded((one.low + one.high) / 4, one.step) for one in sliders(scene)}
     words = {name: words[0] for name, words in CHOICES.items()}
     return rest | words | values_of(scene)
@@ -130,12 +135,12 @@ def _rounded(value: float, step: float) -> float:
 
 
 def values_of(scene: Scene) -> Values:
-    """A scene as values of controls.
+    """Return a scene as values of controls.
 
     Raises
     ------
     SceneError
-        If pressure and shear come with different histories, or a law or history has no control.
+        If pressure and shear have different histories, or there is no control for a law or history.
     """
     document = scene_document(scene)
     words = {"mode": scene.mode, "load_on": scene.load_on}
@@ -164,12 +169,12 @@ def values_of(scene: Scene) -> Values:
 
 
 def scene_of(values: Mapping[str, Any]) -> Scene:
-    """The scene that values of controls describe; values that it does not call for are ignored.
+    """Return the scene that values of controls describe; values that it does not use are ignored.
 
     Raises
     ------
     SceneError
-        If a value is missing, no number, or out of range, or there is no such scene.
+        If a value is missing, not a number, or out of range, or the scene does not exist.
     """
     numbers = {name: _number(values, name) for name in _NUMBERS}
     document: dict[str, Any] = {
@@ -202,7 +207,7 @@ _NUMBERS = (
 
 
 def _part(values: Mapping[str, Any], name: str, known: Mapping[str, tuple[str, ...]]) -> Values:
-    """A law or history as `scene_from_document` takes it."""
+    """Return a friction law or history in the form that `scene_from_document` accepts."""
     kind = values.get(name, next(iter(known)))
     if kind not in known:
         raise SceneError(f"{name} must be one of {', '.join(known)}, got {shown(kind)}.")
@@ -224,22 +229,22 @@ def _number(values: Mapping[str, Any], name: str) -> float:
 
 
 def query_of(values: Mapping[str, Any]) -> str:
-    """The query of an address, ``?friction=0.3&...``, that holds all that its scene calls for."""
+    """Return the query of an address, ``?friction=0.3&...``, with all that its scene uses."""
     names = [*_NUMBERS, "mode", "load_on", "units", "law", *LAWS[values["law"]], "history"]
     names += HISTORIES[values["history"]]
     return "?" + urlencode({name: values[name] for name in names})
 
 
 def values_from_query(query: str, start: Scene) -> Values:
-    """Values of all controls that an address gives.
+    """Return the values of all controls for the query of an address.
 
-    What it leaves out is that of a scene; what the two do not call for is in the middle of its
-    range.
+    Values missing from the query are those of the scene `start`; values that neither uses are
+    mid-range.
 
     Raises
     ------
     SceneError
-        If a name is unknown or a value no such number or word, or there is no such scene.
+        If a name is unknown, a value is invalid, or the scene does not exist.
     """
     base = defaults(start)
     texts = dict(parse_qsl(query.removeprefix("?"), keep_blank_values=True))

@@ -1,4 +1,4 @@
-"""What can be taken home from the page: figure, table, scene file, and a program."""
+"""Downloads of the page: figure, table, scene file, and a program."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from semianalytic.scene.units import unit
 from slipfront.explore.views import end_time, interface_view
 
 Content = tuple[str, str, bytes]
-"""Name of a file, its MIME type, and what it holds."""
+"""Name of a file, its MIME type, and its content."""
 
 _LONGEST_LINE = 60
-"""Of a program, as the page shows it whole."""
+"""Longest line of a program that the page shows without breaking it."""
 _COLUMNS = {
     "slip_rate": "length / time",
     "slip": "length",
@@ -27,7 +27,7 @@ _COLUMNS = {
 
 
 def figure_file(answer: Solution | Marched, form: str) -> Content:
-    """The matplotlib figure of an answer, as svg, pdf or png."""
+    """Return the matplotlib figure of an answer as svg, pdf or png."""
     from compare.figures.histories import march_figure
     from compare.figures.interface import prediction_figure
 
@@ -39,7 +39,7 @@ def figure_file(answer: Solution | Marched, form: str) -> Content:
 
 
 def table_file(answer: Solution | Marched) -> Content:
-    """Slip rate, slip and tractions along the contact at T as CSV, units in its first line."""
+    """Return slip rate, slip and tractions along the contact at T as CSV; line 1 has the units."""
     scene, time = answer.scene, end_time(answer.scene)
     x = interface_view(answer).x * scene.material.shear_speed * time
     columns = [x, *(getattr(answer, name)(x, time) for name in _COLUMNS)]
@@ -53,12 +53,12 @@ def table_file(answer: Solution | Marched) -> Content:
 
 
 def scene_file(scene: Scene) -> Content:
-    """The scene as TOML with comments, for all commands."""
+    """Return the scene as a commented TOML file, which all commands accept."""
     return "scene.toml", "application/toml", scene_text(scene, "slipfront explore").encode()
 
 
 def program(scene: Scene) -> str:
-    """Some lines of Python that make the same answer."""
+    """Return a short Python program that reproduces the answer."""
     parts = [one.name for one in fields(scene) if getattr(scene, one.name) != _default(one)]
     lines = ["import slipfront as sf", "", "scene = sf.Scene("]
     for name in parts:
@@ -75,7 +75,7 @@ def program(scene: Scene) -> str:
 
 
 def _argument(name: str, made: str) -> list[str]:
-    """An argument of the scene, that of a class on several lines where one is too long."""
+    """Return the lines of an argument of the scene; a long class is spread over several lines."""
     line, (head, _, rest) = f"    {name}={made},", made.partition("(")
     if len(line) <= _LONGEST_LINE or "(" in rest:
         return [line]
@@ -84,7 +84,7 @@ def _argument(name: str, made: str) -> list[str]:
 
 
 def _qualified(value: str) -> str:
-    """A value of a scene as it is made from outside: classes behind sf."""
+    """Return a value of a scene as a user's program writes it, with classes behind sf."""
     return f"sf.{value}" if value[0].isupper() else value
 
 
@@ -97,7 +97,7 @@ def _default(one: Any) -> Any:
 
 
 def program_file(scene: Scene) -> Content:
-    """`program` as a file."""
+    """Return `program` as a file."""
     return "scene.py", "text/x-python", program(scene).encode()
 
 
@@ -109,4 +109,4 @@ FILES: Mapping[str, Callable[[Solution | Marched], Content]] = {
     "toml": lambda answer: scene_file(answer.scene),
     "python": lambda answer: program_file(answer.scene),
 }
-"""What each button of the page brings."""
+"""The function behind each download button of the page."""

@@ -1,4 +1,4 @@
-"""What the page has computed beside it: fields while a slider moves, marches, maps of regimes."""
+"""Computations in other processes: fields while a slider moves, marches, maps of regimes."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from slipfront.explore.views import (
 Progress = Callable[[int, int], object]
 
 MARCH_POINTS = 40
-"""Across the picture of the field of a march."""
+"""Points across the picture of the field of a march."""
 STEPS_TOLD = 50
-"""How often a march tells how far it is."""
+"""Number of progress reports of a march."""
 
 
 class MarchViews(NamedTuple):
-    """A march and all pictures of it."""
+    """A march and all its pictures."""
 
     marched: Marched
     interface: InterfaceView
@@ -34,12 +34,12 @@ class MarchViews(NamedTuple):
 
 
 def solved_field(scene: Scene, points: int, rtol: float, progress: Progress) -> FieldView:
-    """The field of a self-similar scene."""
+    """Compute the field of a self-similar scene."""
     return field_view(solve(scene, rtol=rtol), points)
 
 
 def marched_views(scene: Scene, progress: Progress) -> MarchViews:
-    """March a scene until T, and all that is drawn of it."""
+    """March a scene until T, and compute everything that is drawn of it."""
 
     def tell(done: int, steps: int) -> None:
         if done * STEPS_TOLD // steps != (done - 1) * STEPS_TOLD // steps:

@@ -1,4 +1,4 @@
-"""The map of regimes around a scene: how it slips at other Poisson ratios and frictions."""
+"""The map of regimes around a scene: modes of slip at other Poisson ratios and frictions."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ REGIMES = {
     "open": "opens",
     "failed": "no answer",
 }
-"""By name, in the order of the numbers that stand for them."""
+"""Descriptions of regimes by name; maps store the index of a regime in this order."""
 
 SIZE, SIZE_ONE_BY_ONE = 24, 12
-"""Cells along each side; the smaller where each is solved by itself."""
+"""Cells along each side of a map, and of a map whose scenes are solved one by one."""
 POISSON_RATIOS = (-0.9, 0.48)
 RTOL = 1e-4
 
@@ -39,7 +39,7 @@ Progress = Callable[[int, int], object]
 
 @dataclass(frozen=True, eq=False)
 class RegimeMap:
-    """Numbers of `REGIMES` (ratios, frictions), and from where to where both go."""
+    """Indices of `REGIMES`, (ratios, frictions), and the ranges of both."""
 
     image: NDArray[np.float64]
     poisson_ratio: tuple[float, float]
@@ -47,7 +47,7 @@ class RegimeMap:
 
 
 def map_key(scene: Scene) -> tuple[object, ...]:
-    """What maps depend on: all but Poisson ratio and friction, in units of the scene."""
+    """Return all that a map depends on: the scene without Poisson ratio and friction, scaled."""
     stress = stress_scale(scene)
     tractions = [one for part in scene.superposition for one in (part.pressure, part.shear)]
     shares = tuple(round(one / stress, 9) for one in tractions)
@@ -55,12 +55,12 @@ def map_key(scene: Scene) -> tuple[object, ...]:
 
 
 def _highest(scene: Scene) -> float:
-    """The largest friction of the map."""
+    """Return the largest friction of the map."""
     return float(max(1, math.ceil(1.5 * scene.friction)))
 
 
 def can_map(scene: Scene) -> bool:
-    """Whether a map takes seconds, not minutes."""
+    """Return whether the map of a scene takes seconds, not minutes."""
     return scene.is_self_similar and scene.friction_law.fall_with_rate == 0
 
 
@@ -70,9 +70,9 @@ def regime_map(scene: Scene, progress: Progress) -> RegimeMap:
     Parameters
     ----------
     scene : Scene
-        Self-similar; its own Poisson ratio and friction play no part.
+        Self-similar scene; its own Poisson ratio and friction do not matter.
     progress : callable
-        Called with columns done and all of them.
+        Called with the number of finished columns and of all columns.
     """
     swept = isinstance(scene.friction_law, CoulombFriction)
     size = SIZE if swept else SIZE_ONE_BY_ONE
@@ -101,7 +101,7 @@ def _exists(scene: Scene, friction: float) -> bool:
 
 
 def _words(scene: Scene, friction: NDArray[np.float64], swept: bool) -> list[str]:
-    """Names of regimes at some frictions."""
+    """Return the names of the regimes at several frictions."""
     try:
         if swept:
             return [_word(one) for one in sweep(scene, friction, RTOL)]

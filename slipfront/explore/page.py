@@ -1,7 +1,7 @@
-"""The page: one session of it takes what is asked in the browser and answers with pictures.
+"""The page: each of its sessions receives requests from the browser and answers with pictures.
 
-Browser and session talk through two hidden text inputs: `asked` holds what the controls say, as
-JSON, and `told` what has come of it, numbers of pictures included.
+Browser and session communicate through two hidden text inputs.  `asked` holds the requests of the
+controls, and `told` the answers, including the numbers of pictures; both are JSON.
 """
 
 from __future__ import annotations
@@ -55,13 +55,13 @@ from slipfront.explore.views import NODES, FieldView, end_time, interface_view, 
 from slipfront.explore.work import Worker
 
 MOVING_RTOL, RTOL = 1e-4, 1e-8
-"""Of answers while a slider moves, and when it stands still."""
+"""Accuracy of answers while a slider moves, and when it stands still."""
 MOVING_NODES = 150
-"""Along curves while a slider moves; what is not even is at edges and fronts."""
+"""Nodes along curves while a slider moves; at edges and fronts, more are added."""
 MOVING_POINTS, POINTS = 24, 90
-"""Across the picture of the field, likewise."""
+"""Points across the picture of the field while a slider moves, and when it stands still."""
 LISTEN = 40
-"""Between looks at what processes have sent [ms]."""
+"""Interval at which messages of other processes are read [ms]."""
 
 
 class Session:
@@ -70,18 +70,18 @@ class Session:
     Parameters
     ----------
     document : Document
-        Of Bokeh, to which the pictures are added.
+        Bokeh document, to which the pictures are added.
     start : Scene
-        What the page shows at first, unless its address says more; the ranges of sliders.
+        Scene that the page shows at first unless its address says more; it sets the sliders.
     query : str
-        Of the address, "" or "?friction=...".
+        Query of the address, "" or "?friction=...".
     """
 
     def __init__(self, document: Document, start: Scene, query: str) -> None:
         self._start = self._ruled = start
         self._answer: Solution | Marched | None = None
         self._shown: Scene | None = None
-        self._map_key: tuple[object, ...] | None = ()  # of no scene
+        self._map_key: tuple[object, ...] | None = ()  # the map of no scene yet
         self._field_worker, self._map_worker, self._march_worker = Worker(), Worker(), Worker()
         self._asked_field: tuple[Scene, int, float] | None = None
         self._board = board = Board()
@@ -126,8 +126,10 @@ class Session:
         document.on_session_destroyed(lambda _: self._end())
 
     def _opened(self, query: str) -> dict[str, Any]:
-        """What an address has the controls show: values, the sliders for them, and what is wrong
-        with it.  Sliders stay as they are while they serve for the values."""
+        """Return the values, sliders and message with which the page of an address opens.
+
+        The sliders of the start scene are kept if they suit the values.
+        """
         try:
             values, message = values_from_query(query, self._start), ""
         except SlipfrontError as error:
@@ -143,13 +145,13 @@ class Session:
             worker.stop()
 
     def _tell(self, **news: Any) -> None:
-        """Send news to the browser, of pictures too; each text differs from the one before."""
+        """Send news to the browser, pictures included; each message differs from the one before."""
         self._number += 1
         news |= {"number": self._number, "models": self._board.news()}
         self._told.value = json.dumps(news, separators=(",", ":"))
 
     def _answer_to(self, asked: Mapping[str, Any]) -> None:
-        """What the browser asks for: an address, a file, or pictures of the controls' scene."""
+        """Answer a request of the browser: an address, a file, or pictures of the current scene."""
         if "query" in asked:
             self._tell(**self._opened(asked["query"]))
         elif "file" in asked:
@@ -166,7 +168,7 @@ class Session:
         self._tell(file={"name": name, "mime": mime, "content": text})
 
     def _show(self, values: Mapping[str, Any], moving: bool, since: float) -> None:
-        """Draw the scene of the controls anew, or say why there is none."""
+        """Draw the scene of the controls, or say why it does not exist."""
         self._march_worker.stop()
         self._shown = None
         try:
@@ -181,18 +183,18 @@ class Session:
         except SlipfrontError as error:
             self._refuse(str(error), since=since)
         except Exception as error:
-            # a mistake in a solver must not leave the answer before it on the page as if it were
-            # this one's; the server writes the traceback
+            # after an error in a solver, the previous answer must not stay on the page as if it
+            # were the current one; the server logs the traceback
             self._refuse(f"There is no answer ({type(error).__name__}: {error}).", since=since)
             raise
 
     def _refuse(self, message: str, **news: Any) -> None:
-        """Say why there is no answer, and nothing else that holds only where there is one."""
+        """Say why there is no answer, and remove everything that belongs to an answer."""
         self._answer = self._shown = None
         self._tell(stale=True, status="no answer", message=message, readings=[], scales=[], **news)
 
     def _march(self, scene: Scene, moving: bool, since: float, query: str) -> None:
-        """Have a scene marched, once its slider stands still."""
+        """Start the march of a scene once its slider stands still."""
         self._answer = None
         self._tell(
             stale=True,
@@ -237,7 +239,7 @@ class Session:
             self._asked_field = None
 
     def _draw_map(self, scene: Scene) -> None:
-        """Have the map drawn anew where more than friction and Poisson ratio have changed."""
+        """Draw the map anew if anything but friction and Poisson ratio has changed."""
         key = map_key(scene) if can_map(scene) else None
         if key == self._map_key:
             return
@@ -250,7 +252,7 @@ class Session:
             self._map_worker.start(regime_map, scene)
 
     def _listen(self) -> None:
-        """Draw what processes have sent."""
+        """Draw what other processes have sent."""
         for worker, draw in (
             (self._field_worker, self._field_news),
             (self._map_worker, self._map_news),
@@ -261,7 +263,7 @@ class Session:
                 draw(news.kind, news.content)
 
     def _field_news(self, kind: str, content: Any) -> None:
-        if self._shown is None:  # what is marched, or refused, has no field of the exact solver
+        if self._shown is None:  # a marched or refused scene has no field of the exact solver
             self._asked_field = None
         elif kind == "result" and isinstance(content, FieldView):
             self._field.draw(content)
@@ -299,13 +301,13 @@ class Session:
 
 
 def template() -> Template:
-    """The page; whatever is filled in is escaped."""
+    """Return the template of the page, which escapes all values that are filled in."""
     text = files("slipfront.explore").joinpath("page.html").read_text(encoding="utf-8")
     return Environment(autoescape=True).from_string(text)
 
 
 def _bokeh_scripts() -> list[str]:
-    """Where the server has the programs of Bokeh that the page runs."""
+    """Return the addresses of Bokeh's scripts that the page runs."""
     resources = Resources(
         mode="server",
         root_url="/",
@@ -316,7 +318,7 @@ def _bokeh_scripts() -> list[str]:
 
 
 def _readings(answer: Solution | Marched) -> list[list[str]]:
-    """What else is said of an answer: name, value."""
+    """Return further results of an answer, each with name and value."""
     scene = answer.scene
     if isinstance(answer, Marched):
         slip = float(answer.max_slip(answer.end_time))
@@ -341,7 +343,7 @@ def _infinite(speed: float, digits: int) -> str:
 
 
 def _scales(scene: Scene) -> list[list[str]]:
-    """What the axes are measured in: symbol, value with its unit."""
+    """Return the scales of the axes: symbol, value with its unit."""
     time = end_time(scene)
     named = reference_values(scene, time)
     named["c_t T"] = (scene.material.shear_speed * time, unit("length", scene.units))
@@ -350,7 +352,7 @@ def _scales(scene: Scene) -> list[list[str]]:
 
 
 def _known_queries() -> dict[str, str]:
-    """Addresses of the named scenes that the page can show, by name."""
+    """Return the addresses of the named scenes that the page can show, by name."""
     known = {}
     for name, one in NAMED_SCENES.items():
         known[name] = query_of(defaults(one.scene))

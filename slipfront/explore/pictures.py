@@ -1,7 +1,8 @@
-"""The pictures of the page, drawn once; only their numbers are sent anew.
+"""The pictures of the page; they are created once, after which only their numbers are sent.
 
-What changes is gathered on a `Board` and told in one message: Bokeh sends each change of a model by
-itself, fifty messages a move, which took longer than the solution.  Images go Bokeh's way.
+Changes are collected on a `Board` and sent in one message.  Bokeh would send each change of a model
+separately, in fifty messages per move, which took longer than the solution.  Bokeh itself sends
+only the images.
 """
 
 from __future__ import annotations
@@ -46,9 +47,9 @@ CURVES = {
 """Colours and dashes of tractions."""
 HEIGHT = 260
 FILLED, ROOM = 0.6, 0.04
-"""Share of an axis that values may shrink to, and what is left beside them at first."""
+"""Least share of an axis that values must fill, and the margin beside them at first."""
 WITH_COLOUR_BAR = 1.12
-"""Width over height of a picture with equal axes and a bar beside it."""
+"""Width over height of a picture with equal axes and a colour bar."""
 
 
 def _source(*names: str) -> ColumnDataSource:
@@ -56,7 +57,7 @@ def _source(*names: str) -> ColumnDataSource:
 
 
 def _panel(name: str, x_label: str, y_label: str, height: int = HEIGHT) -> figure:
-    """An empty picture as wide as there is room [pixels]."""
+    """Return an empty picture as wide as its place on the page; height in pixels."""
     panel = figure(
         name=name,
         height=height,
@@ -79,30 +80,31 @@ def _panel(name: str, x_label: str, y_label: str, height: int = HEIGHT) -> figur
 
 
 class Board:
-    """What of the models in the browser differs from what it was told before."""
+    """Changes of models that the browser does not know yet."""
 
     def __init__(self) -> None:
         self._told: dict[str, dict[str, Any]] = {}
         self._news: dict[str, dict[str, Any]] = {}
 
     def set(self, model: Model, **properties: Any) -> None:
-        """Properties of a model, in lists and numbers."""
+        """Set properties of a model to lists and numbers."""
         if any(self._told.get(model.id, {}).get(name) != properties[name] for name in properties):
             self._told.setdefault(model.id, {}).update(properties)
             self._news.setdefault(model.id, {}).update(properties)
 
     def fill(self, source: ColumnDataSource, **columns: Sequence[Any]) -> None:
-        """Columns of a source."""
+        """Set columns of a source."""
         self.set(source, data=columns)
 
     def limit(self, axis: Range1d, low: float, high: float) -> None:
-        """Have an axis show what lies between; while that does not change it stays where a reader
-        moves it."""
+        """Set the limits of an axis; unless they change, the axis stays where a reader moves it."""
         self.set(axis, start=low, end=high, reset_start=low, reset_end=high)
 
     def follow(self, axis: Range1d, low: float, high: float) -> None:
-        """The same, and it stays also where it shows that well enough: scales that jump with
-        every move are hard to read."""
+        """Set the limits of an axis, unless the present ones fit well enough.
+
+        Scales that jump at every move are hard to read.
+        """
         told = self._told.get(axis.id)
         if told is not None:
             start, end = told["start"], told["end"]
@@ -112,13 +114,13 @@ class Board:
         self.limit(axis, low - room, high + room)
 
     def news(self) -> dict[str, dict[str, Any]]:
-        """What is new since the last call: properties by the id of their model."""
+        """Return the changes since the last call: properties by the id of their model."""
         news, self._news = self._news, {}
         return news
 
 
 def _column(values: Array, span: float = 1.0) -> list[float | None]:
-    """Numbers to 1e-5 of what an axis spans, clipped far outside it; None for what is not one."""
+    """Round numbers to 1e-5 of an axis's span and clip them far outside it; nan becomes None."""
     digits = 5 - math.floor(math.log10(span)) if span > 0 else 5
     clipped = np.clip(values, -1e3 * span, 1e3 * span).round(digits)
     found: list[float | None] = clipped.tolist()
@@ -126,7 +128,7 @@ def _column(values: Array, span: float = 1.0) -> list[float | None]:
 
 
 class InterfacePictures:
-    """Slip rate, and tractions, along the contact; zones shaded, waves dashed."""
+    """Slip rate and tractions along the contact, with shaded zones and dashed wave fronts."""
 
     def __init__(self, board: Board) -> None:
         self._board = board
@@ -151,7 +153,7 @@ class InterfacePictures:
             )
 
     def draw(self, view: InterfaceView, space_time: SpaceTimeView) -> None:
-        """Show what happens along the contact at T."""
+        """Show the state of the contact at T."""
         board, rates, tractions = self._board, view.rate_limits, view.traction_limits
         span = tractions[1] - tractions[0]
         bound = _column(view.bound, span)
@@ -177,7 +179,7 @@ class InterfacePictures:
 
 
 class SpaceTimePicture:
-    """What slips, sticks and is open over space and time."""
+    """Slip, stick and open parts of the contact over space and time."""
 
     def __init__(self, board: Board) -> None:
         self._board = board
@@ -209,7 +211,7 @@ class SpaceTimePicture:
         )
 
     def draw(self, view: SpaceTimeView) -> None:
-        """Show wedges, or an image of what was marched."""
+        """Show wedges for a self-similar answer, an image for a march."""
         board, image = self._board, [] if view.image is None else [view.image]
         if image or len(self._image.data["image"]):
             self._image.data = {"image": image, "dw": [view.reach] * len(image)}
@@ -235,15 +237,17 @@ class SpaceTimePicture:
 
 
 def _wedge(inner: float, outer: float, reach: float) -> tuple[list[float], list[float]]:
-    """Corners of what lies between two edges until T; all of the picture beyond the first if the
-    other is at infinity."""
+    """Return the corners of the area between two edges until T.
+
+    If the outer edge is at infinity, it covers the picture beyond the inner one.
+    """
     if math.isinf(outer):
         return [0.0, inner, reach, reach], [0.0, 1.0, 1.0, 0.0]
     return [0.0, inner, outer], [0.0, 1.0, 1.0]
 
 
 class FieldPicture:
-    """Particle speed around the contact edge, with its fronts."""
+    """Particle speed around the contact edge, with wave fronts."""
 
     def __init__(self, board: Board) -> None:
         self._board = board
@@ -281,7 +285,7 @@ class FieldPicture:
 
 
 class MapPicture:
-    """The regime of a scene among those at other Poisson ratios and frictions."""
+    """Map of regimes over Poisson ratio and friction, with the position of the scene."""
 
     def __init__(self, board: Board) -> None:
         self._board = board
@@ -307,11 +311,11 @@ class MapPicture:
         )
 
     def place(self, friction: float, poisson_ratio: float) -> None:
-        """Mark where the scene is."""
+        """Mark the position of the scene."""
         self._board.fill(self._place, x=[friction], y=[poisson_ratio])
 
     def draw(self, drawn: RegimeMap | None) -> Sequence[Mapping[str, str]]:
-        """Show a map, or none; returns the names and colours of what is on it."""
+        """Show a map, or none, and return names and colours of the regimes on it."""
         if drawn is None:
             self._image.data = {name: [] for name in self._image.data}
             return []

@@ -1,4 +1,4 @@
-"""The server of the page, for browsers on this machine alone."""
+"""The server of the page, which only browsers on this machine can reach."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ from slipfront.explore.page import Session
 
 HOST = "127.0.0.1"
 NAMES = ("localhost", HOST)
-"""By which browsers may ask for the page."""
+"""Host names under which browsers may request the page."""
 FILES = {"page.css": "text/css", "page.js": "text/javascript"}
-"""Files of the page, and what they are."""
+"""Files of the page and their MIME types."""
 
 
 def content_policy(port: int) -> str:
-    """What browsers let the page do: run no program that is not a file of this server.
+    """Return the content security policy: scripts may only be files of this server.
 
-    Bokeh needs no more than that and inline styles, which it puts into its shadow roots.
+    Bokeh needs nothing else but inline styles, which it puts into its shadow roots.
     """
     sockets = " ".join(f"ws://{name}:{port}" for name in NAMES)
     return (
@@ -47,7 +47,7 @@ def content_policy(port: int) -> str:
 
 
 class _Guarded(OutputTransform):
-    """Puts on every answer what browsers have to keep to."""
+    """Adds the content security policy to every answer."""
 
     def __init__(self, policy: str, request: HTTPServerRequest) -> None:
         self._policy = policy
@@ -63,7 +63,7 @@ class _Guarded(OutputTransform):
 
 
 class _Stranger(RequestHandler):
-    """Refuses what was asked of a host that this server is not."""
+    """Refuses requests under a host name that is not one of this server."""
 
     def prepare(self) -> None:
         self.set_status(403)
@@ -72,7 +72,7 @@ class _Stranger(RequestHandler):
 
 
 class _PageFile(RequestHandler):
-    """Style and program of the page."""
+    """Serves style and script of the page."""
 
     def get(self, name: str) -> None:
         self.set_header("Content-Type", f"{FILES[name]}; charset=utf-8")
@@ -81,10 +81,10 @@ class _PageFile(RequestHandler):
 
 
 class _LocalTornado(BokehTornado):
-    """Answers only if asked by a name of this machine, and not from pages of others.
+    """Answers only requests under a name of this machine, and none from pages of other sites.
 
-    A page from elsewhere whose own name is made to point to 127.0.0.1 is refused: the browser
-    takes it to be of the same origin as this server, but still says by which name it asks.
+    This refuses a foreign page whose own name is made to point to 127.0.0.1 (DNS rebinding).  The
+    browser takes such a page to have the same origin as this server, but still sends its name.
     """
 
     def find_handler(self, request: HTTPServerRequest, **kwargs: Any) -> Any:
@@ -96,18 +96,20 @@ class _LocalTornado(BokehTornado):
         return super().find_handler(request, **kwargs)
 
     def _is_own(self, host: str) -> bool:
-        """Whether a host is this server, letter for letter: Bokeh's own comparison, of sockets
-        alone, has taken 127.0.0.1.example.org to be 127.0.0.1 (in 3.6)."""
+        """Return whether a host is this server, comparing the names exactly.
+
+        Bokeh's own check covers only sockets, and in 3.6 took 127.0.0.1.example.org for 127.0.0.1.
+        """
         return (host if ":" in host else f"{host}:80") in self.websocket_origins
 
 
 def make_server(scene: Scene, port: int) -> BaseServer:
-    """A server of the page for a scene; port 0 takes any that is free.
+    """Make a server of the page for a scene; port 0 takes any free port.
 
     Raises
     ------
     SceneError
-        If the port is taken, or may not be used.
+        If the port is in use or not permitted.
     """
 
     def open_page(document: Document) -> None:
@@ -130,7 +132,7 @@ def make_server(scene: Scene, port: int) -> BaseServer:
         extra_websocket_origins=[f"{name}:{port}" for name in NAMES],
         extra_patterns=[(rf"/({'|'.join(FILES)})", _PageFile)],
         transforms=[partial(_Guarded, content_policy(port))],
-        sign_sessions=True,  # a session is for whoever was given its page
+        sign_sessions=True,  # only the browser that received the page can open its session
         secret_key=generate_secret_key().encode(),
         unused_session_lifetime_milliseconds=5000,
         check_unused_sessions_milliseconds=3000,
@@ -141,21 +143,21 @@ def make_server(scene: Scene, port: int) -> BaseServer:
 
 
 def address_of(server: BaseServer) -> str:
-    """Where browsers find the page."""
+    """Return the address of the page."""
     return f"http://localhost:{server.port}/"
 
 
 def serve(scene: Scene, port: int, *, browser: bool, tell: Callable[[str], None]) -> None:
-    """Serve the page until interrupted.
+    """Serve the page until it is interrupted.
 
     Parameters
     ----------
     scene : Scene
     port : int
     browser : bool
-        Whether to open one.
+        Whether to open a browser.
     tell : callable
-        Gets the address.
+        Called with the address once the page is served.
     """
     logging.getLogger("bokeh").setLevel(logging.ERROR)
     logging.getLogger("tornado.access").setLevel(logging.ERROR)

@@ -1,6 +1,6 @@
-"""What the pictures of the page show of an answer, as plain arrays over the units of its axes.
+"""Arrays that the pictures of the page show, in the units of their axes.
 
-Positions over c_t T, times over T, tractions over τ₀, slip rates over V₀; T is the end time.
+Positions are relative to c_t T, times to T, tractions to τ₀, slip rates to V₀; T is the end time.
 """
 
 from __future__ import annotations
@@ -20,31 +20,34 @@ from semianalytic.results.answer import WholeFields
 Array = NDArray[np.float64]
 
 KINDS = ("stick", "slip", "reverse slip", "open")
-"""What a part of the contact does, by the number that stands for it."""
+"""States of the contact; arrays store the index of a state."""
 NODES = 300
-"""Of curves over x, evenly spread; more are added beside edges and fronts."""
+"""Number of evenly spread nodes of curves over x; more are added near edges and fronts."""
 BESIDE = np.outer([-1, 1], np.geomspace(1e-6, 3e-2, 9)).ravel()
-"""Where those are, relative to what they are beside."""
+"""Relative distances of the added nodes from their edge or front."""
 BEYOND = 1.05
-"""How far pictures go, over what waves have come to."""
+"""Extent of pictures relative to the distance the waves have reached."""
 MOST = 240
-"""Rows and columns of a picture of a march over space and time."""
+"""Largest number of rows and columns of a space-time image of a march."""
 
 
 def end_time(scene: Scene) -> float:
-    """T: what a shear wave takes over a length of 1 [time]."""
+    """Return T, the time a shear wave takes over a length of 1 [time]."""
     return 1.0 / scene.material.shear_speed
 
 
 @dataclass(frozen=True, eq=False)
 class InterfaceView:
-    """Along the contact at T.
+    """State of the contact at T.
 
     Attributes
     ----------
-    x : (n,) array, over c_t T
-    slip_rate : (n,) array, over V₀
-    shear, bound, pressure : (n,) arrays, over τ₀; the bound is f p
+    x : (n,) array
+        Positions over c_t T.
+    slip_rate : (n,) array
+        Slip rate over V₀.
+    shear, bound, pressure : (n,) arrays
+        Shear traction, friction bound f p and contact pressure over τ₀.
     """
 
     x: Array
@@ -55,19 +58,19 @@ class InterfaceView:
 
     @property
     def rate_limits(self) -> tuple[float, float]:
-        """Of an axis for the slip rate, without its few largest values."""
+        """Return limits of an axis for the slip rate, without its few largest values."""
         return _limits(self.slip_rate, 0.05)
 
     @property
     def traction_limits(self) -> tuple[float, float]:
-        """Of an axis for tractions, without what grows beside the edge."""
+        """Return limits of an axis for tractions, without the singular values near the edge."""
         inner = self.x > 0.05 * self.x[-1]
         parts = (self.shear, self.bound, -self.bound, self.pressure)
         return _limits(np.concatenate([part[inner] for part in parts]), 0.1)
 
 
 def interface_view(answer: Solution | Marched, nodes: int = NODES) -> InterfaceView:
-    """Slip rate and tractions along the contact at T, at so many places beside those at edges."""
+    """Return slip rate and tractions along the contact at T, at `nodes` places and at edges."""
     scene = answer.scene
     time, stress = end_time(scene), stress_scale(scene)
     x = _march_places(answer) if isinstance(answer, Marched) else _places(answer, nodes)
@@ -82,7 +85,7 @@ def interface_view(answer: Solution | Marched, nodes: int = NODES) -> InterfaceV
 
 
 def _places(solution: Solution, nodes: int) -> Array:
-    """Positions [length] at T for smooth curves, more beside edges and fronts."""
+    """Return positions [length] at T that make curves smooth, denser near edges and fronts."""
     scene = solution.scene
     far = BEYOND * scene.fastest_speed
     parts: list[SlipZone | OpenZone] = [*solution.zones, *solution.openings]
@@ -106,16 +109,19 @@ def _limits(values: Array, margin: float) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class SpaceTimeView:
-    """What the contact does over space and time.
+    """State of the contact over space and time.
 
     Attributes
     ----------
     wedges : tuple of (kind, inner, outer)
-        Edges of zones at T over c_t T, infinity for slip that a remote load sets off everywhere; of
-        a march none.
-    image : (m, n) array of numbers of `KINDS` over 0 < x < reach, 0 < t < T; of a solution None
-    reach : float, over c_t T
-    waves : dict, x at T over c_t T by the name of the wave
+        Edges of zones at T over c_t T, infinite for slip that a remote load starts everywhere;
+        empty for a march.
+    image : (m, n) array or None
+        Indices of `KINDS` over 0 < x < reach, 0 < t < T; None for a solution.
+    reach : float
+        Largest position over c_t T.
+    waves : dict
+        Positions of the wave fronts at T over c_t T, by name.
     """
 
     wedges: tuple[tuple[str, float, float], ...]
@@ -125,7 +131,7 @@ class SpaceTimeView:
 
 
 def space_time_view(answer: Solution | Marched) -> SpaceTimeView:
-    """Zones as wedges where they are self-similar, as an image of senses else."""
+    """Return zones as wedges if they are self-similar, otherwise as an image of slip senses."""
     scene = answer.scene
     speed = scene.material.shear_speed
     far = BEYOND * scene.fastest_speed / speed
@@ -142,7 +148,7 @@ def space_time_view(answer: Solution | Marched) -> SpaceTimeView:
 
 
 def _senses(marched: Marched) -> Array:
-    """Numbers of `KINDS` at levels and nodes of a march; slip below a thousandth sticks."""
+    """Return indices of `KINDS` at levels and nodes of a march; slip below a thousandth sticks."""
     history = marched.interface
     rows = slice(None, None, max(1, len(history.t) // MOST))
     columns = slice(None, None, max(1, len(history.x) // MOST))
@@ -157,11 +163,16 @@ class FieldView:
 
     Attributes
     ----------
-    speed : (m, n) array, over V₀, clipped
-    reach : float, |x| and |y| up to it, over c_t T
-    largest : float, where colours end
-    lines : list of (x, y), fronts in both bodies
-    parts : list of (kind, start, end), what moves on the interface
+    speed : (m, n) array
+        Particle speed over V₀, clipped at `largest`.
+    reach : float
+        Half the side of the picture over c_t T.
+    largest : float
+        Speed at the end of the colour scale over V₀.
+    lines : list of (x, y)
+        Wave fronts in both bodies.
+    parts : list of (kind, start, end)
+        Slipping and open parts of the interface.
     """
 
     speed: Array
@@ -172,7 +183,7 @@ class FieldView:
 
 
 def field_view(fields: WholeFields, points: int) -> FieldView:
-    """Particle speed on points x points square cells around the contact edge."""
+    """Return the particle speed on points x points square cells around the contact edge."""
     scene, time = fields.scene, end_time(fields.scene)
     length, far = scene.material.shear_speed * time, reach(fields, time)[1]
     middles = far * (2 * (np.arange(points) + 0.5) / points - 1)

@@ -1,4 +1,4 @@
-"""What takes seconds, in a process beside the page: one job at a time, the newest alone counts."""
+"""Jobs in a separate process: one at a time, and a new job replaces the one before."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from semianalytic.scene.errors import SlipfrontError
 
 
 class News(NamedTuple):
-    """What a process has sent: shares done (done, all), the result, or a sentence."""
+    """A message of a process: progress (done, all), the result, or an error message."""
 
     kind: Literal["progress", "result", "refusal"]
     content: Any
 
 
 class Worker:
-    """A process that calls module-level functions, each with its arguments and a callable that is
-    told (done, all) meanwhile.
+    """A process that calls module-level functions with arguments and a progress callback.
 
-    A new job ends the one before it, by ending the process if need be.
+    The callback takes (done, all).  A new job ends the one before it, if necessary by ending the
+    process.
     """
 
     def __init__(self) -> None:
@@ -33,7 +33,7 @@ class Worker:
         self.busy = False
 
     def start(self, function: Callable[..., Any], *arguments: Any) -> None:
-        """Begin a job; what the one before has not sent yet is lost."""
+        """Start a job; what the one before has not sent yet is lost."""
         if self.busy:
             self.stop()
         if self._pipe is None:
@@ -46,7 +46,7 @@ class Worker:
         self.busy = True
 
     def news(self) -> News | None:
-        """The newest that has come since the last call; None if nothing has."""
+        """Return the newest message since the last call, or None."""
         newest = None
         while self.busy and self._pipe is not None and _more_may_come(newest):
             try:
@@ -61,7 +61,7 @@ class Worker:
         return newest
 
     def stop(self) -> None:
-        """End the process, whatever it does."""
+        """End the process, whatever it is doing."""
         if self._process is not None:
             self._process.terminate()
             self._process.join()
@@ -71,12 +71,12 @@ class Worker:
 
 
 def _more_may_come(newest: News | None) -> bool:
-    """Whether more may come after it."""
+    """Return whether more messages may follow this one."""
     return newest is None or newest.kind == "progress"
 
 
 def _serve(pipe: Connection) -> None:
-    """In the process: jobs until the page is gone, which they leave the processor to."""
+    """Run jobs until the page is gone; this is the main function of the process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "nice"):
         os.nice(10)

@@ -1,4 +1,4 @@
-"""Files of gauges, of image correlation along a line, and of other codes as gauges of a fit."""
+"""Readers of measured records as gauges of a fit: gauges, image correlation, other codes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PARTS_OF_ONE: Mapping[str, float] = {
     **{"": 1.0, "1": 1.0, "-": 1.0, "%": 1e-2, "1e-3": 1e-3, "1e-6": 1e-6},
     **{"mstrain": 1e-3, "ustrain": 1e-6, "µstrain": 1e-6, "microstrain": 1e-6},
 }
-"""Units of strain."""
+"""Factors of the units of strain."""
 
 _LONG = {
     "v": ("v_", "velocity_"),
@@ -39,15 +39,16 @@ _OF_FIELDS = {
 }
 _OF_INTERFACE = {alias: name for name, all_of in ALIASES.items() for alias in all_of.split()}
 _Made = tuple[Callable[[str], Gauge], str]
-"""What makes a gauge of its name, and its quantity."""
+"""A function that makes a gauge of a given name, and the gauge's quantity."""
 _UNIT = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]$")
 
 
 @dataclass(frozen=True)
 class _Column:
-    """What a column holds: "t", "x", "y" or a quantity; or the noise of one, "" for all.
+    """Meaning of a column: "t", "x", "y" or a quantity, or the noise of one ("" for all).
 
-    Numbers times `scale` are in the units of the scene; None for noise in that of its quantity.
+    Numbers times `scale` are in the units of the scene; None for noise that has the unit of its
+    quantity.
     """
 
     kind: str
@@ -58,29 +59,30 @@ class _Column:
 def read_gauges(
     paths: str | Path | Sequence[str | Path], noise: Mapping[str, float] | None = None
 ) -> tuple[Gauge, ...]:
-    """Gauges from files.
+    """Read gauges from files.
 
-    A table has the columns t, x, for what is off the interface y, and quantities by the names of
-    `Gauge` (or sigma_xx, eps_xy, v_x, ...), with units in brackets where they are not those of
-    the scene; `noise`, or NAME_noise, holds standard deviations in the same unit.  A gauge is what
-    has one x and y; rows without y are of the interface.  Whatever `slipfront validate` reads is
-    taken as well.
+    A table has the columns t and x, y for points off the interface, and quantities by the names of
+    `Gauge` (or sigma_xx, eps_xy, v_x, ...).  Units follow in brackets where they are not those of
+    the scene.  A column `noise` or NAME_noise holds standard deviations in the same unit.  Rows of
+    equal x and y form a gauge; rows without y belong to the interface.  All files that `slipfront
+    validate` reads are accepted as well.
 
     Parameters
     ----------
     paths : path, or sequence of path
     noise : mapping from quantity to number, optional
-        Standard deviation where no column says it; "" for all other quantities.
+        Standard deviation where no column gives it, in the unit of the quantity; the key "" stands
+        for all other quantities.
 
     Returns
     -------
     tuple of Gauge
-        In the order of the files, by place, named as exy-1, exy-2, vx-1.
+        In the order of the files, sorted by position, with names such as exy-1, exy-2, vx-1.
 
     Raises
     ------
     DataFileError
-        If a file cannot be read, or does not say what is needed; the message names it.
+        If a file cannot be read, or lacks necessary columns; the message names it.
     SceneError
         If `noise` is no such mapping, or a number in it is out of range.
     """
@@ -106,7 +108,7 @@ def read_gauges(
 
 
 def _checked_noise(noise: object) -> dict[str, float]:
-    """Standard deviations by quantity; raise SceneError if they are none."""
+    """Return standard deviations by quantity; raise SceneError if they are invalid."""
     if not isinstance(noise, Mapping):
         raise SceneError(
             "read_gauges: noise must be numbers by quantity, as "
@@ -120,7 +122,7 @@ def _checked_noise(noise: object) -> dict[str, float]:
 
 
 def _table(path: Path) -> Table | None:
-    """A text table with times and positions; None for all that other readers know."""
+    """Return a text table with times and positions; None for files that other readers know."""
     if path.is_dir() or path.suffix.lower() in (*MESHES, *ARRAYS, *HDF5, ".info"):
         return None
     if not path.exists():
@@ -131,10 +133,10 @@ def _table(path: Path) -> Table | None:
 
 
 def _columns(table: Table) -> dict[int, _Column]:
-    """What the columns hold, by their place; those of unknown names are left out."""
+    """Return the meaning of the columns by index, leaving out columns of unknown names."""
     split = [_split(name) for name in table.names]
     names = {**_OF_INTERFACE, "y": "y"}
-    if any(name == "y" for name, _ in split):  # then sigma_xy is stress and no traction
+    if any(name == "y" for name, _ in split):  # then sigma_xy is a stress in a body, not a traction
         names |= _OF_FIELDS
     else:
         names = _OF_FIELDS | names
@@ -157,14 +159,14 @@ def _columns(table: Table) -> dict[int, _Column]:
 
 
 def _split(name: str) -> tuple[str, str]:
-    """A column's name in lower case with _ for what parts words, and its unit."""
+    """Split a column's name into its words, in lower case and joined by _, and its unit."""
     match = _UNIT.match(name.strip())
     pure, unit = match.groups() if match else (name, "")
     return re.sub(r"[\s\-.:]+", "_", pure.strip().lower()), unit
 
 
 def _scale(table: Table, kind: str, unit: str) -> float:
-    """What numbers in a unit are multiplied by for those of the SI."""
+    """Return the factor that converts numbers of a unit to SI units."""
     known = PARTS_OF_ONE if QUANTITIES.get(kind) == "1" else {**UNITS, "": 1.0}
     if unit.lower() not in known:
         raise DataFileError(
@@ -175,7 +177,7 @@ def _scale(table: Table, kind: str, unit: str) -> float:
 
 
 def _of_table(table: Table, noise: Mapping[str, float]) -> Iterator[_Made]:
-    """What makes a gauge from its name, and its quantity, for each of a table."""
+    """Yield a maker and the quantity of each gauge of a table."""
     said = {(one.kind, one.is_noise): (place, one) for place, one in _columns(table).items()}
     columns = {
         key: (1.0 if one.scale is None else one.scale) * table.rows[:, place]
@@ -218,7 +220,7 @@ def _order(place: tuple[float, float | None]) -> tuple[float, float]:
 
 
 def _of_records(path: Path, noise: Mapping[str, float]) -> Iterator[_Made]:
-    """The same of what the readers of `slipfront validate` know."""
+    """Yield a maker and the quantity of each gauge in files that `slipfront validate` reads."""
     for records in read_records([path], ReadingOptions()):
         for record in records.stations:
             for quantity, values in record.values.items():
@@ -235,8 +237,10 @@ def _maker(
     sample: tuple[Array, Array, Array | None],
     noise: Mapping[str, float],
 ) -> Callable[[str], Gauge]:
-    """A function of its name that makes a gauge, samples in order of time; of those of one time the
-    last counts."""
+    """Return a function that makes a gauge of a given name.
+
+    Samples are sorted by time; of samples at the same time the last one counts.
+    """
     t, values, error = sample
     order = np.argsort(t, kind="stable")
     order = order[np.append(np.diff(t[order]) > 0, True)]
@@ -246,7 +250,7 @@ def _maker(
             f"{path} does not say how exact its {quantity} is; add a column {NOISE} of standard "
             f"deviations, or give --noise {quantity}=NUMBER."
         )
-    if error is None:  # what was given, not the file, is then to blame
+    if error is None:  # then the number that was given is to blame, not the file
         checked_noise(known, values[order])
     spread: float | Array = known if isinstance(known, float | int) else known[order]
 

@@ -1,4 +1,4 @@
-"""A fit as plain dictionaries, each number with its unit, for JSON and tables."""
+"""A fit as plain dictionaries with units, for JSON and tables."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from semianalytic.scene.scene import scene_document
 from slipfront.fits.posterior import Posterior
 
 WELL = 3.0
-"""Standard deviations of chi2 above its freedom up to which a fit is as good as noise allows."""
+"""Standard deviations that chi2 may exceed its freedom by in a fit as good as noise allows."""
 
 BY_PRIOR = 0.9
-"""Standard error over that of the prior from which on the data add nothing."""
+"""Ratio of the standard error to that of the prior above which the data add nothing."""
 
 
 def dimension(name: str) -> str:
-    """That of an unknown."""
+    """Return the physical dimension of an unknown."""
     return DIMENSIONS.get(name.partition(":")[0], "1")
 
 
 def fit_document(fit: Fit, posterior: Posterior | None = None) -> dict[str, Any]:
-    """A fit, and its posterior if it was sampled, as dictionaries, lists, strings and numbers."""
+    """Return a fit, and its posterior if there is one, as dictionaries, lists, text and numbers."""
     errors = fit.standard_errors
     document: dict[str, Any] = {
         "scene": scene_document(fit.scene),
@@ -99,7 +99,7 @@ def _posterior_document(posterior: Posterior) -> dict[str, Any]:
 
 
 def misfit_sentence(fit: Fit) -> str:
-    """How large the misfits are for the noise they were said to have."""
+    """Say how large the misfits are compared with the stated noise."""
     if not fit.freedom:
         return "there are no more samples than parameters, so the misfit says nothing"
     share, spread = fit.chi2 / fit.freedom, (2 / fit.freedom) ** 0.5
@@ -114,7 +114,7 @@ def misfit_sentence(fit: Fit) -> str:
 
 
 def known_by_prior(fit: Fit) -> tuple[str, ...]:
-    """Parameters of which the data say next to nothing beyond their prior."""
+    """Return the parameters of which the data say next to nothing beyond their prior."""
     errors = dict(zip(fit.parameters, fit.standard_errors, strict=True))
     priors = fit.trials.priors.items()
     return tuple(

@@ -1,4 +1,4 @@
-"""Pictures of fits: records and what they differ by, and what tells which parameters apart."""
+"""Figures of fits: records against the fit, and how well parameters are told apart."""
 
 from __future__ import annotations
 
@@ -35,24 +35,24 @@ if TYPE_CHECKING:
     from matplotlib.figure import SubFigure
 
 PANELS = 5
-"""Gauges or lines that are shown, at most."""
+"""Largest number of gauges or lines of gauges that are shown."""
 TIMES = 4
-"""Of a line, likewise."""
+"""Largest number of times at which a line of gauges is shown."""
 FINE = 500
 SHARES = (0.5, 0.9)
-"""Of fits within the ellipses."""
+"""Probabilities that the ellipses enclose."""
 WIDTH = 3.5
-"""Standard errors to either side that panels show."""
+"""Half-width of the panels of parameters, in standard errors."""
 DOTS = 3000
 TINY = "x-small"
-"""Of numbers at the axes of small panels."""
+"""Font size of numbers at the axes of small panels."""
 STRONG = 0.9
 """Correlation from which on its number is written large."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Curve:
-    """Recorded and fitted over time or position, and residuals over the noise."""
+    """Recorded and fitted values over time or position, and residuals over the noise."""
 
     at: Array
     recorded: Array
@@ -71,10 +71,11 @@ class _Panel:
 
 @styled
 def fit_figure(fit: Fit, posterior: Posterior | None = None) -> Figure:
-    """Records over the fit and residuals, left; parameters against each other, right.
+    """Draw records and residuals of a fit on the left, its parameters on the right.
 
-    Right, on the diagonal the density of each parameter, below it ellipses that hold 50 and 90 %
-    of fits by the covariance, with samples of the posterior if there are any; above, correlations.
+    On the right, the diagonal shows the density of each parameter.  Ellipses below it enclose 50
+    and 90 % of the probability by the covariance, with samples of the posterior if there is one.
+    Correlations stand above it.
     """
     panels = list(_panels(fit))
     height = max(1.9 * len(panels) + 0.8, 2.0 * len(fit.parameters) + 1.2, 3.6)
@@ -86,7 +87,7 @@ def fit_figure(fit: Fit, posterior: Posterior | None = None) -> Figure:
 
 
 def _panels(fit: Fit) -> Iterator[_Panel]:
-    """Of lines of many places at few times, one each; of other gauges one each, spread evenly."""
+    """Yield a panel per line of gauges (more positions than times) and per gauge of a selection."""
     groups: dict[tuple[str, float | None], list[int]] = {}
     for number, gauge in enumerate(fit.gauges):
         groups.setdefault((gauge.quantity, gauge.y), []).append(number)
@@ -122,7 +123,7 @@ def _with_unit(fit: Fit, gauge: Gauge, title: str) -> str:
 
 
 def _over_place(fit: Fit, numbers: list[int], residuals: Sequence[Array]) -> Iterator[_Curve]:
-    """A line at some of its times."""
+    """Yield the curves of a line of gauges at some of its times."""
     times = sorted({float(t) for i in numbers for t in fit.gauges[i].t})
     for t in [times[k] for k in _even(len(times), min(TIMES, len(times)))]:
         rows = []
@@ -197,7 +198,7 @@ def _axis(fit: Fit, number: int) -> str:
 
 
 def _range(fit: Fit, posterior: Posterior | None, number: int, error: float) -> tuple[float, float]:
-    """What a panel shows of a parameter."""
+    """Return the range of a parameter that a panel shows."""
     value = float(fit.values[number])
     low, high = value - WIDTH * error, value + WIDTH * error
     if posterior is not None:
@@ -245,7 +246,7 @@ def _draw_pair(
     if np.all(np.isfinite(part)):
         angle = np.linspace(0, 2 * np.pi, 200)
         circle = np.linalg.cholesky(part) @ np.stack([np.cos(angle), np.sin(angle)])
-        for share in SHARES:  # of a normal density in the plane: 1 - exp(-r^2 / 2)
+        for share in SHARES:  # a normal density in the plane has 1 - exp(-r^2 / 2) within r
             radius = np.sqrt(-2 * np.log(1 - share))
             ellipse = fit.values[chosen][:, None] + radius * circle
             panel.plot(*ellipse, color=PREDICTION, linewidth=1.2)

@@ -1,4 +1,4 @@
-"""What data and priors leave of parameters: samples of the posterior by emcee."""
+"""Posterior of the parameters of a fit, sampled by emcee."""
 
 from __future__ import annotations
 
@@ -16,38 +16,38 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import BAYES, require
 
 AUTOCORRELATION_TIMES = 50
-"""Steps of a chain that is long enough, in autocorrelation times (the rule of emcee's authors)."""
+"""Length of a sufficient chain in autocorrelation times (the rule of emcee's authors)."""
 BURN_IN = 3
-"""Autocorrelation times that are forgotten."""
+"""Length of the discarded start of a chain, in autocorrelation times."""
 FEWEST_WALKERS, WALKERS = 12, 6
-"""At least, and by parameter."""
+"""Least number of walkers, and default number per parameter."""
 CHECKED = 100
-"""Steps after which autocorrelation is looked at."""
+"""Number of steps between estimates of the autocorrelation time."""
 STEPS = 2000
-"""Steps at most."""
+"""Default limit of the number of steps."""
 RTOL = 1e-6
-"""Of solutions: what they are off by is lost in any noise."""
+"""Relative accuracy of solutions; their error is far below any noise."""
 
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """Samples of what data and priors leave of the parameters of a fit.
+    """Samples of the posterior probability of the parameters of a fit.
 
     Attributes
     ----------
     parameters : tuple of str
     samples : (n, p) array
-        Of all walkers after the burn-in, every half autocorrelation time, in the units of the
-        scene; a flat density in these, times the priors.
+        Samples of all walkers after the burn-in, one every half autocorrelation time, in the units
+        of the scene.  The priors multiply a density that is flat in these parameters.
     log_probability : (n,) array
-        Of the samples, up to a constant.
+        Logarithm of the posterior density of the samples, up to a constant.
     autocorrelation_time : (p,) array
-        [steps]
+        Autocorrelation time of each parameter [steps].
     steps, walkers, seed : int
     acceptance : float
-        Share of proposals that were taken.
+        Fraction of proposals that were accepted.
     status : str
-        "converged", or "unresolved: ..." where chains are shorter than `AUTOCORRELATION_TIMES`.
+        "converged", or "unresolved: ..." if chains are shorter than `AUTOCORRELATION_TIMES`.
     """
 
     parameters: tuple[str, ...]
@@ -67,21 +67,27 @@ class Posterior:
 
     @property
     def mean(self) -> Array:
-        """(p,)."""
+        """Mean of each parameter, (p,), in the units of the scene."""
         return np.asarray(self.samples.mean(axis=0))
 
     @property
     def covariance(self) -> Array:
-        """(p, p)."""
+        """Covariance of the samples, (p, p)."""
         return np.atleast_2d(np.cov(self.samples.T))
 
     @property
     def standard_deviations(self) -> Array:
-        """(p,)."""
+        """Standard deviation of each parameter, (p,)."""
         return np.sqrt(np.diag(self.covariance))
 
     def quantiles(self, *shares: float) -> Array:
-        """(len(shares), p) below which these shares of the samples lie."""
+        """Return quantiles of each parameter, (len(shares), p).
+
+        Parameters
+        ----------
+        *shares : float
+            Fractions of the samples that lie below the quantiles, from 0 to 1.
+        """
         return np.asarray(np.quantile(self.samples, shares, axis=0))
 
 
@@ -94,24 +100,25 @@ def posterior(
     pool: Any = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Posterior:
-    """Sample the posterior of a fit: every sample is a solution, nothing is interpolated.
+    """Sample the posterior of a fit; every sample is a full solution, nothing is interpolated.
 
-    Ends when chains are 50 autocorrelation times long, or after so many steps.
+    Sampling ends when chains are 50 autocorrelation times long, or after `steps`.
 
     Parameters
     ----------
     fit : Fit
-        Whose gauges and priors count; without a prior an unknown is flat.
+        Fit that supplies gauges and priors; without a prior, the density of an unknown is flat.
     steps : int
-        At most.
+        Largest number of steps.
     walkers : int, optional
-        12, or 6 for each parameter, unless given.
+        Number of walkers; the larger of 12 and 6 per parameter by default.
     seed : int
         The same seed gives the same samples.
     pool : optional
-        With a `map` that calls a function in several processes, as `multiprocessing.Pool`.
+        Pool with a method `map` that calls a function in several processes, such as
+        `multiprocessing.Pool`.
     progress : callable, optional
-        Called with (step, steps).
+        Called with (step, steps) after each step.
 
     Returns
     -------
@@ -120,7 +127,7 @@ def posterior(
     Raises
     ------
     SceneError
-        If a number is out of range, or data and priors leave a parameter free.
+        If a number is out of range, or data and priors leave a parameter unconstrained.
     MissingLibraryError
         If emcee is not installed.
     """
@@ -175,7 +182,7 @@ def posterior(
 
 @dataclass
 class _Density:
-    """Logarithm of the posterior density of values over sizes."""
+    """Logarithm of the posterior density as a function of scaled parameters."""
 
     trials: Trials
 
@@ -193,7 +200,10 @@ class _Density:
 
 
 def _start(fit: Fit, density: _Density, walkers: int, random: np.random.RandomState) -> Array:
-    """(walkers, p) around the fit, by its covariance, where there is any density."""
+    """Draw starting positions (walkers, p) around the fit by its covariance.
+
+    All have a finite density; the spread is halved while too many draws are impossible scenes.
+    """
     size = fit.trials.sizes
     spread = np.linalg.cholesky(fit.covariance / np.outer(size, size))
     starts: list[Array] = []

@@ -26,12 +26,12 @@ from slipfront.surveys.points import DEFAULT_RTOL, held, unpacked
 from slipfront.surveys.quantities import QUANTITIES, SPEEDS, TEXT, Quantity
 
 Chunks = Callable[[], Iterable[tuple[int, bytes]]]
-"""Index and packed columns of every chunk, as often as they are asked for."""
+"""A function that iterates over index and packed columns of every chunk, each time it is called."""
 
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable before it has values."""
+    """Shape, dimensions and attributes of a variable, without its values."""
 
     quantity: Quantity
     along: tuple[str, ...]
@@ -40,7 +40,7 @@ class Variable:
 
 
 def variables_of(plan: Plan, chunks: Chunks) -> dict[str, Variable]:
-    """The variables that the chunks of a survey hold, as large as all of them need."""
+    """Return the variables that the chunks of a survey hold, each as large as all chunks need."""
     zones = 1
     names: set[str] = set()
     for _, data in chunks():
@@ -63,7 +63,7 @@ def variables_of(plan: Plan, chunks: Chunks) -> dict[str, Variable]:
 
 
 def filled(arrays: Mapping[str, Any], plan: Plan, chunks: Chunks) -> None:
-    """Put the chunks of a survey into arrays, of numpy or Zarr, that hold what is absent."""
+    """Copy the chunks of a survey into numpy or Zarr arrays that are filled with absent values."""
     for index, data in chunks():
         region = plan.regions[index]
         shape = tuple(part.stop - part.start for part in region)
@@ -77,7 +77,7 @@ def filled(arrays: Mapping[str, Any], plan: Plan, chunks: Chunks) -> None:
 
 
 def wave_speeds(plan: Plan) -> dict[str, Array]:
-    """Speeds of all waves [length / time], along those dimensions that change the material."""
+    """Return the speeds of all waves [length / time] along dimensions that change the material."""
     known = {name: getattr(plan.scene.material, name) for name in MATERIAL} | dict(plan.fixed)
     varied = [name for name in plan.values if name in MATERIAL]
     rows = [plan.values[name] for name in varied]
@@ -99,7 +99,7 @@ def wave_speeds(plan: Plan) -> dict[str, Array]:
 
 
 def coordinates(plan: Plan) -> dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]]:
-    """Coordinates by name: dimensions, values, attributes."""
+    """Return the coordinates by name: dimensions, values, attributes."""
     question = plan.question
     result: dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]] = {}
     for name, values in plan.values.items():
@@ -121,10 +121,10 @@ def coordinates(plan: Plan) -> dict[str, tuple[tuple[str, ...], NDArray[Any], di
 
 
 def _parameter_attrs(plan: Plan, name: str) -> dict[str, str]:
-    """Unit and meaning of a parameter."""
+    """Return the unit and meaning of a parameter as attributes of its coordinate."""
     part, field = parameters_of(plan.scene)[name]
     if part in ("friction_law", "pressure_history", "shear_history"):
-        viscous = field == "viscosity"  # which turns constant friction viscous
+        viscous = field == "viscosity"  # a viscosity turns constant friction into viscous friction
         kind = ViscousFriction if viscous else type(getattr(plan.scene, part))
         dimension = part_parameters(kind)[field].dimension
     else:
@@ -134,7 +134,7 @@ def _parameter_attrs(plan: Plan, name: str) -> dict[str, str]:
 
 
 def attributes(plan: Plan, command: str) -> dict[str, Any]:
-    """What the whole survey is."""
+    """Return the attributes of the whole dataset."""
     return {
         "title": f"slipfront survey of {plan.count} points",
         "source": f"slipfront {version('slipfront')}",
@@ -146,7 +146,7 @@ def attributes(plan: Plan, command: str) -> dict[str, Any]:
 
 
 def dataset_of(plan: Plan, chunks: Chunks, command: str) -> Any:
-    """The survey as an `xarray.Dataset` in memory."""
+    """Put the survey together as an `xarray.Dataset` in memory."""
     import xarray
 
     variables = variables_of(plan, chunks)
@@ -172,7 +172,10 @@ def _dtype(variable: Variable) -> Any:
 
 
 def netcdf_bytes(dataset: Any) -> Any:
-    """A dataset as the bytes of a NetCDF file, compressed; words as characters of one length."""
+    """Return a dataset as the bytes of a compressed NetCDF file.
+
+    Text is stored as characters of fixed length.
+    """
     encoding: dict[str, dict[str, Any]] = {}
     for name, variable in dataset.data_vars.items():
         if variable.ndim:
@@ -183,7 +186,7 @@ def netcdf_bytes(dataset: Any) -> Any:
 
 
 def write_zarr(folder: Path, plan: Plan, chunks: Chunks, command: str) -> None:
-    """Write the survey as a Zarr store, chunk by chunk; whatever was in the folder goes."""
+    """Write the survey as a Zarr store, chunk by chunk, replacing whatever is in the folder."""
     import zarr
 
     shutil.rmtree(folder, ignore_errors=True)
@@ -205,7 +208,7 @@ def write_zarr(folder: Path, plan: Plan, chunks: Chunks, command: str) -> None:
         arrays[name][...] = speeds
     used = {along for one in variables.values() for along in one.along}
     apart = [name for name, (along, *_) in coordinates(plan).items() if along != (name,)]
-    if apart:  # which xarray would take for variables
+    if apart:  # xarray would take these for variables
         group.attrs["coordinates"] = " ".join(apart)
     for name, (along, values, attrs) in coordinates(plan).items():
         if used.issuperset(along):
@@ -218,5 +221,5 @@ def write_zarr(folder: Path, plan: Plan, chunks: Chunks, command: str) -> None:
                 attributes={**attrs},
             )[...] = values.astype(object) if text else values
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the third format of Zarr has not settled what these are
+        warnings.simplefilter("ignore")  # Zarr's version 3 has not settled the format of text yet
         zarr.consolidate_metadata(group.store)

@@ -1,4 +1,4 @@
-"""The numbers of a scene by name: what a survey may vary."""
+"""The numbers of a scene by name, which are the parameters that a survey may vary."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ _VISCOSITY = ("friction_law", "viscosity")
 
 
 def parameters_of(scene: Scene) -> dict[str, tuple[str, str]]:
-    """Part and field of every number of a scene, by its name; the part of friction is ""."""
+    """Return part and field of every number of a scene, by its name.
+
+    Friction belongs to no part; its part is "".
+    """
     names = {"friction": ("", "friction")}
     for part in _PARTS:
         held = getattr(scene, part)
@@ -38,7 +41,7 @@ def parameters_of(scene: Scene) -> dict[str, tuple[str, str]]:
 
 
 def parameter_name(scene: Scene, given: str) -> str:
-    """The name of a parameter that is given as in TOML, dotted, or with underscores.
+    """Return the name of a parameter that is spelled as in TOML, dotted, or with underscores.
 
     Raises
     ------
@@ -56,12 +59,12 @@ def parameter_name(scene: Scene, given: str) -> str:
 
 
 def checked_values(name: str, given: Any) -> Array:
-    """Values of a parameter, (n,) or ().
+    """Return the values of a parameter as an array, (n,) or ().
 
     Raises
     ------
     SceneError
-        If they are not finite numbers in a row.
+        If they are not a number or a row of finite numbers.
     """
     try:
         values = np.asarray(given)
@@ -77,14 +80,14 @@ def checked_values(name: str, given: Any) -> Array:
 
 
 def scene_at(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """The scene with other values of some parameters.
+    """Return the scene with other values of some parameters.
 
     A viscosity turns constant friction into viscous friction, and 0 turns it back.
 
     Raises
     ------
     SceneError
-        If there is no such scene.
+        If the values are out of range for a scene.
     """
     known = parameters_of(scene)
     changes: dict[str, dict[str, float]] = {}

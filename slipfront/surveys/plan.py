@@ -1,4 +1,4 @@
-"""What a survey asks, and the chunks of it that are solved, saved and lost together."""
+"""The plan of a survey: its parameters, options, and the chunks that are solved and saved whole."""
 
 from __future__ import annotations
 
@@ -25,26 +25,33 @@ from slipfront.surveys.parameters import Array, checked_values, parameter_name
 Region = tuple[slice, ...]
 
 SWEPT, SOLVED, MARCHED = 2500, 100, 4
-"""Points of a chunk unless given: of scenes that a sweep solves together, that are solved one by
-one, and that are marched.  Each takes seconds on one core."""
+"""Default points per chunk for scenes that are swept together, solved one by one, or marched.
+
+Each kind of chunk takes seconds on one core."""
 _SWEPT_TOGETHER = {"poisson_ratio": 100, "friction": 25}
-"""A chunk of the plane: long in Poisson ratio, along which zones change less.  Of 10,000 points in
-chunks of 100 x 25, 67 x 34, 50 x 50 and 25 x 100 that is the order of processor time."""
+"""Shape of a chunk in the plane of Poisson ratio and friction.
+
+It is long in Poisson ratio, along which zones change less.  Processor time for 10,000 points grows
+in the order of chunks of 100 x 25, 67 x 34, 50 x 50 and 25 x 100."""
 
 
 MOST_VALUES, MOST_POINTS, MOST_CHUNKS = 10**7, 10**8, 10**5
-"""Of one row, of a survey, and of its chunks.  A hundred million points take a day on one core; a
-hundred thousand chunks take seconds, and some 100 MB, to lay out."""
+"""Largest number of values of a parameter, of points of a survey, and of its chunks.
+
+A hundred million points take a day on one core; laying out a hundred thousand chunks takes seconds
+and some 100 MB."""
 _POINT_BYTES = 250
-"""What a point takes without fields, at most: 115 as a dataset, 223 while NetCDF is written."""
+"""Largest memory per point without fields: 115 as a dataset, 223 while writing NetCDF [bytes]."""
 _NUMBER_BYTES = 20
-"""What a number of a field takes, at most: 8 as a dataset, 10 while NetCDF is written, 18 in a
-chunk that is solved and packed."""
+"""Largest memory per number of a field [bytes].
+
+A number takes 8 as a dataset, 10 while NetCDF is written, and 18 in a chunk while it is solved and
+packed."""
 
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked of every scene; as the arguments of `survey`."""
+    """Options that hold at every point of a survey; they are the arguments of `survey`."""
 
     rtol: float | None = None
     end_time: float | None = None
@@ -55,12 +62,12 @@ class Question:
     fields: tuple[str, ...] = ()
 
     def checked(self) -> Question:
-        """With all options as they are to be.
+        """Check all options and return them in their final form.
 
         Raises
         ------
         SceneError
-            If one is out of range.
+            If an option is out of range.
         """
         changes: dict[str, Any] = {}
         for name in ("rtol", "end_time", "length"):
@@ -86,19 +93,19 @@ class Question:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A survey: a scene, values of its parameters, and what is asked.
+    """A survey: a scene, the values of its parameters, and its options.
 
     Attributes
     ----------
     scene : Scene
     values : mapping of parameter to (n,) array
     fixed : mapping of parameter to number
-        In place of those of the scene at all points.
+        Parameters that replace those of the scene by one value at all points.
     together : bool
-        Whether they are one list of points instead of a grid.
+        Whether the values are one list of points instead of a grid.
     question : Question
     chunk : int
-        Most points of a chunk.
+        Largest number of points in a chunk.
     """
 
     scene: Scene
@@ -127,7 +134,7 @@ class Plan:
 
     @cached_property
     def block(self) -> dict[str, int]:
-        """Lengths of a chunk along the dimensions; the last one along each may be shorter."""
+        """Number of points of a chunk along each dimension; the last chunk may be shorter."""
         sizes, room = self.sizes, self.chunk
         block = dict.fromkeys(sizes, 1)
         scale = math.sqrt(self.chunk / SWEPT)
@@ -152,7 +159,7 @@ class Plan:
 
     @cached_property
     def regions(self) -> list[Region]:
-        """The chunks, as slices along the dimensions."""
+        """The chunks, each as slices along the dimensions."""
         cuts = [
             [slice(start, min(start + self.block[name], size)) for start in range(0, size, step)]
             for (name, size), step in zip(self.sizes.items(), self.block.values(), strict=True)
@@ -160,7 +167,7 @@ class Plan:
         return list(product(*cuts))
 
     def region_values(self, region: Region) -> dict[str, Array]:
-        """Values of all parameters at the points of a chunk (m,), in C order."""
+        """Return the values of all parameters at the points of a chunk, each (m,), in C order."""
         if self.together:
             return {name: values[region[0]] for name, values in self.values.items()}
         parts = [values[part] for values, part in zip(self.values.values(), region, strict=True)]
@@ -169,7 +176,7 @@ class Plan:
 
     @cached_property
     def identity(self) -> dict[str, Any]:
-        """What tells this survey from others, for JSON."""
+        """Properties that distinguish this survey from others, ready for JSON."""
         return {
             "slipfront": version("slipfront"),
             "scene": scene_document(self.scene),
@@ -189,12 +196,17 @@ class Plan:
         }
 
     def check_memory(self, whole: bool) -> None:
-        """Refuse what would take more memory than there is: a chunk of it, or all of it.
+        """Refuse a survey that needs more memory than there is.
+
+        Parameters
+        ----------
+        whole : bool
+            Whether the whole survey must fit into memory, and not only one chunk.
 
         Raises
         ------
         SceneError
-            With what to ask for instead.
+            If it does not fit; the message says what to ask for instead.
         """
         asked = self.question
         numbers = len(asked.fields) * len(asked.x) * len(asked.t)
@@ -212,13 +224,13 @@ class Plan:
 
     @property
     def digest(self) -> str:
-        """The identity in 16 hexadecimal digits."""
+        """Hash of the identity, 16 hexadecimal digits."""
         text = json.dumps(self.identity, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     @property
     def call(self) -> str:
-        """The survey as a call of the function, long rows of values cut short."""
+        """The survey as a call of `survey`, with long arrays of values abbreviated."""
         given = [f"{name}={_row(values)}" for name, values in self.values.items()]
         given += [f"{name}={value!r}" for name, value in self.fixed.items()]
         options = {"together": self.together, **asdict(self.question)}
@@ -240,13 +252,13 @@ def planned(
     together: bool = False,
     chunk: int | None = None,
 ) -> Plan:
-    """A survey that can be run; single numbers among the parameters are fixed.
+    """Plan a survey and check it; parameters with a single number are fixed.
 
     Raises
     ------
     SceneError
-        If there is no such parameter, no value, lists that go together differ in length, or an
-        option is out of range.
+        If there is no such parameter, no parameter has several values, lists that go together
+        differ in length, or an option is out of range.
     """
     checked_scene("survey", scene)
     values: dict[str, Array] = {}
@@ -280,7 +292,7 @@ def planned(
 
 
 def _check_count(what: str, count: int, most: int) -> None:
-    """Raise SceneError for more values or points than a survey can have."""
+    """Raise SceneError if there are more values or points than a survey can have."""
     if count > most:
         raise SceneError(f"survey: {count:.3g} {what} are too many; take at most {most:.0e}.")
 

@@ -1,4 +1,4 @@
-"""The points of one chunk of a survey: swept together, solved, or marched; on whatever machine."""
+"""Solution of one chunk of a survey; its scenes are swept together, solved alone, or marched."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ Values = dict[str, Any]
 Columns = dict[str, NDArray[Any]]
 
 SWEPT = ("friction", "poisson_ratio")
-"""Parameters along which scenes are solved together."""
+"""Parameters along which scenes are solved together in one sweep."""
 DEFAULT_RTOL = 1e-6
-"""Of scenes that are solved; those that are marched have no rtol unless it is given."""
+"""Accuracy of solved scenes unless one is given; marches have no default."""
 SOLVED, MARCHED = "self-similar", "space-time"
 _REFUSED = {"method": "none", "origin": "refused"}
 
@@ -36,7 +36,7 @@ _REFUSED = {"method": "none", "origin": "refused"}
 def solved_chunk(
     scene: Scene, values: Mapping[str, Array], fixed: Mapping[str, float], question: Question
 ) -> bytes:
-    """All quantities at the points of a chunk, packed.
+    """Compute all quantities at the points of a chunk and pack them into bytes.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def solved_chunk(
 
 
 def _groups(scenes: Mapping[int, Scene], values: Mapping[str, Array]) -> list[list[int]]:
-    """Points whose scenes differ in what is swept alone."""
+    """Group points whose scenes differ only in parameters that can be swept."""
     others = [values[name] for name in values if name not in SWEPT]
     groups: dict[tuple[float, ...], list[int]] = {}
     for i in scenes:
@@ -73,8 +73,10 @@ Found = Iterator[tuple[list[int], list[Values]]]
 
 
 def _answered(points: Sequence[tuple[int, Scene]], question: Question) -> Found:
-    """Rows of points whose scenes differ in what is swept alone; by a sweep, or one by one where
-    that cannot be or is refused."""
+    """Yield rows for points whose scenes differ only in parameters that can be swept.
+
+    They are swept together; where a sweep is impossible or refused, each is solved alone.
+    """
     places, scenes = [i for i, _ in points], [scene for _, scene in points]
     if len(scenes) > 1 and chosen_method(scenes[0]) == SOLVED:
         start = process_time()
@@ -83,7 +85,7 @@ def _answered(points: Sequence[tuple[int, Scene]], question: Question) -> Found:
             return
         except SlipfrontError:
             ratios = sorted({scene.material.poisson_ratio for scene in scenes})
-        if len(ratios) > 1:  # the pressure, which refuses scenes, knows no friction
+        if len(ratios) > 1:  # refusals come from the pressure, which has no friction in it
             for ratio in ratios:
                 some = [one for one in points if one[1].material.poisson_ratio == ratio]
                 yield from _answered(some, question)
@@ -93,7 +95,7 @@ def _answered(points: Sequence[tuple[int, Scene]], question: Question) -> Found:
 
 
 def _swept(scenes: Sequence[Scene], question: Question, start: float) -> list[Values]:
-    """Rows of scenes that differ in friction and Poisson ratio."""
+    """Return the rows of scenes that differ in friction and Poisson ratio, by one sweep."""
     found = sweep(
         scenes[0],
         np.array([scene.friction for scene in scenes]),
@@ -112,7 +114,7 @@ def _swept(scenes: Sequence[Scene], question: Question, start: float) -> list[Va
 
 
 def _alone(scene: Scene, question: Question) -> Values:
-    """The row of one scene."""
+    """Return the row of one scene."""
     start = process_time()
     try:
         answer = _asked(scene, question)
@@ -134,7 +136,7 @@ def _asked(scene: Scene, question: Question) -> Solution | Marched:
 
 
 def _refused(error: SlipfrontError) -> Values:
-    """The row of a scene that there is not, or that has no answer."""
+    """Return the row of a scene that does not exist or has no answer."""
     return {**_REFUSED, "status": str(error), "seconds": 0.0}
 
 
@@ -185,13 +187,13 @@ def _totals(answer: Answer, end: float) -> Values:
 
 
 def _fields(answer: Answer, question: Question) -> Values:
-    """What is asked at positions and times, (t, x)."""
+    """Return the requested fields at all positions and times, each (t, x)."""
     x, t = np.array(question.x), np.array(question.t)
     return {name: getattr(answer, name)(x, t[:, None]) for name in question.fields if len(x)}
 
 
 def _columns(rows: Sequence[Values], question: Question) -> Columns:
-    """Rows as arrays (m, ...), of those quantities that a point has."""
+    """Return rows as arrays (m, ...), for those quantities that any point has."""
     lengths = {
         "edge": 2,
         "mode": 2,
@@ -218,7 +220,7 @@ def _columns(rows: Sequence[Values], question: Question) -> Columns:
 
 
 def packed(columns: Columns) -> bytes:
-    """Arrays in the bytes of a compressed .npz; words as codes and the table of them."""
+    """Pack arrays into the bytes of a compressed .npz file, text as codes and their table."""
     arrays: dict[str, Any] = {}
     for name, column in columns.items():
         if QUANTITIES[name].kind == TEXT:
@@ -232,14 +234,14 @@ def packed(columns: Columns) -> bytes:
 
 
 def held(data: bytes) -> tuple[set[str], int]:
-    """Names of what was packed, and the number of zones."""
+    """Return the names of packed arrays and the number of zones."""
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         zones = arrays["sense"].shape[1] if "sense" in arrays else 0
         return set(arrays.files), zones
 
 
 def unpacked(data: bytes) -> Columns:
-    """What was packed."""
+    """Return the arrays that `packed` has packed."""
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         columns: Columns = {}
         for name in QUANTITIES:

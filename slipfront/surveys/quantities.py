@@ -1,4 +1,4 @@
-"""What a survey holds of every point: dimension, meaning, and what it has several values along."""
+"""The variables of a survey: dimension, meaning, and dimensions beside those of the points."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from semianalytic.results.datasets import QUANTITIES as FIELD_QUANTITIES
 
 TEXT = "text"
-"""Kind of variables that hold words; as codes with a table while they are on their way."""
+"""Kind of variables that hold text; packed chunks store it as codes with a table."""
 
 
 @dataclass(frozen=True)
@@ -21,10 +21,10 @@ class Quantity:
     Attributes
     ----------
     dimension : str
-        As "length / time".
+        Physical dimension, such as "length / time".
     meaning : str
     along : tuple of str
-        Dimensions beside those of the points.
+        Array dimensions in addition to those of the points.
     kind : str
         "f8", "i1" or `TEXT`.
     """
@@ -36,7 +36,7 @@ class Quantity:
 
     @property
     def absent(self) -> Any:
-        """What stands where there is no value."""
+        """Value that stands where a point has none."""
         return {"f8": np.nan, "i1": 0, TEXT: ""}[self.kind]
 
 

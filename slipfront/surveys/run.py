@@ -1,7 +1,7 @@
 """One scene at many values of its parameters, solved chunk by chunk on many processes or machines.
 
-Chunks depend on what is asked alone, not on who solves them: results are the same to the last bit
-on one process, on many, and on a cluster, without a stop or after many.
+The chunks depend only on the survey, not on who solves them.  Results are therefore identical to
+the last bit on one process, on many, and on a cluster, with or without interruptions.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from slipfront.surveys.points import solved_chunk
 from slipfront.surveys.store import Store, check_folder, opened_store, seal_folder
 
 SUFFIXES = {".nc": ("xarray", "h5netcdf", "h5py"), ".zarr": ("xarray", "zarr")}
-"""What a survey is written as, and with what."""
+"""File types of a survey and the libraries that each needs."""
 FIELDS = ("slip_rate", "shear_traction", "pressure")
 
 
@@ -50,59 +50,61 @@ def survey(
 ) -> Any:
     """Solve a scene at many values of its parameters.
 
-    Scenes that differ in friction and Poisson ratio are swept, others solved, or marched where they
-    are not self-similar, as by `predict`.
+    Scenes that differ in friction and Poisson ratio are swept together.  Others are solved one by
+    one, or marched if they are not self-similar, like `predict` does.
 
     Parameters
     ----------
     scene : Scene
+        Values that no parameter replaces are those of this scene.
     together : bool
-        Whether parameters are one list of points, as long each, along the dimension "point"; else
-        they are a grid, each a dimension.
+        Whether the parameters are lists of equal length that form one list of points, along the
+        dimension "point"; otherwise they span a grid, one dimension each.
     rtol : float, optional
-        Wanted accuracy, 1e-6 for solutions unless given; of marches as in `march`.
+        Requested relative accuracy; 1e-6 for solutions by default, for marches see `march`.
     x, t : arrays, optional
-        Positions (n,) [length] and times (m,) [time] at which fields are held.
+        Positions (n,) [length] and times (m,) [time] at which fields are stored.
     fields : sequence of str
-        Which fields those are: slip, slip_rate, shear_traction, pressure, gap.
+        Fields to store there: slip, slip_rate, shear_traction, pressure, gap.
     end_time : float, optional
-        Until when totals are taken [time], and marches go; the last of `t`, or as in `predict`.
+        Time until which totals are taken and marches run [time]; the last of `t` by default, or
+        the end time of `predict`.
     nodes, length : optional
-        Of marches, as in `predict`.
+        Number of nodes and length [length] of marches, see `predict`.
     path : path, optional
-        File to write, .nc (NetCDF) or .zarr.  Chunks that are done are kept in a hidden folder
-        beside it until then, from which an interrupted survey goes on.
+        File to write, .nc (NetCDF) or .zarr.  Until it is complete, finished chunks are kept in a
+        hidden folder beside it, from which an interrupted survey resumes.
     chunk : int, optional
-        Most points that are solved, saved and lost together; results depend on it within their
-        error estimates.
+        Largest number of points that are solved and saved together; results depend on it
+        within their error estimates.
     workers : int, optional
-        Processes on this machine; one for each core unless given.
+        Processes on this machine; one per core by default.
     client : distributed.Client, optional
-        Of a Dask cluster that is to work instead.
+        Client of a Dask cluster that solves the chunks instead of this machine.
     progress : callable, optional
-        Called with the number of points done and of all points.
+        Called with the number of finished points and the number of all points.
     **parameters : numbers or (n,) arrays
-        Any number of the scene: friction, poisson_ratio, shear_modulus, density, base_pressure,
-        base_shear, load_pressure, load_shear, viscosity, and of histories and friction law as
-        shear_history_rise_time or, dotted, ``**{"friction_law.reduction": ...}``.  Single numbers
-        are the same at all points.
+        Any numbers of the scene: friction, poisson_ratio, shear_modulus, density, base_pressure,
+        base_shear, load_pressure, load_shear, viscosity; numbers of histories and friction laws
+        as shear_history_rise_time or, dotted, ``**{"friction_law.reduction": ...}``.  Units are
+        those of the scene.  Single numbers are the same at all points.
 
     Returns
     -------
     xarray.Dataset
-        With units and long_name of every variable.  A scene that is refused is nan, and its status
-        the sentence that says why.  From a .zarr path it is read when it is looked at.
+        Every variable has its unit and long_name as attributes.  A scene that is refused has nan
+        values, and its status says why.  A dataset in a .zarr path is read lazily.
 
     Raises
     ------
     SceneError
-        If there is no such parameter, or an option is out of range.
+        If a parameter does not exist, or an option is out of range.
     DataFileError
-        If the file cannot be written, or another survey is there.
+        If the file cannot be written, or another survey is there already.
     ComputationError
         If a process is killed, or a cluster does not answer.
     MissingLibraryError
-        If xarray, or what writes the file, is not installed.
+        If xarray, or a library that writes the file, is not installed.
     """
     samples = {name: _samples(name, given) for name, given in (("x", x), ("t", t))}
     asked = tuple(fields) if samples["x"] else ()
@@ -128,7 +130,13 @@ def run_survey(
     progress: Progress | None,
     command: str,
 ) -> Any:
-    """Do what was planned; raises and returns as `survey`.  `command` is how it was asked for."""
+    """Run a planned survey; return and raise like `survey`.
+
+    Parameters
+    ----------
+    command : str
+        Call or command line that asked for the survey, stored in the dataset.
+    """
     plan.check_memory(whole=path is None or path.suffix == ".nc")
     if path is None:
         require("A survey", "xarray")
@@ -159,7 +167,7 @@ def _solve(
     client: Any,
     progress: Progress | None,
 ) -> None:
-    """Solve what is not known yet, and keep it."""
+    """Solve the chunks that are not known yet, and keep each as soon as it is done."""
     left = [index for index in range(len(plan.regions)) if index not in known]
     sizes = [int(np.prod([part.stop - part.start for part in region])) for region in plan.regions]
     done = plan.count - sum(sizes[index] for index in left)
@@ -175,7 +183,7 @@ def _solve(
 
 
 def _write(path: Path, plan: Plan, store: Store, command: str) -> Any:
-    """Make the file of all chunks; the survey it holds."""
+    """Write all chunks to the file and return the survey."""
     import xarray
 
     from slipfront.surveys.dataset import dataset_of, netcdf_bytes, write_zarr
@@ -202,7 +210,7 @@ def _write(path: Path, plan: Plan, store: Store, command: str) -> Any:
 
 
 def _written(path: Path, plan: Plan) -> Any:
-    """The survey that a file holds, if it is this one."""
+    """Return the survey that a file holds, if it is the planned one."""
     import xarray
 
     try:
@@ -212,7 +220,7 @@ def _written(path: Path, plan: Plan) -> Any:
         else:
             check_folder(path)
             found = xarray.open_zarr(path, chunks=None)
-    except Exception as error:  # what is no survey at all makes its readers fail in any way
+    except Exception as error:  # readers fail in any way on files that are no survey
         raise DataFileError(
             f"{path} cannot be read as a survey ({error}); move it away or give another path."
         ) from error

@@ -1,4 +1,4 @@
-"""Chunks of a survey on the disk, until all of them are there; and the seal of a Zarr store."""
+"""Storage of the chunks of a survey until it is complete, and the checksums of a Zarr store."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from slipfront.surveys.plan import Plan
 
 _PLAN = "survey.json"
 _SUMS = "sha256.txt"
-"""Of a Zarr store, whose readers do not look at it; ``sha256sum -c`` does."""
+"""File of checksums in a Zarr store; readers of Zarr ignore it, ``sha256sum -c`` checks it."""
 
 
 class Store:
-    """A folder of finished chunks of one survey, each a sealed file written whole."""
+    """A folder of finished chunks of one survey, each a file with a checksum."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -29,7 +29,7 @@ class Store:
         return self._folder / f"{index:08d}.npz"
 
     def keep(self, index: int, data: bytes) -> None:
-        """Put a chunk on the disk.
+        """Write a chunk to the disk.
 
         Raises
         ------
@@ -39,7 +39,7 @@ class Store:
         write_bytes(self._path(index), data, Seal.TRAILING)
 
     def read(self, index: int) -> bytes | None:
-        """A chunk; None if it is not there, or damaged."""
+        """Return a chunk, or None if it is missing or damaged."""
         path = self._path(index)
         try:
             check_seal(path)
@@ -48,19 +48,19 @@ class Store:
             return None
 
     def clear(self) -> None:
-        """Remove all that was kept."""
+        """Remove everything that was kept."""
         for path in (*self._folder.glob("*.npz"), self._folder / _PLAN):
             with suppress(OSError):
                 path.unlink(missing_ok=True)
 
 
 def store_folder(path: Path) -> Path:
-    """Where the chunks of a survey are kept until it is whole: beside its file."""
+    """Return the folder beside the file of a survey that keeps its chunks until it is complete."""
     return path.with_name(f".{path.name}.survey")
 
 
 def seal_folder(folder: Path) -> None:
-    """Put the checksums of all files of a folder into one more.
+    """Write the checksums of all files of a folder into one more file.
 
     Raises
     ------
@@ -71,14 +71,14 @@ def seal_folder(folder: Path) -> None:
 
 
 def check_folder(folder: Path) -> None:
-    """Raise unless a folder holds the files that it was sealed with, as they were.
+    """Check that a folder holds exactly the files that were sealed, unchanged.
 
     Raises
     ------
     OSError
-        If one cannot be read.
+        If a file cannot be read.
     ValueError
-        If one is damaged or missing, or the seal is.
+        If a file or the checksums are damaged or missing.
     """
     lines = (folder / _SUMS).read_text(encoding="utf-8").splitlines()
     known = {line[_DIGITS + 2 :]: line[:_DIGITS] for line in lines}
@@ -91,7 +91,7 @@ _DIGITS = 64
 
 
 def _sums(folder: Path) -> Iterator[tuple[str, str]]:
-    """Names and SHA-256 of the files of a folder, in the order of names."""
+    """Yield name and SHA-256 of each file of a folder, in the order of names."""
     for path in sorted(folder.rglob("*")):
         if path.is_file() and path.name != _SUMS:
             with path.open("rb") as stream:
@@ -101,12 +101,12 @@ def _sums(folder: Path) -> Iterator[tuple[str, str]]:
 
 @contextmanager
 def opened_store(path: Path, plan: Plan) -> Iterator[Store]:
-    """The store of a survey that is to become a file, for one run at a time.
+    """Open the store of a survey that will become a file, for one run at a time.
 
     Raises
     ------
     DataFileError
-        If it cannot be written, another run is at it, or it holds another survey.
+        If it cannot be written, another run uses it, or it holds another survey.
     """
     folder = store_folder(path)
     with working_folder(folder):
@@ -117,7 +117,7 @@ def opened_store(path: Path, plan: Plan) -> Iterator[Store]:
 
 
 def _check(folder: Path, plan: Plan) -> None:
-    """Make sure that a folder is of this survey; say so in a new one."""
+    """Check that a folder belongs to this survey; record the survey in a new folder."""
     text = json.dumps(plan.identity, indent=2, sort_keys=True) + "\n"
     try:
         known = (folder / _PLAN).read_text(encoding="utf-8")

@@ -1,1 +1,1 @@
-"""The article done again: its cases, its claims, how each is judged."""
+"""Reproduction of the article: its cases, its claims, and their judgement."""

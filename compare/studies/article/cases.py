@@ -1,14 +1,14 @@
-"""The article's cases: its material, its loads on a base, and both honest answers to each.
+"""The article's cases: its material, its loads on a base, and two answers to each.
 
-The article takes f P_0 = 1 and Q_0 = 1/chi without a base load, for which the friction bound
-f P_0 p*(u) is negative on 0.59 c_t t < x < c_l t: Coulomb's law is not defined there.  Two physical
-bases replace it:
+The article takes f P_0 = 1 and Q_0 = 1/chi without a base load.  The friction bound f P_0 p*(u) is
+then negative on 0.59 c_t t < x < c_l t, where Coulomb's law is not defined.  Two physical bases
+replace it:
 
 - remote: the loads arrive as sudden remote loads (P_0, Q_0), base = step;
 - preloaded: constant pressure P_0, sudden shear Q_0.
 
-Lengths and times are the article's (c_t = 5, t = 0.01); it gives no modulus, mu = 1 here.
-Slip rates are relative, over V_0 = 2 Q_0/(mu b); the article's V is one-sided.
+Lengths and times are those of the article (c_t = 5, t = 0.01).  It gives no modulus; here mu = 1.
+Slip rates are relative, over V_0 = 2 Q_0/(mu b), whereas the article's V is one-sided.
 """
 
 from __future__ import annotations
@@ -34,29 +34,33 @@ END_TIME = 0.01
 SHEAR_SPEED = 5.0
 POISSON_RATIO = 1 / 3
 AUXETIC_RATIO = -0.5
-"""Poisson ratio at which reverse slip is wide enough to be seen."""
+"""Poisson ratio at which reverse slip covers a visible width."""
 LOW_FRICTION = 0.01
 REMOTE_CHI = (LOW_FRICTION, 0.5, 0.9, 1.2, 2.0)
 PRELOADED_CHI = (LOW_FRICTION, 0.5, 2.0)
 
 
 def article_material(poisson_ratio: float = POISSON_RATIO) -> Material:
-    """c_t = 5 and mu = 1; with the default Poisson ratio c_l = 10."""
+    """Return the material with c_t = 5 and mu = 1; with the default Poisson ratio, c_l = 10."""
     return Material(1.0, 1 / SHEAR_SPEED**2, poisson_ratio)
 
 
 def article_scene(chi: float, base: str, poisson_ratio: float = POISSON_RATIO) -> Scene:
-    """Scene with f P_0 = 1 and Q_0 = 1/chi on a base.
+    """Return the scene with f P_0 = 1 and Q_0 = 1/chi on a base.
 
     Parameters
     ----------
-    chi : f P_0 / Q_0, positive.
-    base : "remote" or "preloaded".
+    chi : float
+        Friction number f P_0 / Q_0, positive.
+    base : str
+        Base and kind of load, "remote" or "preloaded".
+    poisson_ratio : float
+        Poisson ratio of the material.
 
     Raises
     ------
     SceneError
-        If chi is not positive, or the base is another one, the article's included.
+        If chi is not positive, or the base is another one, such as that of the article.
     """
     if not (np.isfinite(chi) and chi > 0):
         raise SceneError(f"article_scene: chi must be positive, got {chi!r}.")
@@ -78,10 +82,14 @@ class Case:
 
     Attributes
     ----------
-    chi, base : as `article_scene`
+    chi, base : float, str
+        Arguments of `article_scene`.
     solution : Solution
+        Exact solution.
     history : InterfaceHistory
-    resolution : int, elements per c_t T
+        History of the interface in the simulation.
+    resolution : int
+        Elements per c_t T.
     """
 
     chi: float
@@ -96,22 +104,22 @@ class Case:
         return 2 / self.chi / self.solution.scene.material.shear_impedance
 
     def exact(self, velocity: Array) -> Array:
-        """Slip rate over V_0 at x/(c_t t), from the exact solution."""
+        """Return the exact slip rate over V_0 at velocities x/(c_t t)."""
         return self.solution.slip_rate(velocity * SHEAR_SPEED, 1.0) / self.scale
 
     def simulated(self) -> tuple[Array, Array]:
-        """x/(c_t T) > 0 and slip rate over V_0 at the end of the simulation."""
+        """Return x/(c_t T) > 0 and the slip rate over V_0 at the end of the simulation."""
         x = self.history.x / (SHEAR_SPEED * self.history.t[-1])
         return x, self.history.slip_rate[-1] / self.scale
 
     def simulated_mean(self, low: float, high: float) -> float:
-        """Mean of the simulated slip rate over low < x/(c_t T) < high."""
+        """Return the mean of the simulated slip rate over low < x/(c_t T) < high."""
         velocity, rate = self.simulated()
         inside = (velocity > low) & (velocity < high)
         return float(rate[inside].mean())
 
     def disagreement(self) -> float:
-        """Mean difference of the two slip rates over x < c_l T, over V_0."""
+        """Return the mean difference of the two slip rates over x < c_l T, over V_0."""
         velocity, rate = self.simulated()
         inside = velocity < self.solution.scene.material.longitudinal_speed / SHEAR_SPEED
         return float(np.abs(rate[inside] - self.exact(velocity[inside])).mean())
@@ -126,11 +134,11 @@ class Cases:
     auxetic: Case
 
     def everyone(self) -> list[Case]:
-        """The cases in one list."""
+        """Return the cases in one list."""
         return [*self.remote.values(), *self.preloaded.values(), self.auxetic]
 
     def disagreement(self) -> float:
-        """The largest of all cases."""
+        """Return the largest disagreement of all cases."""
         return max(case.disagreement() for case in self.everyone())
 
 
@@ -146,8 +154,10 @@ def run_cases(resolution: int, progress: Progress | None = None) -> Cases:
 
     Parameters
     ----------
-    resolution : elements per c_t T; work grows with its third power.
-    progress : called with one line before each case.
+    resolution : int
+        Elements per c_t T; the work grows with its third power.
+    progress : callable, optional
+        Called with one line before each case.
     """
 
     def run(chi: float, base: str, poisson_ratio: float = POISSON_RATIO) -> Case:
@@ -163,9 +173,9 @@ def run_cases(resolution: int, progress: Progress | None = None) -> Cases:
 
 
 def smooth_slip() -> SlipHistory:
-    """A pulse of slip, Gaussian in position and time, that reaches the edge of the contact.
+    """Return a pulse of slip, Gaussian in position and time, that reaches the edge of the contact.
 
-    For a material with c_t = 1, over by t = 1.
+    It is meant for a material with c_t = 1, and is over by t = 1.
     """
     centre, width, moment, duration = 0.25, 0.18, 0.45, 0.12
 
@@ -185,10 +195,14 @@ class SlotCheck:
 
     Attributes
     ----------
-    mode : "I" or "II"
-    x : (n,) array, positions on both sides of the edge
-    simulated : (n,) array, slot faces free
-    free, held : (n,) arrays, `interface_traction` in its two versions
+    mode : str
+        Mode of the slip, "I" or "II".
+    x : (n,) array
+        Positions on both sides of the edge [length].
+    simulated : (n,) array
+        Simulated traction with free slot faces [stress].
+    free, held : (n,) arrays
+        Traction by both versions of `interface_traction` [stress].
     """
 
     mode: Mode
@@ -198,18 +212,20 @@ class SlotCheck:
     held: Array
 
     def error(self, version: str) -> float:
-        """Largest difference from the simulation, relative to the largest traction."""
+        """Return the largest difference from the simulation, relative to the largest traction."""
         difference = np.abs(getattr(self, version) - self.simulated)
         return float(difference.max() / np.abs(self.simulated).max())
 
 
 def check_slot(mode: Mode, element_size: float) -> SlotCheck:
-    """Prescribe a smooth slip on x > 0 with the slot faces free, by all three means at t = 1.
+    """Prescribe a smooth slip on x > 0 with free slot faces, and compute t = 1 in all three ways.
 
     Parameters
     ----------
-    mode : "I" or "II"
-    element_size : [length], the pulse being 0.18 wide
+    mode : str
+        Mode of the slip, "I" or "II".
+    element_size : float
+        Size of the elements [length]; the pulse is 0.18 wide.
     """
     material, slip = Material(1.0, 1.0, POISSON_RATIO), smooth_slip()
     motion = slipping_half_plane(

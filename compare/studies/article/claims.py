@@ -1,6 +1,6 @@
-"""The article's claims judged by three methods; every verdict is computed from the cases.
+"""The article's claims judged by three methods; all verdicts are computed from the cases.
 
-V is the relative slip rate, twice the article's, in units of V_0 = 2 Q_0/(mu b).
+V is the relative slip rate, twice that of the article, in units of V_0 = 2 Q_0/(mu b).
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ Array = NDArray[np.float64]
 HOLDS, FAILS, PARTLY, SILENT = "holds", "fails", "in part", "no answer"
 METHODS = ("published", "exact", "finite elements")
 NOTICEABLE = 0.01
-"""Simulated slip rates count from this share of V_0 on."""
+"""Simulated slip rate over V_0 above which slip counts."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What one method says, and the numbers it says it by."""
+    """Verdict of one method, and the numbers behind it."""
 
     verdict: str
     evidence: str
@@ -47,7 +47,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of the article, the load base of exact solution and simulation, and the verdicts."""
+    """A claim of the article, the base of exact solution and simulation, and the verdicts."""
 
     section: str
     text: str
@@ -56,14 +56,14 @@ class Claim:
 
 
 Verdicts = tuple[Verdict, Verdict, Verdict]
-"""Of the published algorithm, the exact solution and the simulation."""
+"""Verdicts of the published algorithm, the exact solution and the simulation."""
 
 CLAIMS: list[Callable[[Cases], Claim]] = []
-"""What judges each claim, in the order of this file."""
+"""Functions that judge the claims, in the order of this file."""
 
 
 def _claim(section: str, text: str, base: str) -> Callable[[Callable[[Cases], Verdicts]], object]:
-    """Add to `CLAIMS` what finds the three verdicts on a claim."""
+    """Decorate a function that finds the three verdicts on a claim, and add it to `CLAIMS`."""
 
     def add(judge: Callable[[Cases], Verdicts]) -> Callable[[Cases], Claim]:
         @wraps(judge)
@@ -81,7 +81,7 @@ def _judge(true: bool, evidence: str) -> Verdict:
 
 
 def _stuck_shear_near_front(case: Case) -> float:
-    """Largest simulated q* over c_t T < x < c_l T, one cell off the shear front."""
+    """Return the largest simulated q* over c_t T < x < c_l T, one cell off the shear front."""
     x = case.history.x / (SHEAR_SPEED * case.history.t[-1])
     ahead = (x > 1 + 1 / case.resolution) & (x < 2)
     held = case.solution.scene.superposition.in_place
@@ -100,7 +100,7 @@ def _zones_text(zones: tuple[SlipZone, ...]) -> str:
 
 
 def published_sense_change(chi: float) -> float:
-    """Where the published algorithm changes the sense of slip, x/(c_t t)."""
+    """Return the x/(c_t t) at which the published algorithm changes the sense of slip."""
     slip = published_slip(chi)
     behind = slip.u > 1.02
     change = np.flatnonzero(np.diff(np.sign(slip.slip_rate[behind])))[0]
@@ -108,19 +108,19 @@ def published_sense_change(chi: float) -> float:
 
 
 def published_reversal(chi: float) -> float:
-    """Mean reversed slip rate on 0.63 to 0.95 c_t t by the published algorithm, V_0."""
+    """Return the published algorithm's mean reversed slip rate / V_0 on 0.63 to 0.95 c_t t."""
     return -chi * float(published_slip(chi).at(np.linspace(1.05, 1.6, 100)).mean())
 
 
 def simulated_reversal(case: Case) -> Array:
-    """Where a simulation reverses at the end, x/(c_t t)."""
+    """Return the positions x/(c_t t) of reverse slip at the end of a simulation."""
     velocity, rate = case.simulated()
     return velocity[rate < -NOTICEABLE * np.abs(rate).max()]
 
 
 @_claim("3.6.1", "no shear traction ahead of the shear wave", "any")
 def no_shear_ahead(cases: Cases) -> Verdicts:
-    """3.6.1: q = 0 ahead of the shear wave."""
+    """Judge 3.6.1: q = 0 ahead of the shear wave."""
     front = float(stuck_traction(1 / 3, "II")(1.0))
     simulated = _stuck_shear_near_front(cases.remote[2.0])
     return (
@@ -132,7 +132,7 @@ def no_shear_ahead(cases: Cases) -> Verdicts:
 
 @_claim("3.6.1", "the edge sticks for chi >= 1", "remote")
 def edge_sticks(cases: Cases) -> Verdicts:
-    """(3.17)-(3.19): the edge sticks for chi >= 1."""
+    """Judge (3.17)-(3.19): the edge sticks for chi >= 1."""
     case = cases.remote[1.2]
     exact = case.solution.edge_slip_rate / case.scale
     simulated = case.simulated_mean(0.05, 0.3)
@@ -154,7 +154,7 @@ def edge_sticks(cases: Cases) -> Verdicts:
 
 @_claim("6.0.1", "a slip wave for any chi > 1, bounded by x = (a/b) c_t t and c_t t", "remote")
 def slip_wave_above_one(cases: Cases) -> Verdicts:
-    """6.0.1: a slip wave for any chi > 1, bounded by x = (a/b) c_t t."""
+    """Judge 6.0.1: a slip wave for any chi > 1, bounded by x = (a/b) c_t t."""
     case = cases.remote[2.0]
     end = examine_reading(DEFAULT_READING).slip_end
     largest = float(np.abs(case.simulated()[1]).max())
@@ -175,7 +175,7 @@ def slip_wave_above_one(cases: Cases) -> Verdicts:
 
 @_claim("6.0.2", "for chi < 1 slip fills 0 < x < c_t t and ends there", "remote; preloaded")
 def slip_reaches_shear_front(cases: Cases) -> Verdicts:
-    """6.0.2: slip for chi < 1 is confined to 0 < x < c_t t."""
+    """Judge 6.0.2: slip for chi < 1 is confined to 0 < x < c_t t."""
     remote, preloaded = cases.remote[0.5], cases.preloaded[0.5]
     ahead = remote.simulated_mean(1.2, 1.8)
     velocity, rate = preloaded.simulated()
@@ -198,7 +198,7 @@ def slip_reaches_shear_front(cases: Cases) -> Verdicts:
 
 @_claim("6.0.2", "for chi < 1 slip has a maximum that lags the shear front", "remote")
 def maximum_lags(cases: Cases) -> Verdicts:
-    """6.0.2: the maximum lags the shear front for chi < 1."""
+    """Judge 6.0.2: the maximum lags the shear front for chi < 1."""
     remote = cases.remote[0.5]
     velocity, rate = remote.simulated()
     inside = (velocity > 0.1) & (velocity < 0.9)
@@ -220,7 +220,7 @@ def maximum_lags(cases: Cases) -> Verdicts:
     "6.0.3", f"reverse slip on c_R t < x < c_t t for chi < {REVERSE_LIMIT}", "remote; preloaded"
 )
 def reverse_slip(cases: Cases) -> Verdicts:
-    """6.0.3: reverse slip between c_R t and c_t t for chi < 0.0575, and only there."""
+    """Judge 6.0.3: reverse slip between c_R t and c_t t for chi < 0.0575, and only there."""
     limit = examine_reading(DEFAULT_READING).reverse_limit
     low = (cases.remote[LOW_FRICTION], cases.preloaded[LOW_FRICTION])
     reversed_zones = [z for case in low for z in case.solution.zones if z.sense < 0]
@@ -252,7 +252,7 @@ def reverse_slip(cases: Cases) -> Verdicts:
     f"preloaded, nu = {AUXETIC_RATIO}",
 )
 def rayleigh_separates(cases: Cases) -> Verdicts:
-    """6.0.3: the Rayleigh speed separates the two senses of slip."""
+    """Judge 6.0.3: the Rayleigh speed separates the two senses of slip."""
     case = cases.auxetic
     rayleigh = case.solution.scene.material.rayleigh_speed / SHEAR_SPEED
     published = published_sense_change(LOW_FRICTION)
@@ -278,7 +278,7 @@ def rayleigh_separates(cases: Cases) -> Verdicts:
 
 @_claim("6.0.2", "the slip zone has no natural limit and grows with time", "preloaded")
 def no_natural_limit(cases: Cases) -> Verdicts:
-    """6.0.2: the slip zone keeps growing."""
+    """Judge 6.0.2: the slip zone keeps growing."""
     case = cases.preloaded[0.5]
     outer = case.solution.zones[0].outer / SHEAR_SPEED
     widths = []
@@ -297,7 +297,7 @@ def no_natural_limit(cases: Cases) -> Verdicts:
 
 @_claim("6.0.1", "for chi > 1 full stick is approached over time", "remote")
 def full_stick_approached(cases: Cases) -> Verdicts:
-    """6.0.1: over time full stick is restored for chi > 1."""
+    """Judge 6.0.1: over time full stick is restored for chi > 1."""
     case, stuck = cases.remote[1.2], cases.remote[2.0]
     exact = case.solution.edge_slip_rate / case.scale
     simulated = case.simulated_mean(0.02, 0.1)
@@ -324,7 +324,7 @@ def full_stick_approached(cases: Cases) -> Verdicts:
 
 @_claim("6.0.3, 7", "lower friction gives worse reversal", f"preloaded, nu = {AUXETIC_RATIO}")
 def lower_friction_worse(cases: Cases) -> Verdicts:
-    """6.0.3, 7: lower friction makes reversal worse."""
+    """Judge 6.0.3, 7: lower friction makes reversal worse."""
 
     def reversed_width(chi: float) -> float:
         zones = solve(article_scene(chi, "preloaded", AUXETIC_RATIO)).zones

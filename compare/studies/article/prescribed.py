@@ -1,8 +1,7 @@
-"""A half-plane by finite elements with given tractions or given motion on its surface.
+"""A half-plane by finite elements with prescribed tractions or motion on its surface.
 
-The independent judge of Lamb's functions and of the two kernels of section 4: bilinear squares,
-lumped mass and central differences, which know the equation of motion (4.1) and nothing of
-transforms.
+It checks Lamb's functions and the two kernels of section 4 independently.  Bilinear squares, lumped
+mass and central differences solve the equation of motion (4.1) without any transform.
 """
 
 from __future__ import annotations
@@ -22,22 +21,23 @@ from semianalytic.halfplane.rayleigh import Mode
 
 Array = NDArray[np.float64]
 Field = Callable[[Array, Array], Array]
-_STEP_RATIO = 0.9  # of h / c_l; squares are stable up to 0.98
+_STEP_RATIO = 0.9  # relative to h / c_l; squares are stable up to 0.98
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceMotion:
-    """Surface y = 0 of the half-plane y > 0 at the end time.
+    """Motion of the surface y = 0 of the half-plane y > 0 at the end time.
 
     Attributes
     ----------
     x : (n,) array
-        Nodes [length].
+        Positions of the nodes [length].
     displacement : (2, n) array
-        u_x and u_y [length].
+        Displacements u_x and u_y [length].
     traction : array
-        What the prescribed motion takes [stress]: of `slipping_half_plane` (n,), sigma_xy in mode
-        II, pressure in mode I; of `loaded_half_plane` (2, n), zero.  0 where the surface is free.
+        Traction that the prescribed motion requires [stress].  `slipping_half_plane` gives (n,),
+        sigma_xy in mode II and pressure in mode I; `loaded_half_plane` gives (2, n), all zero.
+        Where the surface is free, it is 0.
     """
 
     x: Array
@@ -54,13 +54,19 @@ def loaded_half_plane(
     element_size: float,
     half_width: float,
 ) -> SurfaceMotion:
-    """Free half-plane under tractions p(x, t) and sigma_xy(x, t) on its whole surface.
+    """March a half-plane under tractions p(x, t) and sigma_xy(x, t) on its whole surface.
 
     Parameters
     ----------
-    pressure, shear : smooth callables (x, t) -> array [stress], at rest before t = 0.
-    end_time, element_size : [time], [length].
-    half_width : the walls stand at |x| = half_width, free of traction [length].
+    material : Material
+    pressure, shear : callable
+        Smooth functions (x, t) -> array [stress], zero before t = 0.
+    end_time : float
+        Time at which the march ends [time].
+    element_size : float
+        Size of the elements [length].
+    half_width : float
+        Distance of the traction-free side walls from x = 0 [length].
     """
     plane = _HalfPlane.build(material, element_size, half_width, end_time)
     surface = plane.surface
@@ -84,15 +90,15 @@ def slipping_half_plane(
     element_size: float,
     half_width: float,
 ) -> SurfaceMotion:
-    """Upper block whose contact face x > 0 moves as prescribed, its slot face free.
+    """March the upper block with a prescribed motion of its contact face x > 0, slot face free.
 
-    The component that is not prescribed is free of traction everywhere, as symmetry demands.
+    By symmetry, the component that is not prescribed is free of traction everywhere.
 
     Parameters
     ----------
     slip : SlipHistory
-        Velocity of the upper face, tangential in mode II, normal in mode I: the article's
-        one-sided V of (4.1), half of the relative slip rate.
+        Velocity of the upper face, tangential in mode II, normal in mode I: the one-sided V of
+        the article's (4.1), half of the relative slip rate.
     """
     plane = _HalfPlane.build(material, element_size, half_width, end_time)
     component = 0 if mode == "II" else 1
@@ -117,7 +123,7 @@ def _strain_energy(u, v, w):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class _HalfPlane:
-    """Mass-normalised half-plane; surface[i] are the unknowns of component i, by x."""
+    """Mass-normalised half-plane; surface[i] holds the unknowns of component i, by x."""
 
     matrix: sparse.csr_array
     root: Array
@@ -137,7 +143,7 @@ class _HalfPlane:
     ) -> _HalfPlane:
         speed, mu = material.longitudinal_speed, material.shear_modulus
         columns = 2 * round(half_width / size)
-        # waves sent back by the bottom must not return to the surface
+        # waves reflected at the bottom must not return to the surface
         depth = round(speed * end_time / (2 * size)) + 4
         mesh = MeshQuad.init_tensor(
             size * (np.arange(columns + 1) - columns // 2), size * np.arange(depth + 1)
@@ -174,7 +180,7 @@ class _HalfPlane:
         moved: NDArray[np.int64] | None,
         velocity: Callable[[float], Array] | None,
     ) -> SurfaceMotion:
-        """Central differences to the end time; the reactions of moved unknowns at the end."""
+        """March by central differences; return the surface and the reactions of moved unknowns."""
         step = self.time_step
         position, increment = np.zeros(self.unknowns), np.zeros(self.unknowns)
         reaction = np.zeros(self.unknowns)

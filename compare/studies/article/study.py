@@ -1,8 +1,8 @@
-"""The article reproduced: its figures, its claims and the readings of its algorithm.
+"""The article reproduced: its figures, its claims, and the readings of its algorithm.
 
-Slip and slip rates are relative, twice the article's: in units of V_0 = 2 Q_0/(mu b).  ``slipfront
-article`` writes all, ``python -m compare.studies.article.study claims cases slots --csv docs/data``
-what docs/article.md shows.
+Slip and slip rates are relative, twice those of the article, in units of V_0 = 2 Q_0/(mu b).
+``slipfront article`` writes everything.  ``python -m compare.studies.article.study claims cases
+slots --csv docs/data`` writes the data of docs/article.md.
 """
 
 from __future__ import annotations
@@ -68,12 +68,12 @@ UNITS = (
     r"$\nu$ = 1/3, $c_t$ = 5, $t$ = 0.01, $f P_0$ = 1, $\chi = f P_0/Q_0$;  "
     r"$V_0 = 2 Q_0/(\mu b)$ = $2 Q_0/(\rho c_t)$"
 )
-"""What holds in all figures of the article."""
+"""Parameters that hold in all figures of the article."""
 
 
 @dataclass(frozen=True)
 class Article:
-    """What `write_article` comes to; disagreement is that of `Cases`, files what was written."""
+    """Results of `write_article`: disagreement is that of `Cases`, files are those written."""
 
     claims: tuple[Claim, ...]
     readings: tuple[ReadingResult, ...]
@@ -82,12 +82,12 @@ class Article:
 
 
 def judge_claims(cases: Cases) -> tuple[Claim, ...]:
-    """All claims with the verdicts of the three methods."""
+    """Return all claims with the verdicts of the three methods."""
     return tuple(judge(cases) for judge in CLAIMS)
 
 
 def claims_table(claims: Sequence[Claim]) -> str:
-    """The claims as a Markdown table: one row per claim, one column per method."""
+    """Return the claims as a Markdown table: one row per claim, one column per method."""
     head = ["section", "claim", "load base", *METHODS]
     rows = [
         [
@@ -102,13 +102,13 @@ def claims_table(claims: Sequence[Claim]) -> str:
 
 
 def readings_table(results: Sequence[ReadingResult]) -> str:
-    """The readings of the published algorithm as a Markdown table."""
+    """Return the readings of the published algorithm as a Markdown table."""
     rows = [_reading_row(result) for result in results]
     return markdown_table(list(rows[0]), [list(row.values()) for row in rows])
 
 
 def _reading_row(result: ReadingResult) -> dict[str, str]:
-    """What a reading is and how it fares, by heading."""
+    """Return the description and the results of a reading, by heading."""
     reading, limit = result.reading, result.reverse_limit
     fares = {
         "condition": f"{result.condition:.1e}",
@@ -133,7 +133,7 @@ def _reading_row(result: ReadingResult) -> dict[str, str]:
 
 
 def slot_table(checks: Sequence[SlotCheck]) -> str:
-    """Largest differences from finite elements with a free slot, as a Markdown table."""
+    """Return the largest differences from finite elements with a free slot as a Markdown table."""
     rows = [[f"mode {c.mode}", f"{c.error('free'):.2%}", f"{c.error('held'):.1%}"] for c in checks]
     return markdown_table(["", "slot face free", "slot face held, (4.31), (4.37)"], rows)
 
@@ -144,10 +144,10 @@ def write_article(
     progress: Progress | None = None,
     form: str = "png",
 ) -> Article:
-    """Redraw figures 2, 5 and 6, on coarser meshes if quick, and judge the claims.
+    """Draw figures 2, 5 and 6 of the article, and judge its claims; meshes are coarser if `quick`.
 
-    Writes figure2, figure5, figure6 and slot (of a `form`) and article.md into a folder; `progress`
-    is called with one line before each piece of work.
+    Writes figure2, figure5, figure6 and slot (in a format `form`) and article.md into a folder.
+    `progress` is called with one line before each piece of work.
 
     Raises
     ------
@@ -204,9 +204,9 @@ def _panels(
 
 @styled
 def figure_2(cases: Cases) -> Figure:
-    """Stuck pressure p* and shear q* at three times: (3.10), (3.14) and finite elements.
+    """Draw stuck pressure p* and shear q* at three times: (3.10), (3.14) and finite elements.
 
-    The simulation is the remote load with chi = 2, which sticks everywhere.
+    The simulation has the remote load with chi = 2, under which the whole contact sticks.
     """
     case = cases.remote[2.0]
     material, history = case.solution.scene.material, case.history
@@ -230,7 +230,7 @@ def figure_2(cases: Cases) -> Figure:
 
 
 def _rate_curves(case: Case, method: str) -> tuple[Array, Array]:
-    """x/(c_t T) and slip rate of a method; the published one has no base."""
+    """Return x/(c_t T) and the slip rate of a method; the published method has no base."""
     if method == "exact":
         return _VELOCITY, case.exact(_VELOCITY)
     if method == "finite elements":
@@ -240,7 +240,7 @@ def _rate_curves(case: Case, method: str) -> tuple[Array, Array]:
 
 
 def _slip_curves(case: Case, method: str) -> tuple[Array, Array]:
-    """x/(c_t T) and relative slip over V_0 T."""
+    """Return x/(c_t T) and the relative slip over V_0 T of a method."""
     if method == "exact":
         total = case.solution.slip(_VELOCITY * SHEAR_SPEED * END_TIME, END_TIME)
         return _VELOCITY, total / (case.scale * END_TIME)
@@ -274,7 +274,7 @@ def _draw(panel: Axes, cases: Sequence[Case], method: str, curves: Curves) -> No
 
 @styled
 def figure_5(cases: Cases) -> Figure:
-    """Slip rate for chi > 1 at t = 0.01: published algorithm, exact solution, finite elements."""
+    """Draw the slip rate for chi > 1 at t = 0.01: published algorithm, exact, finite elements."""
     chosen = [*(cases.remote[chi] for chi in _ABOVE), cases.preloaded[2.0]]
     figure, [panels] = _panels(3, 12)
     for panel, method in zip(panels, METHODS, strict=True):
@@ -286,7 +286,7 @@ def figure_5(cases: Cases) -> Figure:
 
 @styled
 def figure_6(cases: Cases) -> Figure:
-    """Slip rate (above) and slip (below) for chi < 1 at t = 0.01, by the three methods."""
+    """Draw slip rate (above) and slip (below) for chi < 1 at t = 0.01, by the three methods."""
     remote = [cases.remote[chi] for chi in _BELOW]
     preloaded = [cases.preloaded[chi] for chi in _BELOW if chi in cases.preloaded]
     figure, rows = _panels(3, 12, rows=2)
@@ -307,7 +307,7 @@ def _title(method: str) -> str:
 
 @styled
 def slot_figure(checks: Sequence[SlotCheck]) -> Figure:
-    """Traction under a prescribed pulse of slip: simulation against both kernels, both modes."""
+    """Draw the traction under a prescribed pulse of slip: simulation and kernels, both modes."""
     title = r"smooth pulse of slip, $\nu$ = 1/3, $f$ without effect, units $c_t$ = $\mu$ = $t$ = 1"
     figure, [panels] = _panels(len(checks), 4.8 * len(checks), title=title)
     for panel, check in zip(panels, checks, strict=True):
@@ -324,7 +324,7 @@ def slot_figure(checks: Sequence[SlotCheck]) -> Figure:
 
 @dataclass(frozen=True)
 class ClaimRow:
-    """A claim and what each method says of it, as in `claims_table`."""
+    """A claim and the verdict of each method, as in `claims_table`."""
 
     section: str
     claim: str
@@ -357,7 +357,7 @@ _cases = cache(run_cases)
 
 
 def claim_rows() -> list[ClaimRow]:
-    """All claims, judged on the mesh of the full study."""
+    """Judge all claims on the mesh of the full study."""
     return [
         ClaimRow(
             claim.section,
@@ -370,7 +370,7 @@ def claim_rows() -> list[ClaimRow]:
 
 
 def case_rows() -> list[CaseRow]:
-    """All cases on that mesh."""
+    """Compare both slip rates of all cases on the mesh of the full study."""
     return [
         CaseRow(
             case.base,
@@ -383,7 +383,7 @@ def case_rows() -> list[CaseRow]:
 
 
 def slot_rows() -> list[SlotRow]:
-    """Both modes."""
+    """Compare the kernels with finite elements in both modes."""
     checks = (check_slot("II", _ELEMENT_SIZE), check_slot("I", _ELEMENT_SIZE))
     return [SlotRow(check.mode, check.error("free"), check.error("held")) for check in checks]
 

@@ -1,1 +1,1 @@
-"""Speed against accuracy: every method on every scene."""
+"""Speed against accuracy of every method on every scene of the chart."""

@@ -1,14 +1,18 @@
-"""How long solutions, sweeps and the import take, as ratios measured in the same run.
+"""Benchmarks of solutions, sweeps and the import, as ratios of times measured in the same run.
 
 Run as ``python -m compare.studies.chart.benchmark solve sweep batch import``; ``--csv docs/data``
-writes what docs/solver.md shows. Solutions are set against a dense 400 x 400
-solve, next to the error reached (relative L1 of the slip rate against rtol = 1e-12); a sweep over
-100 and 1,000 frictions against solving them one by one (of 1,000 every tenth, times ten), next to
-the largest difference of edges and how its solutions were found; a batch of 10,000 points of
-friction and Poisson ratio, in a grid and scattered, against solving every hundredth; the import of
-``semianalytic`` against that of numpy and scipy.linalg. Times are processor times on one thread,
-medians of interleaved repetitions, so that other work on the machine disturbs both sides alike; a
-batch is timed once.
+writes the data of docs/solver.md.
+
+- solve: a solution against a dense 400 x 400 solve, with its error (relative L1 of the slip rate
+  against rtol = 1e-12).
+- sweep: 100 and 1,000 frictions against solving them one by one (for 1,000: every tenth, times
+  ten), with the largest difference of edges and the origins of the solutions.
+- batch: 10,000 points of friction and Poisson ratio, in a grid and scattered, against solving every
+  hundredth.
+- import: ``semianalytic`` against numpy and scipy.linalg.
+
+Times are processor times on one thread and medians of interleaved repetitions, so that other work
+on the machine disturbs both sides alike.  A batch is timed only once.
 """
 
 from __future__ import annotations
@@ -35,12 +39,12 @@ from semianalytic.selfsimilar.collocation import slip_grid
 from semianalytic.sweeps.continuation import COMPUTED, FROM_SCRATCH, INTERPOLATED
 from semianalytic.sweeps.sweep import Sweep, sweep
 
-SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}  # each crosses thresholds
+SWEEPS = {"preloaded": (0.05, 1.0), "remote-shock": (1.05, 1.5)}  # each range crosses thresholds
 _FRICTIONS = 100
 _MANY_FRICTIONS = 1000
 _SWEEP_TOLERANCES = (1e-3, 1e-6, 1e-8)
 _ORIGINS = (FROM_SCRATCH, COMPUTED, INTERPOLATED)
-_GAP = 1e-13  # over c_t; zones as near as that count as one
+_GAP = 1e-13  # relative to c_t; zones this close to each other count as one
 SCENES = ("preloaded", "remote-shock")
 RATIOS = (0.0, 0.45)
 TOLERANCES = (1e-3, 1e-8, 1e-11)
@@ -48,7 +52,7 @@ TOLERANCES = (1e-3, 1e-8, 1e-11)
 
 @dataclass(frozen=True)
 class Timing:
-    """One row: ratio to the dense solve with warm and cold tables, and the error reached."""
+    """Ratio to the dense solve with warm and cold tables, and the error of the solution."""
 
     scene_name: str
     rtol: float
@@ -58,13 +62,13 @@ class Timing:
 
 
 def forget_tables() -> None:
-    """Drop all that is kept per Poisson ratio."""
+    """Clear all tables that are cached per Poisson ratio."""
     for table in (rayleigh_factors, stuck_traction, slip_grid):
         table.cache_clear()
 
 
 def median_times(tasks: list[Callable[[], object]], repetitions: int) -> list[float]:
-    """Median processor time of each task [s], the tasks taking turns."""
+    """Return the median processor time of each task [s]; the tasks run in turns."""
     times: list[list[float]] = [[] for _ in tasks]
     for _ in range(repetitions):
         for task, collected in zip(tasks, times, strict=True):
@@ -75,7 +79,10 @@ def median_times(tasks: list[Callable[[], object]], repetitions: int) -> list[fl
 
 
 def slip_rate_error(scene: Scene, rtol: float) -> float:
-    """Relative L1 error of the slip rate over 0.02 < x/(c_t t) < 1.9 against rtol = 1e-12."""
+    """Return the relative L1 error of the slip rate over 0.02 < x/(c_t t) < 1.9.
+
+    The reference is a solution with rtol = 1e-12.
+    """
     x = np.linspace(0.02, 1.9, 2000) * scene.material.shear_speed
     exact, rough = (solve(scene, rtol=tolerance).slip_rate(x, 1.0) for tolerance in (1e-12, rtol))
     return relative_error(rough, exact, x, 1)
@@ -106,9 +113,12 @@ def measure(repetitions: int = 15) -> list[Timing]:
 
 @dataclass(frozen=True)
 class SweepTiming:
-    """One sweep over so many frictions: ratio of the time one by one to its own, solutions from
-    scratch, computed and interpolated, and the largest difference of zone edges over c_t, of
-    frictions at which both have as many zones."""
+    """Timing of one sweep over a number of frictions.
+
+    It holds the ratio of the time one by one to that of the sweep; numbers of solutions from
+    scratch, computed and interpolated; and the largest difference of zone edges over c_t, among
+    frictions at which both ways give the same number of zones.
+    """
 
     scene_name: str
     frictions: int
@@ -122,7 +132,7 @@ class SweepTiming:
 
 
 def edge_difference(one: Solution, other: Solution) -> float | None:
-    """Largest difference of zone edges over c_t; None if there are other zones."""
+    """Return the largest difference of zone edges over c_t; None if the zones differ in number."""
     speed = one.scene.material.shear_speed
     mine, theirs = (_joined(solution.edge_speeds / speed) for solution in (one, other))
     if len(mine) != len(theirs):
@@ -132,7 +142,7 @@ def edge_difference(one: Solution, other: Solution) -> float | None:
 
 
 def _joined(fronts: np.ndarray) -> list[float]:
-    """Edges of zones, without gaps too narrow to matter."""
+    """Return the edges of zones, without gaps too narrow to matter."""
     edges = fronts.ravel().tolist()
     gaps = [i for i in range(1, len(edges) - 1, 2) if edges[i + 1] - edges[i] < _GAP]
     return [edge for i, edge in enumerate(edges) if i not in gaps and i - 1 not in gaps]
@@ -141,8 +151,11 @@ def _joined(fronts: np.ndarray) -> list[float]:
 def _checked(
     done: Sweep, chosen: Sequence[int], singles: Sequence[Solution]
 ) -> tuple[int, int, int, float, int]:
-    """Solutions of a sweep from scratch, computed and interpolated; the largest difference of edges
-    from those of some scenes solved alone, and how many of these have other zones."""
+    """Compare a sweep with scenes solved alone.
+
+    Return the numbers of solutions from scratch, computed and interpolated, the largest difference
+    of edges, and the number of scenes whose zones differ in number.
+    """
     differences = [edge_difference(done[i], one) for i, one in zip(chosen, singles, strict=True)]
     known = [one for one in differences if one is not None]
     scratch, computed, interpolated = map(done.origin.count, _ORIGINS)
@@ -152,7 +165,7 @@ def _checked(
 def measure_sweep(
     name: str, rtol: float, repetitions: int = 3, count: int = _FRICTIONS
 ) -> SweepTiming:
-    """Time a sweep over `count` frictions, a multiple of 100, against solving one by one."""
+    """Time a sweep over `count` frictions, a multiple of 100, against solving them one by one."""
     scene, friction = find_scene(name), np.linspace(*SWEEPS[name], count)
     chosen = range(0, count, count // _FRICTIONS)
     results: dict[str, Sweep] = {}
@@ -171,8 +184,11 @@ def measure_sweep(
 
 @dataclass(frozen=True)
 class BatchTiming:
-    """A batch over friction and Poisson ratio: milliseconds a point and ratio of the time one by
-    one to its own, next to what `SweepTiming` holds of solutions."""
+    """Timing of a batch over friction and Poisson ratio.
+
+    It holds milliseconds per point, the ratio of the time one by one to that of the batch, and the
+    comparison of solutions as in `SweepTiming`.
+    """
 
     scene_name: str
     places: str
@@ -188,7 +204,7 @@ class BatchTiming:
 
 
 def batch_points(name: str, places: str, side: int) -> tuple[np.ndarray, np.ndarray]:
-    """Frictions and Poisson ratios of side^2 points, in a "grid" or "scattered"."""
+    """Return frictions and Poisson ratios of side^2 points, in a "grid" or "scattered"."""
     if places == "grid":
         friction, ratio = np.linspace(*SWEEPS[name], side), np.linspace(*RATIOS, side)
         return np.tile(friction, side), np.repeat(ratio, side)
@@ -197,7 +213,7 @@ def batch_points(name: str, places: str, side: int) -> tuple[np.ndarray, np.ndar
 
 
 def measure_batch(name: str, places: str, rtol: float = 1e-6, side: int = 100) -> BatchTiming:
-    """Time a batch, and solving every hundredth of its points one by one, after it."""
+    """Time a batch, and after it the separate solution of every hundredth point."""
     friction, ratio = batch_points(name, places, side)
     start = process_time()
     done = sweep(find_scene(name), friction, rtol, poisson_ratio=ratio)
@@ -211,7 +227,7 @@ def measure_batch(name: str, places: str, rtol: float = 1e-6, side: int = 100) -
 
 
 def import_ratio(repetitions: int = 9) -> float:
-    """Time to start Python and import semianalytic, over that for numpy and scipy.linalg."""
+    """Time starting Python and importing semianalytic, over importing numpy and scipy.linalg."""
     codes = ("import numpy, scipy.linalg", "import semianalytic")
     times: list[list[float]] = [[], []]
     for _ in range(repetitions):
@@ -233,7 +249,7 @@ class ImportRow:
 
 
 def sweeps() -> list[SweepTiming]:
-    """Sweeps over a hundred and over a thousand frictions."""
+    """Time sweeps over a hundred and over a thousand frictions."""
     counts = (_FRICTIONS, _MANY_FRICTIONS)
     return [
         measure_sweep(name, rtol, count=count)

@@ -1,10 +1,10 @@
-"""What openings and films cost: times of random scenes over those of plain ones beside them.
+"""Costs of openings and viscous films: times of random scenes relative to plain ones.
 
-Run as ``python -m compare.studies.chart.costs openings films --csv docs/data``.  Beside a scene
-that opens stands the same with a base under which it stays closed, or a step of pressure that does
-not pull; beside one with a film the same without.  Times are processor times on one thread, medians
-of solves taken in turns, of a material that has been met; scenes that slip in both and converge
-count.  The error is the largest of the slip rate, relative L1 over rtol.
+Run as ``python -m compare.studies.chart.costs openings films --csv docs/data``.  The plain partner
+of a scene that opens has a base under which it stays closed, or a step of pressure that does not
+pull; the partner of a scene with a film has none.  Times are processor times on one thread, medians
+of interleaved solves for a material whose tables are cached.  Only pairs count in which both scenes
+slip and converge.  The error is the largest one of the slip rate, relative L1 over rtol.
 """
 
 from __future__ import annotations
@@ -31,8 +31,7 @@ Kind = Callable[[np.random.Generator], Pairs]
 
 @dataclass(frozen=True)
 class Cost:
-    """What one kind of scene costs at one rtol: times over those of plain ones, and in
-    milliseconds."""
+    """Cost of one kind of scene at one rtol: times in milliseconds and relative to plain scenes."""
 
     kind: str
     rtol: float
@@ -45,8 +44,10 @@ class Cost:
 
 
 def opening_ahead(random: np.random.Generator) -> Pairs:
-    """A sudden pressure on a base of 0.01 to 0.95 of the threshold: open around the Rayleigh front,
-    and beside it one of 1.1 to 3 times the threshold."""
+    """Yield sudden pressures that open the contact around the Rayleigh front, and closed partners.
+
+    The base is 0.01 to 0.95 of the threshold, that of the partner 1.1 to 3 times the threshold.
+    """
     while True:
         nu, friction = random.uniform(0.0, 0.45), random.uniform(0.1, 1.2)
         threshold = opening_threshold(nu)
@@ -63,8 +64,10 @@ def opening_ahead(random: np.random.Generator) -> Pairs:
 
 
 def opening_from_edge(random: np.random.Generator) -> Pairs:
-    """Pressure on the faces of the slot, 0.1 to 5 times the base, and beside it a step that presses
-    the contact together."""
+    """Yield pressures on the slot faces, 0.1 to 5 times the base, and partners.
+
+    The load of the partner presses the contact together.
+    """
     while True:
         nu, friction = random.uniform(0.0, 0.45), random.uniform(0.1, 1.2)
         base = Tractions(1.0, random.uniform(-0.9, 0.9) * friction)
@@ -74,7 +77,7 @@ def opening_from_edge(random: np.random.Generator) -> Pairs:
 
 
 def film(random: np.random.Generator) -> Pairs:
-    """Viscosities of 0.01 to 3, and dry friction beside them."""
+    """Yield scenes with viscosities of 0.01 to 3, and partners with dry friction."""
     while True:
         nu, friction = random.uniform(0.0, 0.45), random.uniform(0.1, 1.2)
         pressure = random.uniform(0.0, 0.9) / max(opening_threshold(nu), 0.9)
@@ -89,8 +92,10 @@ FILMS = {"film": film}
 
 
 def _ratio(scene: Scene, plain: Scene, rtol: float) -> tuple[float, float] | None:
-    """Time of a scene over that of a plain one, and in milliseconds; None if one of them does not
-    slip or converge."""
+    """Return the time of a scene over that of a plain one, and in milliseconds.
+
+    Return None if one of them does not slip or converge.
+    """
     answers = [solve(one, rtol=rtol) for one in (scene, plain)]
     if not all(one.zones and one.status == "converged" for one in answers):
         return None

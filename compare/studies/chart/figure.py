@@ -1,4 +1,4 @@
-"""The chart drawn, and put into tables and words; all of it from the measured points alone."""
+"""Figures, tables and text of the chart, made from the measured points alone."""
 
 from __future__ import annotations
 
@@ -55,20 +55,20 @@ STYLES = {
 }
 """Colour and marker of every method."""
 
-_AREA = 0.12  # of a marker, points^2 per MB
+_AREA = 0.12  # area of a marker, points^2 per MB
 
 
 def by_method(points: Sequence[Point], scene_name: str) -> Iterator[tuple[str, list[Point]]]:
-    """Methods of a scene with their points, in the order of the table."""
+    """Yield the methods of a scene with their points, in the order of the table."""
     mine = [point for point in points if point.scene_name == scene_name]
     for method, group in groupby(mine, key=lambda point: point.method):
         yield method, list(group)
 
 
 def slope(points: Sequence[Point]) -> float:
-    """Power of time with which the error of a method falls: least squares over all points.
+    """Return the power of time with which the error of a method falls, by least squares.
 
-    Points below the error of the reference are left out; nan with fewer than two.
+    Points below the error of the reference are left out; with fewer than two, the slope is nan.
     """
     known = [p for p in points if p.error > _floor(p) and p.seconds > 0 and p.error < math.inf]
     if len(known) < 2:
@@ -80,14 +80,14 @@ def slope(points: Sequence[Point]) -> float:
 
 
 def _floor(point: Point) -> float:
-    """Error below which a point of a self-similar scene says nothing."""
+    """Return the error below which a point of a self-similar scene has no meaning."""
     return _bars(point)[0] if NAMED_SCENES[point.scene_name].scene.is_self_similar else 0.0
 
 
 def _bars(point: Point) -> tuple[float, float]:
-    """How far slip rate and edges of the reference are to be trusted.
+    """Return the uncertainty of slip rate and edges of the reference.
 
-    A self-similar one agrees with closed forms to rounding, but is asked for `FINEST` only.
+    A self-similar reference agrees with closed forms to rounding, but its tolerance is `FINEST`.
     """
     bars = point.reference_error, point.reference_edge_error
     if not NAMED_SCENES[point.scene_name].scene.is_self_similar:
@@ -99,8 +99,8 @@ def _bars(point: Point) -> tuple[float, float]:
 def chart_figure(points: Sequence[Point], scene_name: str) -> Figure:
     """Errors of slip rate and of zone edges against time, one line per method.
 
-    Marker areas show peak memory.  Points that are better than the reference are drawn at the
-    reference's own error, the upper end of the shaded band; zones missed are left out.
+    Marker areas show peak memory.  Points that are better than the reference are drawn at the error
+    of the reference, the upper end of the shaded band; missed zones are left out.
     """
     figure = new_figure(12, 5.6)
     panels = figure.subplots(1, 2, sharex=True)
@@ -133,7 +133,7 @@ def chart_figure(points: Sequence[Point], scene_name: str) -> Figure:
 
 
 def _errors(group: Sequence[Point]) -> tuple[np.ndarray, np.ndarray]:
-    """Errors of both panels; those of self-similar scenes not below what the reference can tell."""
+    """Return the errors of both panels, raised to the error of self-similar references."""
     limited = NAMED_SCENES[group[0].scene_name].scene.is_self_similar
     floors = _bars(group[0]) if limited else (0.0, 0.0)
     return (
@@ -143,7 +143,7 @@ def _errors(group: Sequence[Point]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _finish(panel: Axes, bar: float) -> None:
-    """Log scales, and a band as high as the reference is uncertain."""
+    """Set logarithmic scales, and shade the errors below the uncertainty of the reference."""
     panel.set(xscale="log", yscale="log")
     panel.xaxis.set_minor_formatter(NullFormatter())
     panel.yaxis.set_minor_formatter(NullFormatter())
@@ -167,13 +167,13 @@ def _finish(panel: Axes, bar: float) -> None:
 
 
 def charted(points: Sequence[Point]) -> list[str]:
-    """Names of the scenes that have points, in the order of the chart."""
+    """Return the names of the scenes that have points, in the order of the chart."""
     present = {point.scene_name for point in points}
     return [name for name in SCENES if name in present]
 
 
 def slopes(points: Sequence[Point]) -> dict[str, dict[str, float]]:
-    """Slope of error against time by scene and method; nan where there is none."""
+    """Return the slope of error against time by scene and method; nan where there is none."""
     return {
         name: {method: slope(group) for method, group in by_method(points, name)}
         for name in charted(points)
@@ -181,7 +181,7 @@ def slopes(points: Sequence[Point]) -> dict[str, dict[str, float]]:
 
 
 def slopes_table(points: Sequence[Point]) -> Table:
-    """Slope of error against time of every method on every scene."""
+    """Return a table of the slope of error against time, of every method on every scene."""
     names = charted(points)
     table = Table("method", title="error ∝ time^slope")
     for name in names:
@@ -199,15 +199,15 @@ def _slopes(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[tup
 
 
 def cheapest(points: Sequence[Point], level: float) -> Point | None:
-    """The fastest point that is within a level whatever the error of its reference; or none."""
+    """Return the fastest point within an error level, reference error included, or None."""
     good = [point for point in points if point.error + point.reference_error <= level]
     return min(good, key=lambda point: point.seconds, default=None)
 
 
 def chart_text(points: Sequence[Point], form: str = "png") -> str:
-    """Markdown beside the figures: which method for which error, what it costs, what fails where.
+    """Return the Markdown page of the chart: recommended methods, their costs, and their limits.
 
-    Links are those of the folder docs/.
+    Links are relative to the folder docs/.
     """
     names, one = charted(points), points[0]
     dates = sorted({point.date for point in points})
@@ -229,7 +229,7 @@ def chart_text(points: Sequence[Point], form: str = "png") -> str:
 
 
 def _recommended(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[list[str]]:
-    """The fastest method of every scene for every level of error."""
+    """Yield the fastest method of every scene for every error level."""
     for name, level in zip(LEVEL_NAMES, LEVELS, strict=True):
         row = [name]
         for scene_name in scene_names:
@@ -244,7 +244,7 @@ def _recommended(points: Sequence[Point], scene_names: Sequence[str]) -> Iterato
 
 
 def _unknown(point: Point, level: float) -> str:
-    """Why no method is named for a level."""
+    """Return why no method is named for an error level."""
     return "—" if point.reference_error < level else "reference not known that well"
 
 
@@ -252,7 +252,7 @@ def _scene_lines(points: Sequence[Point], scene_name: str, form: str) -> Iterato
     described, one = NAMED_SCENES[scene_name], points[0]
     yield f"## {scene_name}"
     yield ""
-    yield f"The scene: {described.summary}."
+    yield f"Scene: {described.summary}."
     kind = "closed form" if described.scene.is_self_similar else "difference of the two"
     edge = one.reference_edge_error
     yield (
@@ -261,7 +261,7 @@ def _scene_lines(points: Sequence[Point], scene_name: str, form: str) -> Iterato
         + ")."
     )
     yield ""
-    seen = f"Errors of slip rate and zone edges of {scene_name} against time, a line a method"
+    seen = f"Errors of slip rate and zone edges of {scene_name} against time, one line per method"
     yield f"![{seen}](figures/chart_{scene_name}.{form})"
     yield ""
     best = [cheapest(points, level) for level in LEVELS]
@@ -292,26 +292,27 @@ def _time(seconds: float) -> str:
 
 
 FAILS: dict[str, str] = {
-    "self-similar": "takes step loads and constant friction only; beside thresholds, at very low "
-    "friction and ν near 0.5 it may end in a status "
+    "self-similar": "It takes only step loads and constant friction. Beside thresholds, at very "
+    "low friction and for ν near 0.5 it may end without convergence, which its status says "
     "([thresholds](stability.md#thresholds), "
     "[limits of ν](stability.md#limits-of-the-poisson-ratio), "
     "[what is left](stability.md#what-a-user-can-still-meet))",
-    "first-stage": "no grid is the answer: what counts is how far zone edges are from nodes "
-    "([first stage](stability.md#the-first-stage))",
-    "published": "solves another equation, whatever the number of collocation points, and knows "
-    "a sudden remote load only ([the article](article.md))",
-    "space-time": "steps above c_t Δt/h of 0.57 to 0.7 are unstable and refused, edges are no "
-    "better than the grid ([where it fails](spacetime.md#where-it-fails), "
+    "first-stage": "No grid gives the answer: the error depends on the distance of zone edges "
+    "from nodes ([first stage](stability.md#the-first-stage))",
+    "published": "It solves another equation, whatever the number of collocation points, and "
+    "takes only a sudden remote load ([the article](article.md))",
+    "space-time": "Steps above c_t Δt/h of 0.57 to 0.7 are unstable and refused. Edges are no "
+    "more accurate than the grid ([where it fails](spacetime.md#where-it-fails), "
     "[step size and long times](stability.md#the-other-two-methods))",
-    "fem": "smears fronts over a width set by damping and mesh "
+    "fem": "It smears fronts over a width set by damping and mesh "
     "([damping](fem.md#damping), [step size, ν, opening](fem.md#when-it-fails))",
-    "fem-triangles": "the irregularity of the mesh shows on fine meshes "
+    "fem-triangles": "The irregularity of the mesh appears on fine meshes "
     "([elements](fem.md#elements))",
-    "fem-graded": "waves are reflected where the mesh grows ([elements](fem.md#elements))",
-    "fem-undamped": "single times ring, zones break up ([damping](fem.md#damping))",
+    "fem-graded": "Waves are reflected where the mesh grows ([elements](fem.md#elements))",
+    "fem-undamped": "Slip rates at single times oscillate, and zones break up "
+    "([damping](fem.md#damping))",
 }
-"""Where methods fail, with links to what was studied; finite elements once for all families."""
+"""Limits of the methods, with links to their studies; all finite elements share one entry."""
 
 
 def _failures(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[str]:
@@ -324,7 +325,7 @@ def _failures(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[s
             known = [p for p in own if p.scene_name == scene_name and math.isfinite(p.error)]
             obstacle = METHODS[name].obstacle(NAMED_SCENES[scene_name].scene)
             if obstacle:
-                ends.append(f"{scene_name} not at all ({obstacle})")
+                ends.append(f"{scene_name} not possible ({obstacle})")
             elif known:
                 best = min(known, key=lambda point: point.error)
                 missed = sum(math.isinf(point.edge_error) for point in known)
@@ -334,7 +335,7 @@ def _failures(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[s
                     f"{best.error:.1e}" if best.error > bar else f"below {bar:.1e}, the reference"
                 )
                 ends.append(f"{scene_name} {least} at {best.name}{zones}")
-        yield f"- **{METHODS[name].label}** {reason}. Best error: {'; '.join(ends)}."
+        yield f"- **{METHODS[name].label}**. {reason}. Best error: {'; '.join(ends)}."
     doubtful = [point for point in points if point.status != "measured"]
     for point in doubtful:
         label = METHODS[point.method].label
@@ -342,7 +343,7 @@ def _failures(points: Sequence[Point], scene_names: Sequence[str]) -> Iterator[s
 
 
 def write_chart(directory: Path, points: Sequence[Point], form: str = "png") -> str:
-    """Draw all figures, in a format, and write `chart.md` beside them; the text is returned.
+    """Draw all figures in a format, write `chart.md` beside them, and return its text.
 
     Raises
     ------

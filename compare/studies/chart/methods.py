@@ -1,8 +1,8 @@
-"""The methods of the chart: how each finds the slip rate of a scene, how long it takes, how well.
+"""Methods of the chart, and how their time, memory and slip rate are measured.
 
-``python -m compare.studies.chart.methods SCENE METHOD SETTING`` measures one point in a process of
-its own and prints it as JSON, so that memory is that of one method and no run warms up another.
-Velocities x/t and edges are over c_t; times [s] are of the calls alone, after the imports.
+``python -m compare.studies.chart.methods SCENE METHOD SETTING`` measures one point in its own
+process and prints it as JSON.  The memory is then that of one method, and no run warms up another.
+Velocities x/t and edges are relative to c_t; times [s] are of the calls alone, after the imports.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ PLACES = np.linspace(0.02, 1.9, 400)
 """Velocities x / (c_t T) at which slip rates are compared."""
 
 EDGE_THRESHOLD = 1e-6
-"""Least slip rate over the largest that counts as slip where zones are read off a profile."""
+"""Smallest slip rate that counts as slip in a profile, over the largest one."""
 
 MEASURED = "measured"
 _ONLY_LAST = 10**9
@@ -51,18 +51,18 @@ _RUNS, _SHORT_RUNS = 3, 5
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What one run of a method yields.
+    """Result of one run of a method.
 
     Attributes
     ----------
     setup, solving : float
-        What depends on grid, material and mesh alone, and the rest [s].
+        Time of what depends only on grid, material and mesh, and of the rest [s].
     slip_rate : (400,) array
-        At `PLACES` and the end time [length / time].
+        Slip rate at `PLACES` and the end time [length / time].
     zones : tuple of SlipZone
-        Edges over c_t.
+        Slip zones, edges over c_t.
     status : str
-        `MEASURED`, or a sentence saying what to distrust.
+        `MEASURED`, or a sentence that says what to distrust.
     """
 
     setup: float
@@ -81,16 +81,17 @@ class Method:
     family : str
         Row of the table of recommendations.
     label : str
+        Name of the method in figures and tables.
     parameter : str
-        What a setting is, as in "rtol 1e-08".
+        Name of the setting, as in "rtol 1e-08".
     run : callable
-        The answer of a scene at a setting.
+        Function that returns the answer of a scene at a setting.
     full, quick : tuple of float
-        Settings of the two charts, from coarse to fine.
+        Settings of the full and the quick chart, from coarse to fine.
     cost : (float, float, float)
-        Rough cost of a run: seconds, the setting at which they hold, and the power they grow with.
+        Rough cost of a run: seconds, the setting to which they belong, and the power of growth.
     obstacle : callable
-        Why a scene is out of reach of the method, or nothing.
+        Function that says why a scene is out of reach of the method; empty if it is not.
     """
 
     family: str
@@ -103,23 +104,23 @@ class Method:
     obstacle: Callable[[Scene], str] = lambda scene: ""
 
     def seconds(self, setting: float) -> float:
-        """Rough cost of one run [s]."""
+        """Return the rough cost of one run [s]."""
         unit, at, power = self.cost
         return unit * (setting / at) ** power
 
 
 def sampled(scene: Scene, velocity: Array, slip_rate: Array) -> tuple[Array, tuple[SlipZone, ...]]:
-    """Slip rate at `PLACES` between samples by straight lines, and the zones it shows.
+    """Return the slip rate at `PLACES`, interpolated linearly, and the zones of a profile.
 
-    Zones are runs of at least two samples above `EDGE_THRESHOLD` of the largest slip rate; the
-    square of the slip rate is followed down to zero at their edges (`measures.sampled_zones`).
+    Zones are runs of at least two samples above `EDGE_THRESHOLD` of the largest slip rate.  Their
+    edges follow from extrapolating the square of the slip rate to zero (`measures.sampled_zones`).
 
     Parameters
     ----------
     velocity : (n,) array
-        Of the samples, over c_t, increasing.
+        Velocities of the samples over c_t, increasing.
     slip_rate : (n,) array
-        [length / time].
+        Slip rates of the samples [length / time].
     """
     at_places = np.interp(PLACES, velocity, slip_rate, right=scene.far_slip_rate)
     inside = velocity > 0
@@ -129,16 +130,16 @@ def sampled(scene: Scene, velocity: Array, slip_rate: Array) -> tuple[Array, tup
 
 
 def scaled_zones(solution: Solution) -> tuple[SlipZone, ...]:
-    """Zones of a solution, edges over c_t."""
+    """Return the zones of a solution, edges over c_t."""
     speed = solution.scene.material.shear_speed
     return tuple(SlipZone(z.inner / speed, z.outer / speed, z.sense) for z in solution.zones)
 
 
 def _self_similar(scene: Scene, rtol: float, *, cold: bool) -> Answer:
-    """The solver and its slip rate at `PLACES`.
+    """Solve a scene and evaluate its slip rate at `PLACES`.
 
-    Set-up is what depends on the Poisson ratio alone: what the first of two runs takes more than
-    the second; without `cold` it is there already.
+    Set-up depends only on the Poisson ratio; its time is the difference between a first and a
+    second run.  Without `cold`, its tables are cached already.
     """
     speed, setup = scene.material.shear_speed, 0.0
     started = time.perf_counter()
@@ -167,7 +168,7 @@ def _first_stage(scene: Scene, size: float) -> Answer:
 
 
 def _published(scene: Scene, size: float) -> Answer:
-    """Slip rate behind x = c_t t / 5, where the algorithm ends, and constant from there on."""
+    """Return the slip rate down to x = c_t t / 5, where the algorithm ends, constant from there."""
     forget_tables()
     published_grid.cache_clear()
     load = scene.superposition.taken_off
@@ -197,7 +198,7 @@ def _space_time(scene: Scene, nodes: float) -> Answer:
 def _finite_elements(
     scene: Scene, resolution: float, *, whole: bool = False, **options: Any
 ) -> Answer:
-    """Elements, meshes from the cache; `whole` is the domain that field snapshots need."""
+    """Simulate with a cached mesh; `whole` is the domain that field snapshots need."""
     from fem import simulate
 
     with TemporaryDirectory() as folder:
@@ -224,7 +225,7 @@ def _not_self_similar(scene: Scene) -> str:
 def _elements(
     label: str, full: tuple[float, ...], quick: tuple[float, ...], seconds: float, **options: Any
 ) -> Method:
-    """A finite-element method; `seconds` is what a run takes with 100 elements per c_t T."""
+    """Return a finite-element method; a run with 100 elements per c_t T takes `seconds`."""
     run = partial(_finite_elements, **options)
     cost = (seconds, 100.0, 2.6)
     return Method("finite elements", f"FEM {label}", "resolution", run, full, quick, cost)
@@ -295,11 +296,11 @@ METHODS: Mapping[str, Method] = {
     "fem-undamped": _elements("Q1 squares, undamped", _FINE, (25, 50), 0.75, damping=0.0),
     "fem-whole": _elements("Q1 squares, whole fields", _FINE, _COARSE, 1.6, whole=True),
 }
-"""All methods by the name they have in the table, the cheapest kind first."""
+"""All methods by their name in the table, cheapest kind first."""
 
 
 def answer(scene_name: str, method: str, setting: float) -> Answer:
-    """One run of a method on a named scene; a failed computation is an answer that says so."""
+    """Run a method once on a named scene; if it fails, the answer holds the message."""
     try:
         return METHODS[method].run(NAMED_SCENES[scene_name].scene, setting)
     except SlipfrontError as error:
@@ -312,16 +313,16 @@ def measured(scene_name: str, method: str, setting: float, runs: int = 0) -> dic
     Parameters
     ----------
     scene_name, method, setting
-        As in `NAMED_SCENES` and `METHODS`.
+        Keys of `NAMED_SCENES` and `METHODS`, and a setting of the method.
     runs : int
-        Runs that count, 0 for 5 of runs shorter than a second and 3 of longer ones.  The first of
-        short runs does not count.
+        Number of runs that count; 0 for 5 if a run is shorter than a second, otherwise 3.  A first
+        run of less than a second is discarded.
 
     Returns
     -------
     dict
-        setup and solving, medians [s]; runs; memory, peak of the process [MB]; slip_rate (400,)
-        [length / time]; zones, (inner, outer, sense) of each, over c_t; status.
+        Keys are setup and solving, medians [s]; runs; memory, peak of the process [MB]; slip_rate
+        (400,) [length / time]; zones, each (inner, outer, sense), over c_t; status.
     """
     from fem.run import peak_memory
 

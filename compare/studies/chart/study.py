@@ -1,9 +1,9 @@
 """Speed against accuracy: every method on the scenes of the chart, measured on one machine.
 
-A point is one method at one setting.  It is measured in a process of its own
-(`chart_methods`), judged against the reference of its scene and kept in a CSV file, from which
-figures and text (`chart_figure`) are drawn.  Slip rates are compared by the relative L1
-difference at fixed velocities x/(c_t T), zone edges by the worst one, over c_t.
+A point is one method at one setting.  It is measured in its own process (`methods`), judged against
+the reference of its scene, and kept in a CSV file from which figures and text (`figure`) are made.
+Slip rates are compared by the relative L1 difference at fixed velocities x/(c_t T), zone edges by
+the worst one, over c_t.
 """
 
 from __future__ import annotations
@@ -55,17 +55,17 @@ _REFERENCE_GRIDS = {
 
 @dataclass(frozen=True)
 class Point:
-    """One measured point, a row of the CSV file; `reference_*` are as in `Reference`.
+    """One measured point, a row of the CSV file; for `reference_*` see `Reference`.
 
     Attributes
     ----------
     setup, solving : float
-        Medians [s]; their sum is the time of the chart.
+        Median times [s]; the chart shows their sum.
     memory : float
-        Peak of the process [MB].
+        Peak memory of the process [MB].
     error, edge_error : float
-        Relative L1 error of the slip rate; worst error of a zone edge over c_t, inf if one is
-        missed.
+        Relative L1 error of the slip rate, and worst error of a zone edge over c_t, which is inf
+        if a zone is missed.
     status : str
         "measured", or what to distrust.
     """
@@ -93,27 +93,27 @@ class Point:
 
     @property
     def seconds(self) -> float:
-        """Set-up and solving [s]."""
+        """Time of set-up and solving [s]."""
         return self.setup + self.solving
 
     @property
     def name(self) -> str:
-        """Setting as in "rtol 1e-08"."""
+        """The setting with its name, as in "rtol 1e-08"."""
         return f"{METHODS[self.method].parameter} {self.setting:g}"
 
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """What the methods are measured against.
+    """Reference answer of a scene, against which the methods are measured.
 
     Attributes
     ----------
     slip_rate : (400,) array
-        At `PLACES` [length / time].
+        Slip rate at `PLACES` [length / time].
     zones : tuple of SlipZone
-        Edges over c_t.
+        Slip zones, edges over c_t.
     error, edge_error : float
-        How far it is to be trusted, as errors of a `Point`.
+        Uncertainty of the reference, measured like the errors of a `Point`.
     """
 
     name: str
@@ -133,7 +133,7 @@ class Task:
 
 
 def tasks(scene_names: Sequence[str], quick: bool) -> list[Task]:
-    """All points of a chart, leaving out what cannot be had.
+    """Return all points of a chart that the methods can reach.
 
     Raises
     ------
@@ -153,12 +153,12 @@ def tasks(scene_names: Sequence[str], quick: bool) -> list[Task]:
 
 
 def run_task(task: Task, runs: int) -> dict[str, Any]:
-    """`chart_methods.measured` in a fresh process of one linear-algebra thread.
+    """Run `methods.measured` in a fresh process with one linear-algebra thread.
 
     Raises
     ------
     ComputationError
-        If the process does not end well, as when memory runs out.
+        If the process fails, for instance because memory runs out.
     """
     command = [sys.executable, "-m", "compare.studies.chart.methods", task.scene_name, task.method]
     with lifeline() as stdin:
@@ -179,7 +179,7 @@ def run_task(task: Task, runs: int) -> dict[str, Any]:
 
 
 def reference_of(scene_name: str, quick: bool) -> Reference:
-    """Self-similar solution at rtol 1e-12, or what two methods extrapolated agree on."""
+    """Return the self-similar solution at rtol 1e-12, or one extrapolated by two methods."""
     scene = NAMED_SCENES[scene_name].scene
     if not scene.is_self_similar:
         return _extrapolated(scene_name, quick)
@@ -191,7 +191,7 @@ def reference_of(scene_name: str, quick: bool) -> Reference:
 
 
 def reference_name(scene_name: str, quick: bool) -> str:
-    """What the points of a scene are measured against, in words."""
+    """Describe the reference of a scene in words."""
     if not NAMED_SCENES[scene_name].scene.is_self_similar:
         return "extrapolated from " + " and ".join(
             f"{METHODS[method].label} {coarse}, {fine}"
@@ -202,14 +202,15 @@ def reference_name(scene_name: str, quick: bool) -> str:
 
 
 def closed_form_errors(scene: Scene) -> tuple[float, float]:
-    """Relative L1 error of slip rate, and error of the edge over c_t, against closed forms.
+    """Return the errors of slip rate (relative L1) and edge (over c_t) against closed forms.
 
-    Of the solver at rtol 1e-12.  The edge is nan where all slips.
+    They are those of the solver at rtol 1e-12.  The edge error is nan if all of the contact slips.
 
     Parameters
     ----------
     scene : Scene
-        One slow slip zone under a shear step, or a remote shock that makes all slip.
+        Scene with one slow slip zone under a shear step, or with a remote shock under which the
+        whole contact slips.
     """
     solution, speed = solve(scene, rtol=FINEST), scene.material.shear_speed
     slip_rate = solution.slip_rate(PLACES * speed, 1.0)
@@ -221,7 +222,7 @@ def closed_form_errors(scene: Scene) -> tuple[float, float]:
 
 
 def _extrapolated(scene_name: str, quick: bool) -> Reference:
-    """Space-time solver, extrapolated; its difference to finite elements is the error bar."""
+    """Extrapolate the space-time solver; its difference from finite elements is the uncertainty."""
     (slip_rate, zones), (other, other_zones) = (
         _limit(*(run_task(Task(scene_name, method, float(size)), 1) for size in sizes))
         for method, sizes in _REFERENCE_GRIDS[quick].items()
@@ -232,10 +233,10 @@ def _extrapolated(scene_name: str, quick: bool) -> Reference:
 
 
 def _limit(coarse: dict[str, Any], fine: dict[str, Any]) -> tuple[Array, tuple[SlipZone, ...]]:
-    """Slip rate and zones extrapolated from what `run_task` returns on two grids.
+    """Extrapolate slip rate and zones from the results of `run_task` on two grids.
 
-    Errors at fixed places are taken to be of second order, edges of first; zones that both do not
-    have alike are those of the finer grid.
+    Errors at fixed positions are assumed to be of second order, those of edges of first.  If the
+    grids differ in their zones, those of the finer grid are returned.
     """
     slip_rate = richardson(np.array(coarse["slip_rate"]), np.array(fine["slip_rate"]), 2)
     if [zone[2] for zone in coarse["zones"]] != [zone[2] for zone in fine["zones"]]:
@@ -247,12 +248,12 @@ def _limit(coarse: dict[str, Any], fine: dict[str, Any]) -> tuple[Array, tuple[S
 
 
 def richardson(coarse: Any, fine: Any, order: int) -> Any:
-    """Limit of two answers on grids of spacing 2 h and h with errors of an order of h."""
+    """Extrapolate answers on grids of spacing 2 h and h, whose errors have an order in h."""
     return fine + (fine - coarse) / (2**order - 1)
 
 
 def worst_edge_error(zones: Sequence[SlipZone], expected: Sequence[SlipZone]) -> float:
-    """Largest distance of a zone edge from where it should be; inf if a zone is missed.
+    """Return the largest error of a zone edge; inf if a zone is missed.
 
     Each expected zone is compared with the zone of its sense that overlaps it most.
     """
@@ -274,7 +275,7 @@ def worst_edge_error(zones: Sequence[SlipZone], expected: Sequence[SlipZone]) ->
 
 
 def measure(task: Task, reference: Reference, quick: bool) -> Point:
-    """Measure one point and judge it."""
+    """Measure one point and compare it with the reference."""
     answer = run_task(task, _QUICK_RUNS if quick else 0)
     slip_rate = np.array(answer["slip_rate"])
     zones = [SlipZone(*zone) for zone in answer["zones"]]
@@ -293,14 +294,14 @@ def measure(task: Task, reference: Reference, quick: bool) -> Point:
 
 
 def stamp() -> dict[str, Any]:
-    """Versions and machine of a measurement."""
+    """Return versions and machine of a measurement."""
     versions = {name: version(name) for name in VERSIONS[1:]}
     cores = os.cpu_count() or 1
     return {"python": platform.python_version(), **versions, "machine": _machine(), "cores": cores}
 
 
 def _machine() -> str:
-    """Model of the processor, as far as the system tells."""
+    """Return the model of the processor, as far as the system reports it."""
     known = Path("/proc/cpuinfo")
     lines = known.read_text(encoding="utf-8").splitlines() if known.exists() else []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
@@ -308,7 +309,7 @@ def _machine() -> str:
 
 
 def read_points(path: Path) -> list[Point]:
-    """Points of an earlier run; none if there is no file.
+    """Return the points of an earlier run; none if there is no file.
 
     Raises
     ------
@@ -326,14 +327,14 @@ def read_points(path: Path) -> list[Point]:
 
 
 def same_machine(point: Point, machine: Mapping[str, Any] | None = None) -> bool:
-    """Whether a point was measured on this machine with the versions of now, or as stamped."""
+    """Return whether a point was measured on this machine with its versions, or on a given one."""
     return all(getattr(point, name) == value for name, value in (machine or stamp()).items())
 
 
 def missing(
     planned: Sequence[Task], points: Sequence[Point], machine: Mapping[str, Any] | None = None
 ) -> list[Task]:
-    """Points that are yet to be measured here, or on the machine of a stamp."""
+    """Return the planned points that have not been measured on this machine, or on a given one."""
     done = {_task(point) for point in points if same_machine(point, machine)}
     return [task for task in planned if task not in done]
 
@@ -343,7 +344,7 @@ def _task(point: Point) -> Task:
 
 
 def estimated_seconds(todo: Sequence[Task], points: Sequence[Point], quick: bool) -> float:
-    """How long measuring will take [s], from earlier measurements or rough costs."""
+    """Estimate the time of all measurements [s] from earlier ones or rough costs."""
     stored = {_task(point): point.seconds for point in points if math.isfinite(point.seconds)}
     total = 0.0
     for task in todo:
@@ -367,11 +368,11 @@ def measure_all(
     tell: Callable[[str], None] | None = None,
     client: Any = None,
 ) -> list[Point]:
-    """Measure what is missing and keep every point in a CSV file as soon as it is there.
+    """Measure missing points and append each to a CSV file as soon as it is done.
 
-    Few and cheap points if quick, and those that are there again if fresh; `tell` is called with
-    a line that says how long it will take.  A `client` of a Dask cluster lets its workers measure,
-    as many points at once as there are.  Returns all points of the file, in order.
+    Points are few and cheap if `quick`; `fresh` repeats existing ones.  `tell` is called with a
+    line about the expected time.  With a `client` of a Dask cluster, each worker measures one point
+    at a time.  All points of the file are returned in order.
 
     Raises
     ------
@@ -380,7 +381,7 @@ def measure_all(
     DataFileError
         If the file is damaged or cannot be written.
     ComputationError
-        If a measurement breaks down; what was measured stays.
+        If a measurement fails; the points measured so far are kept.
     """
     planned, points = tasks(scene_names, quick), read_points(path)
     stored = points
@@ -408,7 +409,7 @@ def measure_all(
 def _check_references(
     path: Path, points: Sequence[Point], scene_names: Sequence[str], quick: bool
 ) -> None:
-    """Raise SceneError where a file holds a quick chart and a full one is wanted, or vice versa."""
+    """Raise SceneError if a file holds a quick chart but a full one is wanted, or vice versa."""
     for point in points:
         name = point.scene_name
         if name in scene_names and point.reference != reference_name(name, quick):
@@ -419,7 +420,7 @@ def _check_references(
 
 
 def _measured(todo: Sequence[Task], quick: bool, client: Any) -> Iterator[Point]:
-    """Points as they are done, scene by scene; here one at a time, each alone on the machine."""
+    """Yield points as they are done, scene by scene; on this machine they run one at a time."""
     for scene_name in dict.fromkeys(task.scene_name for task in todo):
         reference = reference_of(scene_name, quick)
         some = [task for task in todo if task.scene_name == scene_name]
@@ -428,12 +429,12 @@ def _measured(todo: Sequence[Task], quick: bool, client: Any) -> Iterator[Point]
 
 
 def _stamp_of(client: Any) -> dict[str, Any]:
-    """The stamp of the workers of a cluster.
+    """Return the stamp that all workers of a cluster share.
 
     Raises
     ------
     ComputationError
-        If they have several.
+        If the workers differ in versions or machines.
     """
     check_workers(client)
     stamps = list(client.run(stamp).values())
@@ -446,7 +447,7 @@ def _stamp_of(client: Any) -> dict[str, Any]:
 
 
 def _ordered(points: Sequence[Point]) -> list[Point]:
-    """By scene, method, and from coarse to fine."""
+    """Sort points by scene and method, and from coarse to fine."""
     methods = list(METHODS)
     return sorted(
         points,

@@ -1,4 +1,4 @@
-"""Figures and profiles over time of the evidence page, all methods in one panel."""
+"""Figures of the evidence page, and its profiles over time, with all methods in one panel."""
 
 from __future__ import annotations
 
@@ -46,18 +46,18 @@ COLOURS = {
     FEM: SIMULATION,
     PUBLISHED: PUBLISHED_COLOUR,
 }
-"""One colour per method, in figures and in the profiles that follow the slider."""
+"""Colour of each method, in figures and in the profiles that follow the slider."""
 LINES: Mapping[str, LineStyle] = {"self-similar": "-", "space-time": "--", PUBLISHED: "-."}
 FRAMES = 33
 STEPS_OF_UNIT, LARGEST = 2000, 9999
-"""Units of a profile over the height of its panel, and the most of them that are kept."""
+"""Units of a profile per height of its panel, and the largest value in these units."""
 NEAR_EDGE = 0.05
-"""Part of the waves' reach, next to the edge, that may leave the panel: singular tractions."""
+"""Fraction of the waves' reach, next to the edge, where singular tractions may leave the panel."""
 
 
 @styled
 def rates_figure(evidence: SceneEvidence) -> Figure:
-    """Slip rate at T by all methods, and differences from the first of them."""
+    """Draw the slip rate at T by all methods, and differences from the first of them."""
     scale = slip_rate_scale(evidence.scene)
     rates = {name: h.slip_rate[-1] / scale for name, h in evidence.histories.items()}
     unjudged = {}
@@ -75,7 +75,7 @@ def rates_figure(evidence: SceneEvidence) -> Figure:
 
 @styled
 def tractions_figure(evidence: SceneEvidence) -> Figure:
-    """Shear traction and friction bound ± f p at T by all methods; differences in shear."""
+    """Draw shear traction and friction bound ± f p at T by all methods; differences in shear."""
     scale = stress_scale(evidence.scene)
     figure, (upper, lower), place = _pair(evidence)
     shear = {}
@@ -95,7 +95,7 @@ def tractions_figure(evidence: SceneEvidence) -> Figure:
 
 @styled
 def energy_figure(evidence: SceneEvidence) -> Figure:
-    """Where the work of the loads goes in the finite-element model, over time."""
+    """Draw the energies of the finite-element model over time, and the work of the loads."""
     energy, unit = evidence.simulation.energy, energy_unit(evidence)
     figure = describe(new_figure(7, 3.8), evidence.scene)
     panel = figure.subplots()
@@ -115,7 +115,7 @@ def energy_figure(evidence: SceneEvidence) -> Figure:
 
 @styled
 def opening_figure(evidence: SceneEvidence) -> Figure:
-    """Where the contact is open over space and time in the finite-element model."""
+    """Draw where the contact is open over space and time in the finite-element model."""
     simulation, speed = evidence.simulation, evidence.scene.material.shear_speed
     history, end = simulation.interface, simulation.end_time
     figure = describe(new_figure(7, 3.8), evidence.scene)
@@ -132,14 +132,14 @@ def opening_figure(evidence: SceneEvidence) -> Figure:
 
 
 def energy_unit(evidence: SceneEvidence) -> float:
-    """τ₀ V₀ c_t T² [stress length²], what energies per thickness are measured by."""
+    """Return the unit of energies per thickness, τ₀ V₀ c_t T² [stress length²]."""
     scene, end = evidence.scene, evidence.simulation.end_time
     area = scene.material.shear_speed * end**2
     return stress_scale(scene) * slip_rate_scale(scene) * area
 
 
 def profiles(anchor: str, evidence: SceneEvidence) -> dict[str, Any]:
-    """Profiles over x/(c_t T) at 33 times, as whole multiples of a unit per curve.
+    """Return profiles over x/(c_t T) at 33 times, as integers in a unit of each curve.
 
     Curves are the slip rate over V₀, and shear traction and friction bound over τ₀.
     """
@@ -185,9 +185,9 @@ def profiles(anchor: str, evidence: SceneEvidence) -> dict[str, Any]:
 def _curves(
     fields: dict[str, Array], limits: tuple[float, float], *, bound: bool = False
 ) -> list[dict[str, Any]]:
-    """Fields (levels, n) by method as whole numbers, finite elements first and so beneath.
+    """Convert fields (levels, n) by method to integers, finite elements first, beneath the others.
 
-    Bounds are drawn with both signs.
+    Friction bounds are drawn with both signs.
     """
     unit = float(f"{(limits[1] - limits[0]) / STEPS_OF_UNIT:.6g}")
     return [
@@ -203,7 +203,7 @@ def _curves(
 
 
 def _panel_limits(values: list[Array]) -> tuple[float, float]:
-    """Limits that hold all values with a margin of 8 % or 0.001, whichever is more."""
+    """Return limits with a margin of 8 % of the range of all values, or 0.001 if that is more."""
     low = min(float(each.min()) for each in values)
     high = max(float(each.max()) for each in values)
     margin = max(0.08 * (high - low), 1e-3)
@@ -215,7 +215,7 @@ def _ahead(place: Array) -> NDArray[np.bool_]:
 
 
 def _pair(evidence: SceneEvidence) -> tuple[Figure, tuple[Axes, Axes], Array]:
-    """Two panels with the wave fronts at T, and x/(c_t T) of the contact nodes."""
+    """Return two panels with the wave fronts at T, and x/(c_t T) of the contact nodes."""
     history, material = evidence.histories[FEM], evidence.scene.material
     place = history.x / (material.shear_speed * history.t[-1])
     figure = describe(new_figure(7, 5.2), evidence.scene)
@@ -235,7 +235,7 @@ def _draw(panel: Axes, name: str, place: Array, values: Array) -> None:
 
 
 def _draw_differences(panel: Axes, place: Array, fields: dict[str, Array]) -> None:
-    """Draw all but the first field less the first."""
+    """Draw the differences of all other fields from the first."""
     first, *others = fields
     differences = {name: fields[name] - fields[first] for name in others}
     for name, values in differences.items():

@@ -1,4 +1,4 @@
-"""The whole field of a scene as a film: frames within the page, moved by a slider."""
+"""The whole field of a scene as an animation: frames within the page, moved by a slider."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from semianalytic.scene.scene import Scene
 from semianalytic.scene.units import unit
 
 SHOTS = 12
-"""Frames of a film, as far apart as the first is from t = 0."""
+"""Number of frames; they are evenly spaced, the first one step after t = 0."""
 POINTS, DPI = 200, 80
 QUANTITY, NAME = "max-shear", "largest shear stress in the plane"
 WIDE, TALL = 1.9, 1.4
-"""Half the window over c_t T, whatever the time: the P front leaves it, the S front does not."""
+"""Half width and height of the window over c_t T; the P front leaves it, the S front does not."""
 
 
 @dataclass(frozen=True)
 class Film:
-    """A scene whose bodies are shown, and the answer that they come from."""
+    """A scene whose fields are shown, and the answer that supplies them."""
 
     evidence: SceneEvidence
     fields: WholeFields
 
     @property
     def scene(self) -> Scene:
-        """The scene itself."""
+        """Scene that is shown."""
         return self.evidence.scene
 
     @property
     def times(self) -> list[float]:
-        """Of the frames, until T [time]."""
+        """Times of the frames, until T [time]."""
         end = self.evidence.simulation.end_time
         return [end * shot / SHOTS for shot in range(1, SHOTS + 1)]
 
@@ -52,7 +52,7 @@ class Film:
         return [f"t = {time / end:.3f} T = {time:.4g} [{name}]" for time in self.times]
 
     def frames(self) -> Iterator[bytes]:
-        """Pictures in PNG, one per time, in a window that stays where it is."""
+        """Yield the frames as PNG, all in the same window."""
         length = self.scene.material.shear_speed * self.evidence.simulation.end_time
         window = (-WIDE * length, WIDE * length, -TALL * length, TALL * length)
         quantity = find_quantity(QUANTITY, self.scene)
@@ -63,19 +63,21 @@ class Film:
 
 
 def films(evidence: Evidence) -> list[Film]:
-    """What is filmed: the first scene that is solved, and the first that can only be marched; if
-    quick, the first of the two."""
+    """Choose the first scene that is solved, and the first that can only be marched.
+
+    If the evidence is quick, choose only the first of the two.
+    """
     chosen: dict[type, Film] = {}
     for scene in evidence.scenes:
         if scene.judgements:
             fields = scene.judgements[0].prediction
-            assert isinstance(fields, Solution | Marched)  # as `predict_like` makes them
+            assert isinstance(fields, Solution | Marched)  # `predict_like` makes only these two
             chosen.setdefault(type(fields), Film(scene, fields))
     return list(chosen.values())[: 1 if evidence.quick else None]
 
 
 def field_section(chosen: Iterable[Film]) -> str:
-    """Films of whole fields, one below the other, and how they are made."""
+    """Return the section with the animations, and how they are made."""
     return (
         paragraph(
             "The tractions of the interface determine all that happens in the two bodies. The "
@@ -92,7 +94,7 @@ def field_section(chosen: Iterable[Film]) -> str:
 
 
 def _player(anchor: str, film: Film) -> str:
-    """The last frame over a slider; the script of the page puts the others in its place."""
+    """Return the last frame over a slider; the script of the page shows the others."""
     method, label = method_of(film.evidence.judgements[0].prediction), film.evidence.label
     words = f"{NAME.capitalize()} in both bodies of {label}, {method}"
     sources = [f"data:image/png;base64,{b64encode(one).decode()}" for one in film.frames()]

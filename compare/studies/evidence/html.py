@@ -1,4 +1,4 @@
-"""Pieces of an HTML page: tables, paragraphs, commands and pictures, all of them escaped."""
+"""Pieces of an HTML page: tables, paragraphs, commands and pictures; all text is escaped."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from matplotlib.figure import Figure
 from compare.figures.saving import figure_png
 
 BESIDE = 5.0
-"""Width of one of two figures beside each other [inch]."""
+"""Width of one of two figures side by side [inch]."""
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Text of a table cell and what it looks like: number, long, good, bad, open or plain."""
+    """Text of a table cell, and its look: number, long, good, bad, open or plain."""
 
     text: str
     look: str = ""
@@ -26,17 +26,17 @@ class Cell:
 
 
 def number(text: str) -> Cell:
-    """A cell of digits."""
+    """Return a cell of digits."""
     return Cell(text, "number")
 
 
 def words(text: str) -> Cell:
-    """A cell of text that wants room."""
+    """Return a cell of text that needs room."""
     return Cell(text, "long")
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str | Cell]], title: str) -> str:
-    """A table that scrolls in its own box, under its title."""
+    """Return a table under its title, which scrolls in its own box."""
     heads = "".join(f'<th scope="col">{escape(text)}</th>' for text in head)
     lines = "".join(
         "<tr>"
@@ -61,7 +61,7 @@ def _cell(cell: str | Cell, *, first: bool) -> str:
 
 
 def drawn_figure(figure: Figure, caption: str, *, wide: bool = False) -> str:
-    """A figure over its caption; one that is not wide is drawn as small as it will be seen."""
+    """Return a figure over its caption; unless `wide`, it is drawn at its final small size."""
     width, height = figure.get_size_inches()
     if not wide and width > BESIDE:
         figure.set_size_inches(BESIDE, 0.85 * height)
@@ -69,7 +69,7 @@ def drawn_figure(figure: Figure, caption: str, *, wide: bool = False) -> str:
 
 
 def image(data: bytes, alternative: str, caption: str, *, wide: bool = False) -> str:
-    """A picture, in PNG, over its caption."""
+    """Return a PNG picture over its caption."""
     look = ' class="wide"' if wide else ""
     source = f"data:image/png;base64,{b64encode(data).decode()}"
     return (
@@ -79,22 +79,22 @@ def image(data: bytes, alternative: str, caption: str, *, wide: bool = False) ->
 
 
 def figures(drawn: Iterable[str]) -> str:
-    """Figures beside and below one another."""
+    """Arrange figures side by side and in rows."""
     return f'<div class="figures">{"".join(drawn)}</div>'
 
 
 def data_block(data: object) -> str:
-    """Data for the script of the page, as JSON in which no tag can begin or end."""
+    """Return data for the script of the page, as JSON in which no tag can begin or end."""
     text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     return f'<script type="application/json">{text}</script>'
 
 
 def paragraph(text: str) -> str:
-    """A paragraph of text."""
+    """Return a paragraph of text."""
     return f"<p>{escape(text)}</p>\n"
 
 
 def code(lines: Iterable[str]) -> str:
-    """Lines as they are typed."""
+    """Return lines of commands."""
     text = "\n".join(lines)
     return f"<pre>{escape(text)}</pre>\n"

@@ -1,4 +1,4 @@
-"""The evidence as one HTML page that needs nothing else: tables, figures, profiles over time."""
+"""The evidence as one self-contained HTML page: tables, figures, profiles over time."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ CHECKOUT = Path(__file__).parents[3]
 
 @dataclass(frozen=True)
 class Earlier:
-    """Figures of a longer study, taken from files if there are any.
+    """Figures of a longer study, read from files if they exist.
 
     Attributes
     ----------
     title, command, about : str
-        Heading, the command that draws the figures, and what they show.
+        Heading, command that draws the figures, and description of the figures.
     patterns : tuple of str
-        Names of the files, below the folders `results/` and `docs/figures/`.
+        Names of the files within the folders `results/` and `docs/figures/`.
     """
 
     title: str
@@ -91,12 +91,12 @@ def write_evidence(
     quick: bool = False,
     progress: Progress | None = None,
 ) -> Evidence:
-    """Write the page, whole or not at all; parameters as `collect`.
+    """Write the page, completely or not at all; for the parameters see `collect`.
 
     Raises
     ------
     SceneError
-        If there is no such scene, or the path is that of a folder; before anything is computed.
+        If there is no such scene, or the path is a folder; raised before anything is computed.
     ComputationError
         If a method fails.
     DataFileError
@@ -109,7 +109,7 @@ def write_evidence(
 
 
 def page(evidence: Evidence) -> str:
-    """The whole page."""
+    """Return the page as HTML."""
     anchors = [f"scene-{number}" for number in range(1, len(evidence.scenes) + 1)]
     chosen = films(evidence)
     sections = [
@@ -151,7 +151,7 @@ def page(evidence: Evidence) -> str:
 
 
 def _program_digest() -> str:
-    """What a browser must find that it runs: the script of the template and no other."""
+    """Return the digest of the page's script, the only one that browsers may run."""
     text = files("compare.studies.evidence").joinpath("evidence.html").read_text(encoding="utf-8")
     program = text.rpartition("<script>")[2].partition("</script>")[0]
     return f"sha256-{b64encode(sha256(program.encode()).digest()).decode()}"
@@ -270,7 +270,7 @@ def _article(evidence: Evidence) -> str:
 
 
 def _earlier(study: Earlier) -> str:
-    """Figures of a longer study from files, with their dates, or how to make them."""
+    """Show the figures of a longer study with their dates, or the command that draws them."""
     paths = list(_earlier_files(study.patterns))
     if not paths:
         return paragraph(f"{study.about} Not drawn on this machine yet:") + code([study.command])
@@ -291,15 +291,15 @@ def _earlier(study: Earlier) -> str:
 
 
 def file_date(path: Path) -> str:
-    """Day on which a file was written, as far as a clock may be believed."""
+    """Return the day on which a file was last written."""
     try:
         return f"{datetime.fromtimestamp(path.stat().st_mtime, UTC):%Y-%m-%d}"
-    except (ValueError, OverflowError):  # thousands of years from now
+    except (ValueError, OverflowError):  # the date may be thousands of years in the future
         return "unknown date"
 
 
 def _earlier_files(patterns: Iterable[str]) -> Iterator[Path]:
-    """Files by name; where two folders hold the same figure, that of this machine's results."""
+    """Yield files by name; of equal names in both folders, the file in `results/`."""
     paths: dict[str, Path] = {}
     for folder in (Path("results"), Path("docs", "figures"), CHECKOUT / "docs" / "figures"):
         for path in sorted({path for pattern in patterns for path in folder.glob(pattern)}):

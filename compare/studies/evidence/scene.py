@@ -1,4 +1,4 @@
-"""The section of one scene on the evidence page: methods, figures, zones, energy, every row."""
+"""Section of one scene on the evidence page: methods, figures, zones, energy, every row."""
 
 from __future__ import annotations
 
@@ -44,17 +44,17 @@ from semianalytic.scene.scene import scene_document
 
 LOOKS = {AGREES: "good", DIFFERS: "bad", UNRESOLVED: "open"}
 READ_FROM = 0.01
-"""Slip counts from this share of the largest slip rate on, where zones are read off a profile."""
+"""Slip rate, relative to the largest, above which a profile counts as slipping."""
 DASH = "–"
 
 
 def verdict_cell(verdict: str) -> Cell:
-    """A verdict in its colour; what differs in capitals too."""
+    """Return the cell of a verdict in its colour; a difference is also written in capitals."""
     return Cell(verdict.upper() if verdict == DIFFERS else verdict, LOOKS[verdict])
 
 
 def counts_text(counts: Mapping[str, int]) -> str:
-    """How many rows have each verdict, in words."""
+    """Say how many rows have each verdict."""
     return (
         f"{counts[AGREES]} of {sum(counts.values())} rows agree, {counts[UNRESOLVED]} unresolved, "
         f"{counts[DIFFERS]} differ"
@@ -62,7 +62,7 @@ def counts_text(counts: Mapping[str, int]) -> str:
 
 
 def scene_section(anchor: str, evidence: SceneEvidence, quick: bool) -> str:
-    """All that is known of a scene; `anchor` begins the identifiers in it."""
+    """Return the section of a scene; identifiers in it begin with `anchor`."""
     parts = [paragraph(evidence.summary[0].upper() + evidence.summary[1:] + ".")]
     if evidence.obstacle:
         parts.append(
@@ -91,7 +91,7 @@ def scene_section(anchor: str, evidence: SceneEvidence, quick: bool) -> str:
 
 
 def _opening(evidence: SceneEvidence) -> str:
-    """How far the contact has opened at the end, in a sentence."""
+    """Say how far the contact has opened at the end."""
     simulation = evidence.simulation
     opened = simulation.interface.x[simulation.is_open[-1]]
     length = evidence.scene.material.shear_speed * simulation.end_time
@@ -134,8 +134,8 @@ def _methods(evidence: SceneEvidence) -> str:
 
 
 def _settings(prediction: Answer) -> str:
-    """How a prediction was made, and how far off it says to be."""
-    assert isinstance(prediction, Solution | Marched)  # as `predict_like` makes them
+    """Describe how a prediction was made, and its error estimate."""
+    assert isinstance(prediction, Solution | Marched)  # `predict_like` makes only these two
     nodes = f"{FINER} nodes per element of the mesh, " if isinstance(prediction, Marched) else ""
     return f"{nodes}{prediction.status}, error estimate {prediction.error_estimate:.0e}"
 
@@ -218,7 +218,7 @@ def _read_zones(evidence: SceneEvidence, method: str) -> str:
 
 
 def energy_tables(evidence: SceneEvidence) -> str:
-    """Energy balance of the finite elements, and frictional work by every method, at T."""
+    """Return tables of the simulation's energy balance, and of frictional work by all methods."""
     unit, energy = energy_unit(evidence), evidence.simulation.energy
     parts = [
         (name, number(f"{round(float(values[-1]) / unit, 6) + 0.0:.6f}"))
@@ -259,14 +259,14 @@ def energy_tables(evidence: SceneEvidence) -> str:
 
 
 def _work(value: float) -> str:
-    """Frictional work to six places; infinite where it slips ahead of all waves, NaN if unknown."""
+    """Write frictional work to six places; infinite for slip ahead of all waves, nan if unknown."""
     if math.isnan(value):
         return DASH
     return "∞" if math.isinf(value) else f"{value:.6f}"
 
 
 def _rows(judgement: Judgement) -> str:
-    """The rows of one judgement, open unless all agree."""
+    """Return the rows of one judgement as a table, unfolded if some rows differ."""
     cells = [
         (
             words(row.label),
@@ -348,7 +348,7 @@ def _figures(evidence: SceneEvidence, quick: bool) -> str:
 
 
 def _player(anchor: str, evidence: SceneEvidence) -> str:
-    """A slider through time with two panels, drawn by the script of the page."""
+    """Return a time slider with two panels, which the script of the page draws."""
     slider = f"{anchor}-time"
     panels = "".join(
         f'<svg role="img" aria-label="{escape(text)} of {escape(evidence.label)} along the '
@@ -372,7 +372,7 @@ def _player(anchor: str, evidence: SceneEvidence) -> str:
 
 
 def _solutions(evidence: SceneEvidence) -> list[Solution]:
-    """What the self-similar method predicts: one solution, or none."""
+    """Return the predictions by the self-similar method: one solution, or none."""
     predictions = (judgement.prediction for judgement in evidence.judgements)
     return [prediction for prediction in predictions if isinstance(prediction, Solution)]
 

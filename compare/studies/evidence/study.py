@@ -1,4 +1,4 @@
-"""What the evidence page shows: every scene by every method that applies, and the claims judged."""
+"""Content of the evidence page: every scene by all applicable methods, and the judged claims."""
 
 from __future__ import annotations
 
@@ -54,14 +54,15 @@ class SceneEvidence:
     source : str
         Name of the scene, or path of its file.
     simulation : Simulation
-        Finite elements; its nodes and times are those of all methods.  With its companions where
-        it is judged by them.
+        Finite elements, whose nodes and times all methods use, with coarser companions if it is
+        judged.
     judgements : tuple of Judgement
-        One per semi-analytic method, the one the scene calls for first; none under tension.
+        One judgement per semi-analytic method, beginning with the one that suits the scene; none
+        under tension.
     published : PublishedSlip or None
-        The published algorithm, if the scene has the one load it knows.
+        The published algorithm, if the scene has the one load that it covers.
     obstacle : str
-        Why neither semi-analytic method applies, or nothing.
+        Reason why no semi-analytic method applies, or an empty string.
     """
 
     source: str
@@ -77,20 +78,19 @@ class SceneEvidence:
 
     @property
     def scene(self) -> Scene:
-        """The scene itself."""
+        """Scene that the methods answer."""
         return self.simulation.scene
 
     @property
     def summary(self) -> str:
-        """One line saying what the scene shows, or where it comes from."""
+        """One line on what the scene shows, or on where it comes from."""
         if self.source in NAMED_SCENES:
             return NAMED_SCENES[self.source].summary
         return f"from {self.source}"
 
     @property
     def coarser(self) -> tuple[Simulation, ...]:
-        """The same run on coarser meshes, from which error bars come; none where nothing is
-        judged."""
+        """The same run on coarser meshes, which gives error bars; empty if nothing is judged."""
         return self.judgements[0].case.coarser if self.judgements else ()
 
     @property
@@ -106,7 +106,7 @@ class SceneEvidence:
 
     @property
     def rows(self) -> tuple[tuple[str, Row], ...]:
-        """All rows of all judgements, with the method that predicts."""
+        """All rows of all judgements, each with the method that predicts."""
         return tuple(
             (method_of(judgement.prediction), row)
             for judgement in self.judgements
@@ -115,16 +115,16 @@ class SceneEvidence:
 
     @property
     def counts(self) -> Counter[str]:
-        """How many rows have each verdict."""
+        """Number of rows with each verdict."""
         return Counter(row.verdict for _, row in self.rows)
 
     @property
     def verdict(self) -> str:
-        """That of all judgements together: "differs" if one does, else "agrees" if one does."""
+        """Verdict on all judgements: "differs" if one of them does, else "agrees" if one does."""
         return overall(judgement.verdict for judgement in self.judgements)
 
     def published_rate(self) -> Array:
-        """Relative slip rate of the published algorithm at nodes and times, (m, n).
+        """Return the relative slip rate of the published algorithm at nodes and times, (m, n).
 
         Raises
         ------
@@ -140,17 +140,17 @@ class SceneEvidence:
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """A scene whose slip rate is known in closed form, by every method.
+    """A scene with a closed form for its slip rate, by every method.
 
     Attributes
     ----------
     words : str
-        What the scene is, and the function of `semianalytic.reference.closed_forms`.
+        Description of the scene, and the function of `semianalytic.reference.closed_forms`.
     errors : mapping
         Relative L1 error of the slip rate at T on 0.02 < x/(c_t T) < 1.9, by method.
     edge, solved_edge : float or None
         Velocity of the outer edge over c_t, in closed form and by the self-similar method; None
-        where all slips.
+        if the whole contact slips.
     """
 
     words: str
@@ -161,21 +161,22 @@ class ClosedForm:
 
 @dataclass(frozen=True)
 class Evidence:
-    """All that the page shows.
+    """Content of the evidence page.
 
     Attributes
     ----------
     scenes : tuple of SceneEvidence
     closed_forms : tuple of ClosedForm
     cases : Cases
-        The article's scenes, solved and simulated.
+        Scenes of the article, solved and simulated.
     claims : tuple of Claim
+        Claims of the article with their verdicts.
     quick : bool
-        Whether fewer scenes, figures and a coarser mesh of the article's cases were asked for.
+        Whether scenes and figures are fewer, and the mesh of the article's cases coarser.
     stamp : mapping
         Versions, machine and date, by name.
     seconds : float
-        What it took to compute, figures not included.
+        Time of the computation without figures [s].
     """
 
     scenes: tuple[SceneEvidence, ...]
@@ -188,18 +189,20 @@ class Evidence:
 
     @property
     def counts(self) -> Counter[str]:
-        """How many rows of all scenes have each verdict."""
+        """Number of rows of all scenes with each verdict."""
         return sum((scene.counts for scene in self.scenes), Counter[str]())
 
     @property
     def verdict(self) -> str:
-        """That of all scenes together, as of the judgements of one."""
+        """Verdict on all scenes, formed like that on the judgements of one scene."""
         return overall(scene.verdict for scene in self.scenes if scene.judgements)
 
 
 def excess(row: Row) -> float:
-    """Difference of a row over its error bar; infinite where one of the two answers is missing,
-    0 of what is unresolved or the same."""
+    """Return the difference of a row over its error bar.
+
+    It is infinite if one of the answers is missing, and 0 for rows that are unresolved or equal.
+    """
     if row.verdict == UNRESOLVED or row.bar is None or row.difference == 0:
         return 0.0
     if row.difference is None or row.bar == 0:
@@ -208,15 +211,15 @@ def excess(row: Row) -> float:
 
 
 def worst_row(evidence: SceneEvidence) -> tuple[str, Row] | None:
-    """The resolved row of a scene that is nearest to its error bar, or farthest beyond."""
+    """Return the resolved row of a scene with the largest difference over its error bar."""
     resolved = [pair for pair in evidence.rows if pair[1].verdict != UNRESOLVED]
     return max(resolved, key=lambda pair: excess(pair[1]), default=None)
 
 
 def differences(evidence: SceneEvidence) -> dict[str, tuple[float, float]]:
-    """Mean and largest difference of slip rate at T over V₀ from the first method, by method.
+    """Return mean and largest difference of slip rate at T from the first method, over V₀.
 
-    At the contact nodes on 0.02 < x/(c_t T) < 1.9.
+    They are taken at the contact nodes on 0.02 < x/(c_t T) < 1.9.
     """
     histories = evidence.histories
     rates = {name: history.slip_rate[-1] for name, history in histories.items()}
@@ -230,7 +233,7 @@ def differences(evidence: SceneEvidence) -> dict[str, tuple[float, float]]:
 
 
 def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
-    """Simulate a scene, with its companions, and judge every other method that applies by it.
+    """Simulate a scene with its companions, and judge all other methods that apply.
 
     Raises
     ------
@@ -248,7 +251,7 @@ def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
     for method in methods:
         try:
             predictions.append(predict_like(simulation, method))
-        except TensionError as error:  # of a march, where the contact opens
+        except TensionError as error:  # a march refuses scenes whose contact opens
             obstacle = str(error)
     if not predictions:
         return SceneEvidence(source, simulation, (), published_answer(scene), obstacle)
@@ -258,7 +261,7 @@ def collect_scene(source: str, resolution: int = RESOLUTION) -> SceneEvidence:
 
 
 def closed_forms(resolution: int = RESOLUTION) -> tuple[ClosedForm, ...]:
-    """The scenes with closed forms, by the two semi-analytic methods and by finite elements.
+    """Compare closed forms with the two semi-analytic methods and the finite elements.
 
     Raises
     ------
@@ -289,7 +292,7 @@ def _closed_form(words: str, scene: Scene, resolution: int) -> ClosedForm:
     simulation = simulate(scene, resolution=resolution)
     history, end = simulation.interface, simulation.end_time
     shown = in_profile(history.x / (speed * end))
-    if known.edge_speed is not None:  # there slip rate would tell the root of the error of the edge
+    if known.edge_speed is not None:  # at the edge, the slip rate would tell the root of its error
         shown &= ~np.isclose(history.x / end, known.edge_speed, rtol=1e-9)
     velocity, solution = history.x[shown] / end, solve(scene)
     rates = {
@@ -313,13 +316,14 @@ def collect(
 ) -> Evidence:
     """Run all methods on all scenes, and judge the claims of the article.
 
-    All named scenes unless given; if quick, four of them, and a coarser mesh for the article.
-    Scenes have `resolution` elements per c_t T; `progress` is called after each piece.
+    All named scenes are run unless `sources` are given.  If `quick`, only four of them are run, and
+    the article's cases have a coarser mesh.  Scenes have `resolution` elements per c_t T;
+    `progress` is called after each piece of work.
 
     Raises
     ------
     SceneError
-        If there is no such scene; before anything is computed.
+        If there is no such scene; raised before anything is computed.
     ComputationError
         If a method fails.
     """
@@ -339,7 +343,7 @@ def collect(
 
 
 def _stamp() -> dict[str, str]:
-    """Versions, machine and date."""
+    """Return versions, machine and date."""
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "machine": f"{platform.platform()}, {platform.machine()}, {os.cpu_count()} cores",

@@ -1,1 +1,1 @@
-"""Maps of how the interface slips over Poisson ratio and friction."""
+"""Maps of slip regimes over Poisson ratio and friction."""

@@ -75,14 +75,14 @@ FRICTION = {
     "preload": r"a step of shear $Q_0$ on base pressure $P_b$,  $f = \chi_b\,Q_0/P_b$",
     "remote": r"sudden remote pressure $P_0$ and shear $Q_0$,  $f = \chi\,Q_0/P_0$",
 }
-"""What a loading is, and friction in it."""
+"""Description of each loading, and friction in its units."""
 CHI = {"preload": r"$\chi_b = f P_b/Q_0$", "remote": r"$\chi = f P_0/Q_0$"}
 PUBLISHED_THRESHOLD = (1 / 3, 0.0575)
 
 
 @dataclass(frozen=True)
 class RegimeResults:
-    """Everything the figures and tables of regimes show, sorted."""
+    """Sorted points and curves that the figures and tables of regimes show."""
 
     points: dict[Loading, list[MapPoint]]
     curves: list[BoundaryPoint]
@@ -92,7 +92,7 @@ class RegimeResults:
 
 @styled
 def regimes_figure(loading: Loading, results: RegimeResults) -> Figure:
-    """Map of one loading; a remote one also over the share of the way to full stick."""
+    """Draw the map of one loading; if remote, also over the share of the way to full stick."""
     points, curves = results.points[loading], _by_curve(results, loading)
     if loading == "preload":
         figure = new_figure(7, 5.6)
@@ -127,7 +127,7 @@ def _legend_below(figure: Figure, handles: Sequence[Artist], columns: int) -> No
 
 
 def _by_curve(results: RegimeResults, loading: Loading) -> dict[str, Array]:
-    """Poisson ratio and log10 of chi (n, 2) of the traced curves of a loading."""
+    """Return Poisson ratio and log10 of chi (n, 2) of the traced curves of a loading."""
     points = [p for p in results.curves if p.loading == loading]
     return {
         name: np.array([(p.poisson_ratio, p.log10_chi) for p in group])
@@ -136,7 +136,7 @@ def _by_curve(results: RegimeResults, loading: Loading) -> dict[str, Array]:
 
 
 def _share(nu: Array, chi: Array) -> Array:
-    """Part of the way from slip everywhere (0) to full stick (1)."""
+    """Return the share of the way from slip everywhere (0) to full stick (1)."""
     return (chi - 1) / (np.array([stuck_threshold(float(value)) for value in nu]) - 1)
 
 
@@ -160,7 +160,7 @@ def _draw_map(panel: Axes, loading: Loading, points: Sequence[MapPoint], share: 
 
 @styled
 def front_speeds_figure(results: RegimeResults) -> Figure:
-    """Speeds of all zone edges against friction, a row per loading, a column per Poisson ratio."""
+    """Draw the speeds of all zone edges against friction, by loading (row) and Poisson ratio."""
     loadings: list[Loading] = [
         one for one in get_args(Loading) if any(p.loading == one for p in results.fronts)
     ]
@@ -210,7 +210,7 @@ def _draw_fronts(panel: Axes, loading: str, nu: float, points: Sequence[MapPoint
 
 
 def _borders(chi: Sequence[float], logarithmic: bool) -> dict[float, tuple[float, float]]:
-    """Halfway to the neighbours of each friction, so that shades meet."""
+    """Return the midpoints between neighbouring frictions as limits of shades without gaps."""
     scaled = np.log(chi) if logarithmic else np.array(chi)
     middles = (scaled[1:] + scaled[:-1]) / 2
     ends = np.concatenate([scaled[:1], middles, scaled[-1:]])
@@ -244,7 +244,7 @@ def _senses(point: MapPoint) -> tuple[int, ...]:
 
 @styled
 def reverse_figure(results: RegimeResults) -> Figure:
-    """Threshold and width of reverse slip over nu, and how the width closes with friction."""
+    """Draw threshold and width of reverse slip over nu, and the width against friction."""
     figure = describe(new_figure(11, 4.8), FRICTION["preload"])
     left, right = figure.subplots(1, 2)
     curves = _by_curve(results, "preload")

@@ -1,8 +1,8 @@
-"""Where the contact opens under a step of pressure: how wide, over base pressure and Poisson ratio.
+"""Openings of the contact under a step of pressure, over base pressure and Poisson ratio.
 
-Pressure put on the slot, P_0 < 0, opens the contact from its edge, whatever the base.  A sudden
-pressure P_0 > 0 opens it ahead, around the Rayleigh front, where the base P_b is below
-`opening_threshold` of the step.  Shear and friction have no say in it.
+Pressure on the slot faces, P_0 < 0, opens the contact from its edge whatever the base.  A sudden
+pressure P_0 > 0 opens it ahead, around the Rayleigh front, if the base P_b is below the
+`opening_threshold` of the step.  Openings depend on neither shear nor friction.
 """
 
 from __future__ import annotations
@@ -38,22 +38,26 @@ from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.regimes import opening_threshold
 
 RATIOS = (-3.0, 0.5)
-"""Logarithms to base 10 of the least and the largest P_b / |P_0|."""
+"""Logarithms to base 10 of the smallest and the largest P_b / |P_0|."""
 RTOL = 1e-8
 AHEAD, EDGE = 1, -1
-"""Signs of P_0: what opens is ahead of it, or begins at the edge."""
+"""Signs of P_0: the contact opens ahead of the edge, or from the edge."""
 
 
 @dataclass(frozen=True)
 class OpeningPoint:
-    """A solved scene of a step of pressure alone.
+    """Opening under a step of pressure alone.
 
     Attributes
     ----------
     poisson_ratio : float
-    sign : int, of P_0
-    ratio : float, P_b / |P_0|
-    inner, outer : float, ends of the opening over c_t; 0 where nothing opens
+        Poisson ratio of the material.
+    sign : int
+        Sign of P_0.
+    ratio : float
+        Base pressure over step, P_b / |P_0|.
+    inner, outer : float
+        Ends of the opening over c_t; 0 if the contact stays closed.
     """
 
     poisson_ratio: float
@@ -64,7 +68,7 @@ class OpeningPoint:
 
 
 def opening_point(poisson_ratio: float, sign: int, ratio: float) -> OpeningPoint:
-    """The opening under a unit step of pressure of a sign on a base P_b / |P_0|."""
+    """Solve for the opening under a unit step of pressure of a sign, with a base P_b / |P_0|."""
     scene = Scene(
         Material(1.0, 1.0, poisson_ratio), 0.0, Tractions(ratio, 0.0), Tractions(float(sign), 0.0)
     )
@@ -74,12 +78,12 @@ def opening_point(poisson_ratio: float, sign: int, ratio: float) -> OpeningPoint
 
 
 def opening_column(poisson_ratio: float, count: int) -> list[OpeningPoint]:
-    """Points of the map of one Poisson ratio under a sudden pressure."""
+    """Return the map's points of one Poisson ratio, under a sudden pressure."""
     return [opening_point(poisson_ratio, AHEAD, ratio) for ratio in _ratios(count).tolist()]
 
 
 def opening_speeds(poisson_ratio: float, count: int) -> list[OpeningPoint]:
-    """Points of a panel of speeds, of both signs of the step; close together at the threshold."""
+    """Return the points of a panel of speeds, for both signs; they are dense at the threshold."""
     threshold, low = opening_threshold(poisson_ratio), 10.0 ** RATIOS[0]
     below = np.geomspace(low, threshold, count // 3, endpoint=False)
     beside = threshold * (1 - np.geomspace(1e-4, 0.3, count // 3))
@@ -92,13 +96,13 @@ def opening_speeds(poisson_ratio: float, count: int) -> list[OpeningPoint]:
 
 
 def sorted_openings(points: Sequence[OpeningPoint]) -> list[OpeningPoint]:
-    """Points by Poisson ratio, sign of the step and ratio."""
+    """Sort points by Poisson ratio, sign of the step and ratio."""
     return sorted(points, key=lambda point: (point.poisson_ratio, point.sign, point.ratio))
 
 
 @styled
 def openings_figure(columns: Sequence[OpeningPoint], speeds: Sequence[OpeningPoint]) -> Figure:
-    """Map of what a sudden pressure opens, and speeds of the ends of openings of both signs."""
+    """Draw a map of the opening by a sudden pressure, and the speeds of its ends for both signs."""
     panels_of = {nu: list(part) for nu, part in groupby(speeds, lambda p: p.poisson_ratio)}
     words = "a step of pressure $P_0$ on base pressure $P_b$;  the same for any friction $f$"
     figure = describe(new_figure(4.4 + 2.7 * len(panels_of), 4.6), words)
@@ -126,7 +130,7 @@ def openings_figure(columns: Sequence[OpeningPoint], speeds: Sequence[OpeningPoi
 
 
 def _ratios(count: int, corners: bool = False) -> NDArray[np.float64]:
-    """P_b / P_0 of the map: middles of equal cells of its logarithm, or their corners."""
+    """Return P_b / P_0 of the map: centres of equal cells of its logarithm, or their corners."""
     low, high = RATIOS
     steps = np.arange(count + 1) if corners else np.arange(count) + 0.5
     return np.asarray(10 ** (low + (high - low) * steps / count))

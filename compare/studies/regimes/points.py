@@ -1,6 +1,6 @@
-"""Tables of regimes and boundary points over (nu, chi).
+"""Points of regime maps and of their boundaries over (nu, chi), and their tables.
 
-Loadings and units are those of `semianalytic.regimes`.
+For loadings and units see `semianalytic.regimes`.
 """
 
 from __future__ import annotations
@@ -38,14 +38,18 @@ _REMOTE_SHARES = (-0.1, 1.1)
 
 @dataclass(frozen=True)
 class MapPoint:
-    """One solved scene of a map, a row of its CSV.
+    """One solved scene of a map, a row of its CSV file.
 
     Attributes
     ----------
-    loading, poisson_ratio, chi : the scene, see `regime_boundaries.scene_of`
-    regime : str, a key of `REGIMES`
-    zones : str, "inner:outer:sense" of each zone from the edge outward, speeds in c_t
-    status, error_estimate : of the solution
+    loading, poisson_ratio, chi : str, float, float
+        Arguments of `semianalytic.regimes.scene_of`.
+    regime : str
+        A key of `REGIMES`.
+    zones : str
+        "inner:outer:sense" of each zone from the edge outward, speeds in c_t.
+    status, error_estimate : str, float
+        Status and error estimate of the solution.
     """
 
     loading: str
@@ -59,7 +63,7 @@ class MapPoint:
 
 @dataclass(frozen=True)
 class BoundaryPoint:
-    """One point of a traced curve; chi may be a half-width for the curve "reverse-width"."""
+    """One point of a traced curve; for the curve "reverse-width", chi is a half-width."""
 
     loading: str
     curve: str
@@ -68,17 +72,18 @@ class BoundaryPoint:
 
 
 def poisson_ratios(count: int, corners: bool = False) -> NDArray[np.float64]:
-    """Poisson ratios of a map: middles of equal cells, or their corners."""
+    """Return the Poisson ratios of a map: centres of equal cells, or their corners."""
     return (_corners if corners else _middles)(*POISSON_RATIOS, count)
 
 
 def frictions(
     loading: Loading, poisson_ratio: float, count: int, corners: bool = False
 ) -> NDArray[np.float64]:
-    """Frictions chi of one column of a map, ascending: middles of cells, or their corners.
+    """Return the frictions chi of a map's column, ascending: centres of cells, or their corners.
 
-    Preload: equal steps of log chi from 1e-3 to 1.  Remote: equal steps from a little below 1,
-    where all slips, to a little above the friction at which nothing does.
+    For a preload they have equal steps of log chi from 1e-3 to 1.  For a remote load they have
+    equal steps from slightly below 1, where the whole contact slips, to slightly above the friction
+    at which nothing slips.
     """
     levels = _corners if corners else _middles
     if loading == "preload":
@@ -95,7 +100,7 @@ def _corners(low: float, high: float, count: int) -> NDArray[np.float64]:
 
 
 def map_point(loading: Loading, poisson_ratio: float, chi: float) -> MapPoint:
-    """Solve one scene of a map; a scene that cannot be solved is a point of regime "failed"."""
+    """Solve one scene of a map; a scene that cannot be solved has the regime "failed"."""
     try:
         solution = solve(scene_of(loading, poisson_ratio, chi), rtol=MAP_RTOL)
     except ComputationError as error:
@@ -115,12 +120,12 @@ def _point(loading: Loading, poisson_ratio: float, solution: Solution) -> MapPoi
 
 
 def map_column(loading: Loading, poisson_ratio: float, count: int) -> list[MapPoint]:
-    """All points of one Poisson ratio of a map."""
+    """Solve all points of one Poisson ratio of a map."""
     return map_points(loading, poisson_ratio, frictions(loading, poisson_ratio, count).tolist())
 
 
 def map_points(loading: Loading, poisson_ratio: float, chi: Sequence[float]) -> list[MapPoint]:
-    """Points of given frictions, in one sweep, or one by one if that cannot be completed."""
+    """Solve points of given frictions in one sweep, or one by one if the sweep fails."""
     try:
         swept = sweep(scene_of(loading, poisson_ratio, chi[0]), chi, MAP_RTOL)
     except ComputationError:
@@ -129,11 +134,11 @@ def map_points(loading: Loading, poisson_ratio: float, chi: Sequence[float]) -> 
 
 
 def trace(loading: Loading, poisson_ratio: float) -> list[BoundaryPoint]:
-    """Points of all boundary curves at one Poisson ratio.
+    """Trace all boundary curves at one Poisson ratio.
 
-    Curves: "nucleation", "gap" (absent where the gap at c_R never gets that narrow), for a
-    remote load "edge" and "everywhere", for a preload "reverse" and "reverse-width", the
-    half-width of the reversed strip over c_R as friction vanishes.
+    Both loadings have the curves "nucleation" and "gap"; the latter is absent if the gap at c_R
+    never gets that narrow.  A remote load adds "edge" and "everywhere".  A preload adds "reverse"
+    and "reverse-width", the half-width of the reversed strip over c_R as friction vanishes.
     """
     levels: dict[str, float | None] = {
         "nucleation": math.log10(regimes.nucleation(loading, poisson_ratio)),
@@ -155,20 +160,20 @@ def trace(loading: Loading, poisson_ratio: float) -> list[BoundaryPoint]:
 
 
 def zone_speeds(point: MapPoint) -> list[tuple[float, float, int]]:
-    """(inner, outer, sense) of the zones of a point, speeds in c_t."""
+    """Return (inner, outer, sense) of the zones of a point, speeds in c_t."""
     parts = (zone.split(":") for zone in point.zones.split())
     return [(float(inner), float(outer), int(sense)) for inner, outer, sense in parts]
 
 
 def sorted_points(points: Iterable[MapPoint]) -> list[MapPoint]:
-    """Points by loading, Poisson ratio and friction."""
+    """Sort points by loading, Poisson ratio and friction."""
     return sorted(points, key=lambda point: (point.loading, point.poisson_ratio, point.chi))
 
 
 def kept_columns(path: Path, loading: Loading, count: int) -> dict[float, list[MapPoint]]:
-    """Columns of a map that an unfinished table holds whole, by Poisson ratio.
+    """Return the complete columns of a map in an unfinished table, by Poisson ratio.
 
-    Whatever was cut short or damaged is dropped from the table.
+    Incomplete or damaged columns are removed from the table.
     """
     if not path.exists():
         return {}

@@ -1,7 +1,7 @@
-"""How the interface slips over Poisson ratio and friction: regimes, their boundaries, fronts.
+"""Slip regimes over Poisson ratio and friction: maps, boundaries, and front speeds.
 
-`write_regimes` maps the regimes of two loadings over (nu, chi), traces the curves between them
-and writes figures and tables.  Loadings and units are those of `semianalytic.regimes`.
+`write_regimes` maps the regimes of two loadings over (nu, chi), traces the curves between them, and
+writes figures and tables.  For loadings and units see `semianalytic.regimes`.
 """
 
 from __future__ import annotations
@@ -47,20 +47,20 @@ FRONT_POISSON_RATIOS = (-0.5, 0.0, 1 / 3)
 REVERSE_POISSON_RATIOS = (-0.5, -0.2, 0.0)
 _QUICK_SIZE = 10
 _COUNTS = {False: (57, 144, 33), True: (8, 12, 5)}
-"""Poisson ratios traced, frictions of a panel of front speeds, and of a curve of reverse slip."""
+"""Numbers of traced Poisson ratios, and of frictions per panel of speeds and of reverse slip."""
 _OPENING_COUNTS = {False: (30, 60), True: (4, 9)}
-"""Points along either axis of the map of openings, and of a panel of their speeds."""
+"""Numbers of points along either axis of the map of openings, and per panel of their speeds."""
 
 
 def front_frictions(loading: Loading, poisson_ratio: float, count: int) -> list[float]:
-    """Frictions chi of one panel of the figure of front speeds."""
+    """Return the frictions chi of one panel of the figure of front speeds."""
     if loading == "preload":
         return (10.0 ** np.linspace(-3, 0.5, count)).tolist()
     return np.linspace(0.98, 1.02 * stuck_threshold(poisson_ratio), count).tolist()
 
 
 def reverse_points(poisson_ratio: float, count: int) -> list[MapPoint]:
-    """Preloaded scenes from 1/30 of the friction at which reverse slip ends up to just below it."""
+    """Solve preloaded scenes with frictions from 1/30 to almost 1 of the limit of reverse slip."""
     threshold = reverse_threshold(poisson_ratio)
     return map_points(
         "preload", poisson_ratio, (threshold * np.geomspace(1 / 30, 0.98, count)).tolist()
@@ -78,10 +78,10 @@ def write_regimes(
 ) -> RegimeResults:
     """Map regimes on size x size points, trace their boundaries, and write figures and CSV files.
 
-    regimes-LOADING.csv and .png (or of another `form`), boundaries.csv, front-speeds.csv and .png,
-    for the preload reverse-slip.csv and .png, and openings.csv and .png; few points if quick.
-    Columns of a map are kept in a hidden file as they are done, so that an interrupted run
-    continues when started again with the same size.
+    The files are regimes-LOADING.csv and .png (or in another `form`), boundaries.csv,
+    front-speeds.csv and .png, for the preload reverse-slip.csv and .png, and openings.csv and .png.
+    If `quick`, there are fewer points.  Finished columns of a map are kept in a hidden file, from
+    which an interrupted run continues when it is started again with the same size.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def write_regimes(
 
 
 def _openings(quick: bool, client: Any) -> tuple[list[OpeningPoint], list[OpeningPoint]]:
-    """What opens under a step of pressure: points of the map, and of the panels of speeds."""
+    """Solve openings under a step of pressure: points of the map, and of the panels of speeds."""
     size, count = _OPENING_COUNTS[quick]
     columns = [(opening_column, (nu, size)) for nu in poisson_ratios(size).tolist()]
     speeds = [(opening_speeds, (nu, count)) for nu in FRONT_POISSON_RATIOS]
@@ -132,7 +132,7 @@ def _part(output: Path, loading: Loading, count: int) -> Path:
 
 
 def _traced_ratios(count: int) -> list[float]:
-    """Poisson ratios to trace curves at, closer together where the gap of a preload gets narrow."""
+    """Return Poisson ratios at which to trace curves, denser where the gap of a preload narrows."""
     whole = np.linspace(*POISSON_RATIOS, count)
     return np.union1d(whole, np.linspace(0.47, POISSON_RATIOS[1], count // 6 + 1)).tolist()
 

@@ -1,6 +1,7 @@
 """Thresholds of slip over the Poisson ratio: the tables of docs/regimes.md.
 
-``python -m compare.studies.regimes.tables thresholds reverse opening viscosity --csv docs/data``
+Run as ``python -m compare.studies.regimes.tables thresholds reverse opening viscosity --csv
+docs/data``.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ REVERSE_POISSON_RATIOS = (-0.9, -0.5, -0.2, 0.0, 0.2, 0.25, 0.3, 1 / 3, 0.4, 0.4
 
 @dataclass(frozen=True)
 class ThresholdRow:
-    """Frictions chi at which the regime changes; `gap` is nan where there is none."""
+    """Frictions chi at which the regime changes; `gap` is nan if there is no such friction."""
 
     poisson_ratio: float
     preload_nucleation: float
@@ -40,8 +41,11 @@ class ThresholdRow:
 
 @dataclass(frozen=True)
 class ReverseRow:
-    """Friction below which a preloaded interface slips backward, and half the width over c_R of
-    the strip that does so without friction."""
+    """Limit of reverse slip of a preloaded interface.
+
+    It holds the friction below which slip reverses, and the half-width over c_R of the reversed
+    strip without friction.
+    """
 
     poisson_ratio: float
     threshold: float
@@ -50,8 +54,12 @@ class ReverseRow:
 
 @dataclass(frozen=True)
 class OpeningRow:
-    """Base over step of pressure below which the contact opens ahead, where it closes and opens
-    over c_t at half of that, and up to where it opens from the edge under a step of -1 base."""
+    """Openings under a step of pressure.
+
+    It holds the base over the step below which the contact opens ahead; the speeds over c_t at
+    which it closes and opens for half that base; and the speed up to which it opens from the edge
+    under a step of -1 base.
+    """
 
     poisson_ratio: float
     threshold: float
@@ -61,7 +69,7 @@ class OpeningRow:
 
 
 def threshold_rows() -> list[ThresholdRow]:
-    """Thresholds of both loadings."""
+    """Compute the thresholds of both loadings."""
     rows = []
     for nu in POISSON_RATIOS:
         gap = gap_threshold("remote", nu)
@@ -79,7 +87,7 @@ def threshold_rows() -> list[ThresholdRow]:
 
 
 def reverse_rows() -> list[ReverseRow]:
-    """Where slip reverses under a preload."""
+    """Compute the limits of reverse slip under a preload."""
     return [
         ReverseRow(nu, reverse_threshold(nu), math.exp(log_frictionless_half_width(nu)))
         for nu in REVERSE_POISSON_RATIOS
@@ -87,7 +95,7 @@ def reverse_rows() -> list[ReverseRow]:
 
 
 def opening_rows() -> list[OpeningRow]:
-    """Where the contact opens under a step of pressure."""
+    """Compute the openings under a step of pressure."""
     rows = []
     for nu in POISSON_RATIOS:
         threshold = opening_threshold(nu)

@@ -1,8 +1,8 @@
-"""How a preloaded interface slips over viscosity and friction: where the stick gap at c_R closes.
+"""Slip of a preloaded interface over viscosity and friction, and the closing of its stick gap.
 
-``python -m compare.studies.regimes.viscosity FOLDER`` draws the map, regimes_viscosity.png.  Units:
-viscosity in rho c_t / 2.  Where slip covers c_R, `viscous_closing` says; a map of solved scenes
-checks it.
+``python -m compare.studies.regimes.viscosity FOLDER`` draws the map, regimes_viscosity.png.  The
+unit of viscosity is rho c_t / 2.  `viscous_closing` gives the friction below which slip covers
+c_R; a map of solved scenes checks it.
 """
 
 from __future__ import annotations
@@ -39,8 +39,10 @@ RTOL = 1e-6
 
 @dataclass(frozen=True)
 class ViscosityRow:
-    """Frictions of a preload below which the shear front slips and slip covers c_R, nan if it
-    never does; viscosity over rho c_t / 2."""
+    """Frictions of a preload below which the shear front slips and below which slip covers c_R.
+
+    The second is nan if slip never covers c_R; viscosity is over rho c_t / 2.
+    """
 
     poisson_ratio: float
     viscosity: float
@@ -49,7 +51,7 @@ class ViscosityRow:
 
 
 def viscosity_row(poisson_ratio: float, viscosity: float) -> ViscosityRow:
-    """Both thresholds."""
+    """Compute both thresholds."""
     closing = viscous_closing(poisson_ratio, viscosity)
     nucleation = viscous_nucleation(poisson_ratio, viscosity)
     return ViscosityRow(
@@ -58,20 +60,20 @@ def viscosity_row(poisson_ratio: float, viscosity: float) -> ViscosityRow:
 
 
 def viscosity_rows() -> list[ViscosityRow]:
-    """The table of docs/rate.md."""
+    """Compute the table of docs/rate.md."""
     viscosities = (1e-4, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0)
     return [viscosity_row(nu, one) for nu in (0.0, 1 / 3, 0.45) for one in viscosities]
 
 
 def solved_regime(viscosity: float, chi: float) -> str:
-    """Way of slipping of one scene of the map, by the solver."""
+    """Return the regime of one scene of the map, by the solver."""
     scene = scene_of("preload", MAP_POISSON_RATIO, chi)
     law = ViscousFriction(viscosity * scene.material.shear_impedance / 2)
     return regime(solve(replace(scene, friction_law=law), rtol=RTOL))
 
 
 def solved_regimes(size: int) -> list[list[str]]:
-    """The map, a list per friction, at the middles of cells."""
+    """Return the regimes of the map at the centres of cells, a list per friction."""
     middles = (np.arange(size) + 0.5) / size
     viscosities = 10 ** (DECADES[0] + (DECADES[1] - DECADES[0]) * middles)
     return [
@@ -81,7 +83,7 @@ def solved_regimes(size: int) -> list[list[str]]:
 
 
 def viscosity_curves(count: int) -> dict[float, list[ViscosityRow]]:
-    """Thresholds over viscosity of all Poisson ratios of the figure."""
+    """Compute thresholds over viscosity for all Poisson ratios of the figure."""
     viscosities = np.logspace(*DECADES, count).tolist()
     return {nu: [viscosity_row(nu, one) for one in viscosities] for nu in POISSON_RATIOS}
 
@@ -90,7 +92,7 @@ def viscosity_curves(count: int) -> dict[float, list[ViscosityRow]]:
 def viscosity_figure(
     regimes: Sequence[Sequence[str]], curves: Mapping[float, Sequence[ViscosityRow]]
 ) -> Figure:
-    """The map with its thresholds, and where the gap closes at several Poisson ratios."""
+    """Draw the map with its thresholds, and where the gap closes at several Poisson ratios."""
     figure = describe(new_figure(11, 5.0), FRICTION["preload"])
     left, right = figure.subplots(1, 2)
     names = list(REGIMES)

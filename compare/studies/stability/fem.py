@@ -1,4 +1,4 @@
-"""When the finite-element model fails, how fast, and what the program does about it."""
+"""Failures of the finite-element model: when they occur, how fast, and how the program reacts."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Trial:
     resolution : int
     element, mesh : str
     step_ratio, damping : float
-        As in `fem.simulate`.
+        Arguments of `fem.simulate`.
     """
 
     study: str
@@ -64,20 +64,20 @@ class Trial:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a trial: one line of the CSV.
+    """Outcome of a trial, one line of the CSV file.
 
     Attributes
     ----------
     study, element, mesh : str
     resolution : int
     poisson_ratio, step_ratio, damping : float
-        What was tried; the step ratio is the one asked for.
+        Settings of the trial; the step ratio is the requested one.
     aspect : float
         Largest height of an element over its width.
     outcome : str
         "completed" or "stopped".
     step, steps : int
-        Last step done, and steps to the end.
+        Last completed step, and number of steps until the end.
     error : float
         Relative L1 error of the final slip rate; nan if stopped or no exact solution is known.
     energy_residual : float
@@ -85,9 +85,9 @@ class Outcome:
     switches : int
         Largest number of times a node opened or closed.
     energy_gained : float
-        Largest energy that friction or closing gaps gave back in a step, over the external work.
+        Largest energy that friction or closing gaps returned in a step, over the external work.
     message : str
-        What the program said when it stopped.
+        Message of the program when it stopped.
     """
 
     study: str
@@ -120,13 +120,15 @@ def fem_stability(
     Parameters
     ----------
     output : path
-        Made if it is not there.
+        Folder, made if necessary.
     quick : bool
-        Coarse meshes and fewer trials, for a look.
+        Whether to use coarse meshes and fewer trials, for an overview.
     progress : callable, optional
-        Called with the number of trials done and the number of all trials.
+        Called with the number of finished trials and of all trials.
     form : str
-        Of the figure.
+        Format of the figure.
+    client : distributed.Client, optional
+        Client of a Dask cluster that runs the trials instead of this machine.
 
     Returns
     -------
@@ -137,7 +139,7 @@ def fem_stability(
     DataFileError
         If the files cannot be written.
     MissingLibraryError
-        If meshes have to be built and gmsh cannot be loaded.
+        If meshes must be built and gmsh cannot be loaded.
     """
     planned = tuple(trials(quick))
     done = dict(run_tasks([(run_trial, (trial,)) for trial in planned], 1, progress, client))
@@ -148,7 +150,7 @@ def fem_stability(
 
 
 def trials(quick: bool) -> Iterator[Trial]:
-    """All trials, or those that are quick."""
+    """Yield all trials, or only the quick ones."""
     resolution = 40 if quick else 100
     for element in ELEMENTS[1:2] if quick else ELEMENTS:
         for damping in DAMPINGS[1:2] if quick else DAMPINGS:
@@ -171,7 +173,7 @@ def trials(quick: bool) -> Iterator[Trial]:
 
 
 def run_trial(trial: Trial) -> Outcome:
-    """Simulate, and note what happened."""
+    """Simulate a trial and record its outcome."""
     from fem import simulate
     from fem.plan import make_plan
 
@@ -209,7 +211,7 @@ def run_trial(trial: Trial) -> Outcome:
 
 
 def csv_text(outcomes: Sequence[Outcome]) -> str:
-    """The outcomes as CSV with a heading."""
+    """Return the outcomes as CSV with a heading."""
     text = io.StringIO()
     writer = csv.DictWriter(text, [field.name for field in fields(Outcome)], lineterminator="\n")
     writer.writeheader()
@@ -221,7 +223,7 @@ def csv_text(outcomes: Sequence[Outcome]) -> str:
 
 @styled
 def stability_figure(outcomes: Sequence[Outcome]) -> Figure:
-    """Where runs above the critical step stop; error over damping, mesh size and Poisson ratio."""
+    """Draw where runs above the critical step stop, and errors over damping, mesh and nu."""
     figure = describe(
         new_figure(10, 7), f"preloaded but for what varies: {scene_words(_PRELOADED)}"
     )
@@ -260,7 +262,7 @@ def _draw(
     value: Callable[[Outcome], float],
     by: str,
 ) -> None:
-    """One line per value of the field `by`, in the order of the outcomes."""
+    """Draw one line per value of the field `by`, in the order of the outcomes."""
     keys = dict.fromkeys(getattr(o, by) for o in outcomes)
     for key, marker in zip(keys, "osD^v", strict=False):
         line = [o for o in outcomes if getattr(o, by) == key]
@@ -270,7 +272,7 @@ def _draw(
 
 
 def _error(simulation: Simulation) -> float:
-    """Relative L1 error of the last profile; nan where there is no exact solution."""
+    """Return the relative L1 error of the final profile; nan if there is no exact solution."""
     try:
         return errors_of(simulation, solve(simulation.scene)).last
     except SlipfrontError:

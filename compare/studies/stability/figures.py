@@ -36,7 +36,7 @@ PLACEMENT_STYLE = {
 FLOOR = 1e-17
 
 SCENES = r"$f = \chi\,Q_0/P_b$ (preload), $\chi\,Q_0/P_0$ (remote)"
-"""What friction is in all figures."""
+"""Definition of friction in all figures."""
 
 
 def save_figures(output: Path, rows: Sequence[StudyRow], form: str = "png") -> None:
@@ -49,7 +49,7 @@ def save_figures(output: Path, rows: Sequence[StudyRow], form: str = "png") -> N
 
 @styled
 def limits_figure(rows: Sequence[StudyRow]) -> Figure:
-    """Errors and estimates as the Poisson ratio approaches 0.5, 0 and -1."""
+    """Draw errors and estimates as the Poisson ratio approaches 0.5, 0 and -1."""
     studies = sorted({row.study for row in rows if row.study.startswith("nu to")})
     words = f"edges over $c_t$, slip rates relative;  {SCENES}"
     figure = describe(new_figure(3.4 * len(studies), 4.6), words)
@@ -75,7 +75,7 @@ def _limit_title(study: str) -> str:
 
 @styled
 def thresholds_figure(rows: Sequence[StudyRow]) -> Figure:
-    """Error estimates and numbers of zones next to thresholds; crosses where not converged."""
+    """Draw error estimates and numbers of zones near thresholds; crosses are not converged."""
     estimates = [row for row in rows if row.study == "threshold"]
     cases = sorted({row.case for row in estimates})
     distances = sorted({row.parameter for row in estimates})
@@ -119,7 +119,7 @@ def _distance(value: float) -> str:
 
 @styled
 def grids_figure(rows: Sequence[StudyRow]) -> Figure:
-    """First stage over the number of nodes: error, odd-even mode, condition, rounds."""
+    """Draw the first stage over the number of nodes: error, odd-even mode, condition, rounds."""
     figure = describe(new_figure(10, 7.8), f"slip rates relative;  {SCENES}")
     panels = figure.subplots(2, 2).ravel()
     cases = sorted({row.case for row in rows if row.study == "grid"})
@@ -162,7 +162,7 @@ def _draw_rounds(panel: Axes, part: Sequence[StudyRow], colour: str, style: str,
 
 @styled
 def rules_figure(rows: Sequence[StudyRow]) -> Figure:
-    """Quadrature nodes against error, estimate against true error, digits lost near c_R."""
+    """Draw quadrature nodes against error, estimate against true error, digits lost near c_R."""
     words = f"relative errors of edges, slip rates, impedance;  {SCENES}"
     figure = describe(new_figure(12, 4.6), words)
     left, middle, right = figure.subplots(1, 3)
@@ -192,7 +192,7 @@ def rules_figure(rows: Sequence[StudyRow]) -> Figure:
 def _curves(
     rows: Iterable[StudyRow], study: str, keys: tuple[str, ...]
 ) -> Iterator[tuple[tuple[str, ...], list[StudyRow]]]:
-    """Rows of a study in groups of equal keys, each by ascending parameter."""
+    """Yield the rows of a study in groups of equal keys, each by ascending parameter."""
 
     def key(row: StudyRow) -> tuple[str, ...]:
         return tuple(getattr(row, name) for name in keys)

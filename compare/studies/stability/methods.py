@@ -1,8 +1,8 @@
-"""Ways to solve the first stage that the solver does not use, kept to show why.
+"""Alternative solutions of the first stage, kept to show why the solver does not use them.
 
-Slip rate is piecewise linear on the nodes of the solver's own grid.  Coulomb's law is asked for
-at points (collocation) instead of in the mean over hat functions (Galerkin), and the linear
-complementarity problem is solved by an active set instead of by pivoting.  b = mu = 1.
+Slip rate is piecewise linear on the nodes of the solver's own grid.  Coulomb's law can hold at
+points (collocation) instead of in the mean over hat functions (Galerkin), and an active set can
+replace pivoting for the linear complementarity problem.  Units are b = mu = 1.
 """
 
 from __future__ import annotations
@@ -26,13 +26,16 @@ _MOST_ROUNDS = 200
 
 @dataclass(frozen=True, eq=False)
 class GridProblem:
-    """w = q + M V, V >= 0, w >= 0, V w = 0 for slip of one sense.
+    """Complementarity problem w = q + M V, V >= 0, w >= 0, V w = 0 for slip of one sense.
 
     Attributes
     ----------
-    xi : (n + 1,) nodes [c_t], the last at the longitudinal front, where V = 0
-    matrix : (n, n), minus traction due to the nodal slip rates
-    q : (n,), friction bound less the stuck traction
+    xi : (n + 1,) array
+        Nodes [c_t], the last at the longitudinal front, where V = 0.
+    matrix : (n, n) array
+        Negative traction due to the nodal slip rates.
+    q : (n,) array
+        Friction bound minus the stuck traction.
     """
 
     xi: Array
@@ -42,9 +45,9 @@ class GridProblem:
 
 @dataclass(frozen=True, eq=False)
 class GridAnswer:
-    """Nodal slip rates (n + 1,), what finding them took, and how it ended.
+    """Nodal slip rates (n + 1,), the effort of finding them, and the status.
 
-    status is "solved", "cycles (period p)", "singular", "no end" or what pivoting reported.
+    The status is "solved", "cycles (period p)", "singular", "no end" or a message of the pivoting.
     """
 
     slip_rate: Array
@@ -55,13 +58,14 @@ class GridAnswer:
 def grid_problem(
     loading: Loading, poisson_ratio: float, chi: float, size: int, placement: str
 ) -> GridProblem:
-    """Complementarity problem of a scene on a grid of about `size` nodes.
+    """Set up the complementarity problem of a scene on a grid of about `size` nodes.
 
     Parameters
     ----------
     placement : {"galerkin", "nodes", "midpoints"}
-        Test with hat functions; or ask for Coulomb's law at the nodes (at a quarter of the first
-        element in place of the contact edge, where traction is infinite); or between them.
+        "galerkin" tests with hat functions.  "nodes" demands Coulomb's law at the nodes, except at
+        the contact edge, where traction is infinite; there a quarter of the first element replaces
+        it.  "midpoints" demands it between the nodes.
     """
     grid = slip_grid(poisson_ratio, size)
     scene = scene_of(loading, poisson_ratio, chi)
@@ -83,10 +87,10 @@ def grid_problem(
 
 
 def traction_operator(poisson_ratio: float, xi: Array, points: Array) -> Array:
-    """Corrective traction at points due to nodal slip rates, (points, nodes without the last).
+    """Return the corrective traction at points due to nodal slip rates, without the last node.
 
-    The gradient of `semianalytic.selfsimilar.collocation` integrated inward by Gauss rules between
-    all nodes and points.
+    The result is (points, nodes - 1).  The gradient of `semianalytic.selfsimilar.collocation` is
+    integrated inward by Gauss rules between all nodes and points.
     """
     factors = rayleigh_factors(poisson_ratio)
     breaks = np.union1d(xi, points)
@@ -117,7 +121,7 @@ def traction_operator(poisson_ratio: float, xi: Array, points: Array) -> Array:
 
 
 def by_pivoting(problem: GridProblem) -> GridAnswer:
-    """Complementary pivoting, as the solver does it."""
+    """Solve by complementary pivoting, like the solver."""
     try:
         pivoted = lemke(problem.matrix, problem.q)
     except ComputationError as error:
@@ -126,7 +130,7 @@ def by_pivoting(problem: GridProblem) -> GridAnswer:
 
 
 def by_active_set(problem: GridProblem) -> GridAnswer:
-    """Primal-dual active set (semismooth Newton): guess who slips, solve, swap all who object."""
+    """Solve by a primal-dual active set (semismooth Newton), swapping all nodes that disagree."""
     n = len(problem.q)
     slips = problem.q < 0
     seen: dict[bytes, int] = {}
@@ -151,10 +155,11 @@ def by_active_set(problem: GridProblem) -> GridAnswer:
 
 
 def zigzag(xi: Array, rate: Array, exact: Array) -> float:
-    """Amplitude of the odd-even mode in the error, relative to the largest exact slip rate.
+    """Return the amplitude of the odd-even mode in the error over the largest exact slip rate.
 
-    Median over nodes inside slip, two nodes off its edges, of the error less the weighted mean of
-    its neighbours, halved: what a smooth error and the few nodes beside an edge do not show in.
+    It is half the median difference of the error from the weighted mean of its neighbours, over
+    nodes at least two nodes inside slip.  Smooth errors and the few nodes near edges do not
+    affect it.
     """
     slips = (rate > 0) & (exact > 0)
     inside = np.convolve(slips, np.ones(5), "same") == 5

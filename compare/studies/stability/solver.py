@@ -1,4 +1,4 @@
-"""Where methods fail: the stability study of the semi-analytic solver, as figures and a table."""
+"""Stability study of the semi-analytic solver: where methods fail, as figures and a table."""
 
 from __future__ import annotations
 
@@ -46,15 +46,15 @@ def write_solver_stability(
 ) -> list[StudyRow]:
     """Study limits, thresholds, grids and rules; write figures and stability-solver.csv.
 
-    Small grids and few points, within a minute, if quick; otherwise some minutes.  A `client` of a
-    Dask cluster lets that do it.
+    If `quick`, grids are small and points few, which takes less than a minute; otherwise it takes
+    some minutes.  A `client` of a Dask cluster runs the study there.
 
     Raises
     ------
     DataFileError
         If a file cannot be written.
     ComputationError
-        If a threshold cannot be found, or a scene that a study rests on cannot be solved.
+        If a threshold cannot be found, or a basic scene of a study cannot be solved.
     """
     output.mkdir(parents=True, exist_ok=True)
     rows: list[StudyRow] = []
@@ -71,7 +71,7 @@ def _order(row: StudyRow) -> tuple[str, str, str, str, float]:
 
 
 def study_tasks(quick: bool) -> list[Task]:
-    """All computations of the study, the longest first."""
+    """Return all computations of the study, the longest first."""
     sizes = _SIZES[:3] if quick else _SIZES
     scenes = GRID_SCENES[:1] if quick else GRID_SCENES
     tasks: list[Task] = []

@@ -1,4 +1,4 @@
-"""Where a space-time march stops, and how its error grows: step, Poisson ratio, friction, time."""
+"""Limits of space-time marches, and growth of their error with step, nu, friction and time."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ FRICTIONS = {
 }
 END_TIMES = (1.0, 2.0, 4.0, 8.0, 16.0)
 FLOOR = 1e-3
-"""Where runs that were refused are marked [%]."""
+"""Error at which refused runs are drawn [%]."""
 
 Trial = tuple[str, str, float, Scene, Callable[[], Marched]]
-"""Study, case, what is varied, the scene, and how it is marched."""
+"""Study, case, value of the varied parameter, scene, and function that marches it."""
 
 
 def trials(quick: bool) -> Iterator[Trial]:
-    """All marches of the study, on coarse grids and not as long if quick."""
+    """Yield all marches of the study; if `quick`, on coarse grids and over shorter times."""
     nodes = 128 if quick else 512
     preloaded = NAMED_SCENES["preloaded"].scene
     for damping in (0.0, 0.7):
@@ -62,14 +62,17 @@ def trials(quick: bool) -> Iterator[Trial]:
 def stability_rows(
     quick: bool, progress: Progress | None = None, client: Any = None
 ) -> list[StudyRow]:
-    """Relative L1 error of the slip rate of every march; NaN, and why, where one was refused."""
+    """Return the relative L1 error of the slip rate of every march; nan if a march was refused.
+
+    The status of a refused march is the message of the refusal.
+    """
     tasks = [(trial_row, (trial,)) for trial in trials(quick)]
     done = dict(run_tasks(tasks, 1, progress, client))
     return [done[index] for index in range(len(tasks))]
 
 
 def trial_row(trial: Trial) -> StudyRow:
-    """The row of one march."""
+    """Return the row of one march."""
     study, case, value, scene, run = trial
     try:
         error, status = step_error(scene, run()), RAN
@@ -87,7 +90,7 @@ def write_stability(
 ) -> list[StudyRow]:
     """Run the study; write stability-space-time.csv and .png into a folder.
 
-    A `client` of a Dask cluster lets that do it.
+    A `client` of a Dask cluster runs the marches there.
 
     Raises
     ------
@@ -103,7 +106,7 @@ def write_stability(
 
 @styled
 def stability_figure(rows: Sequence[StudyRow]) -> Figure:
-    """Errors of the study's four parts; crosses at the bottom where a run was refused."""
+    """Draw the errors of the study's four parts; crosses at the bottom are refused runs."""
     labels = {
         "step ratio": r"$c_t\,\Delta t / h$",
         "Poisson ratio": r"$\nu$",

@@ -1,6 +1,6 @@
-"""Studies of where the solver, and methods it does not use, lose digits or fail.
+"""Studies of the losses of digits and the failures of the solver and of alternative methods.
 
-Each returns rows; loadings and units are those of `semianalytic.regimes`.
+Each function returns rows; for loadings and units see `semianalytic.regimes`.
 """
 
 from __future__ import annotations
@@ -44,12 +44,15 @@ class StudyRow:
     Attributes
     ----------
     study, case, method : str
-        What was studied, on which scene or limit, and how it was solved.
+        Study, its scene or limit, and the solution method.
     parameter : float
-        What was varied: a distance from a limit, a number of nodes, a tolerance.
+        Varied parameter: a distance from a limit, a number of nodes, a tolerance.
     quantity : str
+        Name of the measured quantity.
     value : float
-    status : str, how the computation ended
+        Measured value.
+    status : str
+        Status at the end of the computation.
     """
 
     study: str
@@ -62,14 +65,14 @@ class StudyRow:
 
 
 def closed_form(poisson_ratio: float, chi: float) -> tuple[float, float]:
-    """Front [c_t] and slip rate at the contact edge of a preloaded interface with one slow zone."""
+    """Return front [c_t] and edge slip rate of a preloaded interface with one slow zone."""
     material = Material(1.0, 1.0, poisson_ratio)
     edge_rate = float(slip_rate_under_shear_step(material, 1.0, chi, 0.0))
     return edge_speed_under_shear_step(material, chi), edge_rate
 
 
 def attempt(loading: Loading, poisson_ratio: float, chi: float, rtol: float) -> Solution | str:
-    """The solution, or why there is none."""
+    """Return the solution, or the message that says why there is none."""
     try:
         return solve(scene_of(loading, poisson_ratio, chi), rtol=rtol)
     except ComputationError as error:
@@ -77,7 +80,7 @@ def attempt(loading: Loading, poisson_ratio: float, chi: float, rtol: float) -> 
 
 
 def limit_rows(limit: str, exponent: int) -> list[StudyRow]:
-    """Scenes at a Poisson ratio 10^-exponent away from 0.5, 0 (either side) or -1."""
+    """Solve scenes at a Poisson ratio 10^-exponent away from 0.5, 0 (either side) or -1."""
     distance = 10.0**-exponent
     nu = {"0.5": 0.5 - distance, "0+": distance, "0-": -distance, "-1": -1 + distance}[limit]
     rows = []
@@ -107,7 +110,7 @@ def limit_rows(limit: str, exponent: int) -> list[StudyRow]:
 
 
 def thresholds() -> dict[str, tuple[Loading, float, float]]:
-    """Frictions at which the set of zones changes: (loading, nu, chi) by name."""
+    """Return frictions at which the set of zones changes: (loading, nu, chi) by name."""
     third, half = 1 / 3, -0.5
     chosen: dict[str, tuple[Loading, float, float]] = {
         "edge slips, ν = 1/3": ("remote", third, regimes.edge_threshold(third)),
@@ -134,7 +137,7 @@ def thresholds() -> dict[str, tuple[Loading, float, float]]:
 
 
 def threshold_rows(name: str, loading: Loading, nu: float, chi: float) -> list[StudyRow]:
-    """Scenes at relative distances 10^-1.5 to 10^-10, and 0, from a threshold, on both sides."""
+    """Solve scenes at relative distances 10^-1.5 to 10^-10, and 0, on both sides of a threshold."""
     rows = []
     for signed in (*(s * 10.0**-k for s in (1, -1) for k in (1.5, *range(2, 11))), 0.0):
         solution = attempt(loading, nu, chi * (1 + signed), 1e-8)
@@ -153,11 +156,11 @@ def threshold_rows(name: str, loading: Loading, nu: float, chi: float) -> list[S
 def grid_rows(
     loading: Loading, nu: float, chi: float, size: int, placement: str, active: bool
 ) -> list[StudyRow]:
-    """First stage on one grid: error, odd-even mode, condition, pivots, rounds of an active set."""
+    """Solve the first stage on a grid; return error, odd-even mode, condition, pivots, rounds."""
     exact = solve(scene_of(loading, nu, chi), rtol=RTOL)
     problem = grid_problem(loading, nu, chi, size, placement)
     xi = problem.xi
-    beside = xi[1:] * (1 - 1e-9)  # a node lies on c_R, where a zone that covers it has a logarithm
+    beside = xi[1:] * (1 - 1e-9)  # a zone that covers c_R has a logarithm there, at a node
     rate = np.append(exact.edge_slip_rate, exact.slip_rate(beside, 1.0)) / 2
     rate[-1] = 0.0
     scale = np.sqrt(np.abs(np.diag(problem.matrix)))
@@ -186,7 +189,7 @@ def grid_rows(
 
 
 def _errors(xi: Array, answer: GridAnswer, exact: Array) -> dict[str, float]:
-    """Mean error and odd-even mode of slip rates on a grid, relative."""
+    """Return the relative mean error and odd-even mode of slip rates on a grid."""
     if answer.status != "solved":
         return {}
     error = relative_error(answer.slip_rate, exact, xi, 1)
@@ -194,7 +197,7 @@ def _errors(xi: Array, answer: GridAnswer, exact: Array) -> dict[str, float]:
 
 
 def rule_rows(nu: float) -> list[StudyRow]:
-    """Quadrature rules on the closed form of one slow zone, chi = 1: balance and slip rate."""
+    """Test quadrature rules on the closed form of one slow zone, chi = 1: balance and slip rate."""
     factors = rayleigh_factors(nu)
     front, exact = closed_form(nu, 1.0)
     edge = factors.beside("c", [1 / front - factors.c])
@@ -217,8 +220,11 @@ def rule_rows(nu: float) -> list[StudyRow]:
 
 
 def estimate_rows(loading: Loading, nu: float, chi: float) -> list[StudyRow]:
-    """Error of edges, and of slip rate as far from them and from c_R as the estimate promises,
-    against a solution at 1e-12, beside the estimate of it."""
+    """Compare errors of edges and slip rate with the solver's estimate.
+
+    The reference is a solution at 1e-12.  Slip rates are compared only at the distances from
+    edges and c_R for which the estimate holds.
+    """
     reference = solve(scene_of(loading, nu, chi), rtol=1e-12)
     case = f"{loading}, ν = {nu:.3g}, χ = {chi:g}"
     material = reference.scene.material
@@ -249,7 +255,7 @@ def estimate_rows(loading: Loading, nu: float, chi: float) -> list[StudyRow]:
 
 
 def near_rayleigh_rows(nu: float) -> list[StudyRow]:
-    """Relative error of the impedance at c + d: from the Rayleigh polynomial, from v, from d."""
+    """Return relative errors of the impedance at c + d, from the Rayleigh polynomial, v and d."""
     factors = rayleigh_factors(nu)
     c, a = factors.c, factors.a
     rows = []
@@ -269,7 +275,7 @@ def near_rayleigh_rows(nu: float) -> list[StudyRow]:
 
 
 def narrow_gap_rows(nu: float) -> list[StudyRow]:
-    """Half-width of the stick gap at c_R against its closed form, as a remote load narrows it."""
+    """Compare the half-width of the stick gap at c_R with its closed form as the gap narrows."""
     rows = []
     for unknown in np.arange(1.0, -0.6, -0.2):
         front = regimes.past_rayleigh(nu, float(unknown))
@@ -280,7 +286,7 @@ def narrow_gap_rows(nu: float) -> list[StudyRow]:
             continue
         slow, ahead = solution.profile.fields.zones
         inward, outward = ahead.left, slow.right
-        assert inward is not None  # both edges of a gap between two zones exist
+        assert inward is not None  # a gap between two zones has both edges
         assert outward is not None
         gap = float(inward.minus(outward)[0])
         half = math.exp(log_width)

@@ -1,1 +1,1 @@
-"""How accurate the finite elements and the marcher are, and what that costs."""
+"""Studies of the accuracy of the finite elements and the marcher, and of its cost."""

@@ -1,7 +1,7 @@
 """Studies of the finite-element model against the exact solution: accuracy, elements, smoothing.
 
-``python -m docs.studies.accuracy.fem accuracy`` prints a table; `STUDIES` lists the others, and
-``--csv docs/data`` writes what docs/fem.md shows.
+``python -m docs.studies.accuracy.fem accuracy`` prints a table; `STUDIES` lists the others.  With
+``--csv docs/data``, the data of docs/fem.md are written.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class MeshRow:
-    """Errors of a scene on one mesh, or extrapolated from two; errors as in `Errors`.
+    """Errors of a scene on one mesh, or extrapolated from two; for the errors see `Errors`.
 
-    `last_order` and `averaged_order` are the observed orders since the mesh before, nan without
-    one; `seconds` those of stepping.
+    `last_order` and `averaged_order` are the observed orders since the mesh before, nan for the
+    first mesh; `seconds` is the time of stepping.
     """
 
     scene: str
@@ -55,9 +55,9 @@ class MeshRow:
 
 
 def accuracy(scene: str, resolutions: Sequence[int], **options: Any) -> list[MeshRow]:
-    """Errors and observed order on several meshes, and extrapolated from the two finest.
+    """Compute errors and observed orders on several meshes, and extrapolate from the two finest.
 
-    The last row is (r V(h/r) - V(h))/(r - 1), which removes what is of first order in h.
+    The extrapolation (r V(h/r) - V(h))/(r - 1) in the last row removes errors of first order in h.
     """
     solution = solve(NAMED_SCENES[scene].scene)
     rows: list[MeshRow] = []
@@ -104,8 +104,8 @@ def _mesh_row(
 class ElementRow:
     """Accuracy and cost of an element family on one mesh.
 
-    `step` is the critical time step times c_l/h, `error` the L1 error at T, `order` that since the
-    mesh before; `steps` and `meshing` are seconds.
+    `step` is the critical time step times c_l/h, `error` the L1 error at T, and `order` its
+    observed order since the mesh before; `steps` and `meshing` are times [s].
     """
 
     element: str
@@ -120,7 +120,7 @@ class ElementRow:
 
 
 def element_rows(scene: str, resolutions: Sequence[int]) -> list[ElementRow]:
-    """Accuracy and cost of every element family on every kind of mesh."""
+    """Measure accuracy and cost of every element family on every kind of mesh."""
     solution, rows = solve(NAMED_SCENES[scene].scene), []
     for element, mesh in ELEMENTS:
         before = math.nan
@@ -156,8 +156,11 @@ ELEMENTS = (
 
 @dataclass(frozen=True)
 class DampingRow:
-    """What damping does: errors as in `Errors`, energy and residual over the external work,
-    critical step over the undamped one."""
+    """Effect of damping.
+
+    It holds errors as in `Errors`, dissipated energy and residual over the external work, and the
+    critical step over the undamped one.
+    """
 
     damping: float
     last: float
@@ -169,7 +172,7 @@ class DampingRow:
 
 
 def damping_rows(scene: str, resolution: int) -> list[DampingRow]:
-    """What damping does to the error, the energy it takes and the critical step."""
+    """Measure how damping affects the error, the dissipated energy and the critical step."""
     solution, rows, undamped = solve(NAMED_SCENES[scene].scene), [], math.nan
     for damping in (0.0, 0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2):
         simulation = simulated(scene, resolution, damping=damping)
@@ -191,7 +194,7 @@ def damping_rows(scene: str, resolution: int) -> list[DampingRow]:
 
 
 class Smoothing(NamedTuple):
-    """Options of a run, as fields of `fem.Settings`."""
+    """Options of a run, which are fields of `fem.Settings`."""
 
     resolution: int = 100
     element: str = "Q1"
@@ -209,8 +212,9 @@ SMOOTHING_TRIALS = (
     Smoothing(78, "Q2", damping=0.01),
     Smoothing(142),
 )
-"""Settings that might see a narrow second zone better: all but the last cost as much as the first,
-which is the default."""
+"""Settings that might resolve a narrow second zone better.
+
+The first is the default.  All others but the last cost as much as the first."""
 
 SMOOTHING_SCENES: Mapping[str, Scene] = {
     **{name: NAMED_SCENES[name].scene for name in ("preloaded", "remote-shock")},
@@ -224,10 +228,10 @@ SMOOTHING_SCENES: Mapping[str, Scene] = {
 
 @dataclass(frozen=True)
 class SmoothingRow:
-    """One of the `SMOOTHING_TRIALS`: errors as in `Errors` and of the second zone alone.
+    """Result of one of the `SMOOTHING_TRIALS`: errors as in `Errors`, and those of the second zone.
 
     `second_zone` is the relative L1 error at T over that zone, `slip` that of slip at T, `bar` the
-    relative L1 change at T from a mesh of twice the element size; `work` unknowns times steps.
+    relative L1 change at T from a mesh of twice the element size, `work` unknowns times steps.
     """
 
     scene: str
@@ -245,7 +249,7 @@ class SmoothingRow:
 
 
 def smoothing_rows() -> list[SmoothingRow]:
-    """Error and error bar of settings that smooth more or less, and how they see second zones."""
+    """Measure errors and error bars of settings that smooth more or less, and of second zones."""
     return [
         _smoothing_row(name, scene, trial)
         for name, scene in SMOOTHING_SCENES.items()
@@ -297,7 +301,7 @@ def simulated(scene: str, resolution: int, **options: Any) -> Simulation:
 
 
 def observed_order(coarse: float, fine: float, refinement: float = 2.0) -> float:
-    """Observed order of convergence when h is divided by the refinement."""
+    """Return the observed order of convergence when h is divided by the refinement."""
     return math.log(coarse / fine) / math.log(refinement)
 
 

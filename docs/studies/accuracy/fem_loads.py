@@ -1,7 +1,7 @@
-"""Studies of the finite-element model under loads that rise and fall, and of what a step costs.
+"""Studies of the finite-element model under loads that rise and fall, and of the cost of a step.
 
-``python -m docs.studies.accuracy.fem_loads stuck`` prints a table; `STUDIES` lists the others,
-and ``--csv docs/data`` writes what docs/fem.md shows.
+``python -m docs.studies.accuracy.fem_loads stuck`` prints a table; `STUDIES` lists the others.
+With ``--csv docs/data``, the data of docs/fem.md are written.
 """
 
 from __future__ import annotations
@@ -46,22 +46,22 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "slip weakening, 0.6 over 0.05": {"friction_law": SlipWeakening(0.6, 0.05)},
     "slip weakening, 0.6 over 0.005": {"friction_law": SlipWeakening(0.6, 0.005)},
 }
-"""What is changed about a shear step on constant pressure, in units of c_t, T and the loads."""
+"""Changes to a shear step on constant pressure, in units of c_t, T and the loads."""
 
 HELD = np.linspace(0.1003, 1.9, 91)
 """Positions x / (c_t T) at which stuck tractions are compared."""
 
 
 def stuck_errors(history: LoadHistory, resolution: int) -> tuple[float, float, float]:
-    """Relative L1 errors of stuck tractions at T under a load history, c_t = T = 1.
+    """Return relative L1 errors of stuck tractions at T under a load history, c_t = T = 1.
 
-    The mesh is laid so that the edge of the closed contact is at x = 0; the edge that shear sees
-    where the contact is stuck is beside it, see `fem.edge`.
+    The mesh places the edge of the closed contact at x = 0.  The effective edge for shear on a
+    stuck contact lies beside it, see `fem.edge`.
 
     Returns
     -------
     pressure, shear, shear_beside : float
-        The last with the exact traction of an edge that is where shear sees it.
+        Relative errors; for the last, the exact traction has its edge at the effective edge.
     """
     from fem import simulate
     from fem.assembly import FAMILIES
@@ -89,7 +89,8 @@ def _error(simulated: Array, exact: Array) -> float:
 class EdgeRow:
     """Relative L1 errors at T over 0.05 < x/(c_t T) < 1.9 with the first node at x = `edge` h.
 
-    Of tractions, of their change; slip rates are those of single steps, nan where nothing slips.
+    Errors of tractions are relative to their change.  Slip rates are those of single steps; their
+    error is nan if nothing slips.
     """
 
     scene: str
@@ -102,7 +103,7 @@ class EdgeRow:
 
 
 def edge_rows(scenes: Sequence[str], resolutions: Sequence[int]) -> list[EdgeRow]:
-    """What it is worth to lay the mesh so that the edge of a closed contact is at x = 0."""
+    """Measure the benefit of a mesh with the edge of a closed contact at x = 0."""
     from fem import Settings
     from fem.plan import Plan
 
@@ -118,7 +119,7 @@ def edge_rows(scenes: Sequence[str], resolutions: Sequence[int]) -> list[EdgeRow
 
 
 def _field_errors(plan: Plan, edge: float) -> list[float]:
-    """Errors of an `EdgeRow` with the first node at a place [length]."""
+    """Return the errors of an `EdgeRow` with the first node at a position [length]."""
     from fem.assembly import make_space
     from fem.model import build_model
     from fem.run import drift, levels
@@ -147,7 +148,7 @@ def _field_errors(plan: Plan, edge: float) -> list[float]:
 
 
 def slip_changes(scene: Scene, resolutions: tuple[int, ...]) -> list[float]:
-    """Relative L1 change of slip at T from each mesh to the next, c_t = T = 1."""
+    """Return the relative L1 change of slip at T from each mesh to the next, c_t = T = 1."""
     from fem import simulate
 
     profiles = []
@@ -162,7 +163,7 @@ def slip_changes(scene: Scene, resolutions: tuple[int, ...]) -> list[float]:
 
 @dataclass(frozen=True)
 class StuckRow:
-    """`stuck_errors` of a load on one mesh."""
+    """Result of `stuck_errors` for a load on one mesh."""
 
     load: str
     h: str
@@ -172,7 +173,7 @@ class StuckRow:
 
 
 def stuck_rows(resolutions: Sequence[int]) -> list[StuckRow]:
-    """Accuracy of stuck tractions under loads that rise and fall."""
+    """Measure the accuracy of stuck tractions under loads that rise and fall."""
     return [
         StuckRow(name, f"1/{resolution}", *stuck_errors(history, resolution))
         for name, history in LOADS.items()
@@ -182,7 +183,7 @@ def stuck_rows(resolutions: Sequence[int]) -> list[StuckRow]:
 
 @dataclass(frozen=True)
 class ChangeRow:
-    """`slip_changes` of `preloaded` with another load or friction law, on three meshes."""
+    """Result of `slip_changes` for `preloaded` with another load or friction law."""
 
     variant: str
     coarse: float
@@ -190,7 +191,7 @@ class ChangeRow:
 
 
 def change_rows(resolutions: tuple[int, int, int]) -> list[ChangeRow]:
-    """How slip changes from mesh to mesh under each of the `VARIANTS`."""
+    """Measure how slip changes from mesh to mesh for each of the `VARIANTS`."""
     base, load = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
     return [
         ChangeRow(name, *slip_changes(Scene(UNIT, 0.3, base, load, **parts), resolutions))
@@ -200,8 +201,11 @@ def change_rows(resolutions: tuple[int, int, int]) -> list[ChangeRow]:
 
 @dataclass(frozen=True)
 class CostRow:
-    """Product of the stiffness and a full step [ns per unknown], their ratio, and by what factor
-    the window and the trimmed domain save unknowns."""
+    """Cost of a time step.
+
+    It holds times of a product with the stiffness and of a full step [ns per unknown], their ratio,
+    and the factors by which the window and the trimmed domain reduce the unknowns.
+    """
 
     h: str
     unknowns: int
@@ -213,9 +217,9 @@ class CostRow:
 
 
 def cost_rows(scene: str, resolutions: Sequence[int]) -> list[CostRow]:
-    """A full step over one product of the active part, and what the window and the halves save.
+    """Measure a full step over a product of the active part, and the savings of window and halves.
 
-    Step and product are timed in turns, in one run, as medians.
+    Step and product run in turns within one run; the results are medians.
     """
     from fem import prepare
 
@@ -259,7 +263,7 @@ def cost_rows(scene: str, resolutions: Sequence[int]) -> list[CostRow]:
 
 
 def _medians(one: Callable[[], None], other: Callable[[], None], times: int) -> tuple[float, float]:
-    """Median wall-clock times of two functions called in turns [s]."""
+    """Return the median wall-clock times of two functions called in turns [s]."""
     seconds: tuple[list[float], list[float]] = ([], [])
     for _ in range(times):
         for function, taken in zip((one, other), seconds, strict=True):

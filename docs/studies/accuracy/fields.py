@@ -1,7 +1,7 @@
-"""How fast the fields in the bodies converge: the tables and the figure of docs/fem.md.
+"""Convergence of the fields in the bodies: the tables and the figure of docs/fem.md.
 
-``python -m docs.studies.accuracy.fields convergence --csv docs/data``
-``python -m docs.studies.accuracy.fields figure``
+Run as ``python -m docs.studies.accuracy.fields convergence --csv docs/data`` or
+``python -m docs.studies.accuracy.fields figure``.
 """
 
 from __future__ import annotations
@@ -27,24 +27,24 @@ SCENES = ("preloaded", "lift-off-shear")
 RESOLUTIONS = (50, 100, 200)
 DRAWN = "lift-off-shear"
 AFAR = 0.1
-"""Distance from all fronts [c_t T] that does not shrink with the elements."""
+"""Distance from all fronts [c_t T] that stays fixed when the mesh is refined."""
 
 
 @dataclass(frozen=True)
 class ConvergenceRow:
-    """Relative L1 errors of one component at T on three meshes, each half as fine as the next.
+    """Relative L1 errors of one component at T on three meshes, each twice as fine as the last.
 
     Attributes
     ----------
     scene, component : str
     coarse, medium, fine : float
-        Over both bodies.
+        Errors over both bodies.
     order : float
-        Of convergence between the last two.
+        Observed order of convergence between the last two meshes.
     coarse_outside, medium_outside, fine_outside, order_outside : float
-        The same outside the band of two elements around the fronts.
+        Errors and order outside a band of two elements around the fronts.
     coarse_afar, medium_afar, fine_afar, order_afar : float
-        The same farther than `AFAR` from all fronts.
+        Errors and order farther than `AFAR` from all fronts.
     """
 
     scene: str
@@ -64,7 +64,7 @@ class ConvergenceRow:
 
 
 def convergence(scenes: Sequence[str], resolutions: Sequence[int]) -> list[ConvergenceRow]:
-    """The scenes on three meshes."""
+    """Measure the errors of the scenes on three meshes."""
     return [row for name in scenes for row in _refined(name, NAMED_SCENES[name].scene, resolutions)]
 
 
@@ -76,7 +76,7 @@ def _refined(name: str, scene: Scene, resolutions: Sequence[int]) -> Iterator[Co
 
 
 def _errors(scene: Scene, resolution: int) -> Iterator[tuple[str, float, float, float]]:
-    """Each component with its errors: whole, outside the band, afar."""
+    """Yield each component with its errors: of the whole field, outside the band, and afar."""
     run, errors = last_frame(scene, resolution)
     fronts, width = fronts_in(solve(scene), scene), AFAR * scene.material.shear_speed * run.end_time
     for near, far in zip(
@@ -86,11 +86,11 @@ def _errors(scene: Scene, resolution: int) -> Iterator[tuple[str, float, float, 
 
 
 def last_frame(scene: Scene, resolution: int) -> tuple[Simulation, FieldErrors]:
-    """A simulation with one snapshot, at its end, and how far that is off."""
+    """Simulate a scene with one snapshot at its end; return the simulation and the errors."""
     with TemporaryDirectory() as folder:
         run = simulate(scene, resolution=resolution, snapshots=folder, frames=1)
         errors = field_errors(solve(scene), run, Path(folder))
-    assert errors is not None  # a solution knows its fields
+    assert errors is not None  # a self-similar solution always has fields
     return run, errors
 
 

@@ -1,7 +1,7 @@
-"""How well a march knows its own error: estimates against true errors, over many scenes.
+"""Error estimates of marches against their true errors, over many scenes.
 
-The truth is the self-similar solution where there is one, and a march on six times the nodes
-elsewhere.
+The reference is the self-similar solution if there is one, otherwise a march on six times as many
+nodes.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ Array = NDArray[np.float64]
 NODES = 256
 FINER = 6
 STEPS, HISTORIES = 30, 24
-"""Random scenes of either kind."""
+"""Number of random scenes with step loads and with other load histories."""
 SEED = 14
 NODES_IN_PROCESS_ZONE = (2, 3, 4, 6, 8, 12, 16, 24)
 FINEST_IN_PROCESS_ZONE = 64
 ROUNDING = 1e-12
 LEVELS = 100
-"""At most, at which slip rates are compared."""
+"""Largest number of levels at which slip rates are compared."""
 
 _PRELOADED = NAMED_SCENES["preloaded"].scene
 _QUARTER = replace(_PRELOADED.material, poisson_ratio=0.25)
@@ -82,7 +82,7 @@ WEAKENING: Mapping[str, tuple[Scene, float]] = {
 
 @dataclass(frozen=True)
 class Judged:
-    """True and estimated error of something that was read off a march, both relative."""
+    """True and estimated relative error of one result of a march."""
 
     scenes: str
     quantity: str
@@ -91,9 +91,10 @@ class Judged:
 
 
 def judged(name: str, marched: Marched, truth: Answer) -> list[Judged]:
-    """Errors of a march and what it says of them; none where nothing happens.
+    """Compare the errors of a march with its estimates; return no rows if nothing happens.
 
-    Slip rate in L1 over space and time, fields at the end in L1 over space, totals at the end.
+    The errors are those of slip rate in L1 over space and time, of final fields in L1 over space,
+    and of totals at the end.
     """
     x, end = marched.interface.x, marched.end_time
     rows = [Judged(name, "slip rate", rate_error(marched, truth), marched.error_estimate)]
@@ -116,7 +117,7 @@ def judged(name: str, marched: Marched, truth: Answer) -> list[Judged]:
 
 
 def rate_error(marched: Marched, truth: Answer) -> float:
-    """Relative L1 error of the slip rate of a march over nodes and stored levels."""
+    """Return the relative L1 error of the slip rate of a march over nodes and stored levels."""
     own = marched.interface
     seen = np.arange(len(own.t) - 1, 0, -max(1, len(own.t) // LEVELS))
     exact = truth.slip_rate(own.x, own.t[seen, None])
@@ -125,7 +126,7 @@ def rate_error(marched: Marched, truth: Answer) -> float:
 
 
 def error_scenes() -> Iterator[tuple[str, Scene]]:
-    """Scenes with the kind of each: named ones, and random ones."""
+    """Yield named and random scenes, each with its kind."""
     named = [entry.scene for entry in NAMED_SCENES.values()]
     steps = [drawn(SEED, index, random_step_scene)[0] for index in range(STEPS)]
     histories = [drawn(SEED, index, random_history_scene)[0] for index in range(HISTORIES)]
@@ -138,7 +139,7 @@ def error_scenes() -> Iterator[tuple[str, Scene]]:
 
 
 def all_judged(nodes: int = NODES) -> list[Judged]:
-    """Of all `error_scenes` that a march resolves."""
+    """Judge the marches of all `error_scenes` that they resolve."""
     rows = []
     for kind, scene in error_scenes():
         end = 1 / scene.material.shear_speed
@@ -159,7 +160,7 @@ def all_judged(nodes: int = NODES) -> list[Judged]:
 
 @dataclass(frozen=True)
 class ErrorRow:
-    """Estimates over true errors: share of those above 1, and their distribution."""
+    """Ratios of estimated to true errors: share of those above 1, and their distribution."""
 
     scenes: str
     quantity: str
@@ -171,7 +172,7 @@ class ErrorRow:
 
 
 def error() -> list[ErrorRow]:
-    """How often and by how much the estimates exceed true errors, by kind of scene."""
+    """Measure how often and how far estimates exceed true errors, by kind of scene."""
     groups: dict[tuple[str, str], list[float]] = {}
     for row in all_judged():
         groups.setdefault((row.scenes, row.quantity), []).append(row.estimate / row.true)
@@ -190,7 +191,7 @@ def error() -> list[ErrorRow]:
 
 @dataclass(frozen=True)
 class WeakeningRow:
-    """Relative errors under slip weakening by the nodes in its process zone."""
+    """Relative errors under slip weakening, by the number of nodes in the process zone."""
 
     scene: str
     nodes: int
@@ -201,7 +202,7 @@ class WeakeningRow:
 
 
 def weakening() -> list[WeakeningRow]:
-    """Errors against marches with 64 nodes in the process zone."""
+    """Measure errors relative to marches with 64 nodes in the process zone."""
     rows = []
     for name, (scene, end) in WEAKENING.items():
         length = scene.material.longitudinal_speed * end

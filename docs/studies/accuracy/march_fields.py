@@ -1,4 +1,4 @@
-"""Fields in the bodies after a march, against those of the self-similar solver."""
+"""Fields in the bodies after a march, compared with those of the self-similar solver."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ Array = NDArray[np.float64]
 GRIDS = (64, 128, 256, 512, 1024)
 SCENES = ("preloaded", "remote-shock", "auxetic", "antiplane")
 POINTS = 300
-"""Random ones in both bodies, within 1.1 times what waves reach."""
+"""Number of random points in both bodies, within 1.1 times the reach of the waves."""
 QUANTITIES = ("velocity", "stress", "displacement")
 
 
 @dataclass(frozen=True)
 class FieldRow:
-    """L1 errors of whole fields over what has changed, and the observed order of stress."""
+    """L1 errors of whole fields over their change, and the observed order of stress."""
 
     scene: str
     nodes: int
@@ -33,7 +33,7 @@ class FieldRow:
 
 
 def fields() -> list[FieldRow]:
-    """Errors at T = 1 by nodes."""
+    """Measure the errors at T = 1 by nodes."""
     rows = []
     for name in SCENES:
         scene, before = NAMED_SCENES[name].scene, math.nan
@@ -46,7 +46,7 @@ def fields() -> list[FieldRow]:
 
 
 def field_errors(scene: Scene, nodes: int, points: int = POINTS) -> list[float]:
-    """Of velocity, stress and displacement after a march, where the exact fields are finite."""
+    """Return errors of velocity, stress and displacement where the exact fields are finite."""
     end = 1 / scene.material.shear_speed
     marched, exact = march(scene, end, nodes, companion=False), solve(scene)
     reach = 1.1 * scene.fastest_speed * end

@@ -1,6 +1,6 @@
-"""How well the finite elements open the contact: the table of docs/fem.md.
+"""Accuracy of the finite elements for a contact that opens: the table of docs/fem.md.
 
-``python -m docs.studies.accuracy.openings meshes --csv docs/data``
+Run as ``python -m docs.studies.accuracy.openings meshes --csv docs/data``.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ RESOLUTIONS = (50, 100, 200)
 
 @dataclass(frozen=True)
 class MeshRow:
-    """Ends of the opening over c_t, as the judge reads them, and errors of gap and pressure.
+    """Ends of the opening over c_t, by the rules of the judge, and errors of gap and pressure.
 
     Attributes
     ----------
     scene, h : str
     inner, outer : float
-        Of the simulation; nan where there is no such end.
+        Ends in the simulation; nan if there is no such end.
     exact_inner, exact_outer : float
-        Of the answer itself.
+        Ends in the exact answer.
     gap : float
-        Relative L1 error at T.
+        Relative L1 error of the gap at T.
     order : float
-        That it shows since the mesh before, nan without one.
+        Observed order of that error since the mesh before; nan for the first mesh.
     largest : float
         Relative error of the largest gap.
     """
@@ -53,7 +53,7 @@ class MeshRow:
 
 
 def mesh_rows(scenes: Sequence[str], resolutions: Sequence[int]) -> list[MeshRow]:
-    """The same scenes on finer and finer meshes."""
+    """Measure the scenes on meshes of increasing resolution."""
     return [row for name in scenes for row in _refined(name, NAMED_SCENES[name].scene, resolutions)]
 
 

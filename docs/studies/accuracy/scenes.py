@@ -1,7 +1,7 @@
-"""The named scenes by both methods: the numbers and figures of docs/scenes.md.
+"""Named scenes by both methods: the numbers and figures of docs/scenes.md.
 
-``python -m docs.studies.accuracy.scenes summary quantities unresolved --csv docs/data``
-writes the numbers, ``python -m docs.studies.accuracy.scenes figures`` draws
+``python -m docs.studies.accuracy.scenes summary quantities unresolved --csv docs/data`` writes
+the numbers; ``python -m docs.studies.accuracy.scenes figures`` draws
 docs/figures/scene_NAME.png.
 """
 
@@ -28,7 +28,7 @@ from semianalytic.results.files import write_bytes
 from semianalytic.scene.named import NAMED_SCENES
 
 RESOLUTION = 100
-"""That of `slipfront compare` unless another is given."""
+"""Default resolution of `slipfront compare`."""
 
 QUANTITIES = {
     "preloaded": (
@@ -107,7 +107,7 @@ QUANTITIES = {
         ("largest gap", "largest gap"),
     ),
 }
-"""What docs/scenes.md says of a scene: how it is called there, and in the judgement."""
+"""Quantities of each scene in docs/scenes.md: their names there, and in the judgement."""
 
 COMPARED = tuple(NAMED_SCENES)
 """Scenes of the tables."""
@@ -127,17 +127,17 @@ FIGURES = {
     "lift-off-shear": "slip_rate",
     "tap": "gap",
 }
-"""Which figure of `slipfront compare SCENE` docs/scenes.md shows."""
+"""Figure of `slipfront compare SCENE` that docs/scenes.md shows for each scene."""
 
 
 @dataclass(frozen=True)
 class SummaryRow:
-    """How a scene is judged, and how far both methods are apart on it.
+    """Judgement of a scene, and differences between the two methods.
 
-    Numbers of rows with each verdict; then relative L1 differences but `sense`, the part of the
-    reached (x, t) area in which the sense of slip differs, and `sense_bar`, its error bar; nan
-    where nothing slips.  `profile` is the slip rate at T where the scene is self-similar, over
-    space and time otherwise, and `profile_bar` its error bar.
+    It holds the numbers of rows with each verdict, and relative L1 differences, nan if nothing
+    slips.  `sense` is the share of the reached (x, t) area in which the sense of slip differs, and
+    `sense_bar` its error bar.  `profile` is the difference of slip rates, at T if the scene is
+    self-similar and otherwise over space and time, and `profile_bar` its error bar.
     """
 
     scene: str
@@ -162,9 +162,10 @@ class SummaryRow:
 
 @dataclass(frozen=True)
 class QuantityRow:
-    """One quantity of a scene: as `Row` has it, nan where one of the answers has none.
+    """One quantity of a scene, as in `Row`; values are nan where an answer has none.
 
-    `bar` is in the unit of the values; it is nan and `verdict` empty of what is not judged.
+    `bar` is in the unit of the values.  For quantities that are not judged, `bar` is nan and
+    `verdict` empty.
     """
 
     scene: str
@@ -178,9 +179,9 @@ class QuantityRow:
 
 @dataclass(frozen=True)
 class UnresolvedRow:
-    """What the mesh cannot tell of a scene, why, and the node distances per c_t T that would.
+    """A quantity that the mesh does not resolve, the reason, and the resolution that would.
 
-    `resolution` is nan where it is not known.
+    `resolution` is in node distances per c_t T, nan if unknown.
     """
 
     scene: str
@@ -202,7 +203,7 @@ def _rows(scene: str, resolution: int) -> dict[str, Row]:
 
 
 def summary(resolution: int = RESOLUTION) -> list[SummaryRow]:
-    """Every scene that both methods answer."""
+    """Judge every scene that both methods answer."""
     return [_summary(scene, resolution) for scene in COMPARED]
 
 
@@ -243,7 +244,7 @@ def _summary(scene: str, resolution: int) -> SummaryRow:
 
 
 def quantities(resolution: int = RESOLUTION) -> list[QuantityRow]:
-    """What docs/scenes.md says of the scenes, one by one."""
+    """Return the quantities that docs/scenes.md names, scene by scene."""
     return [row for scene in QUANTITIES for row in _quantities(scene, resolution)]
 
 
@@ -260,7 +261,7 @@ def _quantities(scene: str, resolution: int) -> Iterator[QuantityRow]:
 
 
 def unresolved(resolution: int = RESOLUTION) -> list[UnresolvedRow]:
-    """All rows of all scenes that are unresolved."""
+    """Return all unresolved rows of all scenes."""
     return [
         UnresolvedRow(scene, row.name, row.obstacle, _number(row.resolution))
         for scene in COMPARED
@@ -269,14 +270,14 @@ def unresolved(resolution: int = RESOLUTION) -> list[UnresolvedRow]:
 
 
 def _number(value: float | None) -> float:
-    """A value, nan where there is none."""
+    """Return a value, or nan instead of None."""
     return math.nan if value is None else value
 
 
 def largest_rates(case: Case) -> tuple[float, float]:
-    """Largest forward slip rate, four elements off the edge, at the nodes and simulated.
+    """Return the largest forward slip rates four elements off the edge, at the nodes and simulated.
 
-    At T where x/t is all that counts, over space and time from 0.2 T on otherwise.
+    They are taken at T if the scene is self-similar, otherwise over space and time from 0.2 T on.
     """
     seen = case.seen
     shown = seen.x > (EDGE_CELLS + 0.5) * case.simulation.element_size
@@ -286,7 +287,7 @@ def largest_rates(case: Case) -> tuple[float, float]:
 
 
 def write_figures(folder: Path) -> None:
-    """Write the figures of docs/scenes.md as scene_NAME.png, in few colours to keep them small."""
+    """Write the figures of docs/scenes.md as scene_NAME.png; few colours keep them small."""
     for scene, name in FIGURES.items():
         case = _judgement(scene, RESOLUTION).case
         picture = figure_png(comparison_figures(case)[name](case), 100, 64)

@@ -1,7 +1,7 @@
 """Studies of the space-time solver: accuracy, cost, memory, ramps, resolution, edge, error, fields.
 
-``python -m docs.studies.accuracy.spacetime accuracy`` prints a table; `STUDIES` lists more, and
-``--csv docs/data`` writes what docs/spacetime.md shows.
+``python -m docs.studies.accuracy.spacetime accuracy`` prints a table; `STUDIES` lists the others.
+With ``--csv docs/data``, the data of docs/spacetime.md are written.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ RISE_TIMES = (0.25, 1.0, 4.0, 16.0, 64.0)
 STEPS_PER_PERIOD = (16, 32)
 NODES_IN_ZONE = (1, 2, 4, 8)
 FINEST = 4096
-"""Nodes of the marches that the study of resolution compares with."""
+"""Nodes of the reference marches in the study of resolution."""
 
 
 @dataclass(frozen=True)
 class AccuracyRow:
-    """L1 error of a scene on one grid, the observed order since the grid before, and seconds."""
+    """L1 error of a scene on one grid, the observed order since the grid before, and time [s]."""
 
     scene: str
     nodes: int
@@ -53,7 +53,7 @@ class AccuracyRow:
 
 
 def accuracy() -> list[AccuracyRow]:
-    """Errors against the self-similar solver by nodes."""
+    """Measure errors against the self-similar solver, by nodes."""
     rows = []
     for name in ("preloaded", "remote-shock", "auxetic"):
         scene, before = NAMED_SCENES[name].scene, math.nan
@@ -66,7 +66,7 @@ def accuracy() -> list[AccuracyRow]:
 
 
 def _timed(run: Callable[[], Marched], repeats: int = 3) -> tuple[float, Marched]:
-    """Median of some runs [s], and the last result."""
+    """Return the median time of several runs [s], and the last result."""
     seconds = []
     for _ in range(repeats):
         started = time.perf_counter()
@@ -77,7 +77,7 @@ def _timed(run: Callable[[], Marched], repeats: int = 3) -> tuple[float, Marched
 
 @dataclass(frozen=True)
 class CostRow:
-    """Seconds and peak memory [MB] of a march, and of the past that a direct sum would keep."""
+    """Time [s] and peak memory [MB] of a march, and memory of the history for a direct sum [MB]."""
 
     nodes: int
     steps: int
@@ -88,7 +88,7 @@ class CostRow:
 
 
 def cost() -> list[CostRow]:
-    """Seconds and memory of `preloaded` against nodes."""
+    """Measure time and memory of `preloaded` by nodes."""
     scene, rows = NAMED_SCENES["preloaded"].scene, []
     for nodes in COST_GRIDS:
         seconds, marched = _timed(partial(last_march, scene, nodes), 3 if nodes < 4096 else 1)
@@ -100,7 +100,7 @@ def cost() -> list[CostRow]:
 
 @dataclass(frozen=True)
 class MemoryRow:
-    """Poles of a memory of some tolerance, error of their transform, L1 error of the slip rate."""
+    """Poles of a memory of given tolerance, error of their transform, L1 error of the slip rate."""
 
     tolerance: float
     poles: int
@@ -110,7 +110,7 @@ class MemoryRow:
 
 
 def memory() -> list[MemoryRow]:
-    """How many exponentials are enough for a thousand nodes."""
+    """Measure how many exponentials suffice for a thousand nodes."""
     scene, rows = NAMED_SCENES["preloaded"].scene, []
     for tolerance in TOLERANCES:
         seconds, marched = _timed(partial(last_march, scene, MEMORY_NODES, tolerance=tolerance))
@@ -130,9 +130,9 @@ class RampRow:
 
 
 def ramp_errors(rise_time: float, nodes: int = 1500) -> RampRow:
-    """A march of `ramp` with another rise time at t = 1, in length of the slip zone and slip (L1).
+    """March `ramp` with another rise time to t = 1; compare length of the slip zone and slip (L1).
 
-    Both over those of the static zone.
+    Both differences are relative to the static zone.
     """
     scene = replace(NAMED_SCENES["ramp"].scene, shear_history=Ramp(rise_time))
     static = static_zone(scene, 1.0)
@@ -150,7 +150,7 @@ def ramp_errors(rise_time: float, nodes: int = 1500) -> RampRow:
 
 @dataclass(frozen=True)
 class ResolutionRow:
-    """Relative error of frictional work until T on a grid that is too coarse, by how coarse."""
+    """Relative error of frictional work until T on a coarse grid, by the measure of coarseness."""
 
     study: str
     resolution: int
@@ -158,7 +158,7 @@ class ResolutionRow:
 
 
 def resolution() -> list[ResolutionRow]:
-    """Loads of few steps a period (ten cycles of shear), and slip zones of few nodes (f = 5)."""
+    """Measure loads with few steps per period (ten cycles), and zones of few nodes (f = 5)."""
     preloaded = NAMED_SCENES["preloaded"].scene
     wave = replace(preloaded, friction=0.1, shear_history=Harmonic(10.0))
     strong = replace(preloaded, friction=5.0)
@@ -175,21 +175,21 @@ def _work_row(study: str, scene: Scene, parameter: int, nodes: int) -> Resolutio
 
 
 def _work(scene: Scene, nodes: int) -> float:
-    """Frictional work until T = 1 on a length of 2, per unit thickness."""
+    """Return the frictional work until T = 1 on a length of 2, per unit thickness."""
     marched = march(scene, 1.0, nodes, length=LENGTH, every=10**9, companion=False)
     return float(marched.final_work_density.sum() * marched.grid.spacing)
 
 
 @dataclass(frozen=True)
 class EdgeRow:
-    """L1 error of stuck traction at the first 60 nodes, by where the first is taken to be."""
+    """L1 error of stuck traction at the first 60 nodes, by the assumed position of the first."""
 
     first_node: str
     error: float
 
 
 def edge() -> list[EdgeRow]:
-    """Stuck traction at the first nodes by the grid over the exact one, by where the edge is."""
+    """Compare stuck traction at the first nodes with the exact one, by the position of the edge."""
     from semianalytic.halfplane.edge_factors import edge_offset_and_factors
 
     scene = Scene(Material(1.0, 1.0, 1 / 3), 1e6, Tractions(1.0, 0.0), Tractions(0.0, 1.0))

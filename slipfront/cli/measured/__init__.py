@@ -1,1 +1,1 @@
-"""Commands on what others measured or computed: fits, validation, benchmarks."""
+"""Commands that use results of measurements or other codes: fits, validation, benchmarks."""

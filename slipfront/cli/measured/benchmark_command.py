@@ -1,4 +1,4 @@
-"""``slipfront benchmark``: problem sheets with exact answers, and scores of any code's records."""
+"""``slipfront benchmark``: problem sheets with exact answers, and scores of records of any code."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from compare.benchmarks.scores import Score
 
 app = typer.Typer(
-    help="Problems with exact answers for any code, and how near a code comes to them.",
+    help="Benchmark problems with exact answers for any code, and scores of its results.",
     invoke_without_command=True,
 )
 
@@ -69,15 +69,13 @@ def export(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[NAME...]", help="Sheets, all unless given.", autocompletion=sheet_names
+            metavar="[NAME...]", help="Sheets to write; all by default.", autocompletion=sheet_names
         ),
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace files that are there.")
-    ] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace existing files.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Write sheets, figures, answers with checksums and inputs for UGUCA and SEM2DPACK."""
+    """Write sheets, figures, exact answers with checksums, and inputs for UGUCA and SEM2DPACK."""
     require("slipfront benchmark export", *PLOT)
     from compare.benchmarks.export import export as export_sheets
 
@@ -97,7 +95,7 @@ def score(
         str | None,
         typer.Option(
             metavar="NAME",
-            help="The sheet, unless the files say which.",
+            help="Name of the sheet, if the files do not give it.",
             autocompletion=sheet_names,
         ),
     ] = None,
@@ -142,11 +140,11 @@ def enter(
     cells: Annotated[int, typer.Option(help="Cells over c_t T.")] = 100,
     output: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="CODE-NAME-CELLS.csv unless given."),
+        typer.Option(metavar="FILE", help="File to write; CODE-NAME-CELLS.csv by default."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run one of our own codes on a sheet and write its records as others hand them in."""
+    """Run one of slipfront's own codes on a sheet and write its records as an entry."""
     from compare.benchmarks.entries import enter as enter_run
     from compare.benchmarks.entries import write_run
 
@@ -166,12 +164,12 @@ def enter(
 
 
 def _sheets(names: Sequence[str] | None) -> list[Sheet]:
-    """Sheets by name, each once; all unless some are given."""
+    """Return the named sheets, each once; all sheets if no names are given."""
     return [find_sheet(name) for name in dict.fromkeys(names or SHEETS)]
 
 
 def _score_table(scores: Sequence[Score]) -> Table:
-    """A row per run: errors, each with its class."""
+    """Return a table with a row per run: its errors, each with its tolerance class."""
     from compare.benchmarks.scores import GRADED
 
     runs: dict[tuple[str, str], dict[str, Score]] = {}
@@ -191,5 +189,5 @@ def _score_table(scores: Sequence[Score]) -> Table:
 
 
 def _graded(one: Score | None) -> str:
-    """An error and its class; nothing where the sheet does not ask for it."""
+    """Return an error and its class; an empty cell where the sheet does not ask for it."""
     return "" if one is None else f"{one.error:.2g} {one.tolerance or '-'}"

@@ -1,4 +1,4 @@
-"""``slipfront fit``: parameters of a scene from measured records."""
+"""``slipfront fit``: fit parameters of a scene to measured records."""
 
 from __future__ import annotations
 
@@ -39,45 +39,46 @@ _PRIOR = re.compile(r"([^=]+)=\s*(\w+)\s*\(\s*([^,()]+?)\s*,\s*([^,()]+?)\s*\)\s
 def fit_command(
     overrides: Mapping[str, Any],
     files: Annotated[
-        list[Path], typer.Argument(metavar="FILE...", help="Records: tables of t, x, y, values.")
+        list[Path], typer.Argument(metavar="FILE...", help="Records: tables of t, x, y and values.")
     ],
     scene_name: Annotated[
         str,
         typer.Option(
             "--scene",
             metavar="SCENE",
-            help="Name or TOML file: what is not fitted.",
+            help="Scene, by name or TOML file, for all that is not fitted.",
             autocompletion=scene_names,
         ),
     ],
     parameters: Annotated[
-        str, typer.Option(metavar="NAME,...", help="What is fitted, as friction,load_shear.")
+        str,
+        typer.Option(metavar="NAME,...", help="Parameters to fit, such as friction,load_shear."),
     ],
     noise: Annotated[
         list[str] | None,
         typer.Option(
             metavar="[NAME=]NUMBER",
-            help="Standard deviation of samples, or of those of a quantity, where no column says.",
+            help="Standard deviation of all samples, or of a quantity, where no column gives it.",
         ),
     ] = None,
     prior: Annotated[
         list[str] | None,
         typer.Option(
             metavar="NAME=KIND(A,B)",
-            help="friction=normal(0.3,0.1), lognormal(median,factor) or uniform(low,high).",
+            help="friction=normal(mean,sd), or lognormal(median,factor) or uniform(low,high).",
         ),
     ] = None,
     held: Annotated[
         list[str] | None,
         typer.Option(
-            "--setup", metavar="NAME=NUMBER", help="t0, x0 or gain of the gauges, if not fitted."
+            "--setup", metavar="NAME=NUMBER", help="Value of t0, x0 or gain, if it is not fitted."
         ),
     ] = None,
     sample: Annotated[
-        bool, typer.Option("--posterior", help="Sample the posterior as well (emcee).")
+        bool, typer.Option("--posterior", help="Sample the posterior as well, with emcee.")
     ] = False,
-    steps: Annotated[int, typer.Option(help="Of the chains, at most.")] = 2000,
-    seed: Annotated[int, typer.Option(help="Of the chains.")] = 0,
+    steps: Annotated[int, typer.Option(help="Largest number of steps of the chains.")] = 2000,
+    seed: Annotated[int, typer.Option(help="Seed of the chains.")] = 0,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw records, fit and parameters.")
     ] = None,
@@ -87,10 +88,10 @@ def fit_command(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Fit parameters of a scene to what gauges recorded.
+    """Fit parameters of a scene to the records of gauges.
 
-    Values of the scene are the first guess; the search covers their plausible ranges, or those of
-    priors.  The exit code is 4 if the fit, or the posterior, is not to be relied upon.
+    Values of the scene are the first guess; the search covers the plausible ranges of parameters,
+    or those of their priors.  The exit code is 4 if the fit or the posterior is unreliable.
     """
     require("slipfront fit", *(PLOT if plot else ()), *(BAYES if sample else ()))
     scene = override_scene(find_scene(scene_name), **overrides)
@@ -126,7 +127,7 @@ def fit_command(
 
 
 def _check_converged(found: Fit, chains: Posterior | None) -> None:
-    """Raise ComputationError, when all is shown, for what is not to be relied upon."""
+    """Raise ComputationError if fit or posterior are unreliable; call after printing."""
     if found.status != "converged":
         raise ComputationError(f"The fit is not to be relied upon: {found.status}.")
     if chains is not None and chains.status != "converged":
@@ -202,13 +203,13 @@ def _gauges_table(found: Fit, most: int = 12) -> Table:
 
 
 def _noise(given: Sequence[str]) -> dict[str, float]:
-    """Standard deviations by quantity, "" for all."""
+    """Return standard deviations by quantity; the key "" stands for all quantities."""
     named = [text if "=" in text else f"={text}" for text in given]
     return _numbers("noise", named, ("", *QUANTITIES))
 
 
 def _numbers(option: str, given: Sequence[str], known: Sequence[str]) -> dict[str, float]:
-    """Numbers by name, of NAME=NUMBER."""
+    """Parse NAME=NUMBER arguments into numbers by name."""
     result = {}
     for text in given:
         name, _, number = text.partition("=")
@@ -226,7 +227,7 @@ def _numbers(option: str, given: Sequence[str], known: Sequence[str]) -> dict[st
 
 
 def _priors(given: Sequence[str]) -> dict[str, Prior]:
-    """Priors by name, of NAME=KIND(A,B)."""
+    """Parse NAME=KIND(A,B) arguments into priors by name."""
     result: dict[str, Prior] = {}
     for text in given:
         match = _PRIOR.match(text)

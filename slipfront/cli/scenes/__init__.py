@@ -1,1 +1,1 @@
-"""Scenes on the command line: a list of them, a file to start from, names as they are typed."""
+"""Scenes on the command line: their list, a file to start from, and completion of names."""

@@ -1,4 +1,4 @@
-"""``slipfront scenes`` and ``slipfront init``: which scenes there are, and a file for your own."""
+"""``slipfront scenes`` lists scenes; ``slipfront init`` writes a scene file to start from."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _OWN: Mapping[str, Collection[str]] = {
 
 
 def scenes(as_json: AsJson = False) -> None:
-    """List the scenes that come with the package, and what other packages bring."""
+    """List all scenes, and the scenes, laws, histories and figures of other packages."""
     rows = [*_own_rows(), *map(_brought_row, plugins(SCENES))]
     others = [_row(plugin) for group in (LAWS, HISTORIES, FIGURES) for plugin in plugins(group)]
     if as_json:
@@ -85,7 +85,7 @@ def _own_rows() -> Iterator[dict[str, Any]]:
 
 
 def _row(plugin: Plugin) -> dict[str, Any]:
-    """What a package brings, and what stands in its way."""
+    """Return a plugin as a row of the list, with the problem that prevents its use, if any."""
     problem = ""
     if plugin.name in _OWN[plugin.group]:
         problem = "not used: slipfront has one of its own that is called so"
@@ -103,7 +103,7 @@ def _row(plugin: Plugin) -> dict[str, Any]:
 
 
 def _brought_row(plugin: Plugin) -> dict[str, Any]:
-    """The scene of a package; one that cannot be had is listed with the reason."""
+    """Return the scene of a plugin as a row; if it cannot be loaded, the row says why."""
     row = {**_row(plugin), "summary": "", "scene": None}
     if not row["problem"]:
         try:
@@ -120,30 +120,30 @@ def _units(scene: Scene) -> dict[str, Any]:
 
 def init(
     file: Annotated[
-        Path, typer.Argument(metavar="[FILE]", help="File to write; - for standard output.")
+        Path, typer.Argument(metavar="[FILE]", help="File to write, or - for standard output.")
     ] = Path("scene.toml"),
     from_: Annotated[
         str,
         typer.Option(
             "--from",
             metavar="SCENE",
-            help="Scene to start from.",
+            help="Scene to write.",
             autocompletion=scene_names,
         ),
     ] = DEFAULT_SCENE,
     units: Annotated[
         str | None,
         typer.Option(
-            help="SI: in m, s, kg and Pa, of a solid like a polymer under 1 MPa.",
+            help="SI converts the scene to m, s, kg and Pa, for a polymer-like solid under 1 MPa.",
             autocompletion=one_of(SI),
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing file.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Write a scene as a TOML file to change: every number with its unit and what it means.
+    """Write a scene as a TOML file to edit, in which every number has its unit and a comment.
 
-    All histories and friction laws stand in it as comments.
+    The file lists all load histories and friction laws as comments.
     """
     if units not in (None, SI):
         raise SceneError(f"--units must be SI or left out, got {shown(units)}.")

@@ -1,4 +1,4 @@
-"""What the shell completes: names of scenes, figures, quantities, methods, sheets."""
+"""Shell completion: names of scenes, figures, quantities, methods and sheets."""
 
 from __future__ import annotations
 
@@ -22,18 +22,19 @@ CHARTED = ("preloaded", "remote-shock", "auxetic", "ramp")
 CODES = ("fem", "march")
 LOADINGS = ("both", "preload", "remote")
 FORMATS = ("gif", "mp4")
-"""As the functions have them that take them; written out here, for those import numpy."""
+"""Choices of options.  They repeat those of the functions, whose modules import numpy: importing
+them would make completion slow."""
 
 Completer = Callable[[str], list[str]]
 
 
 def one_of(*names: str) -> Completer:
-    """A completer of fixed names."""
+    """Return a completer of fixed names."""
     return lambda incomplete: _starting(names, incomplete)
 
 
 def scene_names(incomplete: str) -> list[str]:
-    """Scenes of ours and of installed packages, and TOML files."""
+    """Complete names of scenes, of slipfront and of installed packages, and TOML files."""
     from semianalytic.scene.named import NAMED_SCENES
     from semianalytic.scene.plugins import SCENES, plugin_names
 
@@ -42,7 +43,7 @@ def scene_names(incomplete: str) -> list[str]:
 
 
 def figure_names(incomplete: str) -> list[str]:
-    """Figures of ours and of installed packages."""
+    """Complete names of figures, of slipfront and of installed packages."""
     from semianalytic.scene.plugins import FIGURES as GROUP
     from semianalytic.scene.plugins import plugin_names
 
@@ -50,14 +51,14 @@ def figure_names(incomplete: str) -> list[str]:
 
 
 def sheet_names(incomplete: str) -> list[str]:
-    """Sheets of the benchmark."""
+    """Complete names of benchmark sheets."""
     from compare.benchmarks.sheets import SHEETS
 
     return _starting(SHEETS, incomplete)
 
 
 def _toml_files(incomplete: str) -> list[str]:
-    """TOML files of the folder that is being typed, and folders to go into."""
+    """Return the TOML files of the folder that is being typed."""
     folder = incomplete.rpartition("/")[0]
     try:
         entries = sorted(Path(folder or ("/" if incomplete.startswith("/") else ".")).iterdir())

@@ -23,9 +23,9 @@ def test_page_prints_what_it_says():
 
 
 def test_error_of_the_default_scene_is_that_of_the_page():
-    ((error, _),) = quoted_numbers("docs/fields.md", "that of the default scene is {}")
+    ((error, _),) = quoted_numbers("docs/fields.md", "The estimate is {} for the default scene")
     assert solve(find_scene("preloaded")).field_error == pytest.approx(error, rel=1)
-    ((error, _),) = quoted_numbers("docs/fields.md", "and {} of one solved with `rtol=1e-11`")
+    ((error, _),) = quoted_numbers("docs/fields.md", "and {} for that scene at `rtol=1e-11`")
     assert solve(find_scene("preloaded"), rtol=1e-11).field_error == pytest.approx(error, rel=1)
 
 

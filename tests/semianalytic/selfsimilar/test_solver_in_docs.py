@@ -39,10 +39,14 @@ def test_reversed_strip_is_seen_near_its_threshold(nu):
 @pytest.mark.parametrize(
     ("limit", "sign", "sentence"),
     [
-        (-1.0, 1, "* **ν → −1**: nothing happens. Edge exact to {}, slip rate to {}."),
-        (0.0, 1, "* **ν → 0**: nothing happens on either side; edge to {}, slip rate to {}."),
-        (0.0, -1, "* **ν → 0**: nothing happens on either side; edge to {}, slip rate to {}."),
-        (0.5, -1, "edge of a preloaded zone to {} and slip rate to {} up to 0.5 − 10⁻⁹"),
+        (
+            -1.0,
+            1,
+            "* **ν → −1**: accuracy is kept. The edge is exact to {} and the slip rate to {}.",
+        ),
+        (0.0, 1, "kept on either side. The edge is exact to {} and the slip rate to {}."),
+        (0.0, -1, "kept on either side. The edge is exact to {} and the slip rate to {}."),
+        (0.5, -1, "edge of a preloaded zone is exact to {} and the slip rate to {}. Under"),
     ],
 )
 def test_limits_of_the_poisson_ratio(limit, sign, sentence):

@@ -1,0 +1,73 @@
+"""Docstrings of public names: they read as sentences, and their examples run."""
+
+import doctest
+import inspect
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import fem
+import semianalytic
+
+WRITTEN_ELSEWHERE = ("semianalytic.selfsimilar", "semianalytic.cut")
+"""Packages whose docstrings need not have examples yet."""
+DESCRIBED = {
+    f"{module.__name__}.{name}": getattr(module, name)
+    for module in (semianalytic, fem)
+    for name in module.__all__
+    if inspect.isclass(getattr(module, name)) or inspect.isfunction(getattr(module, name))
+}
+WITH_EXAMPLES = [name for name, one in DESCRIBED.items() if ">>>" in (one.__doc__ or "")]
+
+ROOT = Path(__file__).parents[1]
+CITED = re.compile(r'docs/(\w+)\.md, "([^"]+)"')
+"""A section of a page, as docstrings and comments cite it."""
+
+
+def cited_sections() -> Iterator[tuple[str, str, str]]:
+    """Yield file, page and section of each citation in docstrings and comments."""
+    for folder in ("semianalytic", "fem", "meshes"):
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            text = re.sub(r"\n\s*(# )?", " ", path.read_text(encoding="utf-8"))
+            for page, section in CITED.findall(text):
+                yield str(path.relative_to(ROOT)), page, section
+
+
+def first_sentence(docstring: str) -> str:
+    """Return the first paragraph of a docstring on one line."""
+    return " ".join(inspect.cleandoc(docstring).split("\n\n")[0].split())
+
+
+@pytest.mark.parametrize("name", DESCRIBED)
+def test_docstring_begins_with_a_sentence(name: str) -> None:
+    sentence = first_sentence(DESCRIBED[name].__doc__)
+    assert sentence[0].isupper(), sentence
+    assert sentence.endswith("."), sentence
+
+
+@pytest.mark.parametrize("name", DESCRIBED)
+def test_public_names_have_examples(name: str) -> None:
+    described = DESCRIBED[name]
+    is_error = inspect.isclass(described) and issubclass(described, Exception)
+    if not is_error and not described.__module__.startswith(WRITTEN_ELSEWHERE):
+        assert name in WITH_EXAMPLES
+
+
+@pytest.mark.parametrize("name", WITH_EXAMPLES)
+def test_examples_run(name: str) -> None:
+    described = DESCRIBED[name]
+    (test,) = doctest.DocTestFinder(recurse=False).find(
+        described, name, module=inspect.getmodule(described), globs={}
+    )
+    said: list[str] = []
+    failed = doctest.DocTestRunner(verbose=False).run(test, out=said.append).failed
+    assert not failed, "".join(said)
+
+
+@pytest.mark.parametrize(("path", "page", "section"), sorted(set(cited_sections())))
+def test_cited_sections_exist(path: str, page: str, section: str) -> None:
+    text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+    headings = re.findall(r"^(?:#+ |\*\*)(.+?)(?:\.?\*\*.*)?$", text, flags=re.MULTILINE)
+    assert section in headings, f"{path} cites {section!r} of docs/{page}.md"
