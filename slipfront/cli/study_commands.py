@@ -78,12 +78,6 @@ def stability(
     space_time: Annotated[
         bool, typer.Option("--space-time", help="Study the space-time solver.")
     ] = False,
-    judge: Annotated[
-        bool,
-        typer.Option(
-            "--judge", help="Study the judge of `compare`: false alarms, and mistakes it catches."
-        ),
-    ] = False,
     output: Output = None,
     figures: FiguresForm = "png",
     quick: Quick = False,
@@ -91,13 +85,10 @@ def stability(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Study where the methods fail, how, and what the program does about it.
-
-    An interrupted --judge goes on when started again.
-    """
-    if not (solver or fem or space_time or judge):
-        raise SceneError("say what to study: --solver, --fem, --space-time, --judge or several.")
-    require("slipfront stability", *PLOT, *(FEM if fem or judge else ()))
+    """Study where the methods fail, how, and what the program does about it."""
+    if not (solver or fem or space_time):
+        raise SceneError("say what to study: --solver, --fem, --space-time or several.")
+    require("slipfront stability", *PLOT, *(FEM if fem else ()))
     from compare.studies.documents import stability_document
 
     directory = output or Path("results", "stability")
@@ -114,10 +105,6 @@ def stability(
         from compare.studies.stability.spacetime import write_stability
 
         chosen["space_time"] = write_stability
-    if judge:
-        from docs.studies.judge.study import write_judge
-
-        chosen["judge"] = write_judge
     tables = {}
     with on_scheduler(scheduler) as client, working_folder(directory) as files:
         for name, study in chosen.items():

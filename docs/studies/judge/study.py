@@ -1,6 +1,6 @@
 """How far the judge can be trusted: false alarms, error bars, power against spoilt answers.
 
-``slipfront stability --judge`` runs it, and goes on where it was interrupted.
+``python -m docs.studies.judge`` runs the trials and resumes them after an interruption.
 ``python -m docs.studies.judge.study alarms bars power --csv docs/data`` writes the tables of
 docs/judge.md from the same trials.
 """

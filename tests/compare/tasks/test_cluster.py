@@ -135,12 +135,11 @@ STUDIES = {
     "stability --quick --solver": "stability.solver",
     "stability --quick --fem": "stability.fem",
     "stability --quick --space-time": "stability.spacetime",
-    "stability --quick --judge": "judge.trials",
     "chart preloaded --quick": "chart.study",
 }
 
 
-@pytest.mark.thinned(6)
+@pytest.mark.thinned(5)
 @pytest.mark.parametrize("line", STUDIES)
 def test_studies_hand_their_tasks_to_the_cluster(line, two_workers, tmp_path, monkeypatch):
     def run_tasks(tasks, workers=None, progress=None, client=None):

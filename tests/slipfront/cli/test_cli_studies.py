@@ -11,7 +11,7 @@ from slipfront.cli.commands import main
 
 def test_stability_wants_to_know_what(capsys):
     assert main(["stability"]) == 2
-    assert "--solver, --fem, --space-time, --judge or several" in capsys.readouterr().err
+    assert "--solver, --fem, --space-time or several" in capsys.readouterr().err
 
 
 def test_regimes_refuses_an_unknown_loading(tmp_path, capsys):
