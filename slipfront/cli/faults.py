@@ -22,10 +22,10 @@ READER_GONE = 141
 _PACKAGES = ("slipfront", "numpy", "scipy", "typer", "rich", "h5py", "xarray", "gmsh", "matplotlib")
 _LONGEST = 200
 _REPORT = """\
-slipfront met a fault of its own: what was asked for may be right.
+slipfront met a fault of its own; the input may be correct.
 
-To report it, open an issue where slipfront came from, and give this file and the files that the
-command read.  Look it through before: it holds the command line and names of folders.
+To report it, open an issue at the source of slipfront, and attach this file and the files that the
+command read.  Check this file before: it contains the command line and names of folders.
 
 command:  {command}
 python:   {python}

@@ -213,7 +213,7 @@ def field_command(
     step = _fringe_stress(of, thickness, stress_optical)
     quantity = find_quantity(of, scene, step)
     if grid is not None and not vtu:
-        raise SceneError("--grid is that of --vtu; give both.")
+        raise SceneError("--grid needs --vtu; give both.")
     if form not in FORMATS:
         raise SceneError(f"--format must be one of {', '.join(FORMATS)}, got {shown(form)}.")
     request = Request(

@@ -74,7 +74,7 @@ def march_command(
         raise typer.Exit(INTERRUPTED)
     if marched.every > every and not quiet:
         notes.print(
-            f"Every {marched.every}th level is stored: more would not have fitted into the memory.",
+            f"Every {marched.every}th level is stored: more would not fit into the memory.",
             highlight=False,
         )
     _show(marched, label, as_json=as_json, save=save, draw=draw, plot=plot)

@@ -93,7 +93,7 @@ def _drawing(plot: Path | None, figure: str | None) -> Draw | None:
     """Return the function that draws the requested figure; its output path is checked first."""
     if plot is None:
         if figure is not None:
-            raise SceneError("--figure is what --plot draws; give both.")
+            raise SceneError("--figure needs --plot; give both.")
         return None
     require("slipfront solve --plot", *PLOT)
     from compare.figures.named import DEFAULT_FIGURE, find_figure

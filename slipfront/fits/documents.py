@@ -101,15 +101,16 @@ def _posterior_document(posterior: Posterior) -> dict[str, Any]:
 def misfit_sentence(fit: Fit) -> str:
     """Say how large the misfits are compared with the stated noise."""
     if not fit.freedom:
-        return "there are no more samples than parameters, so the misfit says nothing"
+        return "there are no more samples than parameters, so the misfit has no meaning"
     share, spread = fit.chi2 / fit.freedom, (2 / fit.freedom) ** 0.5
     if share > 1 + WELL * spread:
         return (
-            f"misfits are {share**0.5:.2g} times what the noise allows: it is larger than said, or "
-            "the scene is not that of the records; errors are too small by as much at least"
+            f"misfits are {share**0.5:.2g} times what the noise allows: the noise is larger "
+            "than stated, or the scene differs from that of the records; the errors are too small "
+            "by at least this factor"
         )
     if share < 1 - WELL * spread:
-        return f"misfits are {share**0.5:.2g} times the noise: it is less than said"
+        return f"misfits are {share**0.5:.2g} times the noise, which is smaller than stated"
     return "misfits are as large as the noise"
 
 

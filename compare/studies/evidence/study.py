@@ -90,7 +90,7 @@ class SceneEvidence:
 
     @property
     def coarser(self) -> tuple[Simulation, ...]:
-        """The same run on coarser meshes, which gives error bars; empty if nothing is judged."""
+        """Runs on coarser meshes, which give error bars; empty if nothing is judged."""
         return self.judgements[0].case.coarser if self.judgements else ()
 
     @property

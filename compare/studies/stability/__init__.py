@@ -1,1 +1,1 @@
-"""Where the methods fail, how, and what the program does about it."""
+"""Stability studies: where the methods fail, how, and how the program reacts."""

@@ -38,7 +38,7 @@ def benchmark(context: typer.Context, as_json: AsJson = False) -> None:
     if context.invoked_subcommand is not None:
         if as_json:
             name = context.invoked_subcommand
-            raise SceneError(f"--json goes behind the command: slipfront benchmark {name} --json.")
+            raise SceneError(f"--json follows the command: slipfront benchmark {name} --json.")
     elif as_json:
         from compare.benchmarks.documents import sheets_document
 

@@ -142,7 +142,9 @@ def _show(found: Fit, chains: Posterior | None, written: Sequence[Path]) -> None
         f"chi2 {found.chi2:.4g} of {found.freedom}: {misfit_sentence(found)}.",
         f"{_minima(found)}; {found.solutions} solutions.",
     ]
-    lines += [f"Of {name} the data say no more than its prior." for name in known_by_prior(found)]
+    lines += [
+        f"The data add nothing to the prior of {name}." for name in known_by_prior(found)
+    ]
     if chains is not None:
         lines.append(
             f"Posterior: {len(chains.samples)} samples of {chains.walkers} chains of "
@@ -157,8 +159,8 @@ def _show(found: Fit, chains: Posterior | None, written: Sequence[Path]) -> None
 def _minima(found: Fit) -> str:
     count = len(found.minima)
     if count == 1:
-        return "The search came to one minimum"
-    return f"The search came to {count} minima, the next {found.next_minimum:.3g} above in chi2"
+        return "The search found one minimum"
+    return f"The search found {count} minima, the next with a chi2 {found.next_minimum:.3g} above"
 
 
 def _values_table(found: Fit, chains: Posterior | None) -> Table:

@@ -66,7 +66,7 @@ def scenes(as_json: AsJson = False) -> None:
         table.add_row(*map(escape, (row["name"], row["problem"] or row["summary"])))
     Console().print(table)
     if brought := [row for row in (*rows, *others) if row["package"]]:
-        table = Table("package", "brings", "called", title="Of other packages")
+        table = Table("package", "brings", "called", title="From other packages")
         for row in brought:
             table.add_row(*map(escape, (row["package"], row["what"], row["name"])))
         Console().print(table)
@@ -88,7 +88,7 @@ def _row(plugin: Plugin) -> dict[str, Any]:
     """Return a plugin as a row of the list, with the problem that prevents its use, if any."""
     problem = ""
     if plugin.name in _OWN[plugin.group]:
-        problem = "not used: slipfront has one of its own that is called so"
+        problem = "not used: slipfront has one of the same name"
     else:
         try:
             find_plugin(plugin.group, plugin.name)
@@ -153,7 +153,7 @@ def init(
     if file != STDOUT:
         check_file(file)
         if file.exists() and not force:
-            raise SceneError(f"{file} is there already; give another name, or --force.")
+            raise SceneError(f"{file} exists already; give another name, or --force.")
         write_text(file, text)
     if as_json:
         document = {"scene": scene_document(scene), "text": text, "units": _units(scene)}

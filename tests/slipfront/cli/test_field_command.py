@@ -68,7 +68,7 @@ def test_results_go_where_those_of_the_scene_are(tmp_path, undrawn, monkeypatch)
         (["--points", "99999"], "--points must be a whole number from 2"),
         (["--animate=-1"], "--animate must be a whole number"),
         (["--format", "avi"], "--format must be one of gif, mp4"),
-        (["--grid", "3,3"], "--grid is that of --vtu"),
+        (["--grid", "3,3"], "--grid needs --vtu"),
         (["--vtu", "--grid", "3,x"], "--grid must be two whole numbers"),
         (["--vtu", "--grid", "3.5,3"], "--grid must be two whole numbers"),
         (["--gauge", "1"], "--gauge must be two numbers"),

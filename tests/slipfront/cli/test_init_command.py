@@ -101,7 +101,7 @@ def test_a_file_that_is_there_stays_unless_forced(tmp_path, capsys):
     capsys.readouterr()
     assert main(["init"]) == 2
     captured = capsys.readouterr()
-    assert "is there already" in captured.err
+    assert "exists already" in captured.err
     assert captured.out == ""
     assert path.read_text() == "mine"
     assert main(["init", "--force", "--from", "tap"]) == 0

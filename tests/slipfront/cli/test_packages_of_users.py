@@ -159,7 +159,7 @@ def test_scenes_of_packages_are_listed_with_them(granite, capsys):
     assert ("friction law", "exponential-weakening") in brought
     assert ("figure", "slip") in brought
     assert main(["scenes"]) == 0
-    assert "Of other packages" in capsys.readouterr().out
+    assert "From other packages" in capsys.readouterr().out
 
 
 def test_names_of_packages_are_among_what_one_could_have_meant(granite, capsys):
