@@ -142,9 +142,7 @@ def _show(found: Fit, chains: Posterior | None, written: Sequence[Path]) -> None
         f"chi2 {found.chi2:.4g} of {found.freedom}: {misfit_sentence(found)}.",
         f"{_minima(found)}; {found.solutions} solutions.",
     ]
-    lines += [
-        f"The data add nothing to the prior of {name}." for name in known_by_prior(found)
-    ]
+    lines += [f"The data add nothing to the prior of {name}." for name in known_by_prior(found)]
     if chains is not None:
         lines.append(
             f"Posterior: {len(chains.samples)} samples of {chains.walkers} chains of "
