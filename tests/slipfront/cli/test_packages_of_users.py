@@ -188,7 +188,7 @@ def test_names_of_ours_cannot_be_taken(installed, capsys):
     assert main(["scenes", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     (row,) = [row for row in document["scenes"] if row["package"] == "thief"]
-    assert "one of its own" in row["problem"]
+    assert "one of the same name" in row["problem"]
     assert "thief" not in sys.modules
 
 
