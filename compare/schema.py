@@ -27,6 +27,7 @@ from compare.studies.chart.study import Point
 from compare.studies.evidence.study import ClosedForm
 from compare.studies.regimes.points import BoundaryPoint
 from compare.studies.wear import MostRow, WearRow
+from compare.validation.bars import JudgedRow
 from compare.validation.norms import Norm
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -280,16 +281,30 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "slipfront": Key("version", TEXT),
             "source": Key("of each file", _list(TEXT)),
             "scene": _LABEL,
-            "verdict": _VERDICT,
+            "verdict": Key("agrees, agrees after conversion, differs or unresolved", TEXT),
             "counts": _COUNTS,
-            "notes": Key("units and conventions that were detected", _list(TEXT)),
+            "reading": Key(
+                "how the numbers of the file were read: what was inferred, the options that state "
+                "it, factors and offsets, largest error that is left, and as given",
+                _object(
+                    inferred=_list(TEXT),
+                    stated_by=_list(_list(TEXT)),
+                    factors=_of(NUMBER),
+                    offsets=_of(NUMBER),
+                    left=NUMBER,
+                    as_given=NUMBER,
+                    runner_up=TEXT,
+                ),
+            ),
+            "notes": Key("what was given, and what was mended", _list(TEXT)),
             "parameters": _PARAMETERS,
             "method": _METHOD,
             "end_time": Key("T", NUMBER),
             "spacing": Key("of the finest grid", NUMBER),
             "ratio": Key("of two grids", NUMBER),
-            "slip_rate_is": Key("at or over which times", {"type": ["string", "null"]}),
-            "rows": Key("quantities, judged", _list(_row(Row, verdict=TEXT))),
+            "slip_rate_is": Key("at or over which times", TEXT),
+            "noise": Key("standard deviation of samples, by quantity", _of(NUMBER)),
+            "rows": Key("quantities, judged", _list(_row(JudgedRow, verdict=TEXT))),
             "norms": Key("errors at stations, and over all", _list(_row(Norm))),
         },
     ),

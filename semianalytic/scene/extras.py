@@ -22,6 +22,8 @@ CLUSTER = ("dask", "distributed")
 """What runs on several machines imports."""
 BAYES = ("emcee",)
 """What samples of posteriors import."""
+UNITS = ("pint",)
+"""Modules that read the names of units in files."""
 
 _DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
 _EXTRAS = {
@@ -31,6 +33,7 @@ _EXTRAS = {
     "xarray": XARRAY,
     "cluster": CLUSTER,
     "bayes": BAYES,
+    "units": UNITS,
 }
 """What each extra brings; what two bring is asked for by the first, unless more is missing."""
 
