@@ -21,6 +21,7 @@ from semianalytic.scene.extras import (
     FEM,
     HDF5,
     PLOT,
+    UNITS,
     XARRAY,
     needing,
     require,
@@ -55,7 +56,7 @@ for line in {lines}:
 """
 SOURCES = (fem, validation, fits, surveys, semianalytic)
 """Of the public names of slipfront."""
-ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *BAYES)
+ALL = (*FEM, *PLOT, *EXPLORE, *XARRAY, *CLUSTER, *BAYES, *UNITS)
 FINE = [
     "--help",
     "scenes",
@@ -200,12 +201,13 @@ def test_extras_hold_what_they_are_said_to():
         "xarray": XARRAY,
         "cluster": CLUSTER,
         "bayes": BAYES,
+        "units": UNITS,
     }
     for extra, modules in brought.items():
         listed = {requirement.split(">")[0] for requirement in extras[extra]}
         assert listed - {"slipfront[plot]"} == {names.get(module, module) for module in modules}
     assert "slipfront[plot]" in extras["explore"]
-    assert extras["all"] == ["slipfront[fem,plot,xarray,explore,cluster,bayes]"]
+    assert extras["all"] == ["slipfront[fem,plot,xarray,explore,cluster,bayes,units]"]
     assert "slipfront[all]" in extras["test"]
     needed = {requirement.split(">")[0] for requirement in PROJECT["project"]["dependencies"]}
     assert needed == {"numpy", "scipy", "rich", "typer"}

@@ -13,6 +13,8 @@ from semianalytic.scene.errors import DataFileError
 
 CLASSES = ("A", "B", "C")
 BEYOND = "D"
+COPIED = "?"
+"""Stands for a class where a run is nearer to the answer than any code comes."""
 FILE = "classes.csv"
 COMMAND = "python -m docs.studies.league classes"
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import csv
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
@@ -22,6 +21,7 @@ from compare.benchmarks.sheets import STATIONS, Sheet, find_sheet
 from compare.output.files import write_text
 from compare.records.read import read_records
 from compare.records.record import QUANTITIES, Record, Records
+from compare.records.text import lines_of
 from semianalytic import march
 from semianalytic.results.sampled import SampledAnswer
 from semianalytic.scene.checks import checked_count
@@ -30,7 +30,6 @@ from semianalytic.scene.errors import DataFileError, SceneError
 LABELS = ("benchmark", "code", "version", "cells", "seconds")
 """What the comment lines of a file say; cells are those over c_t T."""
 LEAST_CELLS = 8
-_MEAN = re.compile(r"from t to t \+ ([\d.eE+-]*\d)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,14 +151,16 @@ def read_run(path: Path, sheet: Sheet | None = None) -> Run:
         raise SceneError(f"{path} does not say of which benchmark it is; give `sheet`.")
     if sheet is not None and named not in (None, sheet.name):
         raise DataFileError(f"{path} is of {named}, not of {sheet.name}; leave `sheet` out.")
+    cells, seconds = (_number(said.get(name, "nan"), path) for name in ("cells", "seconds"))
+    records = _one_run(path)
     return Run(
         sheet or find_sheet(str(named)),
         said.get("code", path.stem),
         said.get("version", ""),
-        _number(said.get("cells", "nan"), path),
-        _number(said.get("seconds", "nan"), path),
-        _one_run(path),
-        _number(said.get("step", "0"), path),
+        cells,
+        seconds,
+        records,
+        records.stated.step or 0.0,
     )
 
 
@@ -176,28 +177,31 @@ def told_apart(runs: Sequence[Run]) -> list[Run]:
 
 def _labels(path: Path) -> dict[str, str]:
     """What the comment lines say."""
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, ValueError) as error:
-        raise DataFileError(f"{path} cannot be read ({error}).") from error
     said = {}
-    for line in lines:
+    for line in lines_of(path):
         label, colon, value = line.removeprefix("#").partition(":")
         if line.startswith("#") and colon and label.strip() in LABELS:
             said[label.strip()] = value.strip()
-        if line.startswith("#") and (mean := _MEAN.search(line)):
-            said["step"] = mean[1]
     return said
 
 
 def _number(text: str, path: Path) -> float:
+    """A number above 0 of a comment, or nan."""
     try:
-        return float(text)
+        number = float(text)
     except ValueError as error:
-        raise DataFileError(f"{path}: {text!r} is no number.") from error
+        raise DataFileError(f"{path}: {text[:40]!r} is no number.") from error
+    if number <= 0 or math.isinf(number):
+        raise DataFileError(f"{path}: {text[:40]!r} is no number of cells or seconds.")
+    return number
 
 
 def _one_run(path: Path) -> Records:
-    """The records of a file."""
+    """The records of a file, which are in the units of the sheets."""
     (records,) = read_records([path])
+    for name, unit in records.stated.units.items():
+        raise DataFileError(
+            f"{path}: {name} is in {unit.name}; hand it in where mu = rho = c_t = T = 1, without "
+            "a unit."
+        )
     return records

@@ -45,7 +45,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     for panel, sheet in zip(panels, sheets, strict=True):
         _draw_sheet(panel, SHEETS[sheet], [one for one in scores if one.sheet == sheet], looks)
     panels[-1].set_xlabel(r"error: of arrivals $/\ T$, of all else relative $L_1$")
-    handles = [marker_handle(label, *look) for label, look in looks.items()]
+    handles = [marker_handle(label.replace("$", r"\$"), *look) for label, look in looks.items()]
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
 

@@ -8,16 +8,21 @@ V_0 = 2 tau_0 / (rho c_t), V_0 T and tau_0 where that is zero.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.benchmarks.answers import answer_to, arrival_times, first_crossing
-from compare.benchmarks.classes import tolerance_class
+from compare.benchmarks.answers import (
+    answer_to,
+    arrival_quantity,
+    arrival_times,
+    first_crossing,
+)
+from compare.benchmarks.classes import BEYOND, COPIED, tolerance_class
 from compare.benchmarks.entries import Run, run_label
-from compare.benchmarks.sheets import STATIONS, Sheet
+from compare.benchmarks.sheets import CELLS, STATIONS, Sheet
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from compare.records.record import QUANTITIES, Record
 from semianalytic import Marched, Solution
@@ -26,6 +31,18 @@ from semianalytic.scene.errors import DataFileError
 Array = NDArray[np.float64]
 
 ARRIVAL = "arrival"
+ENOUGH = 0.9
+"""Part of the stations, and of the time at each, that a run has to hold to have a class."""
+LONGEST_STEP = 1 / 32
+"""Longest step between two samples over T that counts as held: that of the written answers."""
+GAP = 3.0
+"""Times the usual step between two rows, from which on something is left out between them."""
+LONGEST_MEAN = 2.0
+"""Cells over c_t, the longest step over which slip rates may be means: UGUCA and SEM2DPACK write
+means over a quarter and a tenth of one."""
+EXACTLY = 1e-6
+"""Relative error below which a run is the answer itself: the nearest run of any code on 200 cells,
+and of our marcher, is 5e-5 from it."""
 GRADED = (ARRIVAL, *QUANTITIES)
 """What has tolerance classes: the error of arrivals, and the L1 errors of quantities."""
 NOTHING = 1e-9
@@ -49,9 +66,9 @@ class Score:
     second : float
         The error of arrivals in cells, or the relative L2 error.
     tolerance : str
-        As by `tolerance_class`.
+        As by `tolerance_class`; "" where the run holds too little, `COPIED` where it is the answer.
     note : str
-        What the numbers leave out.
+        What the numbers leave out, and why there is no class.
     """
 
     sheet: str
@@ -76,37 +93,88 @@ def score(run: Run) -> tuple[Score, ...]:
     Raises
     ------
     DataFileError
-        If the run has no station on the contact between 0 and T.
+        If the run has no station on the contact between 0 and T, or slip rates that are means over
+        steps of more than `LONGEST_MEAN` cells.
     """
+    _check_step(run)
     sheet, answer = run.sheet, answer_to(run.sheet)
     stations = [_until_end(one) for one in run.records.stations if 0 < one.x <= 2]
     stations = [one for one in stations if len(one.t) > 1]
     if not stations:
         raise DataFileError(f"{run.records.source} has no station with 0 < x <= 2 and 0 < t <= 1.")
     note = _missing(stations)
-    scores = []
+    found: list[tuple[str, float, float, str, str]] = []
     if sheet.arrival:
         error, missed = _arrival_error(sheet, answer, stations)
         words = f"{missed} station{'s' * (missed > 1)} reached by one only" if missed else ""
-        notes = "; ".join(filter(None, (note, words)))
-        scores.append((ARRIVAL, error, error * run.cells, notes))
+        lack = _lacking(stations, arrival_quantity(sheet))
+        graded = BEYOND if missed else tolerance_class(sheet.name, ARRIVAL, error)
+        notes = "; ".join(filter(None, (note, words, lack)))
+        found.append((ARRIVAL, error, error * run.cells, "" if lack else graded, notes))
     for name in sheet.report:
         first, second = _relative_errors(run, answer, stations, name)
-        scores.append((name, first, second, note))
-    return tuple(
-        Score(
-            sheet.name,
-            run.code,
-            run.cells,
-            run.seconds,
-            name,
-            error,
-            second,
-            tolerance_class(sheet.name, name, error),
-            words,
-        )
-        for name, error, second, words in scores
+        lack = _lacking(stations, name)
+        graded = "" if lack else tolerance_class(sheet.name, name, first)
+        found.append((name, first, second, graded, "; ".join(filter(None, (note, lack)))))
+    if _is_copied(answer, found):
+        nearer = f"within {EXACTLY:g} of the answer, which no code comes so near to"
+        found = [
+            (name, first, second, grade and COPIED, "; ".join(filter(None, (words, nearer))))
+            for name, first, second, grade, words in found
+        ]
+    return tuple(Score(sheet.name, run.code, run.cells, run.seconds, *numbers) for numbers in found)
+
+
+def _check_step(run: Run) -> None:
+    """Refuse slip rates that are means over so long that they hide what they should show."""
+    cells = CELLS[-1] if math.isnan(run.cells) else run.cells
+    if run.step * cells <= LONGEST_MEAN * (1 + NOTHING):
+        return
+    said = f"{run.step:g} T is {run.step * cells:.2g} cells"
+    if math.isnan(run.cells):
+        said = f"{run.step:g} T is long, and it does not say how many cells it has (# cells: 100)"
+    raise DataFileError(
+        f"{run.records.source}: slip rates are means over steps of at most {LONGEST_MEAN:g} cells, "
+        f"and {said}; record them more often."
     )
+
+
+def _lacking(stations: Iterable[Record], name: str) -> str:
+    """Why a quantity has no class: stations or times that are not held; "" if it has enough."""
+    shares = {x: 0.0 for x in STATIONS}
+    for one in stations:
+        for x in STATIONS:
+            if abs(one.x - x) <= 1e-3:
+                shares[x] = max(shares[x], _share(one, name))
+    poor = [x for x, share in shares.items() if share < ENOUGH]
+    if len(shares) - len(poor) >= ENOUGH * len(shares):
+        return ""
+    most = max(shares[x] for x in poor)
+    return (
+        f"no class, which takes {100 * ENOUGH:.0f} % of stations and times: at most "
+        f"{100 * most:.0f} % of the time at x = {', '.join(f'{x:g}' for x in poor)}"
+    )
+
+
+def _share(record: Record, name: str) -> float:
+    """Part of the time from 0 to T that a record holds; gaps in it and between rows are not."""
+    values = record.values.get(name)
+    if values is None:
+        return 0.0
+    steps = np.diff(record.t, prepend=0.0)
+    known = np.isfinite(values)
+    held = known & np.append(True, known[:-1])
+    held &= steps <= min(LONGEST_STEP, GAP * float(np.median(steps))) * (1 + NOTHING)
+    return float(steps[held].sum())
+
+
+def _is_copied(
+    answer: Solution | Marched, found: Sequence[tuple[str, float, float, str, str]]
+) -> bool:
+    """Whether all that a run holds is the answer itself, and that is not nothing alone."""
+    errors = {name: first for name, first, *_ in found if name != ARRIVAL and not math.isnan(first)}
+    moves = any(np.abs(getattr(answer, name)(STATIONS, 1.0)).max() > NOTHING for name in errors)
+    return moves and max(errors.values()) < EXACTLY
 
 
 def _until_end(record: Record) -> Record:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
+import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from compare.records.bounds import MOST_FILES, check_file_size, check_numbers
 from compare.records.names import known_columns, no_columns
 from compare.records.options import ReadingOptions
 from compare.records.record import QUANTITIES, Array, Records
@@ -23,19 +27,89 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.scene.errors import DataFileError
 
 ANEW = "write it anew"
+_DAMAGES = (
+    *(OSError, ValueError, KeyError, EOFError, RuntimeError, TypeError, MemoryError),
+    *(NotImplementedError, zipfile.BadZipFile, zlib.error),
+)
+"""Errors by which numpy, zipfile and h5py refuse what is damaged."""
 
 
 def read_npz(path: Path, options: ReadingOptions) -> Records:
     """Records of an NPZ file of arrays t (m,), x (n,) and quantities (m, n), or all of rows (n,).
 
+    An NPY file of rows with named fields is taken as well.
+
     Raises
     ------
     DataFileError
-        If it is damaged, or the arrays do not fit.
+        If it is damaged or too large, or the arrays do not fit.
     """
-    with _damage(path), np.load(path, allow_pickle=False) as file:
-        arrays = {name: file[name] for name in file.files}
+    check_file_size(path)
+    if not zipfile.is_zipfile(path):
+        return records_of_arrays(path, _fields(path), options)
+    with _damage(path), zipfile.ZipFile(path) as file:
+        members = {one.filename.removesuffix(".npy"): one for one in file.infolist()[:MOST_FILES]}
+        heads = {name: _head(file, one) for name, one in members.items()}
+        wanted = _wanted(path, list(members), options)
+        for name in wanted:
+            _check_head(path, name, heads[name], members[name].file_size)
+        check_numbers(path, sum(math.prod(heads[name][0]) for name in wanted))
+        arrays: dict[str, np.ndarray] = {}
+        for name in members:
+            if name in wanted:
+                with file.open(members[name]) as stream:
+                    arrays[name] = np.lib.format.read_array(stream, allow_pickle=False)
+            else:
+                arrays[name] = NOT_READ
     return records_of_arrays(path, arrays, options)
+
+
+NOT_READ = np.zeros(0)
+"""Stands for arrays that hold nothing of the interface."""
+Head = tuple[tuple[int, ...], np.dtype[Any]]
+"""Shape and type of an array, as a file says them."""
+
+
+def _head(file: zipfile.ZipFile, member: zipfile.ZipInfo) -> Head:
+    """Shape and type that the header of an array names; no bytes of the array are read."""
+    with file.open(member) as stream:
+        try:
+            version = np.lib.format.read_magic(stream)
+            read = np.lib.format.read_array_header_1_0
+            if version != (1, 0):
+                read = np.lib.format.read_array_header_2_0
+            shape, _, dtype = read(stream)
+        except ValueError:
+            return (), np.dtype(object)
+    return tuple(shape), dtype
+
+
+def _check_head(path: Path, name: str, head: Head, size: int) -> None:
+    """Refuse an array whose header asks for more than there is, and one of objects."""
+    shape, dtype = head
+    if dtype.hasobject:
+        raise DataFileError(f"{path}: array {name!r} does not hold real numbers; {ANEW}.")
+    if math.prod(shape) * dtype.itemsize > size:
+        raise DataFileError(f"{path}: array {name!r} is shorter than its header says; {ANEW}.")
+
+
+def _wanted(path: Path, names: list[str], options: ReadingOptions) -> set[str]:
+    """Names of the arrays that hold something of the interface."""
+    places = known_columns(path, names, options.columns).places
+    return {names[place] for place in places.values()}
+
+
+def _fields(path: Path) -> dict[str, np.ndarray]:
+    """Fields of the rows of an NPY file."""
+    with _damage(path):
+        array = np.load(path, mmap_mode="r", allow_pickle=False)
+    if not isinstance(array, np.ndarray) or array.dtype.names is None:
+        raise DataFileError(
+            f"{path} holds one array without names; save its columns with numpy.savez(t=..., "
+            "x=..., slip_rate=...)."
+        )
+    check_numbers(path, array.size * len(array.dtype.names))
+    return {name: np.array(array[name]).ravel() for name in array.dtype.names}
 
 
 def read_hdf5(path: Path, options: ReadingOptions) -> Records:
@@ -49,10 +123,17 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
     """
     import h5py
 
+    check_file_size(path)
     with _damage(path), h5py.File(path) as file:
         kind = str(file.attrs.get("format", ""))
+        sets = {name: one for name, one in file.items() if isinstance(one, h5py.Dataset)}
+        wanted = _wanted(path, list(sets), options) if not kind.startswith("slipfront") else set()
+        check_numbers(path, sum(map(_size, (sets[name] for name in wanted))) or _all_sizes(file))
         arrays = {
-            name: np.asarray(item) for name, item in file.items() if isinstance(item, h5py.Dataset)
+            name: np.asarray(one) if name in wanted else NOT_READ for name, one in sets.items()
+        }
+        units = {
+            name: _text(one.attrs["units"]) for name, one in sets.items() if "units" in one.attrs
         }
     if kind == HISTORY:
         return of_history(path, InterfaceHistory.load(path))
@@ -62,7 +143,23 @@ def read_hdf5(path: Path, options: ReadingOptions) -> Records:
         return of_history(path, Marched.load(path).interface)
     if kind.startswith("slipfront simulation"):
         return read_simulation(path.parent)
-    return records_of_arrays(path, arrays, options)
+    return records_of_arrays(path, arrays, options, units)
+
+
+def _size(dataset: Any) -> int:
+    return math.prod(dataset.shape or ())
+
+
+def _all_sizes(file: Any) -> int:
+    """Numbers of all datasets of a file, in groups as well."""
+    sizes: list[int] = []
+    file.visititems(lambda _, one: sizes.append(_size(one)) if hasattr(one, "shape") else None)
+    return sum(sizes)
+
+
+def _text(attribute: object) -> str:
+    """An attribute of HDF5 as text."""
+    return attribute.decode("utf-8", "replace") if isinstance(attribute, bytes) else str(attribute)
 
 
 def read_simulation(folder: Path) -> Records:
@@ -81,31 +178,35 @@ def of_history(path: Path, history: InterfaceHistory, spacing: float | None = No
 
 
 def records_of_arrays(
-    path: Path, arrays: Mapping[str, np.ndarray], options: ReadingOptions
+    path: Path,
+    arrays: Mapping[str, np.ndarray],
+    options: ReadingOptions,
+    units: Mapping[str, str] | None = None,
 ) -> Records:
-    """Records of arrays by name.
+    """Records of arrays by name, some of which may have units.
 
     Raises
     ------
     DataFileError
         If there are no times, positions or quantities, or they do not fit each other.
     """
-    places, scales, notes = known_columns(path, list(arrays), options.columns)
+    known = known_columns(path, list(arrays), options.columns, units=units)
     named = list(arrays.items())
     columns: dict[str, Array] = {}
-    for name, place in places.items():
+    for name, place in known.places.items():
         key, array = named[place]
         if array.dtype.kind not in "fiu":
             raise DataFileError(f"{path}: array {key!r} does not hold real numbers; {ANEW}.")
-        columns[name] = np.asarray(array, dtype=float) * scales.get(name, 1.0)
+        columns[name] = np.asarray(array, dtype=float) * known.scale(name)
     for name, what in (("t", "times"), ("x", "positions")):
         if name not in columns:
             raise DataFileError(
                 f"{path} has no array of {what} among {', '.join(arrays) or 'none'}; call it "
                 f"{name}, or say {name}=NAME."
             )
-    t, x = np.atleast_1d(columns.pop("t")), np.atleast_1d(columns.pop("x")) - options.origin
-    values, more = joined_faces(columns)
+    t, x = np.atleast_1d(columns.pop("t")), np.atleast_1d(columns.pop("x"))
+    x = x - options.origin * known.scale("x")
+    values, stated, more = joined_faces(columns, known)
     if not values:
         raise no_columns(path, list(arrays))
     fitted = {name: _fitted(path, name, value, t, x) for name, value in values.items()}
@@ -115,7 +216,8 @@ def records_of_arrays(
     in_rows = t.shape == x.shape and all(value.ndim == 1 for value in fitted.values())
     stations_of = stations_of_rows if in_rows else stations_of_grid
     stations, mended = stations_of(path, x, t, fitted)
-    return Records(stations, None, str(path), (*notes, *more, *mended))
+    notes = (*known.notes, *more, *mended)
+    return Records(stations, None, str(path), notes, stated=stated)
 
 
 def _fitted(path: Path, name: str, value: Array, t: Array, x: Array) -> Array:
@@ -138,6 +240,6 @@ def _fitted(path: Path, name: str, value: Array, t: Array, x: Array) -> Array:
 def _damage(path: Path) -> Iterator[None]:
     try:
         yield
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, RuntimeError) as error:
+    except _DAMAGES as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise DataFileError(f"{path} cannot be read ({reason}); {ANEW}.") from error

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from compare.records.names import known_columns
+from compare.records.bounds import MOST_FILES, check_file_size, content_of
+from compare.records.names import Columns, known_columns, named_unit
 from compare.records.options import ReadingOptions
-from compare.records.record import Array, Records
+from compare.records.record import Array, Records, Stated, Unit
 from compare.records.stations import contact_stations, joined_faces
 from semianalytic.scene.errors import DataFileError
 
@@ -21,6 +22,9 @@ VECTORS = {"velocity": "velocity v vel velo", "displacement": "displacement u di
 """Names of vectors at nodes, in lower case."""
 ON_INTERFACE = 1e-9
 """Distance from y = 0, over the size of the mesh, within which a node is on the interface."""
+
+HEAD = 2**16
+"""Bytes of a file of XML in which a document type would stand."""
 
 Frame = tuple[float, Any]
 """Time, and a mesh with fields."""
@@ -40,9 +44,10 @@ def read_bodies(path: Path, options: ReadingOptions) -> Records:
         raise DataFileError(f"{path} has {len(frames)} frames; a record takes two at least.")
     times, rows = [], []
     notes: list[str] = []
+    stated = Stated()
     x: Array | None = None
     for time, mesh in frames:
-        here, values, notes = _interface(path, mesh, options)
+        here, values, stated, notes = _interface(path, mesh, options)
         if x is not None and not np.array_equal(x, here):
             raise DataFileError(f"{path}: frames are on different meshes; give them on one.")
         x = here
@@ -56,7 +61,7 @@ def read_bodies(path: Path, options: ReadingOptions) -> Records:
         raise DataFileError(f"{path} has no node of the interface at x > {options.origin:g}.")
     stations, mended = contact_stations(path, x, np.array(times), values)
     spacing = float(np.median(np.diff(x[x > 0]))) if len(stations) > 1 else None
-    return Records(stations, None, str(path), (*notes, *mended), spacing)
+    return Records(stations, None, str(path), (*notes, *mended), spacing, stated)
 
 
 def _frames(path: Path) -> Iterator[Frame]:
@@ -74,11 +79,15 @@ def _frames(path: Path) -> Iterator[Frame]:
 
 def _pieces(path: Path) -> Iterator[tuple[float, Path]]:
     """Times and files of a PVD file."""
+    content = content_of(path)
+    _check_entities(path, content)
     try:
-        root = ElementTree.parse(path).getroot()
-    except (ElementTree.ParseError, OSError, UnicodeDecodeError) as error:
+        root = ElementTree.fromstring(content)
+    except (ElementTree.ParseError, ValueError) as error:
         raise DataFileError(f"{path} cannot be read ({error}); write it anew.") from error
-    for entry in root.iter("DataSet"):
+    for number, entry in enumerate(root.iter("DataSet")):
+        if number == MOST_FILES:
+            raise DataFileError(f"{path} has more than {MOST_FILES} frames; leave some out.")
         try:
             yield float(entry.attrib["timestep"]), path.parent / entry.attrib["file"]
         except (KeyError, ValueError):
@@ -87,8 +96,18 @@ def _pieces(path: Path) -> Iterator[tuple[float, Path]]:
             ) from None
 
 
+def _check_entities(path: Path, content: bytes) -> None:
+    """Refuse XML that defines entities, of which a few lines may unfold to gigabytes."""
+    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
+        raise DataFileError(f"{path} defines entities of XML; write it without a document type.")
+
+
 def _mesh(path: Path) -> Any:
     import meshio
+
+    check_file_size(path)
+    with path.open("rb") as stream:
+        _check_entities(path, stream.read(HEAD))
 
     with _parsing(path):
         return meshio.read(path)
@@ -97,6 +116,7 @@ def _mesh(path: Path) -> Any:
 def _xdmf_frames(path: Path) -> Iterator[Frame]:
     import meshio
 
+    _check_entities(path, content_of(path))
     with _parsing(path), meshio.xdmf.TimeSeriesReader(path) as reader:
         points, cells = reader.read_points_cells()
         for step in range(reader.num_steps):
@@ -117,8 +137,8 @@ def _parsing(path: Path) -> Iterator[None]:
 
 def _interface(
     path: Path, mesh: Any, options: ReadingOptions
-) -> tuple[Array, dict[str, Array], list[str]]:
-    """Positions along the interface, quantities there, and what was guessed."""
+) -> tuple[Array, dict[str, Array], Stated, list[str]]:
+    """Positions along the interface, quantities there, and what they are."""
     points = np.asarray(mesh.points, dtype=float)
     scalars = {
         name: np.asarray(value, dtype=float)
@@ -126,40 +146,44 @@ def _interface(
         if np.ndim(value) == 1
     }
     told = {name: column for name, column in options.columns.items() if name not in VECTORS}
-    places, scales, notes = known_columns(path, list(scalars), told)
+    known = known_columns(path, list(scalars), told)
     columns = {
-        name: scalars[list(scalars)[i]] * scales.get(name, 1.0)
-        for name, i in places.items()
+        name: scalars[list(scalars)[i]] * known.scale(name)
+        for name, i in known.places.items()
         if name not in ("t", "x")
     }
     on = np.abs(points[:, 1]) <= ON_INTERFACE * np.ptp(points, axis=0).max()
     if on.all() and columns:
-        values, more = joined_faces(columns)
+        values, stated, more = joined_faces(columns, known)
         order = np.argsort(points[:, 0], kind="stable")
-        return points[order, 0], {k: v[order] for k, v in values.items()}, notes + more
+        ordered = {name: value[order] for name, value in values.items()}
+        return points[order, 0], ordered, stated, [*known.notes, *more]
     upper, lower = _faces(path, mesh, points, on)
     motion: dict[str, Array] = {}
+    units: dict[str, Unit] = {}
     guesses = []
     for kind, aliases in VECTORS.items():
         name = options.columns.get(kind) or _called(aliases, mesh.point_data)
         if name is None:
             continue
         if name not in mesh.point_data:
-            known = ", ".join(mesh.point_data) or "none"
-            raise DataFileError(f"{path} has no field {name!r} at nodes; choose among {known}.")
+            fields = ", ".join(mesh.point_data) or "none"
+            raise DataFileError(f"{path} has no field {name!r} at nodes; choose among {fields}.")
         field = np.asarray(mesh.point_data[name], dtype=float)
         along = field[:, 0] if field.ndim == 2 else field
+        unit = named_unit(path, name, f"{kind}_upper")
         for side, face in (("upper", upper), ("lower", lower)):
             if len(face):
-                motion[f"{kind}_{side}"] = along[face]
+                motion[f"{kind}_{side}"] = along[face] * (unit.size if unit else 1.0)
+                units |= {f"{kind}_{side}": unit} if unit else {}
         guesses.append(f"{kind} is the field {name!r}")
     if not motion:
-        known = ", ".join(mesh.point_data) or "none"
+        fields = ", ".join(mesh.point_data) or "none"
         raise DataFileError(
-            f"{path} has no field of velocity or displacement among {known}; say velocity=NAME."
+            f"{path} has no field of velocity or displacement among {fields}; say velocity=NAME."
         )
-    values, more = joined_faces(motion)
-    return points[upper if len(upper) else lower, 0], values, [*guesses, *more]
+    values, stated, more = joined_faces(motion, Columns({}, units))
+    return points[upper if len(upper) else lower, 0], values, stated, [*guesses, *more]
 
 
 def _called(aliases: str, fields: Mapping[str, Any]) -> str | None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from compare.records.bounds import check_file_size
+from compare.records.names import Columns
 from compare.records.options import ReadingOptions
-from compare.records.record import Array, Records
+from compare.records.record import AFTER, Array, Records
 from compare.records.stations import contact_stations, joined_faces
 from compare.records.text import text_of
 from semianalytic.scene.errors import DataFileError
@@ -35,7 +38,7 @@ RECORD_MARK = 4
 def read_uguca(path: Path, options: ReadingOptions) -> Records:
     """Records of the dump that a file NAME.info of UGUCA describes, in text.
 
-    Its slip rate is the mean over the step that follows.
+    Its slip rate is the mean over the step of the code that follows; the times say how long it is.
     """
     facts = dict(_words(path, 2))
     try:
@@ -50,11 +53,13 @@ def read_uguca(path: Path, options: ReadingOptions) -> Records:
     columns = {
         UGUCA_FIELDS[name]: _numbers(folder / file) for name, file in listed if name in UGUCA_FIELDS
     }
-    values, notes = joined_faces(columns)
+    values, stated, notes = joined_faces(columns, Columns({}))
     x, t = coordinates[:, 0] - options.origin, times[:, -1]
+    count = times[-1, 0] if times.shape[1] > 1 else 0.0
+    stated = replace(stated, mean=AFTER, step=float(t[-1] / count) if count > 0 else None)
     _check_shapes(path, values, (len(t), len(x)))
     stations, mended = contact_stations(path, x, t, values)
-    return Records(stations, None, str(path), (*notes, *mended))
+    return Records(stations, None, str(path), (*notes, *mended), stated=stated)
 
 
 def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
@@ -80,7 +85,7 @@ def read_sem2dpack(path: Path, options: ReadingOptions) -> Records:
             columns[name] = columns[name] + initial[:, place]
     t = step * np.arange(float(len(data)))
     stations, notes = contact_stations(path, x - options.origin, t, columns)
-    notes.append("Normal_Stress is read as pressure, with its sign as it is")
+    notes.append("Normal_Stress is read as pressure")
     return Records(stations, None, str(path), tuple(notes))
 
 
@@ -115,6 +120,7 @@ def _check_shapes(path: Path, values: dict[str, Array], shape: tuple[int, int]) 
 
 def _fortran_records(path: Path, points: int, count: int) -> Array:
     """Data (m, count, points) of records of single precision, each between two marks."""
+    check_file_size(path)
     try:
         raw = np.fromfile(path, dtype=np.uint8)
     except OSError as error:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 from tokenize import TokenError
 
 from compare.records.arrays import read_hdf5, read_npz, read_simulation
 from compare.records.bodies import read_bodies
+from compare.records.bounds import MOST_FILES, size_of
 from compare.records.codes import FAULT, read_sem2dpack, read_uguca
 from compare.records.options import ReadingOptions
 from compare.records.record import Records
@@ -81,6 +83,7 @@ def _read_kind(path: Path, options: ReadingOptions, at: float | None) -> tuple[R
     suffix = path.suffix.lower()
     if not path.exists():
         raise DataFileError(f"{path} does not exist; give a file that does.")
+    size_of(path)
     if suffix in MESHES:
         return read_bodies(path, options), False
     if suffix in ARRAYS:
@@ -100,7 +103,9 @@ def _read_folder(folder: Path, options: ReadingOptions) -> Records:
         return read_simulation(folder)
     for header in sorted(folder.glob("*" + FAULT)):
         return read_sem2dpack(header, options)
-    files = sorted(path for path in folder.iterdir() if path.is_file())
+    files = sorted(islice((path for path in folder.iterdir() if path.is_file()), MOST_FILES + 1))
+    if len(files) > MOST_FILES:
+        raise DataFileError(f"{folder} holds more than {MOST_FILES} files; leave some out.")
     if not files:
         raise DataFileError(f"{folder} is an empty folder; give one with files of stations.")
     parts = []

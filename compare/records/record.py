@@ -13,6 +13,9 @@ Array = NDArray[np.float64]
 QUANTITIES = ("slip_rate", "slip", "shear_traction", "pressure")
 """What is recorded: relative, upper body less lower; pressure positive in compression."""
 
+BEFORE, AFTER = "before", "after"
+"""A slip rate may be the mean over the step before or after its time."""
+
 
 @dataclass(frozen=True, eq=False)
 class Record:
@@ -33,6 +36,47 @@ class Record:
     values: Mapping[str, Array]
 
 
+@dataclass(frozen=True)
+class Unit:
+    """A unit that a file names.
+
+    Attributes
+    ----------
+    name : str
+        As the file has it.
+    size : float
+        In that of the SI.
+    """
+
+    name: str
+    size: float
+
+
+@dataclass(frozen=True)
+class Stated:
+    """Units and conventions that a file itself names, which nothing may overrule.
+
+    Attributes
+    ----------
+    units : mapping from "x", "t" and `QUANTITIES` to Unit
+        Of the columns that name one.  Their numbers in `Records` are converted to SI units.
+    faces : frozenset of str
+        Quantities that are the motion of one face alone.
+    changes : frozenset of str
+        Tractions that are changes since t = 0, by the name of their column.
+    mean : str
+        `BEFORE` or `AFTER` where slip rates are means over a step; "" where nothing is said.
+    step : float or None
+        The duration of that step [time, in the unit of t]; None for the distance of samples.
+    """
+
+    units: Mapping[str, Unit] = field(default_factory=dict)
+    faces: frozenset[str] = frozenset()
+    changes: frozenset[str] = frozenset()
+    mean: str = ""
+    step: float | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Records:
     """What one code recorded on one grid.
@@ -47,9 +91,11 @@ class Records:
     source : str
         The file or files.
     notes : tuple of str
-        What was guessed or mended in reading, a sentence each.
+        What was mended in reading, a sentence each.
     spacing : float or None
-        Between the points of that code's grid [length], where its file says so.
+        Between the points of that code's grid [length, in the unit of x], where its file says so.
+    stated : Stated
+        Units and conventions that the file itself names.
     """
 
     stations: tuple[Record, ...]
@@ -57,3 +103,4 @@ class Records:
     source: str = ""
     notes: tuple[str, ...] = field(default=())
     spacing: float | None = None
+    stated: Stated = field(default_factory=Stated)

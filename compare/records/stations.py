@@ -7,34 +7,46 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.records.names import FACES
-from compare.records.record import QUANTITIES, Array, Record
+from compare.records.bounds import LARGEST_STATIONS
+from compare.records.names import FACES, Columns
+from compare.records.record import QUANTITIES, Array, Record, Stated
 from semianalytic.scene.errors import DataFileError
 
 LEAST_TIMES = 2
 """At a station, to be a record."""
 
 
-def joined_faces(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str]]:
-    """Quantities of the interface from columns of it or of its faces, and what was made of these.
+def joined_faces(
+    columns: Mapping[str, Array], known: Columns
+) -> tuple[dict[str, Array], Stated, list[str]]:
+    """Quantities of the interface from columns of it or of its faces.
 
     One face alone stands for the relative quantity, which is for `validate` to double.
+
+    Returns
+    -------
+    dict, Stated, list of str
+        Quantities by name, what the columns say of them, and what was made of columns of faces.
     """
     result = {name: columns[name] for name in QUANTITIES if name in columns}
-    notes = []
-    for name, (upper, lower) in FACES.items():
-        if name in result or not (upper in columns or lower in columns):
+    units = {name: unit for name, unit in known.units.items() if name in (*result, "t", "x")}
+    notes, alone = [], set()
+    for name, faces in FACES.items():
+        there = [face for face in faces if face in columns]
+        if name in result or not there:
             continue
-        if upper in columns and lower in columns:
+        upper, lower = faces
+        if len(there) == 2:
             result[name] = columns[upper] - columns[lower]
             notes.append(f"{name} is {upper} less {lower}")
-        elif upper in columns:
-            result[name] = columns[upper]
-            notes.append(f"{name} is that of the upper face alone")
         else:
-            result[name] = -columns[lower]
-            notes.append(f"{name} is that of the lower face alone, turned")
-    return result, notes
+            alone.add(name)
+            result[name] = columns[upper] if upper in columns else -columns[lower]
+            side = "upper face alone" if upper in columns else "lower face alone, turned"
+            notes.append(f"{name} is that of the {side}")
+        if all(face in known.units for face in there):
+            units[name] = known.units[there[0]]
+    return result, Stated(units, frozenset(alone), known.changes), notes
 
 
 def station(
@@ -64,18 +76,27 @@ def station(
             f"{path} has {len(order)} times at x = {x:g}; a record takes {LEAST_TIMES} at least."
         )
     kept = {name: value[order] for name, value in values.items()}
+    for name, value in kept.items():
+        if np.isinf(value).any():
+            raise DataFileError(
+                f"{path}: {name} is infinite at x = {x:g}, t = {t[order][np.isinf(value)][0]:g}; "
+                "leave out what a run that fails has written."
+            )
     empty = [name for name, value in kept.items() if not np.isfinite(value).any()]
-    kept = {
-        name: np.where(np.isfinite(value), value, np.nan)
-        for name, value in kept.items()
-        if name not in empty
-    }
+    kept = {name: value for name, value in kept.items() if name not in empty}
     if not kept:
         raise DataFileError(
             f"{path} has no finite number at x = {x:g}; leave that station out, or write it anew."
         )
     notes += [f"{name} has no number at x = {x:g} and is left out there" for name in empty]
     return Record(float(x), t[order], kept), notes
+
+
+def _check_count(path: Path, count: int) -> None:
+    if count > LARGEST_STATIONS:
+        raise DataFileError(
+            f"{path} has {count} stations, and at most {LARGEST_STATIONS} are read; leave some out."
+        )
 
 
 def stations_of_rows(
@@ -87,9 +108,12 @@ def stations_of_rows(
     placed = np.isfinite(x)
     if not placed.all():
         notes[f"{np.sum(~placed)} rows without a position are left out"] = None
-    for place in np.unique(x[placed]):
-        here = x == place
-        one, more = station(path, place, t[here], {k: v[here] for k, v in values.items()})
+    order = np.flatnonzero(placed)[np.argsort(x[placed], kind="stable")]
+    starts = np.flatnonzero(np.diff(x[order], prepend=np.nan) != 0)
+    _check_count(path, len(starts))
+    for here in np.split(order, starts[1:]) if len(order) else ():
+        columns = {name: value[here] for name, value in values.items()}
+        one, more = station(path, float(x[here[0]]), t[here], columns)
         result.append(one)
         notes.update(dict.fromkeys(more))
     if not result:
@@ -101,6 +125,7 @@ def stations_of_grid(
     path: Path, x: Array, t: Array, values: Mapping[str, Array]
 ) -> tuple[tuple[Record, ...], list[str]]:
     """Records of arrays (m, n) at times (m,) and positions (n,)."""
+    _check_count(path, len(x))
     result = []
     notes: dict[str, None] = {}
     for place in np.argsort(x):

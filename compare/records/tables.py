@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from compare.records.names import known_columns, no_columns
 from compare.records.options import ReadingOptions
-from compare.records.record import Record, Records
+from compare.records.record import AFTER, Record, Records, Unit
 from compare.records.stations import joined_faces, station, stations_of_rows
 from compare.records.text import Table, read_table
+from compare.records.units import EXAMPLES, NO_UNIT, si_size
 from semianalytic.scene.errors import DataFileError
 
 SCEC_UNIT = 100.0
@@ -21,8 +24,11 @@ NEVER = 1e8
 
 _SCEC = re.compile(r"faultst(-?\d+)dp(-?\d+)", re.IGNORECASE)
 _NAMED = re.compile(r"(?:^|[_\-\s])x[_=]?(-?\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
-_COMMENTED = re.compile(r"^(?:x|position|station)\s*[:=]\s*([-+\d.eE]+)", re.IGNORECASE)
-_SPACING = re.compile(r"^(?:spacing|dx|element_size|grid spacing)\s*[:=]\s*([-+\d.eE]+)", re.I)
+_LENGTH = r"\s*([-+]?[\d.][-+\d.eE]*)\s*(\S*)"
+_COMMENTED = re.compile(rf"^(?:(?:x|position|station)\s*[:=]|x1\s){_LENGTH}", re.IGNORECASE)
+_SPACING = re.compile(rf"^(?:spacing|dx|element_size|grid spacing)\s*[:=]{_LENGTH}", re.IGNORECASE)
+_MEAN = re.compile(r"from t to t \+ ([\d.eE+-]*\d)")
+"""Words by which a comment says that slip rates are means over a step, as in benchmarks."""
 _CELLS = re.compile(r"^cells\s*[:=]\s*(\d+)", re.IGNORECASE)
 
 
@@ -45,23 +51,28 @@ def read_text(path: Path, options: ReadingOptions, at: float | None) -> tuple[Re
     if tuple(name.lower() for name in table.names) == ("j", "k", "t"):
         return _rupture_times(table, options), False
     names = table.names or _bare_names(table, alone=at is not None or bool(_SCEC.search(path.name)))
-    places, scales, notes = known_columns(path, names, options.columns, table.line)
-    if "t" not in places:
+    known = known_columns(path, names, options.columns, table.line)
+    if "t" not in known.places:
         raise DataFileError(
             f"{path} has no column of times among {', '.join(names)}; call it t, or say t=NAME."
         )
-    columns = {name: table.rows[:, i] * scales.get(name, 1.0) for name, i in places.items()}
-    values, more = joined_faces(columns)
+    columns = {name: table.rows[:, i] * known.scale(name) for name, i in known.places.items()}
+    values, stated, more = joined_faces(columns, known)
     if not values:
         raise no_columns(path, names, table.line)
-    spacing = _spacing(table)
+    stated = replace(stated, **_mean(table))
+    source, notes = str(path), (*known.notes, *more)
     if "x" in columns and at is None:
-        along = columns["x"] - options.origin
+        along = columns["x"] - options.origin * known.scale("x")
         stations, mended = stations_of_rows(path, along, columns["t"], values)
-        return Records(stations, None, str(path), (*notes, *more, *mended), spacing), False
-    x, how = _position(table, at)
-    one, mended = station(path, x - options.origin, columns["t"], values)
-    return Records((one,), None, str(path), (*notes, *more, *how, *mended), spacing), True
+        spacing = _spacing(table, stated.units.get("x"))
+        return Records(stations, None, source, (*notes, *mended), spacing, stated), False
+    x, unit, how = _position(table, at, options.origin)
+    if unit is not None:
+        stated = replace(stated, units={**stated.units, "x": unit})
+    one, mended = station(path, x, columns["t"], values)
+    spacing = _spacing(table, unit)
+    return Records((one,), None, source, (*notes, *how, *mended), spacing, stated), True
 
 
 def joined(parts: list[Records]) -> Records:
@@ -85,7 +96,15 @@ def joined(parts: list[Records]) -> Records:
     sources = ", ".join(part.source for part in parts)
     spacings = {part.spacing for part in parts}
     spacing = spacings.pop() if len(spacings) == 1 else None
-    return Records(tuple(stations[x][0] for x in sorted(stations)), None, sources, notes, spacing)
+    stated = parts[0].stated
+    for part in parts:
+        if part.stated != stated:
+            raise DataFileError(
+                f"{parts[0].source} and {part.source} name different units or conventions; write "
+                "the stations of a run alike."
+            )
+    one_run = tuple(stations[x][0] for x in sorted(stations))
+    return Records(one_run, None, sources, notes, spacing, stated)
 
 
 def _bare_names(table: Table, alone: bool) -> tuple[str, ...]:
@@ -99,24 +118,29 @@ def _bare_names(table: Table, alone: bool) -> tuple[str, ...]:
     )
 
 
-def _position(table: Table, at: float | None) -> tuple[float, list[str]]:
-    """Where a station is, and how that is known."""
+def _position(
+    table: Table, at: float | None, origin: float
+) -> tuple[float, Unit | None, list[str]]:
+    """Where a station is from the origin, the unit of that if it is named, and how it is known."""
+    path = table.path
     if at is not None:
-        return at, []
-    scec = _SCEC.search(table.path.name)
+        return at - origin, None, []
+    scec = _SCEC.search(path.name)
     if scec:
-        x = SCEC_UNIT * int(scec[1])
-        return x, [f"{table.path.name} is at x = {x:g} m, by its name"]
+        x = SCEC_UNIT * int(scec[1]) - origin
+        return x, Unit("m", 1.0), [f"{path.name} is at x = {x + origin:g} m, by its name"]
     for comment in table.comments:
         match = _COMMENTED.match(comment)
         if match:
-            return _number(table.path, match[1]), []
-    named = _NAMED.search(table.path.stem.removesuffix(".csv"))
+            unit = _unit(path, match[2])
+            size = unit.size if unit else 1.0
+            return size * (_number(path, match[1]) - origin), unit, []
+    named = _NAMED.search(path.stem.removesuffix(".csv"))
     if named:
-        return float(named[1]), [f"{table.path.name} is at x = {float(named[1]):g}, by its name"]
+        x = float(named[1])
+        return x - origin, None, [f"{path.name} is at x = {x:g}, by its name"]
     raise DataFileError(
-        f"{table.path} does not say where its station is; add a column x, or give its position "
-        "with --at."
+        f"{path} does not say where its station is; add a column x, or give its position with --at."
     )
 
 
@@ -127,13 +151,45 @@ def _number(path: Path, text: str) -> float:
         raise DataFileError(f"{path}: {text!r} in a comment is not a number; mend it.") from None
 
 
-def _spacing(table: Table) -> float | None:
-    """Between grid points, where a comment says so: itself, or cells over c_t T = 1."""
+def _unit(path: Path, text: str) -> Unit | None:
+    """The unit behind a length in a comment; None where there is none."""
+    name = text.strip("[](),;.")
+    if name.lower() in NO_UNIT:
+        return None
+    size = si_size(name, "length")
+    if size is None:
+        raise DataFileError(
+            f"{path}: {name!r} in a comment is no known unit of length; write one, such as "
+            f"{EXAMPLES['length']}, or none."
+        )
+    return Unit(name, size)
+
+
+def _mean(table: Table) -> dict[str, Any]:
+    """Fields of `Stated` for slip rates that comments call means over a step."""
+    for comment in table.comments:
+        match = _MEAN.search(comment)
+        if match:
+            return {"mean": AFTER, "step": _number(table.path, match[1])}
+    return {}
+
+
+def _spacing(table: Table, unit: Unit | None) -> float | None:
+    """Distance of grid points, where a comment names it, or the cells over c_t T = 1.
+
+    In the unit of x unless it has one of its own.
+    """
     for comment in table.comments:
         match = _SPACING.match(comment)
         if match:
-            return _number(table.path, match[1])
-    if any(comment.startswith("benchmark:") for comment in table.comments):
+            own = _unit(table.path, match[2])
+            if own is not None and unit is None:
+                raise DataFileError(
+                    f"{table.path} names a unit of its spacing and none of x; name both or none."
+                )
+            size = own or unit
+            return _number(table.path, match[1]) * (size.size if size else 1.0)
+    if unit is None and any(comment.startswith("benchmark:") for comment in table.comments):
         for comment in table.comments:
             cells = _CELLS.match(comment)
             if cells and int(cells[1]):

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-import gzip
+import io
 import re
-import zlib
+import time
+import warnings
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from compare.records.bounds import LONGEST_LINE, MOST_SECONDS, check_numbers, content_of
 from compare.records.record import Array
 from semianalytic.scene.errors import DataFileError
 
@@ -18,8 +21,13 @@ MISSING = {"", "nan", "na", "n/a", "none", "null", "-", "--", "?"}
 """What stands for no number."""
 LONGEST_SHOWN = 24
 """Characters of a damaged entry that are quoted."""
+MOST_COMMENTS = 10_000
+"""Most comments of a file that are kept."""
+ROWS_AT_ONCE = 20_000
+"""Rows that are parsed together: half as many and twice as many take as long."""
 
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eEdD][+-]?\d+)?\Z")
+_TECPLOT = re.compile(r"(TITLE|VARIABLES|ZONE)\s*=", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,19 +60,21 @@ def text_of(path: Path) -> str:
     Raises
     ------
     DataFileError
-        If it is not there, not text or a damaged archive.
+        If it is not there, not text, a damaged archive, or too large.
     """
-    try:
-        content = path.read_bytes()
-        if content[:2] == b"\x1f\x8b":
-            content = gzip.decompress(content)
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise DataFileError(f"{path} cannot be unpacked ({error}); pack it anew.") from error
-    except OSError as error:
-        reason = error.strerror or error
-        raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
+    return "\n".join(lines_of(path))
+
+
+def lines_of(path: Path) -> Iterator[str]:
+    """Lines of a text file, unpacked if it is gzipped; raises as `text_of`."""
+    yield from _lines(path, *_decodable(path))
+
+
+def _decodable(path: Path) -> tuple[bytes, str]:
+    """All of a text file with LF behind each line, and its encoding."""
+    content = content_of(path)
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        encoding = "utf-16"
+        content, encoding = _from_utf_16(path, content), "utf-8"
     elif b"\0" in content:
         line = content[: content.index(b"\0")].count(b"\n") + 1
         raise DataFileError(
@@ -72,16 +82,43 @@ def text_of(path: Path) -> str:
             "whose name ends as its format does (.npz, .h5, .vtu, .pvd, .xdmf)."
         )
     else:
-        encoding = "utf-8-sig"
+        encoding = _encoding(path, content)
+        content = content.removeprefix(b"\xef\xbb\xbf")
+    if b"\n" not in content:
+        content = content.replace(b"\r", b"\n")
+    return content, encoding
+
+
+def _lines(path: Path, content: bytes, encoding: str) -> Iterator[str]:
+    for number, raw in enumerate(io.BytesIO(content), 1):
+        if len(raw) > LONGEST_LINE:
+            raise DataFileError(
+                f"{path}, line {number} has {len(raw) / 2**20:.0f} MB; write a row of numbers a "
+                "line."
+            )
+        yield raw.decode(encoding).rstrip("\r\n")
+
+
+def _from_utf_16(path: Path, content: bytes) -> bytes:
+    """Text in UTF-16 as UTF-8."""
     try:
-        return content.decode(encoding)
+        return content.decode("utf-16").encode()
     except UnicodeDecodeError as error:
-        if encoding == "utf-8-sig" and error.object[error.start] >= 0xA0:
-            return content.decode("latin-1")
+        raise DataFileError(f"{path}: a character is not in UTF-16; save it in UTF-8.") from error
+
+
+def _encoding(path: Path, content: bytes) -> str:
+    """UTF-8, or Latin-1 where that is what the characters beyond ASCII look like."""
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        if content[error.start] >= 0xA0:
+            return "latin-1"
         line = content[: error.start].count(b"\n") + 1
         raise DataFileError(
             f"{path}, line {line}: a character is not in UTF-8; save the file in UTF-8."
         ) from error
+    return "utf-8"
 
 
 def read_table(path: Path) -> Table:
@@ -92,35 +129,124 @@ def read_table(path: Path) -> Table:
     DataFileError
         If there are no numbers, or a line does not have as many as the first; the message names it.
     """
-    comments: list[str] = []
-    rows: list[list[float]] = []
-    names: tuple[str, ...] = ()
-    start, separator = 0, None
-    for number, raw in enumerate(text_of(path).splitlines(), 1):
+    content, encoding = _decodable(path)
+    reader = _Reader(path, content.count(b"\n"))
+    for number, raw in enumerate(_lines(path, content, encoding), 1):
+        reader.take(number, raw)
+    return reader.table()
+
+
+class _Reader:
+    """Reader of line after line: rows are parsed together, and one by one where that fails."""
+
+    def __init__(self, path: Path, lines: int) -> None:
+        self.path, self.lines = path, lines
+        self.comments: list[str] = []
+        self.names: tuple[str, ...] = ()
+        self.line, self.width = 0, 0
+        self.separator: str | None = None
+        self.parts: list[Array] = []
+        self.waiting: list[tuple[int, str]] = []
+        self.end = time.monotonic() + MOST_SECONDS
+
+    def take(self, number: int, raw: str) -> None:
+        """A line: a comment, names, or a row."""
         line = raw.strip()
         if not line:
-            continue
+            return
         if line.startswith(COMMENTS):
-            comments.append(line.lstrip("#%!/ "))
-            continue
-        if separator is None:
+            if len(self.comments) < MOST_COMMENTS:
+                self.comments.append(line.lstrip("#%!/ "))
+            return
+        if not self.width:
+            if not self.names and self._take_names(number, raw):
+                return
+            self._begin(number, raw)
+        self.waiting.append((number, raw))
+        if len(self.waiting) == ROWS_AT_ONCE:
+            self._parse()
+
+    def _take_names(self, number: int, raw: str) -> bool:
+        """Whether a line before all rows names columns, or says something of a table of Tecplot."""
+        tecplot = _TECPLOT.match(raw.strip())
+        if tecplot is None:
             separator = _separator(raw)
-        entries = _split(raw, separator)
-        if not rows and not names and not any(map(_is_number, entries)):
-            names, start = tuple(entry.strip("\"'") for entry in entries), number
-            continue
-        width = len(names or (rows[0] if rows else entries))
-        rows.append([_value(path, number, entry, separator) for entry in entries])
-        if len(entries) != width:
+            entries = _split(raw, separator)
+        elif tecplot[1].upper() == "VARIABLES":
+            separator = None
+            entries = re.findall(r'"([^"]*)"', raw)
+        else:
+            return True
+        if any(map(_is_number, entries)):
+            return False
+        self.separator = separator
+        self.names, self.line = tuple(entry.strip("\"' ") for entry in entries), number
+        return True
+
+    def _begin(self, number: int, raw: str) -> None:
+        """The first row, which says what separates entries and how many there are."""
+        if self.separator is None:
+            self.separator = _separator(raw)
+        self.width = len(self.names) or len(_split(raw, self.separator))
+        if self.width < 2:
             raise DataFileError(
-                f"{path}, line {number}: there are {len(entries)} entries where {width} are "
+                f"{self.path}, line {number}: there is one column; give a table of times and "
+                "quantities at least."
+            )
+        check_numbers(self.path, (self.lines - number) * self.width)
+
+    def _parse(self) -> None:
+        """Parse the rows that wait."""
+        if time.monotonic() > self.end:
+            raise DataFileError(
+                f"{self.path} takes longer than {MOST_SECONDS:g} s to read; leave out times or "
+                "positions."
+            )
+        rows = self._together()
+        if rows is None:
+            rows = np.array([self._row(number, raw) for number, raw in self.waiting])
+        self.parts.append(rows)
+        self.waiting = []
+
+    def _together(self) -> Array | None:
+        """Rows that are numbers and nothing else; None if there is anything else in them."""
+        if self.separator not in (None, ",", "\t", ";"):
+            return None
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                rows = np.loadtxt(
+                    [raw for _, raw in self.waiting],
+                    delimiter=self.separator,
+                    comments=None,
+                    ndmin=2,
+                )
+        except (ValueError, UserWarning):
+            return None
+        return rows if rows.shape == (len(self.waiting), self.width) else None
+
+    def _row(self, number: int, raw: str) -> list[float]:
+        entries = _split(raw, self.separator)
+        if len(entries) == self.width + 1 and not entries[-1]:
+            entries.pop()  # a separator behind the last entry
+        row = [_value(self.path, number, entry, self.separator) for entry in entries]
+        if len(row) != self.width:
+            raise DataFileError(
+                f"{self.path}, line {number}: there are {len(row)} entries where {self.width} are "
                 "expected; write every row in full."
             )
-    if not rows:
-        raise DataFileError(f"{path} has no row of numbers; give a table of t, x and slip_rate.")
-    if not names:
-        names = _names_of_comments(comments, len(rows[0]))
-    return Table(path, names, np.array(rows), tuple(comments), start)
+        return row
+
+    def table(self) -> Table:
+        """The table of all lines that were taken."""
+        if self.waiting:
+            self._parse()
+        if not self.parts:
+            raise DataFileError(
+                f"{self.path} has no row of numbers; give a table of t, x and slip_rate."
+            )
+        names = self.names or _names_of_comments(self.comments, self.width)
+        return Table(self.path, names, np.concatenate(self.parts), tuple(self.comments), self.line)
 
 
 def _names_of_comments(comments: list[str], width: int) -> tuple[str, ...]:

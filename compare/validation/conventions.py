@@ -1,10 +1,12 @@
-"""What may be said of a file beforehand, so that nothing has to be guessed."""
+"""Units and conventions of a file that are given beforehand, so that nothing is inferred."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from compare.records.record import QUANTITIES, Stated
+from compare.records.units import DIMENSIONS
 from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 
@@ -12,39 +14,43 @@ SLIPS = ("relative", "half", "face")
 """What is recorded of slip: both faces, half of it, or how one face moves."""
 SIGNS = ("as-given", "reversed")
 PRESSURES = ("compression", "tension")
-UNITS: Mapping[str, Mapping[str, float]] = {
-    "length": {"m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
-    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
-    "stress": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
+TRACTIONS = ("total", "changes")
+"""Recorded tractions are all of them, or their changes since t = 0."""
+RATES = ("point", "before", "after")
+"""A recorded slip rate is that at its time, or the mean over the step before or after it."""
+BASIC = ("length", "time", "stress")
+_POWERS: Mapping[str, tuple[int, int, int]] = {
+    "length": (1, 0, 0),
+    "time": (0, 1, 0),
+    "length / time": (1, -1, 0),
+    "stress": (0, 0, 1),
 }
-"""Units that have names, in those of the SI."""
-SCALED: Mapping[str, tuple[float, float, float]] = {
-    "x": (1, 0, 0),
-    "t": (0, 1, 0),
-    "slip": (1, 0, 0),
-    "slip_rate": (1, -1, 0),
-    "shear_traction": (0, 0, 1),
-    "pressure": (0, 0, 1),
-}
-"""Powers of length, time and stress in what is recorded."""
+"""Powers of length, time and stress in a dimension."""
 
 
 @dataclass(frozen=True)
 class Conventions:
-    """What is known of a file.  Whatever is left out is taken as given, or detected and said.
+    """Known units and conventions of a file; others are taken as given, or inferred and said.
 
     Parameters
     ----------
     scale : mapping from str to float
         What numbers of the file are multiplied by to be in units of the scene: "length", "time",
         "stress", or single quantities, "x", "t", "slip", "slip_rate", "shear_traction",
-        "pressure".
+        "pressure", which may be negative where a sense is the other one.
     sign : str or None
-        Of slip, slip rate and shear traction: "as-given" or "reversed".
+        Of slip, slip rate and shear traction together: "as-given" or "reversed".
     slip : str or None
         "relative", "half", or "face": the motion of one face.
     pressure : str or None
         Which is positive, "compression" or "tension".
+    tractions : str or None
+        "total", or "changes": those since t = 0, without the base.
+    rate : str or None
+        What a slip rate is: that at its time, "point", or the mean over the step "before" or
+        "after" it.
+    noise : mapping from str to float
+        Standard deviation of the errors of samples by quantity, in units of the file.
     time_shift : float
         To be added to the times, in units of the scene.
     rate_from_slip : bool
@@ -56,58 +62,89 @@ class Conventions:
     Raises
     ------
     SceneError
-        If a word or a name is unknown, or a scale is not positive.
+        If a word or a name is unknown, or a scale or noise is no such number.
     """
 
     scale: Mapping[str, float] = field(default_factory=dict)
     sign: str | None = None
     slip: str | None = None
     pressure: str | None = None
+    tractions: str | None = None
+    rate: str | None = None
+    noise: Mapping[str, float] = field(default_factory=dict)
     time_shift: float = 0.0
     rate_from_slip: bool = False
     threshold: float | None = None
 
     def __post_init__(self) -> None:
-        for name, words in (("sign", SIGNS), ("slip", SLIPS), ("pressure", PRESSURES)):
+        for name, words in WORDS.items():
             value = getattr(self, name)
             if value is not None and value not in words:
                 raise SceneError(
                     f"validate: {name} must be one of {', '.join(words)}, got {shown(value)}."
                 )
         for name, value in self.scale.items():
-            if name not in ("length", "time", "stress", *SCALED):
+            if name not in (*BASIC, *DIMENSIONS):
                 raise SceneError(
                     f"validate: there is nothing called {shown(name)} to scale; it takes length, "
-                    f"time, stress, {', '.join(SCALED)}."
+                    f"time, stress, {', '.join(DIMENSIONS)}."
                 )
-            checked_size(f"validate: scale of {name}", value)
+            size = abs(value) if name in QUANTITIES and isinstance(value, float) else value
+            checked_size(f"validate: scale of {name}", size)
+        for name, value in self.noise.items():
+            if name not in QUANTITIES:
+                raise SceneError(
+                    f"validate: there is no noise of {shown(name)}; it takes "
+                    f"{', '.join(QUANTITIES)}."
+                )
+            checked_size(f"validate: noise of {name}", value)
         checked_number("validate: time_shift", self.time_shift)
         if self.threshold is not None:
             checked_size("validate: threshold", self.threshold)
 
-    def factors(self) -> dict[str, float]:
-        """What each of `SCALED` is multiplied by, by the scales given."""
-        sizes = [self.scale.get(name, 1.0) for name in ("length", "time", "stress")]
+    def scales(self, stated: Stated) -> dict[str, float]:
+        """Factors of the columns by the scales given.
+
+        Columns whose unit the file names are in units of the SI, and are left as they are.
+
+        Raises
+        ------
+        SceneError
+            If a scale is given for one of them.
+        """
+        for name, unit in stated.units.items():
+            if name in self.scale:
+                raise SceneError(
+                    f"validate: the file says that {name} is in {unit.name}; leave out the scale "
+                    f"of {name}, or the unit in the file."
+                )
         return {
-            name: self.scale.get(name, _product(sizes, powers)) for name, powers in SCALED.items()
+            name: 1.0 if name in stated.units else self.scale.get(name, self._product(dimension))
+            for name, dimension in DIMENSIONS.items()
         }
 
+    def settles(self, name: str, stated: Stated) -> bool:
+        """Whether the unit of a column is named by the file, or given."""
+        powers = zip(BASIC, _POWERS[DIMENSIONS[name]], strict=True)
+        needed = [basic for basic, power in powers if power]
+        return (
+            name in stated.units
+            or name in self.scale
+            or all(basic in self.scale for basic in needed)
+        )
 
-def named_scale(kind: str, name: str) -> float:
-    """A unit of length, time or stress in that of the SI.
-
-    Raises
-    ------
-    SceneError
-        If it has no such name.
-    """
-    if name not in UNITS[kind]:
-        raise SceneError(f"{kind}_unit must be one of {', '.join(UNITS[kind])}, got {shown(name)}.")
-    return UNITS[kind][name]
+    def _product(self, dimension: str) -> float:
+        result = 1.0
+        for basic, power in zip(BASIC, _POWERS[dimension], strict=True):
+            result *= self.scale.get(basic, 1.0) ** power
+        return result
 
 
-def _product(sizes: list[float], powers: tuple[float, float, float]) -> float:
-    result = 1.0
-    for size, power in zip(sizes, powers, strict=True):
-        result *= size**power
-    return result
+WORDS: Mapping[str, tuple[str, ...]] = {
+    "sign": SIGNS,
+    "slip": SLIPS,
+    "pressure": PRESSURES,
+    "tractions": TRACTIONS,
+    "rate": RATES,
+}
+"""Words that each convention takes."""

@@ -8,17 +8,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compare.comparison.scales import slip_rate_scale, stress_scale
+from compare.records.record import AFTER
 from semianalytic import Marched, Scene, Solution
 from semianalytic.prediction import chosen_method, predict
 from semianalytic.results.answer import Answer
 
 Array = NDArray[np.float64]
 
-POINT, BEFORE, AFTER = "point", "before", "after"
-"""What a recorded slip rate is: that at its time, or the mean over the step before or after it."""
+POINT = "point"
+"""Kind of a slip rate that is the one at its time, and no mean over a step."""
 CLOSEST = 0.25
 """Part of the distance to the edge that a station is moved to at most."""
 MARCH_NODES = 800
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """Meaning of a recorded slip rate: a value at its time, or a mean over a step.
+
+    Attributes
+    ----------
+    kind : str
+        `POINT`, or `BEFORE` or `AFTER`: the mean over a step before or after its time.
+    step : float or None
+        That step [time]; None for the distance of samples.
+    """
+
+    kind: str = POINT
+    step: float | None = None
+
+
+AT_TIME = Sampling()
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,29 +56,38 @@ class Exact:
     scene: Scene
     answer: Answer
     end_time: float
-    _known: dict[tuple[str, float, bytes, str], Array] = field(default_factory=dict, init=False)
+    _known: dict[tuple[str, float, bytes, Sampling], Array] = field(
+        default_factory=dict, init=False
+    )
 
-    def record(self, name: str, x: float, t: Array, mean: str = POINT) -> Array:
+    def record(self, name: str, x: float, t: Array, sampling: Sampling = AT_TIME) -> Array:
         """One of `QUANTITIES` at a position x > 0 and times t (n,), in units of the scene.
 
-        Slip rate may be the mean over the steps between times.
+        Slip rate may be a mean over steps.
         """
-        key = (name, x, t.tobytes(), mean)
+        key = (name, x, t.tobytes(), sampling)
         if key not in self._known:
-            self._known[key] = self._record(name, x, np.minimum(t, self.end_time), mean)
+            self._known[key] = self._record(name, x, np.minimum(t, self.end_time), sampling)
         return self._known[key]
 
-    def _record(self, name: str, x: float, t: Array, mean: str) -> Array:
-        if name == "slip_rate" and mean != POINT:
-            return self._mean_rate(x, t, mean)
+    def _record(self, name: str, x: float, t: Array, sampling: Sampling) -> Array:
+        if name == "slip_rate" and sampling.kind != POINT:
+            return self._mean_rate(x, t, sampling)
         return np.asarray(getattr(self.answer, name)(x, t))
 
-    def _mean_rate(self, x: float, t: Array, mean: str) -> Array:
-        steps = np.diff(t)
-        ends = np.append(t, t[-1] + steps[-1]) if mean == AFTER else np.append(t[0] - steps[0], t)
-        slip = self.answer.slip(x, np.minimum(ends, self.end_time))
-        width = np.diff(ends)
-        return np.diff(slip) / np.where(width > 0, width, 1.0)
+    def _mean_rate(self, x: float, t: Array, sampling: Sampling) -> Array:
+        """Means over steps, which end with the answer."""
+        if sampling.step is not None:
+            width = np.full(len(t), sampling.step)
+        else:
+            steps = np.diff(t)
+            width = np.append(steps, steps[-1:])
+            width = width if sampling.kind == AFTER else np.append(steps[:1], steps)
+        start = t if sampling.kind == AFTER else t - width
+        start, stop = (np.minimum(end, self.end_time) for end in (start, start + width))
+        moved = self.answer.slip(x, stop) - self.answer.slip(x, start)
+        rate = np.asarray(self.answer.slip_rate(x, t))
+        return np.divide(moved, stop - start, out=rate.copy(), where=stop > start)
 
     def smeared(self, name: str, x: float, t: Array, band: float) -> tuple[Array, ...]:
         """What a grid may leave of a record that it sees by a band [length] too near, too far, too
@@ -75,12 +104,12 @@ class Exact:
         return units.get(name, stress_scale(self.scene))
 
     def doubt(self, name: str, x: float, t: Array) -> float:
-        """Largest error of the answer itself, that of a march by its companion."""
-        companion = getattr(self.answer, "companion", None)
-        if companion is None:
-            return 0.0
+        """Mean error over time of the answer itself, by its own estimate, in the unit of `name`."""
         t = np.minimum(t, self.end_time)
-        return float(np.abs(getattr(companion, name)(x, t) - self.record(name, x, t)).mean())
+        if isinstance(self.answer, Marched):
+            error = self.answer.error_of(lambda march: getattr(march, name)(x, t))
+            return float(np.nan_to_num(error).mean())
+        return float(getattr(self.answer, "error_estimate", 0.0)) * self.unit(name)
 
 
 def exact_answer(scene: Scene, end_time: float, reach: float) -> Exact:

@@ -71,11 +71,11 @@ def _draw(
     upper: Axes
     lower: Axes
     upper, lower = panels
-    exact, mean = validation.exact, validation.grids.mean
+    exact, sampling = validation.exact, validation.grids.sampling
     unit, end = exact.unit(name), exact.end_time
     fine = np.linspace(0.0, end, FINE + 1)[1:]
     upper.plot(fine / end, exact.record(name, record.x, fine) / unit, color=colour, linewidth=1.0)
     values, every = record.values[name] / unit, max(len(record.t) // DOTS, 1)
     upper.plot(record.t[::every] / end, values[::every], ".", color=colour, markersize=3.5)
-    expected = exact.record(name, record.x, record.t, mean) / unit
+    expected = exact.record(name, record.x, record.t, sampling) / unit
     lower.plot(record.t / end, values - expected, color=colour, linewidth=0.8)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.measures import NOTHING
 from compare.records.record import Record, Records
-from compare.validation.exact import POINT, Exact
+from compare.validation.exact import AT_TIME, Exact, Sampling
 
 Array = NDArray[np.float64]
 
@@ -53,12 +53,14 @@ def station_size(exact: Array, weight: Array, unit: float) -> float:
     return size if size > NOTHING * unit * weight.sum() else unit * float(weight.sum())
 
 
-def station_norm(record: Record, name: str, exact: Exact, mean: str = POINT) -> Norm | None:
+def station_norm(
+    record: Record, name: str, exact: Exact, sampling: Sampling = AT_TIME
+) -> Norm | None:
     """Errors of one quantity at one station; None where it was not recorded."""
     values = record.values.get(name)
     if values is None or not (weight := weights(record.t, values)).any():
         return None
-    expected, unit = exact.record(name, record.x, record.t, mean), exact.unit(name)
+    expected, unit = exact.record(name, record.x, record.t, sampling), exact.unit(name)
     seen = np.where(weight > 0, values, expected)
     total, size = float(weight.sum()), station_size(expected, weight, unit)
     square = float(weight @ expected**2)
@@ -95,8 +97,10 @@ def pooled(norms: list[Norm]) -> Norm:
     )
 
 
-def quantity_norm(run: Records, name: str, exact: Exact, mean: str = POINT) -> Norm | None:
+def quantity_norm(
+    run: Records, name: str, exact: Exact, sampling: Sampling = AT_TIME
+) -> Norm | None:
     """Errors of one quantity at all stations together; None if none recorded it."""
-    norms = [station_norm(record, name, exact, mean) for record in run.stations]
+    norms = [station_norm(record, name, exact, sampling) for record in run.stations]
     known = [norm for norm in norms if norm is not None]
     return pooled(known) if known else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 from compare.comparison.documents import SCENE_DIMENSIONS, json_text, row_units, units_document
 from compare.comparison.prediction import method_of
 from compare.output.files import write_text
+from compare.validation.readings import settings_of
 from compare.validation.validation import Validation
 from semianalytic.scene.scene import scene_document
 
@@ -23,6 +25,7 @@ def validation_document(validation: Validation, label: str) -> dict[str, Any]:
     are in units of the scene.
     """
     scene, exact, grids = validation.scene, validation.exact, validation.grids
+    detection = validation.detection
     document: dict[str, Any] = {
         "format": FORMAT,
         "slipfront": version("slipfront"),
@@ -30,13 +33,23 @@ def validation_document(validation: Validation, label: str) -> dict[str, Any]:
         "scene": label,
         "verdict": validation.verdict,
         "counts": validation.counts,
+        "reading": {
+            "inferred": list(detection.inferred),
+            "stated_by": [list(pair) for pair in settings_of(detection.stating)],
+            "factors": dict(detection.reading.factors),
+            "offsets": dict(detection.reading.offsets),
+            "left": _finite(detection.left),
+            "as_given": _finite(detection.as_given),
+            "runner_up": detection.runner_up,
+        },
         "notes": list(validation.notes),
         "parameters": scene_document(scene),
         "method": method_of(exact.answer),
         "end_time": exact.end_time,
         "spacing": grids.spacing,
         "ratio": grids.ratio if len(grids.runs) > 1 else None,
-        "slip_rate_is": grids.mean,
+        "slip_rate_is": grids.sampling.kind,
+        "noise": dict(grids.noise),
         "rows": [{**asdict(row), "verdict": row.verdict} for row in validation.rows],
         "norms": [asdict(norm) for norm in validation.norms],
     }
@@ -44,6 +57,10 @@ def validation_document(validation: Validation, label: str) -> dict[str, Any]:
     document["units"] = units_document(document, dimensions, scene)
     document["units"]["rows"] = row_units(scene, exact.end_time)
     return document
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def write_validation(validation: Validation, label: str, path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
@@ -10,11 +11,11 @@ import scipy
 from numpy.typing import NDArray
 
 from compare.comparison.measures import NOTHING, onset_time
-from compare.comparison.rows import TELLING, Row
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES, Record, Records
+from compare.validation.bars import SCATTER, TELLING, Bar, JudgedRow, pooled_bar, station_bar
 from compare.validation.exact import Exact
-from compare.validation.grids import FLOOR, Grids, changes, grid_bar, smear, spacing_bar
+from compare.validation.grids import Grids, grid_bar
 from compare.validation.norms import Norm, pooled, station_norm, weights
 
 Array = NDArray[np.float64]
@@ -25,6 +26,11 @@ THRESHOLD = 0.01
 """Of the largest load over rho c_t, slip rate at which slip counts as begun."""
 FEW = 4
 """Samples that a record has at least."""
+COVERED = 0.5
+"""Part of the time of a record that has to be free of gaps for a row to tell anything."""
+NOISY = 5.0
+"""Standard deviations of the noise that a threshold of slip rate is at least: one sample in three
+million is beyond them by chance, with half as many one in a hundred is."""
 TIMES = 2000
 """At which an exact onset is looked for."""
 SMOOTHED = (2.0, 5.0)
@@ -32,13 +38,15 @@ SMOOTHED = (2.0, 5.0)
 SLIDING = 0.05
 """Part of the largest slip rate of a station above which it slides for sure."""
 STRENGTH_FLOOR = 0.005
+MEDIAN_NOISE = math.sqrt(math.pi / 2)
+"""Standard deviation of a median of normally distributed samples, over that of their mean."""
 NO_GRID = "nothing says how fine the grid is; give `spacing`"
 ONE_FACE = (
     "one face moves by more than half of the slip where pressure acts on it; record both faces"
 )
 
 
-def rows(grids: Grids, exact: Exact, threshold: float | None, *, face: bool) -> Iterator[Row]:
+def rows(grids: Grids, exact: Exact, threshold: float | None, *, face: bool) -> Iterator[JudgedRow]:
     """All rows of a validation.
 
     Parameters
@@ -59,12 +67,13 @@ def rows(grids: Grids, exact: Exact, threshold: float | None, *, face: bool) -> 
 def quantity_norms(grids: Grids, exact: Exact, name: str) -> list[tuple[Record, Norm]]:
     """Records of one quantity with their norms."""
     norms = (
-        (record, station_norm(record, name, exact, grids.mean)) for record in grids.finest.stations
+        (record, station_norm(record, name, exact, grids.sampling))
+        for record in grids.finest.stations
     )
     return [(record, norm) for record, norm in norms if norm is not None]
 
 
-def quantity_rows(grids: Grids, exact: Exact, name: str, *, face: bool) -> Iterator[Row]:
+def quantity_rows(grids: Grids, exact: Exact, name: str, *, face: bool) -> Iterator[JudgedRow]:
     """One quantity, at all stations together and at single ones."""
     known = quantity_norms(grids, exact, name)
     if not known:
@@ -73,40 +82,29 @@ def quantity_rows(grids: Grids, exact: Exact, name: str, *, face: bool) -> Itera
     sizes = [norm.exact if norm.exact > NOTHING else 1.0 for _, norm in known]
     obstacle = ONE_FACE if face and name in ("slip", "slip_rate") else ""
     bars = [
-        _bar(grids, exact, record, name, whole.exact / size)
+        station_bar(grids, record, name, exact, whole.exact / size)
         for (record, _), size in zip(known, sizes, strict=True)
     ]
-    parts = [bar for bar, _ in bars]
     if len(known) > 1:
-        bar = None
-        if all(part is not None for part in parts):
-            total = sum((part or 0.0) * size for part, size in zip(parts, sizes, strict=True))
-            bar = total / (len(sizes) * (whole.exact if whole.exact > NOTHING else 1.0))
-        orders = [order for _, order in bars if order is not None]
-        order = float(np.median(orders)) if orders else None
-        yield _row("all stations", name, exact, whole, bar, order, obstacle, grids)
+        bar = pooled_bar(bars, sizes, whole.exact if whole.exact > NOTHING else 1.0)
+        yield _row("all stations", name, exact, whole, bar, obstacle, grids)
     chosen = chosen_stations([record.x for record, _ in known], exact)
     for place in chosen:
-        (record, norm), (bar, order) = known[place], bars[place]
+        (record, norm), bar = known[place], bars[place]
         where = f"at {_over(record.x, exact):.3g} c_t T"
-        few = f"fewer than {FEW} samples" if norm.samples < FEW else ""
-        yield _row(where, name, exact, norm, bar, order, obstacle or few, grids)
+        few = _too_few(record, name, norm)
+        yield _row(where, name, exact, norm, bar, obstacle or few, grids)
 
 
-def _bar(
-    grids: Grids, exact: Exact, record: Record, name: str, everywhere: float
-) -> tuple[float | None, float | None]:
-    """Bar and observed order of one record."""
-    doubt = 0.0
-    if companion := exact.doubt(name, record.x, record.t):
-        mean = float(np.abs(exact.record(name, record.x, record.t)).mean())
-        doubt = companion / max(mean, 1e-6 * exact.unit(name))
-    differences = changes(grids, record, name, exact) if len(grids.runs) > 1 else []
-    if differences:
-        bar, order = grid_bar(grids, differences)
-        return max(bar, FLOOR * (smear(grids, record, name, exact) or 0.0)) + doubt, order
-    alone = spacing_bar(grids, record, name, exact, everywhere)
-    return (None if alone is None else alone + doubt), None
+def _too_few(record: Record, name: str, norm: Norm) -> str:
+    """Why a record with gaps tells nothing; "" if it does."""
+    if norm.samples < FEW:
+        return f"fewer than {FEW} samples"
+    whole = float(record.t[-1] - record.t[0])
+    share = float(weights(record.t, record.values[name]).sum()) / whole if whole else 0.0
+    if share < COVERED:
+        return f"{100 * (1 - share):.0f} % of the time is gaps"
+    return ""
 
 
 def _row(
@@ -114,45 +112,57 @@ def _row(
     name: str,
     exact: Exact,
     norm: Norm,
-    bar: float | None,
-    order: float | None,
+    bar: Bar,
     obstacle: str,
     grids: Grids,
-) -> Row:
+) -> JudgedRow:
     kind = name.replace("_", " ")
     units = {"slip_rate": "V₀", "slip": "V₀ T"}
-    if bar is None:
+    whole = bar.whole
+    if whole is None:
         obstacle = obstacle or NO_GRID
-    elif bar > TELLING:
-        obstacle = obstacle or _too_coarse(bar, grids, exact)
-    return Row(
+    elif whole > TELLING:
+        obstacle = obstacle or _too_wide(bar, grids, exact)
+    return JudgedRow(
         f"{kind} {where}",
         kind,
         norm.exact,
         norm.exact,
         norm.simulated,
         norm.L1,
-        bar,
+        whole,
         unit=units.get(name, "τ₀"),
         relative=True,
-        order=order,
+        order=bar.order,
         obstacle=obstacle,
         resolution=_cells(grids, exact, bar),
+        grid_bar=bar.grid,
+        data_bar=bar.data,
+        answer_bar=bar.answer,
     )
 
 
-def _too_coarse(bar: float, grids: Grids, exact: Exact) -> str:
+def _too_wide(bar: Bar, grids: Grids, exact: Exact) -> str:
+    """Why a bar is too wide, and what would narrow it."""
+    grid = bar.grid or 0.0
+    if bar.data >= max(grid, bar.answer):
+        return f"the noise of the data leaves it open by {100 * (bar.whole or 0.0):.2g} %"
+    if bar.answer >= grid:
+        return f"the error of the answer leaves it open by {100 * (bar.whole or 0.0):.2g} %"
     cells = _cells(grids, exact, bar)
     remedy = f"; {cells} cells over c_t T would tell" if cells else "; a finer grid would tell"
-    return f"this grid leaves it open by {100 * bar:.2g} %{remedy}"
+    return f"this grid leaves it open by {100 * (bar.whole or 0.0):.2g} %{remedy}"
 
 
-def _cells(grids: Grids, exact: Exact, bar: float | None) -> int | None:
+def _cells(grids: Grids, exact: Exact, bar: Bar) -> int | None:
     """Cells over c_t T with which a bar would be as narrow as it has to be."""
-    if grids.spacing is None or bar is None or bar <= TELLING:
+    if not grids.spacing or bar.whole is None or bar.grid is None or bar.whole <= TELLING:
+        return None
+    room = TELLING - bar.data - bar.answer
+    if room <= 0:
         return None
     length = exact.scene.material.shear_speed * exact.end_time
-    return int(np.ceil(length / grids.spacing * bar / TELLING))
+    return int(np.ceil(length / grids.spacing * bar.grid / room))
 
 
 def chosen_stations(places: Sequence[float], exact: Exact) -> list[int]:
@@ -167,10 +177,11 @@ def _over(x: float, exact: Exact) -> float:
     return x / (exact.scene.material.shear_speed * exact.end_time)
 
 
-def arrival_rows(grids: Grids, exact: Exact, threshold: float | None) -> Iterator[Row]:
+def arrival_rows(grids: Grids, exact: Exact, threshold: float | None) -> Iterator[JudgedRow]:
     """When slip begins, at stations and in a file of rupture times."""
     material = exact.scene.material
     least = threshold or THRESHOLD * stress_scale(exact.scene) / material.shear_impedance
+    least = max(least, NOISY * grids.noise.get("slip_rate", 0.0))
     runs = [_arrivals(run, least) for run in grids.runs]
     places = [x for x in sorted(runs[0]) if 0 < x <= exact.end_time * material.longitudinal_speed]
     chosen = [places[place] for place in chosen_stations(places, exact)]
@@ -180,25 +191,30 @@ def arrival_rows(grids: Grids, exact: Exact, threshold: float | None) -> Iterato
             yield _arrival_row(grids, exact, onset, [run.get(x) for run in runs])
 
 
-def _arrival_row(grids: Grids, exact: Exact, onset: Onset, times: Sequence[float | None]) -> Row:
+def _arrival_row(
+    grids: Grids, exact: Exact, onset: Onset, times: Sequence[float | None]
+) -> JudgedRow:
     """An onset at one station, by all runs, finest first."""
-    expected, seen = onset.time or 0.0, times[0]
-    bar, order = _arrival_bar(grids, exact, onset, times)
+    expected, seen, end = onset.time or 0.0, times[0], exact.end_time
+    bar = _arrival_bar(grids, exact, onset, times)
+    whole = bar.whole
     obstacle = NO_GRID if grids.spacing is None else ""  # all grids may miss what is too narrow
-    if bar is not None and bar > TELLING * expected:
+    if whole is not None and whole * end > TELLING * expected:
         obstacle = "what begins to slip here is too weak, or too narrow, for this grid"
-    end = exact.end_time
-    return Row(
+    return JudgedRow(
         f"arrival at {_over(onset.x, exact):.3g} c_t T",
         "arrival",
         expected / end,
         expected / end,
         None if seen is None else seen / end,
         None if seen is None else (seen - expected) / end,
-        None if bar is None else bar / end,
+        whole,
         unit="T",
-        order=order,
+        order=bar.order,
         obstacle=obstacle,
+        grid_bar=bar.grid,
+        data_bar=bar.data,
+        answer_bar=bar.answer,
     )
 
 
@@ -220,6 +236,13 @@ class Onset:
         ]
         ends = [2 * self.end_time if time is None else time for time in times]
         return max(abs(time - (self.time or 0.0)) for time in ends)
+
+    def jitter(self, noise: float) -> float:
+        """How far noise of a standard deviation [length / time] may move it [time]."""
+        levels = (self.threshold - SCATTER * noise, self.threshold + SCATTER * noise)
+        times = [onset_time(self.t, self.rate, level) for level in levels] if noise else []
+        ends = [2 * self.end_time if time is None else time for time in times]
+        return max((abs(time - (self.time or 0.0)) for time in ends), default=0.0)
 
     def _smoothed(self, width: float) -> Array:
         samples = round(width / float(self.t[1] - self.t[0]))
@@ -243,30 +266,31 @@ def _arrivals(run: Records, threshold: float) -> dict[float, float | None]:
     return onsets
 
 
-def _arrival_bar(
-    grids: Grids, exact: Exact, onset: Onset, times: Sequence[float | None]
-) -> tuple[float | None, float | None]:
-    """How far an onset may be off [time], and the order that other grids show.
+def _arrival_bar(grids: Grids, exact: Exact, onset: Onset, times: Sequence[float | None]) -> Bar:
+    """How far an onset may be off, over T, and the order that other grids show.
 
     A threshold is crossed by whole steps and ripples: what changes from grid to grid is never
     believed to be less than what the finest spacing alone leaves open.
     """
+    end = exact.end_time
     cell = None if grids.spacing is None else grids.spacing / exact.scene.material.shear_speed
-    alone = None if cell is None else 2 * cell + onset.reach(cell)
+    alone = None if cell is None else (2 * cell + onset.reach(cell)) / end
+    data = onset.jitter(grids.noise.get("slip_rate", 0.0)) / end
     known = [time for time in times if time is not None]
     if not len(known) == len(times) > 1:
-        return alone, None
+        return Bar(alone, data)
     differences = [one - other for one, other in pairwise(known)]
-    bar, order = grid_bar(grids, [change / exact.end_time for change in differences])
-    return max(bar * exact.end_time, alone or 0.0), order
+    bar, order = grid_bar(grids, [change / end for change in differences])
+    return Bar(max(bar, alone or 0.0), data, order=order)
 
 
-def strength_rows(grids: Grids, exact: Exact) -> Iterator[Row]:
+def strength_rows(grids: Grids, exact: Exact) -> Iterator[JudgedRow]:
     """Shear traction where the contact slides for sure, over the exact one: the friction law."""
     if grids.spacing is None:
         return
     ratios: list[Array] = []
     moved: list[Array] = []
+    sizes: list[Array] = []
     for record in grids.finest.stations:
         values = record.values.get("shear_traction")
         if values is None:
@@ -279,23 +303,33 @@ def strength_rows(grids: Grids, exact: Exact) -> Iterator[Row]:
             continue
         expected = exact.record("shear_traction", record.x, record.t)
         smeared = exact.smeared("shear_traction", record.x, record.t, grids.spacing)
-        ratios.append(np.abs(values[sliding] / expected[sliding]))
+        ratios.append(values[sliding] / expected[sliding])
+        sizes.append(np.abs(expected[sliding]))
         moved.append(np.abs(np.stack(smeared)[:, sliding] / expected[sliding] - 1).max(axis=0))
     if not ratios or sum(map(len, ratios)) < FEW:
         return
     seen = float(np.median(np.concatenate(ratios)))
-    bar = STRENGTH_FLOOR + float(np.median(np.concatenate(moved)))
-    yield Row(
+    count = sum(map(len, ratios))
+    noise = grids.noise.get("shear_traction", 0.0) / float(np.median(np.concatenate(sizes)))
+    bar = Bar(
+        STRENGTH_FLOOR + float(np.median(np.concatenate(moved))),
+        SCATTER * MEDIAN_NOISE * noise / math.sqrt(count),
+    )
+    whole = bar.whole or 0.0
+    yield JudgedRow(
         "strength where it slides",
         "shear traction",
         1.0,
         1.0,
         seen,
         seen - 1,
-        bar,
+        whole,
         unit="exact",
         relative=True,
-        obstacle="" if bar <= TELLING else _too_coarse(bar, grids, exact),
+        obstacle="" if whole <= TELLING else _too_wide(bar, grids, exact),
+        grid_bar=bar.grid,
+        data_bar=bar.data,
+        answer_bar=bar.answer,
     )
 
 

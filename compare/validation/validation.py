@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,18 +10,28 @@ import numpy as np
 
 from compare.comparison.judgement import MOTION
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall
-from compare.records.record import QUANTITIES, Record, Records
+from compare.records.record import BEFORE, QUANTITIES, Record, Records
+from compare.validation.bars import JudgedRow
 from compare.validation.conventions import Conventions
 from compare.validation.data import Data, as_runs
 from compare.validation.detection import Detection, detect
-from compare.validation.exact import BEFORE, Exact
-from compare.validation.grids import Grids, arranged
+from compare.validation.exact import Exact
+from compare.validation.grids import Grids, arranged, profile_spacing
 from compare.validation.norms import Norm, pooled
 from compare.validation.rows import quantity_norms, rows
+from compare.validation.weighing import LITTLE
 from semianalytic import Scene
-from semianalytic.scene.checks import checked_size
+from semianalytic.scene.checks import SMALLEST, checked_number
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.scene import checked_scene
+
+CONVERTED = "agrees after conversion"
+"""The verdict where units or conventions had to be inferred."""
+MOST_STATIONS = 101
+"""Most stations that are judged; of more, as many are chosen evenly.  Half and twice as many leave
+every verdict of the trial as it is."""
+MOST_SAMPLES = 4000
+"""Most samples of a record that are judged; of more, every second, third or later one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,41 +41,60 @@ class Validation:
     Attributes
     ----------
     scene : Scene
-    exact : Exact
-        The answer, until T.
+    detection : Detection
+        The answer, until T, and how the numbers of the file were read.
     grids : Grids
         What was recorded, read in units and conventions of the scene.
     notes : tuple of str
-        Units and conventions, given or detected, and what was mended: read them first.
-    rows : tuple of Row
+        What was given, and what was mended: read them first.
+    rows : tuple of JudgedRow
         With their verdicts.
     norms : tuple of Norm
         Of all stations together, then of each.
     """
 
     scene: Scene
-    exact: Exact
+    detection: Detection
     grids: Grids
     notes: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[JudgedRow, ...]
     norms: tuple[Norm, ...]
+
+    @property
+    def exact(self) -> Exact:
+        """The answer, until T."""
+        return self.detection.exact
+
+    @property
+    def inferred(self) -> tuple[str, ...]:
+        """Units and conventions that neither the file nor the caller has said, in words."""
+        return self.detection.inferred
 
     @cached_property
     def verdict(self) -> str:
         """ "differs" if one row does; else "agrees" if one does of slip or slip rate, of anything
-        where neither was recorded; else "unresolved"."""
+        where neither was recorded; else "unresolved".
+
+        "agrees after conversion" where that takes units or conventions which neither the file nor
+        the caller has said; "differs" where these do not explain all quantities.
+        """
         moves = any(row.kind in MOTION for row in self.rows)
         telling = (
             row for row in self.rows if row.kind in MOTION or row.verdict == DIFFERS or not moves
         )
-        return overall(row.verdict for row in telling)
+        verdict = overall(row.verdict for row in telling)
+        if not self.inferred or verdict == DIFFERS:
+            return verdict
+        if self.detection.left >= LITTLE:  # units were inferred that do not explain everything
+            return DIFFERS
+        return CONVERTED if verdict == AGREES else verdict
 
     @property
     def counts(self) -> dict[str, int]:
         """How many rows have each verdict."""
         return {verdict: len(self.having(verdict)) for verdict in (AGREES, DIFFERS, UNRESOLVED)}
 
-    def having(self, verdict: str) -> tuple[Row, ...]:
+    def having(self, verdict: str) -> tuple[JudgedRow, ...]:
         """The rows with a verdict."""
         return tuple(row for row in self.rows if row.verdict == verdict)
 
@@ -96,9 +125,10 @@ def validate(
     scene : Scene
         What was simulated.
     spacing : float or sequence of float, optional
-        Distance of the grid points of each run on the interface, in units of its file.
+        Distance of the grid points of each run on the interface, in the unit of x of its file; 0
+        for a gauge without any extent, whose noise is known.
     conventions : Conventions, optional
-        Units and conventions that are known; the others are detected, and said.
+        Units and conventions that are known; the others are inferred, and said.
 
     Returns
     -------
@@ -114,19 +144,30 @@ def validate(
     checked_scene("validate", scene)
     conventions = conventions or Conventions()
     runs = [_with_rates(run, conventions) for run in as_runs(data)]
-    detection = detect(runs[-1], scene, conventions)
-    notes = [note for run in runs for note in run.notes]
+    found = [detect(runs[-1], scene, conventions)]
+    for run in runs[-2::-1]:  # runs of one code are alike, unless their headers say otherwise
+        alike = run.stated == runs[-1].stated
+        found.insert(0, found[-1] if alike else detect(run, scene, conventions))
+    detection = found[-1]
     read, left_out = zip(
-        *(_in_reach(detection.reading.apply(run), detection) for run in runs), strict=True
+        *(
+            _in_reach(one.reading.apply(run), detection)
+            for one, run in zip(found, runs, strict=True)
+        ),
+        strict=True,
     )
-    sizes = _spacings(spacing, len(runs), detection.reading.factors.get("x", 1.0))
-    grids, guessed = arranged(read, sizes, _mean(detection, runs))
+    sizes = _spacings(spacing, found, runs, conventions)
+    noise = _noise(conventions, detection, runs[-1])
+    grids, guessed = arranged(read, sizes, detection.reading.sampling, noise)
+    alone = conventions.slip is None and any(run.stated.faces for run in runs)
+    one_face = conventions.slip == "face" or alone
+    face = one_face and bool(scene.load.pressure)
+    notes = [note for run in runs for note in run.notes]
+    said = (*detection.notes, *notes, *_face_notes(one_face, face), *left_out[-1], *guessed)
     exact = detection.exact
-    face = conventions.slip == "face" and bool(scene.load.pressure)
-    said = (*detection.notes, *_face_notes(conventions, face), *notes, *left_out[-1], *guessed)
     return Validation(
         scene,
-        exact,
+        detection,
         grids,
         tuple(dict.fromkeys(said)),
         tuple(rows(grids, exact, conventions.threshold, face=face)),
@@ -142,22 +183,43 @@ def _norms(grids: Grids, exact: Exact) -> Iterator[Norm]:
             yield from known
 
 
-def _mean(detection: Detection, runs: Sequence[Records]) -> str:
-    made = any("made of differences of slip" in note for run in runs for note in run.notes)
-    return BEFORE if made else detection.reading.mean
+def _noise(conventions: Conventions, detection: Detection, run: Records) -> Mapping[str, float]:
+    """Standard deviations of samples in units of the scene."""
+    return {
+        name: noise * _size(run, name) * abs(detection.reading.factor(name))
+        for name, noise in conventions.noise.items()
+    }
+
+
+def _size(run: Records, name: str) -> float:
+    """Factor by which the numbers of a column have been multiplied since they were read."""
+    return run.stated.units[name].size if name in run.stated.units else 1.0
 
 
 def _spacings(
-    spacing: float | Sequence[float] | None, runs: int, scale: float
+    spacing: float | Sequence[float] | None,
+    found: Sequence[Detection],
+    runs: Sequence[Records],
+    conventions: Conventions,
 ) -> list[float | None]:
+    """Spacings in units of the scene."""
     if spacing is None:
-        return [None] * runs
+        return [None] * len(runs)
     given = [spacing] if isinstance(spacing, int | float) else list(spacing)
-    if len(given) != runs:
+    if len(given) != len(runs):
         raise SceneError(
-            f"validate: there are {runs} runs and {len(given)} spacings; give one for each."
+            f"validate: there are {len(runs)} runs and {len(given)} spacings; give one for each."
         )
-    return [scale * checked_size("validate: spacing", size) for size in given]
+    least = 0.0 if conventions.noise else SMALLEST
+    required = "be a number from 0" if least == 0 else "be positive, or 0 where noise is given"
+    sizes = [
+        checked_number("validate: spacing", size, required, lambda one: one >= least)
+        for size in given
+    ]
+    return [
+        size * _size(run, "x") * one.reading.factor("x")
+        for size, one, run in zip(sizes, found, runs, strict=True)
+    ]
 
 
 def _with_rates(run: Records, conventions: Conventions) -> Records:
@@ -167,7 +229,8 @@ def _with_rates(run: Records, conventions: Conventions) -> Records:
         return run
     stations = tuple(_with_rate(record) for record in run.stations)
     note = "slip rate: made of differences of slip, so that it is the mean over each step"
-    return replace(run, stations=stations, notes=(*run.notes, note))
+    stated = replace(run.stated, mean=BEFORE, step=None)
+    return replace(run, stations=stations, notes=(*run.notes, note), stated=stated)
 
 
 def _with_rate(record: Record) -> Record:
@@ -191,16 +254,30 @@ def _in_reach(run: Records, detection: Detection) -> tuple[Records, tuple[str, .
             "(scale)."
         )
     dropped = len(run.stations) - len(kept)
-    notes = (f"{dropped} stations off the contact or beyond all waves are left out",)
-    return replace(run, stations=kept), notes if dropped else ()
+    notes = []
+    if dropped:
+        notes.append(f"{dropped} stations off the contact or beyond all waves are left out")
+    if len(kept) > MOST_STATIONS:
+        evenly = np.linspace(0, len(kept) - 1, MOST_STATIONS).round().astype(int)
+        notes.append(f"{MOST_STATIONS} of {len(kept)} stations are judged, evenly chosen")
+        spacing = run.spacing if run.spacing is not None else profile_spacing(run)
+        run, kept = replace(run, spacing=spacing), tuple(kept[place] for place in evenly)
+    return replace(run, stations=tuple(map(_fewer, kept))), tuple(notes)
 
 
-def _face_notes(conventions: Conventions, face: bool) -> Iterator[str]:
-    if conventions.slip != "face":
+def _fewer(record: Record) -> Record:
+    """A record without most of its samples, where it has very many."""
+    every = -(-len(record.t) // MOST_SAMPLES)
+    values = {name: value[::every] for name, value in record.values.items()}
+    return Record(record.x, record.t[::every], values)
+
+
+def _face_notes(one_face: bool, pressed: bool) -> Iterator[str]:
+    if not one_face:
         return
     yield (
         "slip: that of one face, doubled; right by antisymmetry where bodies are identical and "
         "only shear acts"
     )
-    if face:
+    if pressed:
         yield "pressure acts here and moves both faces alike: rows of slip are not resolved"

@@ -28,6 +28,7 @@ from compare.studies.chart.study import Point
 from compare.studies.evidence.study import ClosedForm
 from compare.studies.regimes.points import BoundaryPoint
 from compare.studies.wear import MostRow, WearRow
+from compare.validation.bars import JudgedRow
 from compare.validation.norms import Norm
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -298,18 +299,30 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
             "slipfront": Key("version of slipfront", TEXT),
             "source": Key("source of each file", _list(TEXT)),
             "scene": _LABEL,
-            "verdict": _VERDICT,
+            "verdict": Key("agrees, agrees after conversion, differs or unresolved", TEXT),
             "counts": _COUNTS,
-            "notes": Key("units and conventions that were detected", _list(TEXT)),
+            "reading": Key(
+                "how the numbers of the file were read: what was inferred, the options that state "
+                "it, factors and offsets, and the largest error that is left, and as given",
+                _object(
+                    inferred=_list(TEXT),
+                    stated_by=_list(_list(TEXT)),
+                    factors=_of(NUMBER),
+                    offsets=_of(NUMBER),
+                    left=NUMBER,
+                    as_given=NUMBER,
+                    runner_up=TEXT,
+                ),
+            ),
+            "notes": Key("units and conventions that were given, and corrections", _list(TEXT)),
             "parameters": _PARAMETERS,
             "method": _METHOD,
             "end_time": Key("end time T", NUMBER),
             "spacing": Key("grid spacing of the finest run", NUMBER),
             "ratio": Key("ratio of the spacings of two grids", NUMBER),
-            "slip_rate_is": Key(
-                "time or time span to which the slip rate refers", {"type": ["string", "null"]}
-            ),
-            "rows": Key("judged quantities", _list(_row(Row, verdict=TEXT))),
+            "slip_rate_is": Key("time or time span to which the slip rate refers", TEXT),
+            "noise": Key("standard deviation of the samples, by quantity", _of(NUMBER)),
+            "rows": Key("judged quantities", _list(_row(JudgedRow, verdict=TEXT))),
             "norms": Key("error norms at each station and over all", _list(_row(Norm))),
         },
     ),

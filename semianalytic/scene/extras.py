@@ -22,6 +22,8 @@ CLUSTER = ("dask", "distributed")
 """Modules that runs on several machines need."""
 BAYES = ("emcee",)
 """Modules that sampling of posteriors needs."""
+UNITS = ("pint",)
+"""Modules that parse the names of units in files."""
 
 _DISTRIBUTIONS = {"skfem": "scikit-fem", "PIL": "pillow"}
 _EXTRAS = {
@@ -31,6 +33,7 @@ _EXTRAS = {
     "xarray": XARRAY,
     "cluster": CLUSTER,
     "bayes": BAYES,
+    "units": UNITS,
 }
 """Modules of each extra.  A module of two extras is asked for by the first of them, unless another
 one that is missing calls for the second."""

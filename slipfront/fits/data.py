@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
-from compare.records.names import ALIASES, UNITS
+from compare.records.names import ALIASES, dimension_of
 from compare.records.options import ReadingOptions
 from compare.records.read import ARRAYS, HDF5, MESHES, read_records
 from compare.records.record import Array
 from compare.records.text import Table, read_table
+from compare.records.units import EXAMPLES, NO_UNIT, si_size
 from semianalytic.inversion.gauges import FIELDS, INTERFACE, QUANTITIES, Gauge, checked_noise
 from semianalytic.scene.checks import checked_size, shown
 from semianalytic.scene.errors import DataFileError, SceneError
@@ -167,13 +168,30 @@ def _split(name: str) -> tuple[str, str]:
 
 def _scale(table: Table, kind: str, unit: str) -> float:
     """Return the factor that converts numbers of a unit to SI units."""
-    known = PARTS_OF_ONE if QUANTITIES.get(kind) == "1" else {**UNITS, "": 1.0}
-    if unit.lower() not in known:
+    dimensions = _dimensions(kind)
+    if unit.strip().lower() in NO_UNIT:
+        return 1.0
+    if dimensions == ("1",):
+        size = PARTS_OF_ONE.get(unit.lower())
+        examples = ", ".join(filter(None, PARTS_OF_ONE))
+    else:
+        sizes = (si_size(unit, dimension) for dimension in dimensions)
+        size = next((one for one in sizes if one is not None), None)
+        examples = ", ".join(EXAMPLES[dimension] for dimension in dimensions)
+    if size is None:
         raise DataFileError(
-            f"{table.path}, line {table.line}: {unit!r} is no known unit; choose among "
-            f"{', '.join(filter(None, known))}, or write none for that of the scene."
+            f"{table.path}, line {table.line}: {unit!r} is no known unit of {kind or NOISE}; write "
+            f"one, such as {examples}, or none for that of the scene."
         )
-    return known[unit.lower()]
+    return size
+
+
+def _dimensions(kind: str) -> tuple[str, ...]:
+    """Dimensions that a column may have; noise of all quantities may have any that has units."""
+    if not kind:
+        return tuple(EXAMPLES)
+    places = {"t": "time", "x": "length", "y": "length"}
+    return (places.get(kind) or QUANTITIES.get(kind) or dimension_of(kind),)
 
 
 def _of_table(table: Table, noise: Mapping[str, float]) -> Iterator[_Made]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from compare.benchmarks.sheets import SHEETS, Sheet, find_sheet
@@ -85,7 +86,7 @@ def export(
         document = {"sheets": [sheet.name for sheet in sheets]}
         print_json("benchmark export", document, files=files)
         return
-    Console().print(f"Written to {directory}/", highlight=False)
+    Console().print(f"Written to {directory}/", highlight=False, markup=False)
 
 
 @app.command()
@@ -128,7 +129,7 @@ def score(
         return
     Console().print(_score_table(scores))
     if output is not None:
-        Console().print(f"Written to {output}/", highlight=False)
+        Console().print(f"Written to {output}/", highlight=False, markup=False)
 
 
 @app.command()
@@ -160,7 +161,7 @@ def enter(
 
         print_json("benchmark enter", run_document(run), files=[path])
         return
-    Console().print(f"Written to {path}", highlight=False)
+    Console().print(f"Written to {path}", highlight=False, markup=False)
 
 
 def _sheets(names: Sequence[str] | None) -> list[Sheet]:
@@ -182,9 +183,13 @@ def _score_table(scores: Sequence[Score]) -> Table:
         table.add_column(name.replace("_", " "), justify="right")
     for names, run in runs.items():
         cells = (_graded(run.get(name)) for name in asked)
-        table.add_row(*names, *cells)
-    notes = (f"{one.label} {one.quantity}: {one.note}" for one in scores if one.note)
-    table.caption = "\n".join(notes) or None
+        table.add_row(*map(escape, names), *cells)
+    notes: dict[tuple[str, str], list[str]] = {}
+    for one in scores:
+        if one.note:
+            notes.setdefault((one.label, one.note), []).append(one.quantity.replace("_", " "))
+    lines = (f"{label}, {', '.join(names)}: {note}" for (label, note), names in notes.items())
+    table.caption = escape("\n".join(lines)) or None
     return table
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,10 +14,12 @@ from compare.output.leftovers import REPORT
 from compare.output.places import working_folder
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
-from compare.validation.conventions import Conventions, named_scale
+from compare.records.units import DIMENSIONS, EXAMPLES, si_size
+from compare.validation.conventions import BASIC, Conventions
+from compare.validation.readings import settings_of
 from compare.validation.report import validation_document, write_validation
-from compare.validation.validation import Validation, validate
-from semianalytic.scene.errors import DataFileError, SceneError
+from compare.validation.validation import CONVERTED, Validation, validate
+from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import PLOT, require
 from semianalytic.scene.named import find_scene, override_scene, scene_folder, scene_label
 from slipfront.cli import terminal
@@ -32,13 +34,7 @@ from slipfront.cli.options import (
 from slipfront.cli.scenes.completion import scene_names
 
 FIGURE = "validation"
-_UNITS = "Units and conventions of the file (detected and said unless given)"
-
-
-class UnreadableError(DataFileError):
-    """A file of another code that cannot be read or compared; by its line, where it has any."""
-
-    exit_code = 2
+_UNITS = "Units and conventions of the file (inferred and said unless given)"
 
 
 def _option(type_: Any, text: str, *, metavar: str | None = None) -> Any:
@@ -46,19 +42,25 @@ def _option(type_: Any, text: str, *, metavar: str | None = None) -> Any:
 
 
 UNIT_OPTIONS: Mapping[str, Any] = {
-    "length_unit": _option(str | None, "Of positions and slip: m, km, cm, mm or um."),
-    "time_unit": _option(str | None, "s, ms or us."),
-    "stress_unit": _option(str | None, "Pa, kPa, MPa or GPa."),
+    "length_unit": _option(str | None, "Of positions and slip, as mm.", metavar="UNIT"),
+    "time_unit": _option(str | None, "Of times, as µs.", metavar="UNIT"),
+    "stress_unit": _option(str | None, "Of tractions, as MPa.", metavar="UNIT"),
 }
 CONVENTIONS: Mapping[str, Any] = {
     "sign": _option(str | None, "Of slip and shear: as-given or reversed."),
     "slip": _option(str | None, "relative, half, or face: that of one face."),
     "pressure": _option(str | None, "What is positive: compression or tension."),
+    "tractions": _option(str | None, "total, or changes: those since t = 0."),
+    "rate": _option(
+        str | None, "Slip rate at its time, point, or the mean over the step before or after it."
+    ),
     "time_shift": _option(float | None, "Added to the times, in units of the scene."),
 }
 PLACES: Mapping[str, Any] = {
     "scale": _option(
-        list[str] | None, "What numbers are multiplied by, as length=0.001.", metavar="NAME=NUMBER"
+        list[str] | None,
+        "Unit of a column, as slip=um, or what it is multiplied by, as length=0.001.",
+        metavar="NAME=UNIT",
     ),
     "at": _option(list[float] | None, "Where the station of each file is, in its units."),
     "origin": _option(float | None, "Where the contact begins in the coordinates of the file."),
@@ -90,10 +92,20 @@ def validate_command(
     spacing: Annotated[
         list[float] | None,
         typer.Option(
-            help="Distance of grid points on the interface, in units of the file; once for each "
-            "resolution."
+            help="Distance of grid points on the interface, in the unit of x; once for each "
+            "resolution. 0 for a gauge without extent, with --noise."
         ),
     ] = None,
+    noise: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=NUMBER",
+            help="Standard deviation of the samples of a quantity, in the unit of the file.",
+        ),
+    ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Return 1 if units or conventions were inferred.")
+    ] = False,
     rate_from_slip: Annotated[
         bool, typer.Option("--rate-from-slip", help="Make a slip rate of differences of slip.")
     ] = False,
@@ -107,14 +119,16 @@ def validate_command(
 ) -> None:
     """Hold what another code recorded on the interface against the exact answer.
 
-    Units and conventions that are detected are said first.  The exit code is 0 if nothing differs
-    by more than the error bars allow, 1 if something does, 2 if a file cannot be read.
+    Units and conventions that are inferred are said first, with the options that state them.  The
+    exit code is 0 if nothing differs by more than the error bars allow, 1 if something does, 3 if a
+    file cannot be read.
     """
     require("slipfront validate", *PLOT)
     scene = override_scene(find_scene(scene_name), **overrides)
     label = scene_label(scene_name)
     said = Conventions(
         scale=_scales(units, places.get("scale", ())),
+        noise=_numbers("noise", noise or ()),
         rate_from_slip=rate_from_slip,
         threshold=threshold,
         **conventions,
@@ -125,11 +139,8 @@ def validate_command(
         _columns(places.get("column", ())),
     )
     directory = output or scene_folder(f"{label}-validation", overrides)
-    try:
-        records = read_records(results, options)
-        validation = validate(records, scene, spacing=spacing, conventions=said)
-    except DataFileError as error:
-        raise UnreadableError(str(error)) from error
+    records = read_records(results, options)
+    validation = validate(records, scene, spacing=spacing, conventions=said)
     with working_folder(directory) as files:
         write_files(validation, label, directory, figures)
     if as_json:
@@ -137,7 +148,8 @@ def validate_command(
         terminal.print_json("validate", document, validation.verdict, files)
     else:
         _show(validation, label, directory)
-    raise typer.Exit(1 if validation.verdict == DIFFERS else 0)
+    failed = validation.verdict == DIFFERS or (strict and validation.verdict == CONVERTED)
+    raise typer.Exit(1 if failed else 0)
 
 
 def write_files(validation: Validation, label: str, directory: Path, form: str = "png") -> None:
@@ -166,22 +178,55 @@ def _scales(units: Mapping[str, str], scale: Sequence[str]) -> dict[str, float]:
     sizes = {}
     for option, name in units.items():
         kind = option.removesuffix("_unit")
-        sizes[kind] = named_scale(kind, name)
+        size = si_size(name, kind)
+        if size is None:
+            raise SceneError(
+                f"{option_name(option)} must be a unit of {kind} such as {EXAMPLES[kind]}, got "
+                f"{name!r}."
+            )
+        sizes[kind] = size
     for text in scale:
         name, _, number = text.partition("=")
         if name in sizes:
             raise SceneError(f"The scale of {name} is given twice; leave one of the two out.")
+        sizes[name] = _scale(name, number, text)
+    return sizes
+
+
+def _scale(name: str, number: str, text: str) -> float:
+    """A scale of a column, or of length, time or stress: a number, or a unit."""
+    try:
+        return float(number)
+    except ValueError:
+        dimension = name if name in BASIC else DIMENSIONS.get(name, "")
+        size = si_size(number, dimension) if dimension else None
+        if size is None:
+            raise SceneError(
+                f"{option_name('scale')} must be a name and a unit or number, as slip=um or "
+                f"length=0.001, got {text!r}."
+            ) from None
+        return size
+
+
+def _numbers(option: str, given: Sequence[str]) -> dict[str, float]:
+    """Numbers by name, of NAME=NUMBER."""
+    result = {}
+    for text in given:
+        name, _, number = text.partition("=")
         try:
-            sizes[name] = float(number)
+            result[name.strip()] = float(number)
         except ValueError:
             raise SceneError(
-                f"{option_name('scale')} must be a name and a number as length=0.001, got {text!r}."
+                f"{option_name(option)} must be a name and a number as slip_rate=0.01, got "
+                f"{text!r}."
             ) from None
-    return sizes
+    return result
 
 
 def _show(validation: Validation, label: str, directory: Path) -> None:
     console = Console()
+    for line in _reading_lines(validation):
+        console.print(line, highlight=False, markup=False)
     for note in validation.notes:
         console.print(f"Note: {note}.", highlight=False, markup=False)
     console.print(terminal.validation_table(validation, label))
@@ -190,3 +235,19 @@ def _show(validation: Validation, label: str, directory: Path) -> None:
     text = terminal.verdict_text(validation, ("spacing",))
     console.print(text, highlight=False, markup=False)
     console.print(f"Written to {directory}/", highlight=False, markup=False)
+
+
+def _reading_lines(validation: Validation) -> Iterator[str]:
+    """Lines on what was inferred: what it leaves, the next best, and the options that state it."""
+    found = validation.detection
+    if not found.inferred:
+        return
+    yield f"Inferred: {'; '.join(found.inferred)}."
+    if found.left < found.as_given:
+        second = f" Next best: {found.runner_up}." if found.runner_up else ""
+        left = (
+            f"{100 * found.left:.2g} % of a quantity at most, as given {100 * found.as_given:.2g}"
+        )
+        yield f"This leaves {left} %.{second}"
+    pairs = settings_of(found.stating)
+    yield "To state it: " + " ".join(f"{option_name(name)} {value}" for name, value in pairs)

@@ -35,6 +35,19 @@ def test_runs_enter_and_are_scored(tmp_path, capsys, monkeypatch):
     assert by_cells[50] < by_cells[25]
 
 
+def test_a_label_is_no_markup(tmp_path, capsys):
+    rows = "".join(f"{t},{x},{t},{t},{t}\n" for t in (0.1, 0.9) for x in (0.1, 0.5))
+    text = "# benchmark: antiplane\n# code: a [/x] [bold] $b\\foo$\n"
+    text += "t,x,slip,slip_rate,shear_traction\n"
+    path = tmp_path / "mine.csv"
+    path.write_text(text + rows)
+    assert main(["benchmark", "score", str(path), "--output", str(tmp_path / "[/x]")]) == 0
+    shown = capsys.readouterr().out
+    assert "[/x] [bold]" in shown
+    assert "no class" in shown
+    assert (tmp_path / "[/x]" / "scores.png").is_file()
+
+
 @pytest.mark.slow
 def test_sheets_are_exported(tmp_path, capsys):
     place = tmp_path / "sheets"

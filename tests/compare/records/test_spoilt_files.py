@@ -71,7 +71,7 @@ FILES = {
     "npz without quantity": ("run.npz", packed(t=T3, x=X2, q=ZEROS), "none of it is"),
     "npz of a wrong shape": ("run.npz", packed(t=T3, x=X2, slip=np.zeros((4, 2))), "has shape"),
     "npz of words": ("run.npz", packed(t=T3, x=X2, slip=np.array([["a"] * 2] * 3)), "real numbers"),
-    "npz of objects": ("run.npz", packed(t=T3, x=X2, slip=np.array([{}, {}])), "cannot be read"),
+    "npz of objects": ("run.npz", packed(t=T3, x=X2, slip=np.array([{}, {}])), "real numbers"),
     "npz with a grid of times": ("run.npz", packed(t=ZEROS, x=X2, slip=ZEROS), "one dimension"),
     "hdf5 cut off": ("run.h5", hdf5(t=T3, x=X2, slip=ZEROS)[:600], "cannot be read"),
     "no hdf5": ("run.h5", b"nothing of the kind", "cannot be read"),

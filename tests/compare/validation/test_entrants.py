@@ -71,16 +71,16 @@ def test_friction_three_per_cent_off_differs(code, coarser):
         (
             ["uguca-own-files/preloaded.info", "--origin", "2.115", "--spacing", "0.01"],
             0,
-            ["doubled", "tension is positive", "upper face alone"],
+            ["Inferred: pressure: tension is positive", "upper face alone", "one face, doubled"],
         ),
         (
             ["sem2dpack-own-files/preloaded", "--spacing", "1.25"]
             + [word for name in ("length", "time", "slip") for word in ("--scale", f"{name}=.01")],
             0,
-            ["tension is positive"],
+            ["tension is positive", "--pressure tension"],
         ),
-        (["README.md"], 2, ["line"]),
-        (["nothing.csv"], 2, ["does not exist"]),
+        (["README.md"], 3, ["line"]),
+        (["nothing.csv"], 3, ["does not exist"]),
         (["uguca/preloaded/200.csv", "--column", "x"], 2, ["--column must be"]),
     ],
 )

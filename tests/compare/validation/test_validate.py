@@ -7,7 +7,7 @@ import pytest
 
 from compare.records.record import Records
 from compare.validation import Conventions, validate
-from compare.validation.power import SPOILS, history_arrays
+from compare.validation.trial.power import SPOILS, history_arrays
 from semianalytic import Material, Scene, Tractions, march, solve
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.named import find_scene
@@ -77,58 +77,10 @@ def changed(data, **factors):
     return {**data, **{name: factor * data[name] for name, factor in factors.items()}}
 
 
-@pytest.mark.thinned(6)
-@pytest.mark.parametrize(
-    ("factors", "words"),
-    [
-        ({"slip": 0.5, "slip_rate": 0.5}, "slip rate and slip: half of the relative one"),
-        ({"slip": -1, "slip_rate": -1}, "slip rate and slip: the sign is the other way"),
-        ({"slip": -0.5, "slip_rate": -0.5}, "and the sign is the other way"),
-        ({"shear_traction": -1}, "shear traction: the sign is the other way"),
-        ({"pressure": -1}, "pressure: tension is positive"),
-        ({"shear_traction": 1e-6, "pressure": 1e-6}, "times 1e6"),
-    ],
-)
-def test_conventions_are_detected_and_said(exact, factors, words):
-    validation = judged(changed(exact, **factors))
-    assert validation.verdict == "agrees"
-    assert any(words in note for note in validation.notes)
-
-
-def test_tractions_without_the_base_are_said(exact):
-    data = {**exact, "pressure": exact["pressure"] - PRELOADED.base.pressure}
-    sudden = find_scene("remote-shock")
-    validation = judged(data)
-    assert validation.counts["differs"] == 0 or "the base is added" in str(validation.notes)
-    shocked = recorded(solve(sudden), TIMES, exact["x"])
-    held = sudden.superposition.in_place
-    shocked["shear_traction"] = shocked["shear_traction"] - held.shear
-    assert "the base is added" in str(judged(shocked, sudden).notes)
-
-
-def test_what_is_given_is_not_detected(exact):
-    data = changed(exact, slip=0.5, slip_rate=0.5)
-    assert judged(data, slip="relative").verdict == "differs"
-    validation = judged(data, slip="half")
-    assert validation.verdict == "agrees"
-    assert validation.notes == ("slip, as given: half",)
-    assert judged(changed(exact, slip=-1, slip_rate=-1), sign="as-given").verdict == "differs"
-
-
 def test_ten_per_cent_are_no_convention(exact):
     validation = judged(changed(exact, slip=1.1, slip_rate=1.1))
     assert validation.verdict == "differs"
     assert validation.notes == ()
-
-
-def test_a_slip_rate_that_is_the_mean_over_a_step_is_said(solution, exact):
-    t = np.linspace(0.0, 1.0, 41)
-    slip = solution.slip(exact["x"], t[:, None])
-    rate = np.diff(slip, axis=0, prepend=0.0) / (t[1] - t[0])
-    data = {"t": t, "x": exact["x"], "slip_rate": rate, "slip": slip}
-    validation = judged(data)
-    assert any("mean over the step before" in note for note in validation.notes)
-    assert validation.verdict == "agrees"
 
 
 def test_another_time_origin_is_said_and_differs(exact):
@@ -148,17 +100,6 @@ def test_unsorted_rows_and_gaps(exact):
     validation = judged(data)
     assert validation.verdict == "agrees"
     assert max(norm.L1 for norm in validation.norms) < 1e-6
-
-
-def test_a_plain_file_for_a_scene_in_si(exact):
-    solid = Material(1e10, 2500.0, 1 / 3)
-    scene = Scene(solid, 0.3, base=Tractions(1e7, 0.0), load=Tractions(0.0, 1e7), units="SI")
-    validation = judged(exact, scene)
-    assert validation.verdict == "agrees"
-    assert any("positions are over c_t" in note for note in validation.notes)
-    assert any("without dimension" in note for note in validation.notes)
-    wrong = replace(scene, friction=0.31)
-    assert judged(exact, wrong).verdict == "differs"
 
 
 def test_units_by_name(exact):
@@ -240,3 +181,26 @@ def test_conventions_that_are_none_are_refused():
         Conventions(scale={"mass": 2.0})
     with pytest.raises(SceneError, match="2 spacings"):
         validate({"t": [0.1], "x": 0.1, "slip": [0.0]}, PRELOADED, spacing=[0.1, 0.2])
+
+
+NARROW = Scene(
+    Material(1.0, 1.0, -0.39553),
+    0.664635,
+    base=Tractions(1.0, -0.664635),
+    load=Tractions(0.663173, 1.745875),
+)
+"""A third zone of slip is 0.016 c_t t wide, one cell of 100 over c_t T at the last station."""
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize(
+    ("cells", "verdict"), [(100, "unresolved"), (60, "unresolved"), (2000, "differs")]
+)
+def test_what_no_grid_shows_is_not_told_by_their_difference(cells, verdict):
+    data = recorded(solve(NARROW), np.linspace(0.0, 1.0, 801), np.array([0.1, 0.25, 0.95]))
+    for name in ("slip", "slip_rate"):
+        data[name][:, 2] = 0.0
+    found = validate([data, data], NARROW, spacing=[2 / cells, 1 / cells])
+    rows = {row.name: row.verdict for row in found.rows}
+    assert rows["slip at 0.25 c_t T"] == rows["slip rate at 0.25 c_t T"] == "agrees"
+    assert rows["slip at 0.95 c_t T"] == rows["slip rate at 0.95 c_t T"] == verdict

@@ -19,26 +19,38 @@ def result(tmp_path_factory):
     )
     answer = solve(find_scene("preloaded"))
     columns = [t, x, *(getattr(answer, name)(x, t) for name in QUANTITIES)]
-    columns[2] = -0.5 * columns[2]
+    columns = [*columns[:2], 0.5 * columns[2], 0.5 * columns[3], columns[4], -columns[5]]
     lines = [",".join(["t", "x", *QUANTITIES])]
     lines += [",".join(map(repr, map(float, row))) for row in zip(*columns, strict=True)]
     path.write_text("\n".join(lines))
     return path
 
 
-@pytest.mark.slow
-def test_right_records_return_0_and_say_first_what_was_detected(result, tmp_path, capsys):
+def test_right_records_return_0_and_say_first_what_was_inferred(result, tmp_path, capsys):
     output = tmp_path / "out"
     arguments = ["validate", str(result), "--scene", "preloaded", "--spacing", "0.01"]
     assert main([*arguments, "--output", str(output)]) == 0
     said = capsys.readouterr().out
-    assert said.startswith("Note: slip rate: half of the relative one")
-    assert "Verdict: agrees" in said
+    assert said.startswith("Inferred: slip and slip rate: half of the relative one, doubled;")
+    assert "To state it: --slip half --pressure tension" in said
+    assert "Verdict: agrees after conversion" in said
     report = json.loads((output / "report.json").read_text())
-    assert report["verdict"] == "agrees"
-    assert report["notes"][0].startswith("slip rate: half")
+    assert report["verdict"] == "agrees after conversion"
+    assert report["reading"]["stated_by"] == [["slip", "half"], ["pressure", "tension"]]
+    assert report["reading"]["left"] < 1e-6
     assert {row["verdict"] for row in report["rows"]} == {"agrees"}
     assert (output / "validation.png").stat().st_size > 10_000
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [(["--strict"], 1), (["--strict", "--slip", "half", "--pressure", "tension"], 0)],
+)
+def test_strict_takes_nothing_that_is_inferred(result, options, code, tmp_path, capsys):
+    arguments = ["validate", str(result), "--scene", "preloaded", "--spacing", "0.01"]
+    assert main([*arguments, *options, "--output", str(tmp_path / "out")]) == code
+    assert ("To state it" in capsys.readouterr().out) == bool(code)
 
 
 @pytest.mark.slow
@@ -60,9 +72,13 @@ def test_without_spacing_the_option_is_named(result, tmp_path, capsys):
     ("options", "sentence"),
     [
         (["--scale", "mass=2"], "nothing called 'mass' to scale"),
-        (["--scale", "length"], "--scale must be a name and a number"),
+        (["--scale", "length"], "--scale must be a name and a unit or number"),
+        (["--scale", "slip=psi"], "--scale must be a name and a unit or number"),
         (["--scale", "length=2", "--length-unit", "mm"], "given twice"),
-        (["--length-unit", "mile"], "--length-unit must be one of m, km, cm, mm, um"),
+        (["--length-unit", "psi"], "--length-unit must be a unit of length such as mm, got 'psi'"),
+        (["--noise", "slip"], "--noise must be a name and a number"),
+        (["--spacing", "0"], "--spacing must be positive, or 0 where noise is given"),
+        (["--tractions", "some"], "--tractions must be one of total, changes"),
         (["--slip", "double"], "--slip must be one of relative, half, face"),
     ],
 )
@@ -71,9 +87,9 @@ def test_options_that_are_none_are_refused(result, options, sentence, capsys):
     assert sentence in capsys.readouterr().err
 
 
-def test_what_cannot_be_read_returns_2_with_the_line(tmp_path, capsys):
+def test_what_cannot_be_read_returns_3_with_the_line(tmp_path, capsys):
     path = tmp_path / "odd.csv"
     path.write_text("time,x\n1,2\n")
-    assert main(["validate", str(path), "--scene", "preloaded"]) == 2
+    assert main(["validate", str(path), "--scene", "preloaded"]) == 3
     assert "line 1" in capsys.readouterr().err
     assert not (tmp_path / "results").exists()

@@ -1,0 +1,92 @@
+"""Bounds on the bytes, rows and seconds that a file may take, whatever its headers promise."""
+
+from __future__ import annotations
+
+import gzip
+import stat
+import zlib
+from pathlib import Path
+
+from semianalytic.scene.errors import DataFileError
+
+LARGEST_TEXT = 2**27
+"""Bytes of a text, unpacked: 128 MB, two million rows of six numbers, which take half a minute and
+400 MB to read; twice that takes twice as long and as much."""
+LARGEST_NUMBERS = 2**25
+"""Numbers of arrays together, 256 MB: 4000 times at 2000 positions, four quantities."""
+LARGEST_FILE = 2**30
+"""Bytes of a file of arrays or of a frame of a mesh."""
+LONGEST_LINE = 2**20
+"""Bytes of a line of text: ten thousand columns with room to spare."""
+MOST_SECONDS = 120.0
+"""Seconds that the rows of a text may take to parse, four times what the largest text took."""
+LARGEST_STATIONS = 20_000
+"""Most stations of a run: a column of numbers that are all different holds no positions."""
+MOST_FILES = 10_000
+"""Most files of a folder, and frames of a mesh, that are read."""
+_CHUNK = 2**20
+
+
+def size_of(path: Path) -> int:
+    """Bytes of an ordinary file.
+
+    Raises
+    ------
+    DataFileError
+        If it is none, or cannot be looked at.
+    """
+    try:
+        status = path.stat()
+    except OSError as error:
+        reason = error.strerror or error
+        raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
+    if not stat.S_ISREG(status.st_mode):
+        raise DataFileError(f"{path} is no ordinary file; save what it gives in one.")
+    return status.st_size
+
+
+def check_file_size(path: Path, most: int = LARGEST_FILE) -> None:
+    """Refuse what is no ordinary file, or has too many bytes; raises a DataFileError."""
+    size = size_of(path)
+    if size > most:
+        raise too_large(path, f"{size / 2**20:.0f} MB", f"{most / 2**20:.0f} MB")
+
+
+def check_numbers(path: Path, numbers: int) -> None:
+    """Refuse arrays that hold too many numbers; raises a DataFileError."""
+    if numbers > LARGEST_NUMBERS:
+        raise too_large(path, f"{numbers:.3g} numbers", f"{LARGEST_NUMBERS:.3g}")
+
+
+def too_large(path: Path, holds: str, most: str) -> DataFileError:
+    """The error of a file that holds more than is read."""
+    return DataFileError(
+        f"{path} holds {holds}, and at most {most} are read; leave out times or positions."
+    )
+
+
+def content_of(path: Path) -> bytes:
+    """All bytes of a text file, unpacked if it is gzipped.
+
+    Raises
+    ------
+    DataFileError
+        If it is no ordinary file, a damaged archive, or too large.
+    """
+    check_file_size(path, LARGEST_TEXT)
+    try:
+        with path.open("rb") as stream:
+            packed = stream.read(2) == b"\x1f\x8b"
+        with gzip.open(path, "rb") if packed else path.open("rb") as stream:
+            parts, size = [], 0
+            while part := stream.read(_CHUNK):
+                parts.append(part)
+                size += len(part)
+                if size > LARGEST_TEXT:
+                    raise too_large(path, "more", f"{LARGEST_TEXT / 2**20:.0f} MB of text")
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise DataFileError(f"{path} cannot be unpacked ({error}); pack it anew.") from error
+    except OSError as error:
+        reason = error.strerror or error
+        raise DataFileError(f"{path} cannot be read ({reason}); give a file that can.") from error
+    return b"".join(parts)

@@ -1,0 +1,104 @@
+"""Units that files name, in those of the SI; pint knows what they are called."""
+
+from __future__ import annotations
+
+import re
+import tokenize
+from collections.abc import Mapping
+from functools import cache
+from typing import TYPE_CHECKING
+
+from semianalytic.scene.extras import needing
+from semianalytic.scene.units import SI, unit
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+DIMENSIONS: Mapping[str, str] = {
+    "x": "length",
+    "t": "time",
+    "slip": "length",
+    "slip_rate": "length / time",
+    "shear_traction": "stress",
+    "pressure": "stress",
+}
+"""Dimensions of the columns that a file may have."""
+EXAMPLES: Mapping[str, str] = {
+    "length": "mm",
+    "time": "µs",
+    "length / time": "mm/s",
+    "stress": "MPa",
+}
+"""A unit of each dimension, for messages."""
+NO_UNIT = ("", "-", "1", "nd", "dimensionless", "none")
+"""Words in the place of a unit where numbers have none, in lower case."""
+LONGEST = 32
+"""Characters of the name of a unit."""
+
+_BASE = {"length": "m", "time": "s", "length / time": "m/s", "stress": "Pa"}
+_CASES = {name.lower(): name for name in ("Pa", "kPa", "MPa", "GPa")}
+_KNOWN = re.compile(r"[A-Za-zµμ][A-Za-zµμ0-9*/^. ()⁻¹²³·⋅-]*\Z")
+_REFUSALS = (ValueError, TypeError, AssertionError, ArithmeticError, SyntaxError)
+"""Errors, besides its own, by which pint refuses text that is no unit."""
+_RAISED = str.maketrans("⁻¹²³", "-123")
+
+
+def si_size(name: str, dimension: str) -> float | None:
+    """Factor from a unit to that of the SI.
+
+    Parameters
+    ----------
+    name : str
+        As a file has it: "mm", "µs", "mm/s", "m s^-1", "N/mm^2", "psi".
+    dimension : str
+        "length", "time", "length / time" or "stress".
+
+    Returns
+    -------
+    float or None
+        None if it is no known unit of that dimension.
+
+    Raises
+    ------
+    MissingLibraryError
+        If pint is not installed and the unit is not the one of the SI itself.
+    """
+    text = name.strip()
+    if text == unit(dimension, SI):
+        return 1.0
+    if len(text) > LONGEST or not _KNOWN.match(text):
+        return None
+    return _size(_CASES.get(text, text), dimension)
+
+
+@cache
+def _size(name: str, dimension: str) -> float | None:
+    with needing(f"Reading the unit {name!r}"):
+        import pint
+    registry = _registry()
+    try:
+        known = registry.parse_units(_expression(name))
+        if not known.is_compatible_with(_BASE[dimension]):
+            return None
+        size = float(registry.Quantity(1.0, known).to(_BASE[dimension]).magnitude)
+    except (pint.PintError, tokenize.TokenError, *_REFUSALS):
+        return None
+    return size if 0 < size < float("inf") else None
+
+
+@cache
+def _registry() -> UnitRegistry:
+    from pint import UnitRegistry
+
+    return UnitRegistry(on_redefinition="ignore")
+
+
+def _expression(name: str) -> str:
+    """A unit as pint parses it: "m s⁻¹" and "m.s-1" as "m*s**-1"."""
+    text = re.sub(
+        r"(?<=[A-Za-zµμ])([⁻¹²³]+)", lambda found: "^" + found[1].translate(_RAISED), name
+    )
+    text = text.replace("^", "**").replace("·", "*").replace("⋅", "*")
+    text = re.sub(r"(?<=[A-Za-zµμ])(-?\d)", r"**\1", text)
+    text = re.sub(r"(?<=[A-Za-zµμ0-9)])[ .](?=[A-Za-zµμ(])", "*", text)
+    return text.strip()

@@ -1,0 +1,308 @@
+"""One reading for all numbers of a file: named units hold, others are inferred, said and stated."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from compare.records.record import Stated, Unit
+from compare.validation import Conventions, validate
+from compare.validation.data import as_runs
+from compare.validation.readings import settings_of
+from compare.validation.validation import CONVERTED
+from semianalytic import Material, Pulse, Scene, Tractions, march, solve
+from semianalytic.scene.errors import DataFileError, SceneError, TensionError
+from semianalytic.scene.named import find_scene
+
+PRELOADED = find_scene("preloaded")
+SHOCK = find_scene("remote-shock")
+PMMA = Scene(
+    Material(2.3e9, 1190.0, 0.35),
+    0.9,
+    base=Tractions(5e6, 2e6),
+    load=Tractions(2e6, 8e6),
+    units="SI",
+)
+END = 50e-6
+PLACES = np.array([0.1, 0.25, 0.5, 0.75, 0.95])
+NAMES = ("slip_rate", "slip", "shear_traction", "pressure")
+LAB = {"x": 1e-3, "t": 1e-6, "slip": 1e-6, "slip_rate": 1.0, "shear_traction": 1e6, "pressure": 1e6}
+"""Millimetres, microseconds, micrometres, m/s and megapascals in those of the SI."""
+
+
+def recorded(scene, end=1.0, levels=121):
+    t, x = np.linspace(0.0, end, levels), PLACES * end * scene.material.shear_speed
+    history = solve(scene).history(x, t)
+    return {"t": t, "x": x, **{name: getattr(history, name) for name in NAMES}}
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return recorded(PRELOADED)
+
+
+@pytest.fixture(scope="module")
+def lab():
+    return recorded(PMMA, END)
+
+
+def changed(data, **factors):
+    return {**data, **{name: factor * data[name] for name, factor in factors.items()}}
+
+
+def divided(data, sizes):
+    return {name: value / sizes.get(name, 1.0) for name, value in data.items()}
+
+
+def judged(data, scene, spacing=None, **conventions):
+    spacing = spacing or data["x"][2] / 50
+    return validate(data, scene, spacing=spacing, conventions=Conventions(**conventions))
+
+
+def named(data, **units):
+    """Records whose columns name units; their numbers are in units of the SI, as readers leave
+    them."""
+    (run,) = as_runs(data)
+    return replace(run, stated=Stated({name: Unit(*unit) for name, unit in units.items()}))
+
+
+# --- conventions ----------------------------------------------------------------------------------
+
+
+@pytest.mark.thinned(4)
+@pytest.mark.parametrize(
+    ("factors", "words"),
+    [
+        ({"slip": 0.5, "slip_rate": 0.5}, "slip and slip rate: half of the relative one"),
+        (
+            {"slip": -1, "slip_rate": -1, "shear_traction": -1},
+            "slip and slip rate and shear traction: the sign is the other way",
+        ),
+        ({"pressure": -1}, "pressure: tension is positive"),
+        ({"shear_traction": 1e-6, "pressure": 1e-6}, "tractions in 1e+06 of the scene's unit"),
+        (
+            {"slip": -0.5, "slip_rate": -0.5, "shear_traction": -1e-3, "pressure": -1e-3},
+            "tractions in 1000 of the scene's unit; slip and slip rate: half",
+        ),
+    ],
+)
+def test_conventions_are_inferred_and_can_be_stated(plain, factors, words):
+    data = changed(plain, **factors)
+    found = judged(data, PRELOADED)
+    assert found.verdict == CONVERTED
+    (said,) = found.detection.inferred
+    assert words in said
+    assert found.detection.left < 1e-6 < 0.4 < found.detection.as_given
+    stated = validate(data, PRELOADED, spacing=0.01, conventions=found.detection.stating)
+    assert stated.verdict == "agrees"
+    assert stated.detection.inferred == ()
+    assert list(settings_of(found.detection.stating))
+
+
+def test_what_is_given_is_not_inferred(plain):
+    data = changed(plain, slip=0.5, slip_rate=0.5)
+    assert judged(data, PRELOADED, slip="relative").verdict == "differs"
+    found = judged(data, PRELOADED, slip="half")
+    assert found.verdict == "agrees"
+    assert found.notes == ("slip, as given: half",)
+    turned = changed(plain, slip=-1, slip_rate=-1, shear_traction=-1)
+    assert judged(turned, PRELOADED, sign="as-given").verdict == "differs"
+    assert judged(turned, PRELOADED, sign="reversed").verdict == "agrees"
+
+
+WRONG = {
+    "rate halved, slip whole": {"slip_rate": 0.5},
+    "slip halved, rate whole": {"slip": 0.5},
+    "shear reversed, slip not": {"shear_traction": -1},
+    "slip reversed, shear not": {"slip": -1, "slip_rate": -1},
+    "slip a thousand times too large": {"slip": 1e3},
+    "pressure zero": {"pressure": 0.0},
+    "shear alone in other units": {"shear_traction": 1e-6},
+    "pressure alone in other units": {"pressure": 1e-6},
+    "pressure halved": {"pressure": 0.5},
+}
+
+
+@pytest.mark.thinned(5)
+@pytest.mark.parametrize("factors", WRONG.values(), ids=WRONG)
+def test_no_quantity_is_mended_by_itself(plain, factors):
+    assert judged(changed(plain, **factors), PRELOADED).verdict == "differs"
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize(
+    ("factor", "verdict"), [(1, CONVERTED), (0.5, "differs"), (30, "differs"), (-1, CONVERTED)]
+)
+def test_normal_stress_in_megapascals_has_one_size_and_either_sense(lab, factor, verdict):
+    """Any factor passed as a change since t = 0 where the base was a million times larger."""
+    assert judged(changed(divided(lab, LAB), pressure=factor), PMMA).verdict == verdict
+
+
+def test_a_traction_of_the_other_face_is_told_by_a_negative_scale(plain):
+    data = changed(plain, shear_traction=-1)
+    assert judged(data, PRELOADED, scale={"shear_traction": -1.0}).verdict == "agrees"
+
+
+def test_tractions_are_changes_together_where_one_is_seen_to_be(plain, lab):
+    changes = dict(lab)
+    changes["shear_traction"] = lab["shear_traction"] - PMMA.base.shear
+    mixed = judged(changes, PMMA)
+    assert mixed.verdict == "differs"
+    changes["pressure"] = lab["pressure"] - PMMA.base.pressure
+    found = judged(changes, PMMA)
+    assert found.verdict == CONVERTED
+    assert "changes since t = 0" in found.detection.inferred[0]
+    assert judged(changes, PMMA, tractions="changes").verdict == "agrees"
+    assert judged(changes, PMMA, tractions="total").verdict == "differs"
+    # nothing changes here, so that pressure which is left out could as well be a change
+    silent = {**plain, "pressure": plain["pressure"] - PRELOADED.base.pressure}
+    assert judged(silent, PRELOADED).verdict == "differs"
+    assert judged(silent, PRELOADED, tractions="changes").verdict == "agrees"
+
+
+def test_changes_under_a_load_from_afar_are_those_of_what_is_on_the_contact_with_it():
+    data, held = recorded(SHOCK), SHOCK.superposition.in_place
+    assert (held.shear, held.pressure) != (SHOCK.base.shear, SHOCK.base.pressure)
+    data["shear_traction"] = data["shear_traction"] - held.shear
+    data["pressure"] = data["pressure"] - held.pressure
+    found = judged(data, SHOCK)
+    assert found.verdict == CONVERTED
+    assert "changes since t = 0" in found.detection.inferred[0]
+    assert judged(data, SHOCK, tractions="changes").verdict == "agrees"
+
+
+def test_means_over_steps_are_inferred_or_stated():
+    t, x = np.linspace(0.0, 1.0, 41), PLACES
+    solution = solve(PRELOADED)
+    slip = solution.slip(x, t[:, None])
+    rate = np.diff(slip, axis=0, prepend=0.0) / (t[1] - t[0])
+    data = {"t": t, "x": x, "slip_rate": rate, "slip": slip}
+    found = judged(data, PRELOADED, 0.01)
+    assert found.verdict == CONVERTED
+    assert found.detection.inferred == ("slip rate: the mean over the step before its time",)
+    assert judged(data, PRELOADED, 0.01, rate="before").verdict == "agrees"
+    (run,) = as_runs(data)
+    run = replace(run, stated=Stated(mean="before"))
+    assert validate(run, PRELOADED, spacing=0.01).verdict == "agrees"
+
+
+# --- units ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize(
+    ("sizes", "words"),
+    [
+        (LAB, "tractions in MPa"),
+        ({**LAB, "slip": 1e-3, "slip_rate": 1e3}, "times in"),
+        ({"x": 1e3}, "positions in km"),
+        ({"shear_traction": 1e6, "pressure": 1e6}, "tractions in MPa"),
+    ],
+)
+def test_units_of_a_laboratory_are_inferred(lab, sizes, words):
+    data = divided(lab, sizes)
+    found = judged(data, PMMA)
+    assert found.verdict == CONVERTED
+    assert words in found.detection.inferred[0]
+    stated = validate(data, PMMA, spacing=data["x"][2] / 50, conventions=found.detection.stating)
+    assert stated.verdict == "agrees"
+    assert found.detection.runner_up
+    # the grid is in the unit of the positions
+    length = found.exact.end_time * PMMA.material.shear_speed
+    assert found.grids.spacing == pytest.approx(length / 100, rel=1e-6)
+
+
+@pytest.mark.thinned(2)
+@pytest.mark.parametrize("stress", [8e6, 5e6, 2.3e9])
+def test_numbers_without_dimension_are_inferred(lab, stress):
+    length, modulus = END * PMMA.material.shear_speed, PMMA.material.shear_modulus
+    slip = stress / modulus * length
+    sizes = {"x": length, "t": END, "slip": slip, "slip_rate": slip / END}
+    data = divided(lab, {**sizes, "shear_traction": stress, "pressure": stress})
+    found = judged(data, PMMA, 0.01)
+    assert found.verdict == CONVERTED
+    assert found.detection.inferred[0].startswith("no dimension: tractions over")
+    assert judged(data, replace(PMMA, friction=0.95), 0.01).verdict == "differs"
+
+
+def test_a_march_is_read_in_its_own_time():
+    scene = replace(PMMA, base=Tractions(5e6, 0.0), load=Tractions(0.0, 5e6), friction=0.15)
+    scene = replace(scene, shear_history=Pulse(20e-6))
+    t = np.linspace(0.0, END, 121)
+    x = PLACES * END * scene.material.shear_speed
+    marched = march(scene, END, 200, length=1.25 * x[-1], companion=False)
+    data = {"t": t, "x": x, **{name: getattr(marched, name)(x, t[:, None]) for name in NAMES}}
+    found = judged(divided(data, LAB), scene)
+    assert found.verdict == CONVERTED
+    assert found.detection.reading.factors["t"] == pytest.approx(1e-6)
+    assert found.detection.reading.factors["x"] == pytest.approx(1e-3)
+
+
+MISNAMED = {
+    "slip off by 1000": ({"slip": 1e3}, {"slip": ("m", 1.0)}),
+    "t [ms] over microseconds": ({"t": 1e3}, {"t": ("ms", 1e-3)}),
+    "[psi] over pascals": (
+        {"shear_traction": 6894.757, "pressure": 6894.757},
+        {"shear_traction": ("psi", 6894.757), "pressure": ("psi", 6894.757)},
+    ),
+    "[furlong/s]": ({"slip_rate": 201.168}, {"slip_rate": ("furlong/s", 201.168)}),
+    "[thou]": ({"slip": 2.54e-5}, {"slip": ("thou", 2.54e-5)}),
+    "[min]": ({"t": 60.0}, {"t": ("min", 60.0)}),
+}
+"""Factors by which the numbers are wrong, and the units that the header names."""
+
+
+@pytest.mark.thinned(3)
+@pytest.mark.parametrize(("factors", "units"), MISNAMED.values(), ids=MISNAMED)
+def test_a_named_unit_is_never_overruled(lab, factors, units):
+    run = named(changed(lab, **factors), **units)
+    found = judged_or_refused(run)
+    assert found == "differs" or "no station lies on the contact" in found
+    right = named(lab, **units)
+    assert validate(right, PMMA, spacing=lab["x"][2] / 50).verdict == "agrees"
+
+
+def judged_or_refused(run):
+    try:
+        return validate(run, PMMA, spacing=run.stations[2].x / 50).verdict
+    except DataFileError as error:
+        return str(error)
+
+
+def test_a_scale_beside_a_named_unit_is_refused(lab):
+    run = named(lab, slip=("mm", 1e-3))
+    with pytest.raises(SceneError, match="the file says that slip is in mm"):
+        validate(run, PMMA, spacing=1.0, conventions=Conventions(scale={"slip": 1e-3}))
+    whole = validate(
+        named(divided(lab, {"x": 1e-3, "t": 1e-3}), slip=("mm", 1e-3), slip_rate=("m/s", 1.0)),
+        PMMA,
+        spacing=lab["x"][2] / 50 / 1e-3,
+        conventions=Conventions(scale={"length": 1e-3, "time": 1e-3}),
+    )
+    assert whole.verdict == "agrees"
+
+
+def test_wrong_records_in_other_units_differ_by_what_is_wrong(lab):
+    """Units are those that most quantities agree on; the one that is wrong shows."""
+    data = divided(changed(lab, pressure=0.5), LAB)
+    found = judged(data, PMMA)
+    assert found.verdict == "differs"
+    norms = {norm.quantity: norm.L1 for norm in found.norms if norm.x is None}
+    assert norms["pressure"] == pytest.approx(0.5, rel=1e-3)
+    assert norms["slip"] < 1e-6
+
+
+def test_a_quantity_alone_may_be_read_in_the_other_sense():
+    scene = find_scene("lift-off")
+    data = recorded(scene)
+    data = {"t": data["t"], "x": data["x"], "pressure": data["pressure"]}
+    assert judged(data, scene).verdict == "agrees"
+    tension = judged(changed(data, pressure=-1), scene)
+    assert tension.verdict == CONVERTED
+
+
+def test_an_answer_that_turns_tensile_is_no_matter_of_units(lab):
+    scene = replace(PMMA, base=Tractions(0.1e6, 0.0), load=Tractions(5e6, 0.0))
+    scene = replace(scene, pressure_history=Pulse(20e-6))
+    with pytest.raises(TensionError, match="tensile"):
+        judged(lab, scene)
