@@ -10,7 +10,7 @@ import pytest
 
 from compare.records import bounds
 from compare.records.read import read_records
-from compare.validation.trial.writers import JUNK
+from docs.studies.validate.writers import JUNK
 from semianalytic.scene.errors import DataFileError
 
 READ = """

@@ -7,7 +7,7 @@ import pytest
 
 from compare.records.record import Records
 from compare.validation import Conventions, validate
-from compare.validation.trial.power import SPOILS, history_arrays
+from docs.studies.validate.power import SPOILS, history_arrays
 from semianalytic import Material, Scene, Tractions, march, solve
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.named import find_scene

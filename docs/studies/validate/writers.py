@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from compare.records.record import Array
-from compare.validation.trial.cases import CELLS, Case, Style
-from compare.validation.trial.settings import Values, mean_rates
+from docs.studies.validate.cases import CELLS, Case, Style
+from docs.studies.validate.settings import Values, mean_rates
 
 NAMES: Mapping[str, str] = {"slip_rate": "V", "shear_traction": "tau", "pressure": "sigma_n"}
 """Headers of files whose units are named; those of other columns are as ours."""

@@ -8,9 +8,9 @@ import pytest
 from compare.records.options import ReadingOptions
 from compare.records.read import read_records
 from compare.validation import bars, grids, validate
-from compare.validation.trial import power, study
-from compare.validation.trial.cases import RIGHT, WRONG, cases
-from compare.validation.trial.writers import written_case
+from docs.studies.validate import power, study
+from docs.studies.validate.cases import RIGHT, WRONG, cases
+from docs.studies.validate.writers import written_case
 from semianalytic import solve
 from semianalytic.scene.named import find_scene
 

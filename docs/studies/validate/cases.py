@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from compare.records.record import QUANTITIES
-from compare.validation.trial.settings import (
+from docs.studies.validate.settings import (
     Setting,
     Values,
     mean_rates,

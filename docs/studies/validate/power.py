@@ -1,4 +1,4 @@
-"""How often `validate` errs: ``python -m compare.validation.trial.power --csv docs/data``.
+"""How often `validate` errs: ``python -m docs.studies.validate.power --csv docs/data``.
 
 Our own finite elements and our marcher take the part of another code, on 50 and 100 cells over
 c_t T, with one file of records at five stations, or two, and the spacing alone to go by.  Scenes
@@ -38,7 +38,7 @@ USES: Mapping[str, int] = {"set": 101, "tried": 303}
 """Seeds of the scenes that bars were set on, and of those that they are tried on."""
 COUNTS: Mapping[str, int] = {STEPS: 16, OPENINGS: 8, HISTORIES: 4}
 """Scenes of each kind."""
-COMMAND = "python -m compare.validation.trial.power --csv docs/data"
+COMMAND = "python -m docs.studies.validate.power --csv docs/data"
 
 
 @dataclass(frozen=True, eq=False)
@@ -385,7 +385,7 @@ def _bar_of(found: Iterable[JudgedRow], name: str) -> float | None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure, and write the tables into a folder."""
-    parser = argparse.ArgumentParser(prog="python -m compare.validation.trial.power")
+    parser = argparse.ArgumentParser(prog="python -m docs.studies.validate.power")
     parser.add_argument("--csv", type=Path, default=Path("."), metavar="DIR")
     parser.add_argument("--share", type=float, default=1.0, help="of the scenes")
     options = parser.parse_args(arguments)

@@ -1,6 +1,6 @@
 """The trial of ``slipfront validate``: what it makes of right files, wrong ones and junk.
 
-``python -m compare.validation.trial.study --csv docs/data`` runs the program on every file, as a
+``python -m docs.studies.validate.study --csv docs/data`` runs the program on every file, as a
 user does, and writes the tables of docs/validate.md: how many right files it judges wrong, how many
 wrong ones it accepts, how often it takes numbers for others than they are, and what it makes of
 junk.  ``--program`` runs another installation on the same files; validate-files-before.csv is what
@@ -29,14 +29,14 @@ import numpy as np
 
 from compare.output.tables import write_rows
 from compare.records.record import QUANTITIES
-from compare.validation.trial.cases import RIGHT, WRONG, Case, cases
-from compare.validation.trial.settings import recorded
-from compare.validation.trial.writers import written_case, written_junk
+from docs.studies.validate.cases import RIGHT, WRONG, Case, cases
+from docs.studies.validate.settings import recorded
+from docs.studies.validate.writers import written_case, written_junk
 from semianalytic.scene.template import scene_text
 from slipfront.cli.commands import main as command_line
 from slipfront.cli.faults import CRASHED
 
-COMMAND = "python -m compare.validation.trial.study --csv docs/data"
+COMMAND = "python -m docs.studies.validate.study --csv docs/data"
 JUNK_KIND = "junk"
 SECONDS = 120.0
 """Time that a file may take [s]."""
@@ -315,7 +315,7 @@ def failures(
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Try the program on every file and write what it made of each."""
-    parser = argparse.ArgumentParser(prog="python -m compare.validation.trial.study")
+    parser = argparse.ArgumentParser(prog="python -m docs.studies.validate.study")
     parser.add_argument("--csv", type=Path, default=Path("."), metavar="DIR")
     parser.add_argument("--program", help="run in the place of this installation")
     parser.add_argument("--name", default=FILES, help="of the table of outcomes")
