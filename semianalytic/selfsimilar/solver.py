@@ -320,7 +320,6 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
     start, steps, covers_c = trial.placement, 0, trial.profile.panels.layout.pole >= 0
     tolerance = rtol / tuning.RULE_SHARE
     # Where slip covers c_R, the estimate for points between nodes is larger: a finer rule
-
     # leaves room for it.
     if covers_c and trial.profile.fields.rule is not rule_for(tolerance):
         tolerance = rtol / tuning.RULE_SHARE_AT_POLE
