@@ -203,8 +203,8 @@ class Layout:
         """
         count = len(self.sense)
         by_stick = self.slipping & ((np.arange(count) < self.ahead) | self.slips_at_b)
-        # The phases of stick and slip ahead of b add up to S_+, so that X can be written with either;
-        # the one without the phase of the target itself is chosen.
+        # The phases of stick and slip ahead of b add up to S_+, so that X can be written with
+        # either; the one without the phase of the target itself is chosen.
         weights = {
             (source, target): 1.0 if self.sense[source] else -1.0
             for source in range(self.ahead)

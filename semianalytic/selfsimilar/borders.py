@@ -79,6 +79,7 @@ def at_the_front(profile: Profile) -> Profile:
         return profile
     if left.from_a[0] > tuning.UNSEEN_STRIP or zones[0].sense * load.base_shear < 0:
         return profile
+    # Put the base exactly at friction, and let the first zone begin at the front.
     load = replace(load, base_shear=float(np.copysign(strength, load.base_shear)))
     return Profile(replace(fields, load=load, zones=(replace(zones[0], left=None), *zones[1:])))
 
@@ -92,6 +93,7 @@ def _sizes(profile: Profile) -> list[tuple[float, float, float]]:
         here = layout.slipping & (owners == index)
         outer = 1 / (panels.left[int(np.flatnonzero(here)[0])].v[0])
         inner = 0.0 if zone.right is None else 1 / zone.right.v[0]
+        # The width of a zone at the contact edge is its velocity; other widths are relative.
         width = float(outer - inner if inner == 0 else 1 - inner / outer)
         result.append((float(outer), width, float(rate[here].max() / profile.largest_rate)))
     return result

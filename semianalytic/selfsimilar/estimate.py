@@ -67,6 +67,7 @@ def numerical_error(
     coarse = ZoneFields(fields.factors, fields.load, fields.zones, rule)
     unknowns = moved = placement.unknowns
     if len(unknowns):
+        # The edges that the coarse rule requires, to first order.
         moved = unknowns - moves(placement.inverse, placement.edges.left_by(coarse, unknowns))
     error = float(difference(placement.edges, unknowns, moved, fields, coarse))
     return error + tuning.LEFT_SAFETY * tuning.SAFETY * left

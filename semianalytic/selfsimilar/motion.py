@@ -174,6 +174,7 @@ def _points_in_opening(profile: Profile) -> CutPoints:
         )
         right = panels.right[panels.layout.over_c]
         beyond = near if right is None else near[near < right.from_c[0]]
+        # V has a logarithm at c where the contact is open: its sense may change very close to c.
         parts += [factors.beside("c", -near).parts, factors.beside("c", beyond).parts]
     every = np.concatenate(parts, axis=1)
     return CutPoints(every[:, np.argsort(every[3], kind="stable")])

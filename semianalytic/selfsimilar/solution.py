@@ -304,6 +304,7 @@ class Solution:
         def over_slowness(u: Array) -> Array:
             return np.asarray(dissipation(self.profile, u)[1])
 
+        # At fixed x, an integral over time is x / c_t times one over slowness.
         return unit * np.asarray(x, dtype=float) * self._evaluate(x, t, over_slowness)
 
     def frictional_power(
@@ -327,6 +328,7 @@ class Solution:
         """
         t, inner, outer = _intervals(t, inner, outer)
         time = np.maximum(t, 0.0)
+        # The power beyond `inner` less the power beyond `outer`.
         per_time = self._power_per_time(inner, time) - self._power_per_time(outer, time)
         power = self._rate_unit * self.stress_unit * self.scene.material.shear_speed * per_time
         return np.asarray(np.multiply(power, time, out=np.zeros(t.shape), where=time > 0))
@@ -477,6 +479,7 @@ class Solution:
         from semianalytic.selfsimilar.rated import on_any_panels
 
         fields = on_any_panels(self.profile)
+        # Transforms that grow like k^(1/2) lose some digits far out: the bodies use a finer rule.
         tolerance = max(tuning.FIELD_RULE_SHARE * fields.rule.tolerance, tuning.FINEST_FIELD_RULE)
         opened = None if self.normal is None else self.normal.profile.fields
         return Bodies(self.scene, fields, opened, self.stress_unit, tolerance)
@@ -556,6 +559,7 @@ class Solution:
         x = np.asarray(x, dtype=float)
         if np.any(x >= 0):
             raise SceneError("the slot is x < 0; ask for negative positions.")
+        # The velocity of one face has half the unit of the relative slip rate.
         unit = self._rate_unit / 2
         both = self._evaluate(-x, t, lambda v: np.stack(self.profile.slot_velocity(v)))
         tangential, normal = both
