@@ -47,10 +47,11 @@ SETUP_TIME = {"P1": 1.4e-6, "Q1": 1.3e-6, "Q2": 1.7e-6}
 TRIANGLE_SETUP_TIME = 20e-6
 """Time to mesh and assemble per unknown of unstructured triangles, most of it for the mesh [s]."""
 
-FRAME_TIME = 3e-6
-"""Time per node of both blocks to write a frame [s]."""
+FRAME_TIME = 0.8e-6
+"""Time per node of both blocks to write a frame [s]: 0.5e-6 with Q2, 0.7e-6 with Q1, 1.0e-6 with
+P1."""
 
-FRAME_SIZE = {"P1": (42, 67), "Q1": (22, 53), "Q2": (21, 31)}
+FRAME_SIZE = {"P1": (27, 40), "Q1": (16, 30), "Q2": (14, 19)}
 """Size of a frame per node of both blocks at t = 0, and its increase per (t/T)^2 [bytes]."""
 
 HISTORY_SIZE = 0.5
