@@ -300,12 +300,17 @@ class Primitives:
     def _looked_up(self, k: Complex, close: float) -> Complex:
         """Return the integrals (m, f) where waves have come, from the cells."""
         keys, logs = self.located(k, close)
-        cells, inverse = np.unique(keys, axis=0, return_inverse=True)
-        names = [Cell(*map(int, key)) for key in cells]
+        # Keys of a cell are small integers. Those of one number are found much faster than rows.
+        least = keys.min(axis=0)
+        codes = np.ravel_multi_index((keys - least).T, keys.max(axis=0) - least + 1)
+        _, first, inverse = np.unique(codes, return_index=True, return_inverse=True)
+        names = [Cell(*map(int, key)) for key in keys[first]]
         missing = self._missing(names)
         if missing:
             self._form(missing)
-        order = np.argsort(inverse, kind="stable")
+        # A stable sort of short integers takes time proportional to their number.
+        short = inverse.astype(np.uint16) if len(names) < 2**16 else inverse
+        order = np.argsort(short, kind="stable")
         starts = np.searchsorted(inverse[order], np.arange(len(names) + 1))
         result = np.empty((len(k), self._cells[names[0]].shape[1]), dtype=complex)
         for index, name in enumerate(names):
