@@ -107,11 +107,12 @@ class Load:
         return bool(abs(self.base_shear) >= strength * (1 - tuning.CRITICAL_BASE))
 
     @property
-    def frictionless(self) -> bool:
+    def frictionless(self) -> np.ndarray:
         """Whether no friction resists slip, or only as much as rounding takes from the step of
-        shear."""
-        strength = self.friction * max(self.base_pressure, self.load_pressure)
-        return bool(strength == 0 or strength < tuning.NEGLIGIBLE_FRICTION * abs(self.load_shear))
+        shear; () or (k,)."""
+        strength = np.asarray(per_set(self.friction)) * max(self.base_pressure, self.load_pressure)
+        negligible = tuning.NEGLIGIBLE_FRICTION * abs(self.load_shear)
+        return np.asarray((strength == 0) | (strength < negligible))
 
     @property
     def slips_from_front(self) -> bool:
@@ -119,7 +120,7 @@ class Load:
 
         This requires a base at friction, or no friction.
         """
-        return self.frictionless or self.critical or bool(self.far_slip_rate)
+        return bool(self.frictionless) or self.critical or bool(self.far_slip_rate)
 
     @property
     def rests(self) -> bool:

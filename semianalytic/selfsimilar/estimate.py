@@ -74,17 +74,21 @@ def numerical_error(
 
 
 def missed_slip(profile: Profile) -> Array:
-    """Return about how much slip is missed, over the largest slip rate; () or (k,).
+    """Return about how much slip is missed or has the wrong sense, over the largest slip rate.
 
-    Slip that is missed appears as traction that exceeds friction within the tolerance. The mismatch
-    of the edges appears as traction beside them too; it is counted with their shift.
+    The result is () or (k,). Slip that is missed appears as traction that exceeds friction within
+    the tolerance. The mismatch of the edges appears as traction beside them too; it is counted with
+    their shift.
     """
     largest = profile.largest_rate
     mismatch = np.abs(profile.fields.mismatch()).max(axis=0, initial=0.0)
     # Excess that rounding or the edges explain is not slip that is missed.
     known = tuning.TRACTION_ROUNDING + mismatch
     excess = np.maximum(largest_excess(profile) - known, 0.0)
-    return tuning.SLIP_PER_EXCESS * excess / np.where(largest > 0, largest, np.inf)
+    missed = tuning.SLIP_PER_EXCESS * excess / np.where(largest > 0, largest, np.inf)
+    wrong = profile.wrong_at_nodes[profile.panels.layout.slip].max(axis=(0, -1), initial=0.0)
+    # free slip may have either sense
+    return np.asarray(missed + np.where(profile.fields.load.frictionless, 0.0, wrong))
 
 
 def difference(

@@ -93,8 +93,8 @@ class Solution:
     error_estimate : float
         Estimate, meant as a bound, of the errors of
 
-        - zone edges, relative to c_t; a zone that slips less than this, relative to the largest
-          slip rate, may be missing;
+        - zone edges, relative to c_t; a zone, or a part of a zone beside its edge, that slips less
+          than this, relative to the largest slip rate, may be missing or have the other sense;
         - the slip rate over all positions, in L1 relative to its own L1 norm;
         - the slip rate at every point further than 0.03 c_t from zone edges and from c_R,
           relative to its largest value there, and the shear traction there, relative to itself

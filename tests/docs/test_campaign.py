@@ -7,6 +7,7 @@ import pytest
 
 from docs.studies.campaign import answers
 from docs.studies.campaign import study as campaign
+from docs.studies.campaign.scenes import drawn, random_wide_scene
 from docs.studies.campaign.study import (
     error_between,
     marched_row,
@@ -113,3 +114,16 @@ def test_answers_are_held_against_better_ones(tmp_path, monkeypatch):
     monkeypatch.setattr(answers, "answer_row", None)
     again = answers.run_answers(tmp_path, 3, answers.SEED)
     assert [row.outcome for row in again] == [row.outcome for row in rows]
+
+
+@pytest.mark.slow
+def test_slip_of_the_wrong_sense_is_part_of_the_estimate():
+    """Draw 17: its base is at friction, and where 1e-6 lets slip begin at c_l, 1e-8 finds a strip
+    of stick, 7e-4 wide, beside which slip is 2e-7 of the largest."""
+    scene, _ = drawn(answers.SEED, 17, random_wide_scene)
+    rough, fine = solve(scene, rtol=1e-6), solve(scene, rtol=1e-8)
+    x = np.linspace(fine.zones[-1].outer, scene.material.longitudinal_speed, 50)
+    wrong = -rough.slip_rate(x, 1.0) * rough.zones[-1].sense
+    assert rough.zones[-1].outer - fine.zones[-1].outer > 6e-4
+    assert 0 < wrong.max() / abs(rough.edge_slip_rate) < rough.error_estimate < 1e-6
+    assert error_between(rough, fine) < rough.error_estimate

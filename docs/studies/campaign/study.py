@@ -48,6 +48,8 @@ SCENES, HISTORIES, SEED = 5000, 300, 1
 NODES = 200
 _PER_TASK = 25
 _LAW_POINTS, _PER_STRETCH = 200, 60
+_BETWEEN = 8  # points between two places of an edge, at which slip is looked for
+_AT_EDGE = 1e-12  # of c_t, instead of the contact edge itself
 _CHANGED = 0.01  # of the largest slip: what a finer grid may add before "no slip" was wrong
 
 
@@ -148,10 +150,13 @@ def solved_row(seed: int, index: int) -> SolvedRow:
 def error_between(one: Solution, other: Solution) -> float:
     """Largest shift of a zone edge over c_t, or relative L1 difference of slip rates if larger.
 
-    Inf if zones differ that slip at more than the estimate of the first, over the largest rate.
+    Inf if zones differ that slip at more than the estimate of the first, over the largest rate. A
+    shift past what slips less than that is not counted: `Solution.error_estimate` says so.
     """
     speed = one.scene.material.shear_speed
     edges = []
+    everywhere = SlipZone(0.0, one.scene.material.longitudinal_speed, 1)  # what is open slips too
+    seen = one.error_estimate * _peak(other, everywhere)
     for solution in (one, other):
         peaks = np.array([_peak(solution, zone) for zone in solution.zones])
         certain = peaks > one.error_estimate * peaks.max(initial=0.0)
@@ -161,7 +166,11 @@ def error_between(one: Solution, other: Solution) -> float:
     if len(edges[0]) != len(edges[1]):
         return math.inf
     finite = np.isfinite(edges[1])
-    shift = float(np.abs(edges[0][finite] - edges[1][finite]).max(initial=0.0))
+    between = np.linspace(edges[0][finite], edges[1][finite], 2 + _BETWEEN, axis=-1)[:, 1:-1]
+    between = speed * np.maximum(between, _AT_EDGE)
+    beside = np.abs([solution.slip_rate(between, 1.0) for solution in (one, other)])
+    counts = (beside > seen).any(axis=(0, -1))
+    shift = float(np.abs(edges[0][finite] - edges[1][finite])[counts].max(initial=0.0))
     # between edges and fronts, closer and closer towards both ends
     share = (1 - np.cos(np.pi * (np.arange(_PER_STRETCH) + 0.5) / _PER_STRETCH)) / 2
     weight = np.sin(np.pi * (np.arange(_PER_STRETCH) + 0.5) / _PER_STRETCH)
