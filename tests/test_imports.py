@@ -210,3 +210,14 @@ def test_what_a_plain_solution_does_without_is_loaded_when_it_is_used(use, loade
     )
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert shown.stdout.strip() == repr(list(loaded))
+
+
+def test_zones_are_found_without_scipy():
+    """`scipy.special` alone would take half of the time of the first solution in a process."""
+    code = (
+        "import sys, slipfront\n"
+        "slipfront.solve(slipfront.find_scene('preloaded')).zones\n"
+        "print([name for name in sys.modules if name.split('.')[0] == 'scipy'])"
+    )
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.strip() == "[]"

@@ -18,6 +18,9 @@ REACH = 1.5
 """Length of a rule over that at which a density has decayed to its tolerance: an integrand that
 decays like exp(-|y| / 2) is continued beyond the ends, the rest falls at least twice as fast."""
 _STEPS = 32  # per power of two: finer rules come in steps, so that their tables are met again
+_LAGUERRE_POINTS = 60
+"""Points of the quadrature for Si(pi k): off by 1.3e-15 at most; with 40 by 6e-14, with 80 by
+4e-15, where the weights lose digits."""
 _TABLES = 12  # of a rule that are kept, (n, n) each: quickly made again, and 18 MB at 1,500 nodes
 
 
@@ -122,10 +125,24 @@ def _sinc_step(x: Array) -> Array:
     return np.asarray(0.5 + sici(np.pi * x)[0] / np.pi)
 
 
+def _sinc_step_at_nodes(most: int) -> Array:
+    """Return the integral of sinc from -inf to k at the integers -most ... most, (2 most + 1,).
+
+    Si(pi k) = pi / 2 - (-1)^k f(pi k) with f(z) = int_0^inf exp(-s) z / (z^2 + s^2) ds. Importing
+    `scipy.special` for it would take half of the time of the first solution in a process.
+    """
+    points, weights = np.polynomial.laguerre.laggauss(_LAGUERRE_POINTS)
+    k = np.arange(1.0, most + 1)
+    z = np.pi * k
+    f = (weights / (1 + (points / z[:, None]) ** 2)).sum(axis=1) / z
+    beyond = 0.5 - np.where(k % 2, -f, f) / np.pi
+    return np.concatenate([0.5 - beyond[::-1], [0.5], 0.5 + beyond])
+
+
 @lru_cache(maxsize=_TABLES)
 def _running(n: int, spacing: float) -> Array:
     beyond = _beyond(spacing)
-    step = spacing * _sinc_step(np.arange(1.0 - n - beyond, n + beyond))
+    step = spacing * _sinc_step_at_nodes(n + beyond - 1)
     return _folded(step, n, np.exp(-spacing / 2 * np.arange(1.0, beyond + 1)))
 
 
