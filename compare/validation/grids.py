@@ -84,11 +84,6 @@ class Grids:
         """The run that is judged."""
         return self.runs[0]
 
-    @property
-    def are_told(self) -> bool:
-        """Whether there is anything that an error bar can come from."""
-        return self.spacing is not None or len(self.runs) > 1
-
 
 def arranged(
     runs: Sequence[Records],

@@ -239,13 +239,7 @@ class Layout:
         groups = groupby(enumerate(keys), key=lambda item: item[1])
         return [[index for index, _ in group] for _, group in groups]
 
-    @cached_property
-    def closed_slip(self) -> np.ndarray:
-        """Panels that slip where the contact is closed."""
-        return np.array([i for i in self.slip if not self.open[i]], dtype=int)
 
-
-@lru_cache(maxsize=64)
 def _pairs_from(count: int, sources: tuple[int, ...]) -> Pairs:
     return _paired(count, {(s, t): 1.0 for s in sources for t in range(count) if s != t})
 

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from compare.studies.article.prescribed import slipping_half_plane
 from fem import simulate
 from semianalytic import InterfaceHistory, Material, Scene, Solution, Tractions, solve
-from semianalytic.halfplane.kernels import SlipHistory, interface_traction
 from semianalytic.halfplane.rayleigh import Mode
+from semianalytic.reference.kernels import SlipHistory, interface_traction
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loading import REMOTE
 

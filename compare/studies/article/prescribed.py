@@ -16,8 +16,8 @@ from skfem import Basis, BilinearForm, ElementQuad1, ElementVector, MeshQuad, as
 from skfem.helpers import ddot, sym_grad, trace
 
 from semianalytic import Material
-from semianalytic.halfplane.kernels import SlipHistory
 from semianalytic.halfplane.rayleigh import Mode
+from semianalytic.reference.kernels import SlipHistory
 
 Array = NDArray[np.float64]
 Field = Callable[[Array, Array], Array]

@@ -8,7 +8,11 @@ import pytest
 
 from compare.studies.article.cases import check_slot
 from semianalytic import Material
-from semianalytic.halfplane.kernels import (
+from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.halfplane.stuck import stuck_traction
+from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
+from semianalytic.halfplane.velocities import square_root_panels
+from semianalytic.reference.kernels import (
     SlipHistory,
     impedance_terms,
     interface_traction,
@@ -17,10 +21,6 @@ from semianalytic.halfplane.kernels import (
     regularised_kernel,
     self_similar_transform,
 )
-from semianalytic.halfplane.rayleigh import rayleigh_factors
-from semianalytic.halfplane.stuck import stuck_traction
-from semianalytic.halfplane.stuck_histories import stuck_pressure, stuck_shear
-from semianalytic.halfplane.velocities import square_root_panels
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.loads import Tabulated
 from semianalytic.scene.scene import Scene, Tractions

@@ -8,7 +8,7 @@ import pytest
 
 from compare.studies.article.prescribed import loaded_half_plane
 from semianalytic import Material
-from semianalytic.halfplane.lamb import (
+from semianalytic.reference.lamb import (
     lamb_functions,
     lamb_u1,
     lamb_u2,
