@@ -446,6 +446,12 @@ def companion_error(fine: Rated, law: UnitLaw, tolerance: float) -> float:
 
 
 def cut_off(rated: Rated, law: UnitLaw) -> float:
-    """Return the relative part of a steep slip rate that the end of a rule leaves out."""
+    """Return the relative part of a steep slip rate that the end of its rule leaves out."""
     fields = rated.profile.fields
     return float(np.exp(-fields.rule.reach * _least_exponent(fields, law)[0]))
+
+
+def always_cut_off(rated: Rated, law: UnitLaw) -> float:
+    """Return the relative part of a steep slip rate that the longest rule leaves out."""
+    exponent, _ = _least_exponent(rated.profile.fields, law)
+    return float(np.exp(-tuning.FARTHEST_RATE_REACH * exponent))

@@ -41,10 +41,10 @@ from semianalytic.selfsimilar.estimate import (
 from semianalytic.selfsimilar.guesses import guesses
 from semianalytic.selfsimilar.motion import slip_zones
 from semianalytic.selfsimilar.rated import (
+    always_cut_off,
     approached,
     check_rated,
     companion_error,
-    cut_off,
     settled_zones,
     unit_law,
     unsettled,
@@ -173,16 +173,19 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     loose = min(loose_tolerance(rtol), tuning.LOOSEST_RATE_RULE)
     rated, last = approached(dry.profile, law, loose, speed)
     best, estimate = rated, np.inf
+    # What the longest rule leaves out no finer one brings back, after seconds to minutes.
+    hopeless = rated is not None and always_cut_off(rated, law) > rtol
+    if rated is not None and hopeless:
+        estimate = companion_error(rated, law, loose)
     # Each pass is on a finer rule, from the previous slip rate, until a coarser companion agrees.
     for share in tuning.RATE_RULE_SHARES:
-        if rated is None or estimate <= rtol:
+        if rated is None or hopeless or estimate <= rtol:
             break
         tolerance = max(share * rtol, tuning.FINEST_RATE_RULE)
         best = rated = settled_zones(rated.profile, law, tolerance, speed)
         if rated is not None:
             estimate = companion_error(rated, law, tolerance)
-            if cut_off(rated, law) > rtol:
-                break  # no finer rule is longer
+            hopeless = always_cut_off(rated, law) > rtol
     clock.append(perf_counter())
     if best is None:
         reason = unsettled(last, law, speed)
