@@ -210,6 +210,22 @@ class NodeFields:
 _SETS = (1, 1, 1, 1, 2, 1, 1, 1, 0, 0)
 
 
+def _widths(fields: ZoneFields) -> Array:
+    """Return the widths (r, ...) of what lies between the ends of panels, without hidden roots.
+
+    Fields are smooth at the cut beside a hidden root. An edge that lies close to it may cross it,
+    so that a panel that ends there does not limit the step.
+    """
+    cuts = [cut.first[0] for cut in fields.factors.in_plane.cuts[:-1]]
+    panels, kept, before = fields.panels, [], np.zeros(1)
+    for width, right in zip(panels.widths[..., 0], panels.right, strict=False):
+        before = before + width
+        if right is None or right.first[0] not in cuts:
+            kept.append(before)
+            before = np.zeros(1)
+    return np.reshape(kept, (len(kept), *panels.widths.shape[1:-1]))
+
+
 def _of_powers(profile: Profile) -> tuple[Array, Array]:
     """Return amounts and exponents (q, ..., 1) of the powers of a profile's slope of slip rate."""
     powers, shape = profile.rate_integral.powers, (*profile.panels.jacobian.shape[1:-1], 1)
@@ -416,7 +432,7 @@ class Surroundings:
         The unknowns do not represent how narrow a zone is, nor the slip ahead of an opening.
         """
         beside = self._neighbours(rates, moved, np.array([-step, step]), self._loose_rule)
-        one, other = (fields.panels.widths[..., 0] for fields in (beside[0], beside[-1]))
+        one, other = (_widths(fields) for fields in (beside[0], beside[-1]))
         if len(beside) == 1:
             one, other = one[:, 0], other[:, 1]
         if one.shape != other.shape or np.any(one <= 0) or np.any(other <= 0):
