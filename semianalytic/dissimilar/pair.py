@@ -40,6 +40,14 @@ class Pair:
     SceneError
         If a part is of another kind, friction is not positive, the base does not press the bodies
         together or already slides, or the solids differ by more than 1e5 in modulus or density.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
+    >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
+    >>> pair.exchanged.upper == rock
+    True
     """
 
     upper: Material

@@ -43,6 +43,14 @@ class SlidingWave:
         slides.
     per_wavelength : float
         Factor by which the amplitude grows while the wave runs one wavelength.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
+    >>> (wave,) = sa.sliding_stability(gouge, rock, 0.6).waves
+    >>> round(wave.velocity), round(wave.per_wavelength, 3)  # in m/s, with the upper body
+    (2416, 1.053)
     """
 
     growth: float
@@ -75,6 +83,14 @@ class SlidingStability:
         G: if friction follows pressure with a delay t*, d(sigma')/dt = (sigma - sigma') / t*, no
         wave grows faster than exp(G t / t*), and one does so; None where nothing grows.  A delay
         may let waves grow that decay without it.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
+    >>> known = sa.sliding_stability(gouge, rock, 0.6)
+    >>> known.well_posed, round(known.threshold, 4)
+    (False, 0.5314)
     """
 
     upper: Material

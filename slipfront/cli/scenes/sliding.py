@@ -64,7 +64,7 @@ def sliding(
 
 
 def _body(name: str, text: str) -> Material:
-    """The material of three numbers."""
+    """Return the material that three numbers describe, or refuse them by the name of the option."""
     try:
         modulus, density, poisson_ratio = map(float, text.split(","))
     except ValueError:
@@ -72,4 +72,7 @@ def _body(name: str, text: str) -> Material:
             f"--{name} has to be three numbers as 30e9,2700,0.25: shear modulus, density and "
             f"Poisson ratio; got {shown(text)}."
         ) from None
-    return Material(modulus, density, poisson_ratio)
+    try:
+        return Material(modulus, density, poisson_ratio)
+    except SceneError as error:  # it does not know which of the two bodies it is
+        raise SceneError(f"--{name}: {str(error).removeprefix('material: ')}") from error

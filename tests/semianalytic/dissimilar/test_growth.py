@@ -139,6 +139,7 @@ def test_a_delay_bounds_growth():
     ]
     assert rates[1] == pytest.approx(fastest.rate, rel=1e-6)
     assert max(rates) == rates[1]
+    assert 1 / fastest.rate == pytest.approx(88, abs=0.5)  # t* to grow by a factor of e
     # a wave near the generalised Rayleigh speed obeys a rule of thumb ...
     assert fastest.rate == pytest.approx(free.growth / (2 * free.velocity), rel=0.05)
     # ... one that hugs a body wave grows far faster than that
@@ -227,6 +228,29 @@ def test_thresholds(ratio, ahead, behind):
         if known is not None:
             digit = 0.6 * 10.0 ** -len(f"{known}".partition(".")[2]) if known >= 1e-3 else 2e-5
             assert growth_threshold(contrast(ratio), direction) == pytest.approx(known, abs=digit)
+
+
+def test_waves_of_gouge_on_rock_begin_at_the_threshold():
+    assert growing_waves(compliance_of(*GOUGE_ON_ROCK), 0.5314) == ()
+    (wave,) = growing_waves(compliance_of(*GOUGE_ON_ROCK), 0.532)
+    assert 0 < wave.growth < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("ratio", "friction", "count"),
+    [
+        (1.35, 0.05, 1),
+        (1.5, 0.5, 0),
+        (1.9, 0.7, 0),
+        (2.0, 0.8, 0),
+        (2.5, 0.08, 0),
+        (2.5, 0.09, 1),
+        (2.6, 0.08, 1),
+    ],
+)
+def test_the_window_without_growing_waves(ratio, friction, count):
+    """Contrasts of 1.36 to 2, and of 2.5 at most under friction below 0.08."""
+    assert len(growing_waves(contrast(ratio), friction)) == count
 
 
 def test_thresholds_of_named_pairs():

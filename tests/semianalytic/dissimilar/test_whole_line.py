@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
-from dissimilar_pairs import contrast
+from dissimilar_pairs import PAIRS, contrast
 
 from semianalytic import Material, Scene, SceneError, Tractions, solve
 from semianalytic.dissimilar.compliance import compliance_of
+from semianalytic.dissimilar.phase import slip_phase
+from semianalytic.dissimilar.thresholds import stoneley_speed
 from semianalytic.dissimilar.whole_line import (
     half_line_exponent,
     half_line_slip_rate,
@@ -99,6 +101,49 @@ def test_a_narrow_patch_is_a_point():
     excess = 1 / (2 * width)
     patch = patch_speeds(bodies, 0.2, 1 / excess, width)
     assert patch == pytest.approx(point_speeds(bodies, 0.2, 1.0), rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "friction", "regular"),
+    [
+        (1.2, 0.05, False),
+        (1.2, 0.5, False),
+        (1.4, 0.4, False),
+        (1.4, 0.29, True),
+        (1.2, -0.2, True),
+        (1.4, -0.4, True),
+        (1.5, 0.4, True),
+    ],
+)
+def test_the_limit_of_the_phase_tells_whether_waves_grow(ratio, friction, regular):
+    """theta tends to pi / 2 + arctan(f beta), and to 2 pi less for a wave that grows."""
+    bodies = contrast(ratio)
+    phase = slip_phase(bodies, friction)
+    limit = np.pi / 2 + np.arctan(friction * bodies.dundurs) - (0 if regular else 2 * np.pi)
+    assert phase.limit == pytest.approx(limit, abs=1e-6)
+    assert phase.is_regular(friction) == regular
+
+
+def test_the_phase_of_random_pairs_tends_to_one_of_two_limits():
+    rng = np.random.default_rng(20)
+    limits = []
+    for _ in range(10):
+        bodies = compliance_of(
+            Material(1.0, 1.0, rng.uniform(0.0, 0.45)),
+            Material(*np.exp(rng.uniform(-0.9, 0.9, 2)), rng.uniform(0.0, 0.45)),
+        )
+        if stoneley_speed(bodies) is None:
+            limits += [slip_phase(bodies, f).limit / np.pi for f in (0.15, -0.15)]
+    nearest = np.array([0.5, -1.5])[np.abs(np.subtract.outer(limits, [0.5, -1.5])).argmin(axis=1)]
+    assert len(limits) >= 16
+    assert set(nearest) == {0.5, -1.5}
+    np.testing.assert_allclose(limits, nearest, atol=0.02)
+
+
+def test_dundurs_parameter_is_that_of_the_moduli():
+    assert contrast(1.5).dundurs == pytest.approx(0.12821, abs=6e-6)
+    assert compliance_of(*PAIRS["0"]).dundurs == pytest.approx(0.15183, abs=6e-6)
+    assert compliance_of(*PAIRS["PMMA on aluminium"]).dundurs == pytest.approx(0.2093, abs=6e-5)
 
 
 def test_what_cannot_be_is_refused():

@@ -74,16 +74,10 @@ def test_many_scenes_of_like_bodies(seed):
     check_like_bodies(given, accuracy)
 
 
-def exchanged(pair):
-    """The same seen from below: the bodies change places, and shear its sign."""
-    base, load = (Tractions(one.pressure, -one.shear) for one in (pair.base, pair.load))
-    return Pair(pair.lower, pair.upper, pair.friction, base, load, pair.friction_law)
-
-
 @pytest.mark.parametrize("name", ["slip from the slot", "slip and opening", "film"])
 def test_exchange_of_the_bodies_mirrors_the_answer(name):
     pair = SCENES[name]
-    one, other = solve_pair(pair), solve_pair(exchanged(pair))
+    one, other = solve_pair(pair, rtol=1e-9), solve_pair(pair.exchanged, rtol=1e-9)
     assert [zone.sense for zone in one.zones] == [-zone.sense for zone in other.zones]
     np.testing.assert_allclose(one.edge_speeds, other.edge_speeds, rtol=3e-9)
     x = X[np.abs(X[:, None] - one.edge_speeds.ravel()).min(axis=1) > 0.03]

@@ -107,6 +107,29 @@ def test_like_bodies(strength, edge, rate):
     assert result.density.change(0)[0] / 2 == pytest.approx(rate, abs=2e-11)
 
 
+@pytest.mark.parametrize(
+    ("pressure", "load", "edges", "rate"),
+    [
+        (1.6, (1.0, 0.0), (25 / 54,), 0.64079319),
+        (2.0, (1.0, -0.3), (0.346425107747,), 0.50757203),
+        (2.4, (1.0, 0.2), (0.32690877, 0.00443787), None),
+    ],
+)
+def test_like_bodies_under_friction_one_half(pressure, load, edges, rate):
+    """Edges of slip and of the opening behind it, and slip rate at the contact edge, that the
+    solver for identical bodies found with nu = 1/3."""
+    solid = Material(1.0, 1.0, 1 / 3)
+    known = interface((solid, solid), 0.5, pressure, load)
+    ends = [1.02 / one for one in edges]
+    zones = [Zone(ends[0], None if len(ends) == 1 else ends[1], 1)]
+    zones += [Zone(end, None, 1, True) for end in ends[1:]]
+    result = placed(known, tuple(zones))
+    speeds = 1 / np.array(edges_of(result.zones))
+    np.testing.assert_allclose(speeds, edges, rtol=0, atol=TOLERANCE if load[1] == 0 else 6e-9)
+    if rate is not None:
+        assert result.density.change(0)[0] == pytest.approx(rate, abs=6e-9)
+
+
 def test_far_apart_edges_do_not_spoil_the_equations():
     """Between slip that starts at 2.7 and an opening at 1e5 the weight has to follow v: with that
     of the ends alone the smallest singular value falls like a power of their ratio."""

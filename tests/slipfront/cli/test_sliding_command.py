@@ -39,8 +39,8 @@ def test_what_is_infinite_is_null(capsys):
     ("given", "complaint"),
     [
         ({"upper": "12e9,2300"}, "--upper has to be three numbers"),
-        ({"lower": "30e9,2700,0.5"}, "poisson"),
-        ({"lower": "0,2700,0.25"}, "shear"),
+        ({"lower": "30e9,2700,0.5"}, "--lower: poisson_ratio must lie"),
+        ({"lower": "0,2700,0.25"}, "--lower: shear_modulus must be positive"),
         ({"friction": "-1"}, "friction must be positive"),
     ],
 )
