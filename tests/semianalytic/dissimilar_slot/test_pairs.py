@@ -62,7 +62,7 @@ def check_like_bodies(given, accuracy):
 
 @pytest.mark.parametrize("seed", [0, 3])
 def test_like_bodies_have_the_answer_of_solve(seed):
-    check_like_bodies(random_scene(np.random.default_rng([1, seed])), 1e-9)
+    check_like_bodies(random_scene(np.random.default_rng([1, seed])), 1e-10)
 
 
 @pytest.mark.slow
@@ -77,14 +77,14 @@ def test_many_scenes_of_like_bodies(seed):
 @pytest.mark.parametrize("name", ["slip from the slot", "slip and opening", "film"])
 def test_exchange_of_the_bodies_mirrors_the_answer(name):
     pair = SCENES[name]
-    one, other = solve_pair(pair, rtol=1e-9), solve_pair(pair.exchanged, rtol=1e-9)
+    one, other = solve_pair(pair), solve_pair(pair.exchanged)
     assert [zone.sense for zone in one.zones] == [-zone.sense for zone in other.zones]
-    np.testing.assert_allclose(one.edge_speeds, other.edge_speeds, rtol=3e-9)
+    np.testing.assert_allclose(one.edge_speeds, other.edge_speeds, rtol=1e-12)
     x = X[np.abs(X[:, None] - one.edge_speeds.ravel()).min(axis=1) > 0.03]
     for field, sign in (("slip_rate", -1), ("shear_traction", -1), ("pressure", 1), ("gap", 1)):
         here, there = (getattr(answer, field)(x, 1.0) for answer in (one, other))
         scale = np.abs(here).max() or 1.0
-        np.testing.assert_allclose(sign * there / scale, here / scale, atol=2e-9)
+        np.testing.assert_allclose(sign * there / scale, here / scale, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", ["slip from the slot", "slip and opening"])
