@@ -53,6 +53,9 @@ __all__ = [
     "OpenDerivative",
     "OpenInterval",
     "OpenZone",
+    "Pair",
+    "PairSolution",
+    "PairStatistics",
     "PluginError",
     "Pulse",
     "Ramp",
@@ -61,6 +64,8 @@ __all__ = [
     "Scene",
     "SceneError",
     "Setup",
+    "SlidingStability",
+    "SlidingWave",
     "SlipInterval",
     "SlipWeakening",
     "SlipZone",
@@ -82,12 +87,22 @@ __all__ = [
     "march",
     "march_on",
     "predict",
+    "sliding_stability",
     "solve",
+    "solve_pair",
     "strain",
     "sweep",
 ]
 
 _LATER = {
+    "semianalytic.dissimilar.pair": ("Pair",),
+    "semianalytic.dissimilar.stability": (
+        "SlidingStability",
+        "SlidingWave",
+        "sliding_stability",
+    ),
+    "semianalytic.dissimilar_slot.solution": ("PairSolution", "PairStatistics"),
+    "semianalytic.dissimilar_slot.solver": ("solve_pair",),
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
     "semianalytic.inversion.fitting": ("Fit", "fit"),
     "semianalytic.inversion.gauges": ("Gauge",),
@@ -102,6 +117,14 @@ _LATER = {
 """Modules that a plain solution does not need, with the public names they define."""
 
 if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
+    from semianalytic.dissimilar.pair import Pair
+    from semianalytic.dissimilar.stability import (
+        SlidingStability,
+        SlidingWave,
+        sliding_stability,
+    )
+    from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics
+    from semianalytic.dissimilar_slot.solver import solve_pair
     from semianalytic.field.derived import fringe_order, fringes, strain
     from semianalytic.inversion.fitting import Fit, fit
     from semianalytic.inversion.gauges import Gauge

@@ -40,6 +40,9 @@ from compare.studies.article.cases import SlotCheck, run_cases
 from compare.studies.chart.figure import chart_figure
 from compare.studies.chart.study import SCENES as CHARTED
 from compare.studies.chart.study import read_points
+from compare.studies.dissimilar.figure import growth_figure
+from compare.studies.dissimilar.pairs import NAMED
+from compare.studies.dissimilar.points import GrowthPoint, NamedPoint, ThresholdPoint
 from compare.studies.evidence import figures as evidence
 from compare.studies.evidence.study import SceneEvidence, published_answer
 from compare.studies.regimes import figures as regimes
@@ -183,6 +186,18 @@ def _regimes():
     fronts = [p for loading, chi in shown.items() for p in map_points(loading, 1 / 3, chi)]
     reverse = [p for nu in (-0.5, -0.2) for p in map_points("preload", nu, [1e-3, 5e-3, 0.02])]
     return regimes.RegimeResults(points, curves, fronts, reverse)
+
+
+def _growth():
+    contrasts, frictions = (1.02, 1.5, 4.0), (0.01, 0.1, 1.25)
+    points = [GrowthPoint(c, f, f, 2 * f * (c > 2)) for c in contrasts for f in frictions]
+    curves = [ThresholdPoint(c, 0.3 * c, 1 / c, np.nan) for c in contrasts]
+    named = [
+        NamedPoint(name, f, np.nan if f < 0.1 else f, 1.0 if f > 1 else -1.0)
+        for name in NAMED
+        for f in frictions
+    ]
+    return growth_figure(points, curves, named)
 
 
 def _viscosity():
@@ -329,6 +344,7 @@ CATALOGUE: dict[str, Callable[[], Figure]] = {
         _regimes()
     ),
     "compare.studies.regimes.figures.reverse_figure": lambda: regimes.reverse_figure(_regimes()),
+    "compare.studies.dissimilar.figure.growth_figure": _growth,
     "compare.studies.regimes.viscosity.viscosity_figure": _viscosity,
     "compare.studies.regimes.openings.openings_figure": _openings,
     **{

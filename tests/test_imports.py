@@ -21,7 +21,9 @@ ARROWS = {
         "field": "scene halfplane cut",
         "selfsimilar": "scene results halfplane cut separation field",
         "spacetime": "scene results halfplane field",
-        "reference": "scene halfplane",
+        "dissimilar": "scene halfplane",
+        "dissimilar_slot": "scene results halfplane selfsimilar dissimilar",
+        "reference": "scene halfplane dissimilar",
         "sweeps": "scene results halfplane cut selfsimilar",
         "regimes": "scene halfplane cut selfsimilar",
         "inversion": "scene halfplane field selfsimilar sweeps",
@@ -134,6 +136,8 @@ def test_folders_say_what_they_are_for_and_stay_small(package):
 
 SHOWN = {"scene.py", "sampled.py", "style.py"}
 """Where the base is checked, shown, or what there is before t = 0."""
+SLOT_ALONE = {"dissimilar", "dissimilar_slot"}
+"""Folders whose loads act on slot faces only, so that the contact carries nothing but the base."""
 
 
 def of_the_base(node):
@@ -149,6 +153,7 @@ def test_what_is_in_place_after_the_load_is_asked_of_the_superposition():
         path.name
         for package in PACKAGES
         for path in sources(package)
+        if path.parent.name not in SLOT_ALONE
         if any(map(of_the_base, ast.walk(ast.parse(path.read_text()))))
     }
     assert asked == SHOWN
@@ -185,7 +190,17 @@ _DERIVATIVES = (
     "selfsimilar.variation",
     "selfsimilar.varied",
 )
-LATER = ("inversion", "prediction", "reference", "regimes", *_DERIVATIVES, "spacetime", "sweeps")
+LATER = (
+    "dissimilar",
+    "dissimilar_slot",
+    "inversion",
+    "prediction",
+    "reference",
+    "regimes",
+    *_DERIVATIVES,
+    "spacetime",
+    "sweeps",
+)
 """What a plain solution does without."""
 
 

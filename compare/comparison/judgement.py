@@ -129,8 +129,8 @@ def judge(
 
     if simulation.lower_material is not None:
         raise SceneError(
-            "judge: this simulation has blocks of two materials, to which the theory does not "
-            "apply (docs/limits.md)."
+            "judge: this simulation has blocks of two materials, to which the theory of identical "
+            "bodies does not apply; solve a step on the slot with solve_pair (docs/dissimilar.md)."
         )
     case = side_by_side(prediction, with_companions(simulation))
     return Judgement(case, tuple(_rows(case, snapshot)), fields)

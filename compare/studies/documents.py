@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from compare.studies.article.claims import Claim
     from compare.studies.article.study import Article
     from compare.studies.chart.study import Point
+    from compare.studies.dissimilar.study import GrowthResults
     from compare.studies.evidence.study import Evidence
     from compare.studies.regimes.figures import RegimeResults
     from compare.studies.wear import WearRow
@@ -34,6 +35,16 @@ def regimes_document(results: RegimeResults) -> dict[str, Any]:
         },
         "boundaries": [asdict(point) for point in results.curves],
         "units": {"boundaries": {"poisson_ratio": "1", "log10_chi": "1"}},
+    }
+
+
+def growth_document(results: GrowthResults) -> dict[str, Any]:
+    """Curves of the map of growing waves, and pairs that are met; the map itself is a file."""
+    growth = {"growth": "%", "friction": "1", "velocity": "c_t of the upper body"}
+    return {
+        "thresholds": [asdict(one) for one in results.thresholds],
+        "named": [asdict(one) for one in results.named],
+        "units": {"thresholds": "1", "named": growth},
     }
 
 

@@ -25,11 +25,13 @@ from compare.output.files import write_text
 from compare.output.tables import write_rows
 from compare.studies.article.claims import Verdict
 from compare.studies.chart.study import Point
+from compare.studies.dissimilar.points import NamedPoint, ThresholdPoint
 from compare.studies.evidence.study import ClosedForm
 from compare.studies.regimes.points import BoundaryPoint
 from compare.studies.wear import MostRow, WearRow
 from compare.validation.bars import JudgedRow
 from compare.validation.norms import Norm
+from semianalytic import SlidingWave
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 COMMAND = "python -m docs.studies.schema --write"
@@ -383,6 +385,28 @@ DOCUMENTS: Mapping[str, Sequence[Mapping[str, Key]]] = {
         {
             "regimes": Key("number of points of each map in each regime", _of(_of(WHOLE))),
             "boundaries": Key("curves between the regimes", _list(_row(BoundaryPoint))),
+        },
+        {
+            "thresholds": Key(
+                "with --dissimilar: friction above which waves grow", _list(_row(ThresholdPoint))
+            ),
+            "named": Key("growth per wavelength of pairs of solids", _list(_row(NamedPoint))),
+        },
+    ),
+    "sliding": (
+        {
+            "upper": Key("upper body", _MATERIAL),
+            "lower": Key("lower body", _MATERIAL),
+            "friction": Key("friction coefficient", NUMBER),
+            "well_posed": Key("whether no wave grows", TRUTH),
+            "verdict": Key("whether waves grow, and what would end that, in a sentence", TEXT),
+            "threshold_with": Key("friction above which waves grow with the upper body", NUMBER),
+            "threshold_against": Key("the same for waves against it", NUMBER),
+            "waves": Key("waves that grow at this friction", _list(_row(SlidingWave))),
+            "delayed_growth": Key("largest growth rate times t* under a delay t*", NUMBER),
+            "generalised_rayleigh_speed": Key("null without such a wave", NUMBER),
+            "stoneley_speed": Key("null without such a wave", NUMBER),
+            "dundurs": Key("Dundurs' parameter beta", NUMBER),
         },
     ),
     "stability": (

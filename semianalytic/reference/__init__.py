@@ -1,8 +1,8 @@
 """References for verification: exact solutions in closed form, and the article's algorithm.
 
-They do not use the solvers, only the Rayleigh function, its factors and quadrature.  Every slip
-rate is relative, both sides, in the units of the scene; only `published_slip` uses the article's
-units, one-sided and over f P_0 / (mu b).
+They do not use the solvers, only the Rayleigh function, its factors, compliances and quadrature.
+Every slip rate is relative, both sides, in the units of the scene; only `published_slip` uses the
+article's units, one-sided and over f P_0 / (mu b).
 
 Closed forms, at velocities x/t (chi = f P / Q_0):
 
@@ -19,7 +19,8 @@ Closed forms, at velocities x/t (chi = f P / Q_0):
 - `edge_speed_of_opening`, `gap_rate_of_opening`: the contact opens from its edge, under an extra
   pressure on the slot faces;
 - `detached_opening`: it opens around the Rayleigh front, under a sudden pressure on a small base, a
-  `DetachedOpening`.
+  `DetachedOpening`;
+- `weertman_pulse`: a pulse of uniform slip along two different solids, a `WeertmanPulse`.
 
 The algorithm of section 5 and Appendix B, in every reading its text allows:
 
@@ -70,6 +71,7 @@ from semianalytic.reference.published import (
 )
 from semianalytic.reference.static_zone import StaticZone, static_zone
 from semianalytic.reference.viscous_zone import viscous_edge_speed, viscous_slip_rate
+from semianalytic.reference.weertman import WeertmanPulse, weertman_pulse
 
 __all__ = [
     "ARTICLE_POISSON_RATIO",
@@ -82,6 +84,7 @@ __all__ = [
     "Reading",
     "ReadingResult",
     "StaticZone",
+    "WeertmanPulse",
     "antiplane_edge_intensity",
     "antiplane_edge_speed",
     "antiplane_slip",
@@ -106,4 +109,5 @@ __all__ = [
     "viscous_antiplane_slip_rate",
     "viscous_edge_speed",
     "viscous_slip_rate",
+    "weertman_pulse",
 ]

@@ -231,9 +231,9 @@ def _identical(source: str | Path, scene: Scene, lower: Material | None) -> Scen
     """Return the scene; raise SceneError if its lower block is of another material."""
     if lower not in (None, scene.material):
         raise SceneError(
-            f"{source}: the theory and its solvers know identical bodies only, so take out "
-            f"[{LOWER_MATERIAL}], or simulate the scene with finite elements, slipfront simulate "
-            "(docs/limits.md)."
+            f"{source}: solve, march and compare know identical bodies only, so take out "
+            f"[{LOWER_MATERIAL}], simulate the scene with finite elements, slipfront simulate, or "
+            "solve a step on the slot exactly with solve_pair in Python (docs/dissimilar.md)."
         )
     return scene
 

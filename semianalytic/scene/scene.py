@@ -143,7 +143,8 @@ class Scene:
         for name in given.keys() - cls.__dataclass_fields__.keys():
             if name == "lower_material":
                 raise SceneError(
-                    "scene: both bodies are of one material; give lower_material to simulate."
+                    "scene: both bodies are of one material; give lower_material to simulate, or "
+                    "both materials to Pair for solve_pair."
                 )
             known = [one.name for one in fields(cls)]
             close = difflib.get_close_matches(name, known, n=1)

@@ -25,6 +25,7 @@ from slipfront.cli.measured.fit_command import fit_command
 from slipfront.cli.measured.validate_command import validate_command
 from slipfront.cli.refusals import in_options
 from slipfront.cli.scenes.commands import init, scenes
+from slipfront.cli.scenes.sliding import sliding
 from slipfront.cli.simulate_command import simulate_command
 from slipfront.cli.solve_command import solve_command
 from slipfront.cli.survey_command import survey_command
@@ -88,6 +89,7 @@ app.command("survey")(survey_command)
 for command in (
     scenes,
     init,
+    sliding,
     studies.regimes,
     studies.stability,
     studies.article,

@@ -200,8 +200,8 @@ def _earlier_simulation(
     simulation = load_simulation(directory)
     if simulation.lower_material is not None:
         raise SceneError(
-            f"{directory} holds blocks of two materials, to which the theory does not apply "
-            "(docs/limits.md)."
+            f"{directory} holds blocks of two materials, to which the theory of identical "
+            "bodies does not apply; solve a step on the slot with solve_pair (docs/dissimilar.md)."
         )
     scene = override_scene(find_scene(scene_name) if scene_name else simulation.scene, **overrides)
     if scene != simulation.scene:

@@ -45,6 +45,13 @@ def regimes(
         ),
     ] = "both",
     size: Annotated[int, typer.Option(help="Points along each axis of a map.")] = 100,
+    dissimilar: Annotated[
+        bool,
+        typer.Option(
+            "--dissimilar",
+            help="Map instead how fast waves grow while two different bodies slide.",
+        ),
+    ] = False,
     output: Output = None,
     figures: FiguresForm = "png",
     quick: Quick = False,
@@ -54,18 +61,27 @@ def regimes(
 ) -> None:
     """Map how the interface slips over Poisson ratio and friction, with traced boundaries.
 
-    An interrupted run continues when it is started again with the same size.
+    An interrupted run continues when it is started again with the same size; one of --dissimilar
+    begins anew.
     """
     require("slipfront regimes", *PLOT)
-    from compare.studies.documents import regimes_document
+    from compare.studies.dissimilar.study import write_growth
+    from compare.studies.documents import growth_document, regimes_document
     from compare.studies.regimes.study import write_regimes
 
     directory = output or Path("results", "regimes")
     bar = _progress(quiet, "mapping")
+    document: dict[str, Any]
     with on_scheduler(scheduler) as client, working_folder(directory) as files, bar as progress:
-        results = write_regimes(directory, size, loading, quick, progress, figures, client)
+        if dissimilar:
+            results = write_growth(directory, size, quick, progress, figures, client)
+            document = growth_document(results)
+        else:
+            document = regimes_document(
+                write_regimes(directory, size, loading, quick, progress, figures, client)
+            )
     if as_json:
-        print_json("regimes", regimes_document(results), files=files)
+        print_json("regimes", document, files=files)
     else:
         _written(f"{directory}/")
 

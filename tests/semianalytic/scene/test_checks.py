@@ -253,7 +253,10 @@ GAUGE = Gauge(0.4, TIMES, TIMES, 0.1)
         ),
         (lambda: slipfront.read_gauges(["a.csv"], noise={"slp": 1.0}), "read_gauges: noise knows"),
         (lambda: slipfront.read_gauges(7), "read_gauges: paths must be a path or several, got 7"),
-        (lambda: unit_scene(lower_material=PRELOADED.material), "give lower_material to simulate"),
+        (
+            lambda: unit_scene(lower_material=PRELOADED.material),
+            "lower_material to simulate, or both materials to Pair",
+        ),
         (
             lambda: unit_scene(friction_lw=3),
             "no parameter 'friction_lw'; did you mean friction_law?",

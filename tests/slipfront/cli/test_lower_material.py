@@ -69,6 +69,7 @@ def test_solvers_of_identical_bodies_refuse_it_in_one_sentence(command, file, ca
     told = capsys.readouterr().err
     assert told.count("\n") == 1
     assert "take out [lower_material]" in told
+    assert "slipfront simulate, or solve a step on the slot exactly with solve_pair" in told
     for read in (find_scene, read_scene):
         with pytest.raises(SceneError, match="identical bodies only"):
             read(str(file))

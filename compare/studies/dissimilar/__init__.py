@@ -1,0 +1,1 @@
+"""Friction between different bodies: where waves grow, and what exact answers are worth."""

@@ -1,0 +1,260 @@
+"""Compliance of two half-planes joined at y = 0, as a function of slowness.
+
+Tractions of slowness k on the line y = 0, exp(s (t + k x)), move the faces of the bodies by
+
+    V = -B tau - k D sigma,    U = k D tau - A sigma,
+
+with V, U the relative rates of slip and opening (upper minus lower), tau the shear traction and
+sigma the normal traction, positive in tension.  Each body adds to A and B its own
+
+    A_j = alpha b^2 / (mu R),   B_j = beta b^2 / (mu R),   D_j = (2 alpha beta - q) / (mu R),
+    alpha = sqrt(a^2 - k^2),  beta = sqrt(b^2 - k^2),  q = b^2 - 2 k^2,  R = q^2 + 4 k^2 alpha beta,
+
+and D = D_1 - D_2 changes its sign where the bodies change places (docs/dissimilar.md,
+"Compliance").  Nothing here is divided by R: all quantities are formed times R_1 R_2, so that none
+has a pole at the Rayleigh waves of the bodies.  Slowness is in units of that of shear waves in the
+upper body, and stress in units of its shear modulus.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.scene.scene import Material
+
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Body:
+    """One half-plane: shear modulus and slownesses of its longitudinal and shear waves."""
+
+    modulus: float
+    a: float
+    b: float
+
+
+@dataclass(frozen=True)
+class Roots:
+    """alpha, beta and k^2 of one body at slownesses k, and what is formed of them.
+
+    Attributes
+    ----------
+    body : Body
+    alpha, beta : complex arrays, sqrt(a^2 - k^2) and sqrt(b^2 - k^2)
+    square : array, k^2
+    """
+
+    body: Body
+    alpha: Complex
+    beta: Complex
+    square: Complex
+
+    @cached_property
+    def bulk(self) -> Complex:
+        """alpha beta + k^2, which tends to (a^2 + b^2) / 2 at infinity.
+
+        Where alpha beta is near to -k^2 the sum is formed from (alpha beta)^2 - k^4.
+        """
+        a, b = self.body.a, self.body.b
+        product = self.alpha * self.beta
+        direct, difference = product + self.square, product - self.square
+        cancels = np.abs(direct) < np.abs(difference)
+        rest = (a * b) ** 2 - self.square * (a * a + b * b)
+        return np.asarray(np.where(cancels, rest / np.where(cancels, difference, 1.0), direct))
+
+    @cached_property
+    def rayleigh(self) -> Complex:
+        """The Rayleigh function R = (b^2 - 2 k^2)^2 + 4 k^2 alpha beta."""
+        b2 = self.body.b**2
+        return np.asarray(b2 * b2 - 4 * self.square * (b2 - self.bulk))
+
+    @property
+    def normal(self) -> Complex:
+        """A_j R."""
+        return np.asarray(self.alpha * (self.body.b**2 / self.body.modulus))
+
+    @property
+    def tangential(self) -> Complex:
+        """B_j R."""
+        return np.asarray(self.beta * (self.body.b**2 / self.body.modulus))
+
+    @property
+    def coupling(self) -> Complex:
+        """D_j R = (2 alpha beta - b^2 + 2 k^2) / mu."""
+        return np.asarray((2 * self.bulk - self.body.b**2) / self.body.modulus)
+
+    @property
+    def determinant(self) -> Complex:
+        """(A_j B_j + k^2 D_j^2) R = (alpha beta + k^2) / mu^2: it has no Rayleigh pole."""
+        return np.asarray(self.bulk / self.body.modulus**2)
+
+
+@dataclass(frozen=True)
+class Entries:
+    """The compliance matrix [[B, k D], [-k D, A]] times R_1 R_2 at slownesses k.
+
+    Attributes
+    ----------
+    slowness : complex array
+        k.
+    normal, tangential, coupling : complex arrays
+        A R_1 R_2, B R_1 R_2 and k D R_1 R_2.
+    determinant : complex array
+        (A B + k^2 D^2) R_1 R_2, which has no Rayleigh pole either.
+    rayleighs : (2, ...) complex array
+        R_1 and R_2.
+    """
+
+    slowness: Complex
+    normal: Complex
+    tangential: Complex
+    coupling: Complex
+    determinant: Complex
+    rayleighs: Complex
+
+    @property
+    def rayleigh(self) -> Complex:
+        """R_1 R_2."""
+        return np.asarray(self.rayleighs[0] * self.rayleighs[1])
+
+    def frictional(self, friction: float | Complex) -> Complex:
+        """Phi R_1 R_2 = (A + s f k D) R_1 R_2 of `friction` s f, s being the sense of slip."""
+        return np.asarray(self.normal + friction * self.coupling)
+
+    @property
+    def matrix(self) -> Complex:
+        """C R_1 R_2, (..., 2, 2)."""
+        rows = [[self.tangential, self.coupling], [-self.coupling, self.normal]]
+        return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+    @property
+    def inverse(self) -> Complex:
+        """C^{-1}, (..., 2, 2): finite at the Rayleigh waves of the bodies."""
+        rows = [[self.normal, -self.coupling], [self.coupling, self.tangential]]
+        return np.moveaxis(np.array(rows) / self.determinant, (0, 1), (-2, -1))
+
+
+@dataclass(frozen=True)
+class Compliance:
+    """Two half-planes on one another.
+
+    Attributes
+    ----------
+    upper, lower : Body
+    """
+
+    upper: Body
+    lower: Body
+
+    @property
+    def bodies(self) -> tuple[Body, Body]:
+        """The upper and the lower one."""
+        return self.upper, self.lower
+
+    @cached_property
+    def fronts(self) -> Array:
+        """(4,): slownesses a, b of the upper body and a, b of the lower one."""
+        return np.array([self.upper.a, self.upper.b, self.lower.a, self.lower.b])
+
+    @cached_property
+    def distinct_fronts(self) -> list[float]:
+        """The fronts from the fastest to the slowest, each once."""
+        return sorted(set(self.fronts.tolist()))
+
+    @property
+    def first(self) -> float:
+        """Slowness m of the fastest wave."""
+        return float(self.fronts.min())
+
+    @property
+    def last(self) -> float:
+        """Slowness of the slowest body wave, the shear wave of the slower body."""
+        return float(self.fronts.max())
+
+    @cached_property
+    def static(self) -> float:
+        """a_inf = sum of b^2 / (2 mu (b^2 - a^2)): compliance for |k| -> infinity times |k|."""
+        return sum(body.b**2 * _softness(body) for body in self.bodies)
+
+    @cached_property
+    def dundurs(self) -> float:
+        """Dundurs' second parameter beta, upper minus lower body: k D / A tends to i beta."""
+        difference = self.upper.a**2 * _softness(self.upper) - self.lower.a**2 * _softness(
+            self.lower
+        )
+        return difference / self.static
+
+    @property
+    def oscillation(self) -> float:
+        """epsilon = artanh(beta) / pi of the exponent 1/2 +- i epsilon at a stuck contact edge."""
+        return float(np.arctanh(self.dundurs) / np.pi)
+
+    @property
+    def mirrored(self) -> Compliance:
+        """The bodies exchanged: waves that run the other way, k for -k."""
+        return Compliance(self.lower, self.upper)
+
+    def at(self, k: ArrayLike) -> Entries:
+        """The matrix at complex slownesses k off the cuts |Re k| > `first`."""
+        k = np.asarray(k, dtype=complex)
+        return self._entries(k, [s + k for s in self.fronts.tolist()])
+
+    def on_cut(self, v: ArrayLike, from_fronts: Array | Complex | None = None) -> Entries:
+        """The matrix at k = -v + i0, v > 0, or at k = -v with Im v < 0.
+
+        Parameters
+        ----------
+        v : array
+        from_fronts : (4, ...) array, optional
+            v less each of the fronts, where the differences of v would lose digits.
+        """
+        v = np.asarray(v)
+        if from_fronts is None:
+            from_fronts = v - self.fronts.reshape(4, *[1] * v.ndim)
+        # A real -(v - s) becomes complex with imaginary part +0: the upper side of the cut.
+        return self._entries(-v.astype(complex), list((-from_fronts).astype(complex)))
+
+    def _entries(self, k: Complex, plus: list[Complex]) -> Entries:
+        """The sums over both bodies, times R_1 R_2; `plus` are the four sums of front and k."""
+        square, fronts = k * k, self.fronts.tolist()
+        alpha, beta, alpha_two, beta_two = (
+            np.sqrt(s - k) * np.sqrt(near) for s, near in zip(fronts, plus, strict=True)
+        )
+        one = Roots(self.upper, alpha, beta, square)
+        two = Roots(self.lower, alpha_two, beta_two, square)
+        mixed = one.normal * two.tangential + two.normal * one.tangential
+        determinant = one.determinant * two.rayleigh + two.determinant * one.rayleigh + mixed
+        return Entries(
+            k,
+            one.normal * two.rayleigh + two.normal * one.rayleigh,
+            one.tangential * two.rayleigh + two.tangential * one.rayleigh,
+            k * (one.coupling * two.rayleigh - two.coupling * one.rayleigh),
+            determinant - 2 * square * one.coupling * two.coupling,
+            np.array([one.rayleigh, two.rayleigh]),
+        )
+
+
+def _softness(body: Body) -> float:
+    """1 / (2 mu (b^2 - a^2))."""
+    return 1 / (2 * body.modulus * (body.b**2 - body.a**2))
+
+
+def compliance_of(upper: Material, lower: Material) -> Compliance:
+    """The bodies of two materials, slowness over that of shear waves in the upper one, and moduli
+    over its shear modulus."""
+    unit = upper.shear_speed
+    bodies = (
+        Body(
+            material.shear_modulus / upper.shear_modulus,
+            unit / material.longitudinal_speed,
+            unit / material.shear_speed,
+        )
+        for material in (upper, lower)
+    )
+    return Compliance(*bodies)

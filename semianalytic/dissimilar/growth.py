@@ -1,0 +1,175 @@
+"""Waves that grow while two half-planes slide on one another (Adams 1995).
+
+Uniform sliding of sense s under friction s f p lets waves exp(lambda t + i q x) run along the
+interface, lambda = i q / k, with
+
+    Phi(k) = A(k) + s f k D(k) = 0,    Im k > 0,
+
+so that their growth rate is proportional to wave number: no wave is short enough to be safe, and
+refining a grid makes the growth faster.  How many there are follows from the phase of Phi along the
+cut; Newton's method is repeated until that many are found (docs/dissimilar.md, "Growing waves").
+
+Where friction follows pressure with a delay t*, d(sigma')/dt = (sigma - sigma') / t*, f is divided
+by 1 + lambda t* (Prakash and Clifton, simplified).  Growth is then bounded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from semianalytic.dissimilar.compliance import Complex, Compliance, Entries
+from semianalytic.dissimilar.phase import CutPhase
+from semianalytic.dissimilar.stretch import Stretch, stretches
+from semianalytic.scene.errors import ComputationError
+
+_REACH, _STEP = 36.0, 0.75
+"""Of Re x among the starts of Newton's method on every stretch: exp(-36) is below rounding."""
+_HEIGHTS = (0.02, 0.3, 1.2)
+"""-Im x of the starts; waves close to the cut are reached from 0.02, all others from 0.3 or 1.2."""
+_STARTS = np.ravel(np.arange(-_REACH, _REACH + _STEP / 2, _STEP)[:, None] - 1j * np.array(_HEIGHTS))
+_MOST_STEPS, _DIFFERENCE, _ROUNDING = 40, 1e-6, 1e-10
+"""Newton steps, the difference in x that a derivative is formed from, and the last step over |x|
+plus one."""
+_LEAST_HEIGHT = 1e-8
+"""Of Im x of a root above -pi and below 0; what comes nearer runs into the real axis of k, where
+waves neither grow nor decay."""
+_SAME = 1e-6
+"""Distance in x over its size below which two roots are one."""
+
+
+@dataclass(frozen=True)
+class GrowingWave:
+    """A wave along a sliding interface whose amplitude grows, in units of c_t of the upper body.
+
+    Attributes
+    ----------
+    slowness : complex
+        k with Im k > 0; the wave is exp(i q (x + t / k)).
+    """
+
+    slowness: complex
+
+    @property
+    def growth(self) -> float:
+        """Growth rate over wave number, Re lambda / q, in units of c_t of the upper body."""
+        return (1j / self.slowness).real
+
+    @property
+    def velocity(self) -> float:
+        """Velocity of the crests, positive towards +x, in units of c_t of the upper body."""
+        return -(1 / self.slowness).real
+
+    @property
+    def per_wavelength(self) -> float:
+        """Logarithm of the growth while the wave runs one wavelength."""
+        return 2 * np.pi * self.growth / abs(self.velocity)
+
+
+def growing_waves(
+    compliance: Compliance, friction: float, delay: float = 0.0
+) -> tuple[GrowingWave, ...]:
+    """All waves that grow while the interface slides, the fastest growing first.
+
+    Parameters
+    ----------
+    compliance : Compliance
+    friction : float
+        s f: the friction coefficient, negative where the upper body slides towards -x.
+    delay : float
+        q c_t t*: the time in which friction follows pressure, over that in which a shear wave of
+        the upper body runs a wavelength over 2 pi.
+
+    Raises
+    ------
+    ComputationError
+        If fewer waves are found than there are.
+    """
+    right = _right_going(compliance, friction, delay)
+    # A root k of one direction is -conj(k) of the other under friction of the other sign.
+    left = [-k.conjugate() for k in _right_going(compliance, -friction, delay)]
+    waves = [GrowingWave(k) for k in (*right, *left)]
+    return tuple(sorted(waves, key=lambda wave: -wave.growth))
+
+
+def count_growing(compliance: Compliance, friction: float, delay: float = 0.0) -> int:
+    """Number of growing waves that run towards +x; with -s f for s f, of those towards -x.
+
+    From the principle of the argument for Phi R_1 R_2 on the quarter Re k < 0 < Im k, where that
+    behaves like k^3 at infinity: (phase on the positive imaginary axis + 3 pi / 2 - phase on the
+    cut) / (2 pi).
+    """
+    phase = CutPhase(compliance, lambda entries: symbol(entries, friction, delay))
+    ahead = np.arctan(friction * compliance.dundurs)
+    turns = (ahead + 1.5 * np.pi - phase.limit) / (2 * np.pi)
+    count = round(turns)
+    if abs(turns - count) > 0.05:
+        raise ComputationError(
+            f"the number of growing waves came out as {turns:.3f}; change the friction "
+            "coefficient or a modulus a little."
+        )
+    return count
+
+
+def symbol(entries: Entries, friction: float, delay: float) -> Complex:
+    """Phi R_1 R_2 with f / (1 + lambda t*) for f."""
+    if not delay:
+        return entries.frictional(friction)
+    k = entries.slowness
+    return entries.frictional(friction * k / (k + 1j * delay))
+
+
+def _right_going(compliance: Compliance, friction: float, delay: float) -> list[complex]:
+    """Slownesses of the growing waves that run towards +x."""
+    if compliance.upper == compliance.lower or not friction:
+        return []
+    count = count_growing(compliance, friction, delay)
+    roots: list[complex] = []
+    if not count:
+        return []
+    for k in _newton(compliance, friction, delay):
+        if not any(abs(k - other) < _SAME * abs(k) for other in roots):
+            roots.append(k)
+        if len(roots) == count:
+            return roots
+    raise ComputationError(
+        f"{count} growing waves run along the interface, of which {len(roots)} were found; change "
+        "the friction coefficient or a modulus a little."
+    )
+
+
+def _newton(compliance: Compliance, friction: float, delay: float) -> Iterator[complex]:
+    """Zeros of Phi in the quarter Re k < 0 < Im k, some of them more than once.
+
+    Newton's method in the coordinate x of a stretch of the cut, where the wave fronts that zeros
+    come near to are far away; steps are limited to half of the way out of the half-plane.
+    """
+    for stretch in stretches(compliance.distinct_fronts):
+        x, settled = _STARTS, np.zeros(_STARTS.shape, dtype=bool)
+        for _ in range(_MOST_STEPS):
+            value, before, after = (
+                _on(compliance, stretch, x + shift, friction, delay)
+                for shift in (0.0, -_DIFFERENCE, _DIFFERENCE)
+            )
+            slope = (after - before) / (2 * _DIFFERENCE)
+            step = -value / np.where(slope, slope, np.inf)
+            settled = np.abs(step) < _ROUNDING * (1 + np.abs(x))
+            room = np.minimum(-x.imag, np.pi + x.imag) / 2
+            x = x + step * np.minimum(1.0, room / np.maximum(np.abs(step), _ROUNDING))
+            inside = (x.imag < -_LEAST_HEIGHT) & (x.imag > _LEAST_HEIGHT - np.pi)
+            inside &= np.abs(x.real) < 2 * _REACH
+            x, settled = x[inside], settled[inside]
+            if settled.all():
+                break
+        slowness = -stretch.at(x[settled]).v
+        yield from (complex(k) for k in slowness if k.real < 0)
+
+
+def _on(
+    compliance: Compliance, stretch: Stretch, x: Complex, friction: float, delay: float
+) -> Complex:
+    points = stretch.at(x)
+    entries = compliance.on_cut(points.v, stretch.minus(points, compliance.fronts))
+    return symbol(entries, friction, delay)

@@ -1,0 +1,237 @@
+"""Continuous phase of a function on the cut k = -v + i0, 0 ahead of all waves.
+
+The phases of the two symbols of frictional contact, K = (A + s f k D) / (A B + k^2 D^2) and
+N = 1 / (A + s f k D), give every exponent at a zone edge, and their limits for v -> infinity tell
+how many solutions there are (docs/dissimilar.md, "Exponents").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from semianalytic.dissimilar.compliance import Complex, Compliance, Entries
+from semianalytic.dissimilar.stretch import Stretch, stretches
+from semianalytic.halfplane.rayleigh import Array
+
+_STEP, _REACH = 0.5, 38.0
+"""Of x on a stretch: at first, and how far.  exp(-38) is below rounding of a distance from the
+front that has the size of the front."""
+_LARGEST_TURN = 0.5
+"""Between two neighbouring points [rad]: where the function turns by more, points are added between
+them.  Half of it gives the same phases of 200 random pairs; at twice it none was wrong either."""
+_NARROWEST = 1e-12
+"""Distance of points in x below which a turn of nearly half a circle is a zero on the cut."""
+
+
+_SHARP = 0.6
+"""Turn per unit of x [rad]: of a zero at a distance of 1.7 in x.  Densities on a stretch that is
+not cut there converge at half the rate of others; at 0.8 some took four rules to reach 1e-8, at
+0.45 there is a fifth more cuts."""
+
+
+_BESIDE = 1e-10
+"""Of x, from a point where a function vanishes exactly."""
+_CLOSER = 121
+"""Points among which the fastest turn is looked for, in three intervals of the table."""
+
+
+_TURN_ERROR = 0.6
+"""Of the limit of theta_K [rad]; the next possible value is 2 pi away."""
+
+
+@dataclass(frozen=True)
+class StretchPhase:
+    """The phase on one stretch.
+
+    Attributes
+    ----------
+    stretch : Stretch
+    x : (n,) array
+        Points in increasing order.
+    phase : (n,) array
+    zeros : tuple of float
+        Slownesses at which the function vanishes.
+    """
+
+    stretch: Stretch
+    x: Array
+    phase: Array
+    zeros: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class CutPhase:
+    """Phase of a function of the compliance that is regular on the cut.
+
+    At a zero on the cut the phase grows by pi: any damping moves a wave that neither grows nor
+    decays below the axis, past which the phase grows.
+
+    Attributes
+    ----------
+    compliance : Compliance
+    function : callable
+        Values (n,) from the entries of the compliance at n slownesses.
+    """
+
+    compliance: Compliance
+    function: Callable[[Entries], Complex]
+
+    @cached_property
+    def table(self) -> tuple[StretchPhase, ...]:
+        """The phase on every stretch between wave fronts, as finely as it turns."""
+        start, before, result = 0.0, 1 + 0j, []
+        for stretch in stretches([0.0, *self.compliance.distinct_fronts]):
+            x, values = self._resolved(stretch)
+            turns = np.angle(values / np.concatenate([[before], values[:-1]]))
+            vanishes = np.abs(turns) > _LARGEST_TURN
+            turns[vanishes & (turns < 0)] += 2 * np.pi
+            phase = start + np.cumsum(turns)
+            zeros = stretch.at(x[vanishes]).v
+            result.append(StretchPhase(stretch, x, phase, tuple(zeros.tolist())))
+            start, before = float(phase[-1]), values[-1]
+        return tuple(result)
+
+    @property
+    def zeros(self) -> tuple[float, ...]:
+        """Slownesses at which the function vanishes on the axis."""
+        return tuple(zero for part in self.table for zero in part.zeros)
+
+    @property
+    def limit(self) -> float:
+        """The phase for v -> infinity."""
+        return float(self.table[-1].phase[-1])
+
+    def at(self, v: float) -> float:
+        """The phase at a slowness v > 0."""
+        for part in self.table:
+            right = part.stretch.right
+            if part.stretch.left < v and (right is None or v < right):
+                near = float(np.interp(part.stretch.coordinate(v), part.x, part.phase))
+                angle = float(np.angle(self.function(self.compliance.on_cut(np.array([v])))[0]))
+                return angle + 2 * np.pi * round((near - angle) / (2 * np.pi))
+        return next(float(part.phase[0]) for part in self.table if part.stretch.left == v)
+
+    def on(self, stretch: Stretch, x: Array) -> Array:
+        """The phase at coordinates x (n,) of a stretch between two wave fronts."""
+        part = next(one for one in self.table if one.stretch == stretch)
+        near, angle = np.interp(x, part.x, part.phase), np.angle(self._on(stretch, x))
+        return np.asarray(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))
+
+    @cached_property
+    def sharp_turns(self) -> tuple[float, ...]:
+        """Slownesses at which the phase turns fastest, by more than `_SHARP` per unit of x: real
+        parts of zeros on other sheets that hide next to the cut."""
+        found = []
+        for part in self.table:
+            rate = np.abs(np.diff(part.phase) / np.diff(part.x))
+            for top in np.flatnonzero((rate[1:-1] > _SHARP) & _is_peak(rate)) + 1:
+                # Neighbouring points are about as far apart as the zero is from the cut.
+                fine = np.linspace(part.x[top - 1], part.x[top + 2], _CLOSER)
+                values = self._on(part.stretch, fine)
+                fastest = int(np.argmax(np.abs(np.angle(values[1:] / values[:-1]))))
+                place = (fine[fastest] + fine[fastest + 1]) / 2
+                found.append(float(part.stretch.at(np.array([place])).v[0]))
+        return tuple(found)
+
+    def _resolved(self, stretch: Stretch) -> tuple[Array, Complex]:
+        """Points on a stretch between which the function turns little, and its direction there;
+        about a zero on the cut they come as near as `_NARROWEST`."""
+        x = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
+        values = self._on(stretch, x)
+        while True:
+            turns, widths = np.abs(np.angle(values[1:] / values[:-1])), np.diff(x)
+            wide = np.flatnonzero((turns > _LARGEST_TURN) & (widths > _NARROWEST))
+            if not len(wide):
+                return x, values
+            between = (x[wide] + x[wide + 1]) / 2
+            x = np.insert(x, wide + 1, between)
+            values = np.insert(values, wide + 1, self._on(stretch, between))
+
+    def _on(self, stretch: Stretch, x: Array) -> Complex:
+        """Direction of the function at points; beside a point where it vanishes exactly."""
+        points = stretch.at(x)
+        from_fronts = stretch.minus(points, self.compliance.fronts)
+        values = self.function(self.compliance.on_cut(points.v, from_fronts))
+        size = np.abs(values)
+        if not size.all():
+            return self._on(stretch, np.where(size, x, x + _BESIDE))
+        return np.asarray(values / size)
+
+
+def _is_peak(rate: Array) -> np.ndarray:
+    """Which of the inner values (n,) are larger than both neighbours, (n - 2,)."""
+    return np.asarray((rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:]))
+
+
+@dataclass(frozen=True)
+class SlipPhase:
+    """Phase of K + eta, K = (A + s f k D) / (A B + k^2 D^2): of traction less friction over slip.
+
+    Attributes
+    ----------
+    numerator, denominator : CutPhase
+        Of (A + s f k D + eta (A B + k^2 D^2)) R_1 R_2 and (A B + k^2 D^2) R_1 R_2.
+    """
+
+    numerator: CutPhase
+    denominator: CutPhase
+
+    @property
+    def limit(self) -> float:
+        """The phase for v -> infinity."""
+        return self.numerator.limit - self.denominator.limit
+
+    def at(self, v: float) -> float:
+        """The phase at a slowness v > 0."""
+        return self.numerator.at(v) - self.denominator.at(v)
+
+    def on(self, stretch: Stretch, x: Array) -> Array:
+        """The phase at coordinates x (n,) of a stretch between two wave fronts."""
+        return self.numerator.on(stretch, x) - self.denominator.on(stretch, x)
+
+    def is_regular(self, friction: float) -> bool:
+        """Whether no wave that runs ahead of slip grows: theta_K / pi tends to 1/2 +
+        arctan(s f beta) / pi then, and to 2 less for each such wave."""
+        compliance = self.numerator.compliance
+        expected = np.pi / 2 + np.arctan(friction * compliance.dundurs)
+        return bool(abs(self.limit - expected) < _TURN_ERROR)
+
+
+def slip_phase(compliance: Compliance, friction: float, resistance: float = 0.0) -> SlipPhase:
+    """Phase of K + eta.
+
+    Parameters
+    ----------
+    friction : float
+        s f, the friction coefficient with the sense of slip.
+    resistance : float
+        eta, traction that a viscous film takes per relative slip rate.
+    """
+
+    def numerator(entries: Entries) -> Complex:
+        value = entries.frictional(friction)
+        return np.asarray(value + resistance * entries.determinant)
+
+    return SlipPhase(CutPhase(compliance, numerator), bonded_phase(compliance))
+
+
+def bonded_phase(compliance: Compliance) -> CutPhase:
+    """Phase of (A B + k^2 D^2) R_1 R_2, which vanishes for waves of a bonded interface."""
+    return CutPhase(compliance, lambda entries: entries.determinant)
+
+
+def rayleigh_phases(compliance: Compliance) -> tuple[CutPhase, CutPhase]:
+    """Phases of R_1 and R_2, which vanish for the Rayleigh waves of the free bodies."""
+    return (
+        CutPhase(compliance, lambda entries: entries.rayleighs[0]),
+        CutPhase(compliance, lambda entries: entries.rayleighs[1]),
+    )
+
+
+def contact_phase(compliance: Compliance, friction: float) -> CutPhase:
+    """Phase of Phi R_1 R_2, Phi = A + s f k D, which vanishes for waves of a sliding interface."""
+    return CutPhase(compliance, lambda entries: entries.frictional(friction))

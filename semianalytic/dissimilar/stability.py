@@ -1,0 +1,196 @@
+"""Whether friction between two given bodies has an answer, in the units of the bodies.
+
+Uniform sliding under Coulomb friction is unstable between many pairs of bodies: waves along the
+interface grow, the shorter the faster, and no grid and no computation has a limit then (Adams
+1995; Ranjith and Rice 2001).  `sliding_stability` tells this before anything is solved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from semianalytic.dissimilar.compliance import compliance_of
+from semianalytic.dissimilar.delay import fastest_delayed_growth
+from semianalytic.dissimilar.growth import growing_waves
+from semianalytic.dissimilar.pair import check_contrast
+from semianalytic.dissimilar.thresholds import (
+    LEAST_FRICTION,
+    generalised_rayleigh_speed,
+    growth_threshold,
+    stoneley_speed,
+)
+from semianalytic.scene.checks import checked_number, shown
+from semianalytic.scene.errors import SceneError
+from semianalytic.scene.scene import Material
+
+_LARGEST_CONTRAST = 1e10
+"""Of moduli or densities: there the threshold of a rigid body, 1, still has eight digits."""
+
+
+@dataclass(frozen=True)
+class SlidingWave:
+    """A wave along a sliding interface whose amplitude grows.
+
+    Attributes
+    ----------
+    growth : float
+        Growth rate over wave number [length / time]: a wave of wavelength L grows by a factor of e
+        in L / (2 pi growth).
+    velocity : float
+        Velocity of the crests [length / time], positive in the direction in which the upper body
+        slides.
+    per_wavelength : float
+        Factor by which the amplitude grows while the wave runs one wavelength.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
+    >>> (wave,) = sa.sliding_stability(gouge, rock, 0.6).waves
+    >>> round(wave.velocity), round(wave.per_wavelength, 3)  # in m/s, with the upper body
+    (2416, 1.053)
+    """
+
+    growth: float
+    velocity: float
+    per_wavelength: float
+
+
+@dataclass(frozen=True)
+class SlidingStability:
+    """What is known about sliding of two bodies on one another before a scene is solved.
+
+    Attributes
+    ----------
+    upper, lower : Material
+    friction : float
+    dundurs : float
+        Dundurs' parameter beta, the static coupling of slip and pressure; 0 for identical bodies.
+    generalised_rayleigh_speed : float or None
+        Speed of the wave along a closed interface without friction [length / time]; where there is
+        one, friction is unstable at any coefficient.
+    stoneley_speed : float or None
+        Speed of the wave along a bonded interface [length / time].
+    threshold_with, threshold_against : float
+        Friction coefficients above which waves grow that run in the direction in which the upper
+        body slides, and in the other one; 0 where every coefficient lets them grow, inf where none
+        does.
+    waves : tuple of SlidingWave
+        All that grow at this friction, the fastest growing first.
+    delayed_growth : float or None
+        G: if friction follows pressure with a delay t*, d(sigma')/dt = (sigma - sigma') / t*, no
+        wave grows faster than exp(G t / t*), and one does so; None where nothing grows.  A delay
+        may let waves grow that decay without it.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
+    >>> known = sa.sliding_stability(gouge, rock, 0.6)
+    >>> known.well_posed, round(known.threshold, 4)
+    (False, 0.5314)
+    """
+
+    upper: Material
+    lower: Material
+    friction: float
+    dundurs: float
+    generalised_rayleigh_speed: float | None
+    stoneley_speed: float | None
+    threshold_with: float
+    threshold_against: float
+    waves: tuple[SlidingWave, ...]
+    delayed_growth: float | None
+
+    @property
+    def well_posed(self) -> bool:
+        """Whether no wave grows, so that sliding in either sense has an answer."""
+        return not self.waves
+
+    @property
+    def threshold(self) -> float:
+        """Friction coefficient below which no wave grows, 0 if below 1e-6."""
+        limit = min(self.threshold_with, self.threshold_against)
+        return limit if limit > LEAST_FRICTION else 0.0
+
+    @property
+    def verdict(self) -> str:
+        """One sentence: whether waves grow, how fast, and what would end that."""
+        if self.well_posed:
+            bounded = self.threshold < np.inf
+            under = f"friction below {self.threshold:.4g}" if bounded else "any friction"
+            return f"well posed: no wave grows while these bodies slide under {under}."
+        wave = self.waves[0]
+        way = "with" if wave.velocity > 0 else "against"
+        end = f"lower it below {self.threshold:.3g}" if self.threshold else "no friction is too low"
+        sentence = (
+            f"ill-posed: waves that run {way} the upper body grow by "
+            f"{100 * (wave.per_wavelength - 1):.3g} % over every wavelength, however short; {end}"
+        )
+        if self.delayed_growth:
+            sentence += (
+                ", or let friction follow pressure with a delay t*, under which waves grow by a "
+                f"factor of e in {1 / self.delayed_growth:.3g} t* at the fastest"
+            )
+        return f"{sentence}."
+
+
+def sliding_stability(upper: Material, lower: Material, friction: float) -> SlidingStability:
+    """Tell whether waves grow while two bodies slide on one another under Coulomb friction.
+
+    Parameters
+    ----------
+    upper, lower : Material
+        The solids on y > 0 and y < 0.
+    friction : float
+        Coulomb friction coefficient f > 0.
+
+    Returns
+    -------
+    SlidingStability
+
+    Raises
+    ------
+    SceneError
+        If a body is no `Material`, friction is not positive, or the bodies differ by more than 1e10
+        in modulus or density.
+    ComputationError
+        If fewer growing waves are found than the principle of the argument counts.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
+    >>> known = sa.sliding_stability(gouge, rock, 0.4)
+    >>> known.verdict
+    'well posed: no wave grows while these bodies slide under friction below 0.5314.'
+    """
+    for name, body in (("upper", upper), ("lower", lower)):
+        if not isinstance(body, Material):
+            raise SceneError(f"pair: {name} must be a Material, got {shown(body)}.")
+    friction = checked_number(
+        "pair: friction", friction, "be positive and finite", lambda given: given > 0
+    )
+    check_contrast(upper, lower, _LARGEST_CONTRAST)
+    compliance, unit = compliance_of(upper, lower), upper.shear_speed
+    rayleigh, stoneley = generalised_rayleigh_speed(compliance), stoneley_speed(compliance)
+    delayed = fastest_delayed_growth(compliance, friction)
+    return SlidingStability(
+        upper,
+        lower,
+        friction,
+        compliance.dundurs,
+        None if rayleigh is None else rayleigh * unit,
+        None if stoneley is None else stoneley * unit,
+        float(growth_threshold(compliance, 1)),
+        float(growth_threshold(compliance, -1)),
+        tuple(
+            SlidingWave(
+                wave.growth * unit, wave.velocity * unit, float(np.exp(wave.per_wavelength))
+            )
+            for wave in growing_waves(compliance, friction)
+        ),
+        None if delayed is None else delayed.rate,
+    )

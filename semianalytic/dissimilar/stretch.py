@@ -1,0 +1,104 @@
+"""Stretches of the cut between wave fronts and zone edges, and points on them.
+
+Points are given by x with v = left + (right - left) / (1 + exp(-x)), or v = left (1 + exp(x)) on
+the stretch that has no right end.  Powers and logarithms of the distances from both ends become
+exponentials in x, and distances from the ends are exact however small.  A complex x with
+-pi < Im x < 0 is a point k = -v of the upper half-plane: the strip covers all of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.halfplane.rayleigh import Array
+
+Values = NDArray[Any]
+"""Real, or complex off the cut."""
+
+
+@dataclass(frozen=True)
+class Points:
+    """Slownesses on a stretch with their distances from its ends.
+
+    Attributes
+    ----------
+    x : (n,) array
+        Coordinate on the stretch.
+    v : (n,) array
+    from_left, to_right : (n,) arrays
+        v - left and right - v; the latter is inf where there is no right end.
+    """
+
+    x: Values
+    v: Values
+    from_left: Values
+    to_right: Values
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """The slownesses left < v < right; right None: without end."""
+
+    left: float
+    right: float | None
+
+    def at(self, x: Values) -> Points:
+        """The points of coordinates x (n,)."""
+        if self.right is None:
+            from_left = self.left * np.exp(x)
+            return Points(x, self.left + from_left, from_left, np.full(x.shape, np.inf))
+        width = self.right - self.left
+        near_left = x.real < 0
+        small = np.exp(np.where(near_left, x, -x))  # at most 1 in modulus
+        near, far = width * small / (1 + small), width / (1 + small)
+        from_left = np.where(near_left, near, far)
+        to_right = np.where(near_left, far, near)
+        v = np.where(near_left, self.left + from_left, self.right - to_right)
+        return Points(x, v, from_left, to_right)
+
+    @property
+    def lead(self) -> float:
+        """How much further in x the neighbourhood of the left end begins where the right end is
+        many times its slowness: at v = 2 left, not in the middle."""
+        return 0.0 if self.right is None else max(0.0, float(np.log(self.right / self.left - 1)))
+
+    def slope(self, points: Points) -> Values:
+        """dv/dx at points, (n,)."""
+        if self.right is None:
+            return points.from_left
+        return np.asarray(points.from_left * points.to_right / (self.right - self.left))
+
+    def minus(self, points: Points, ends: Array) -> Values:
+        """(e, n): the points less each of `ends` (e,), none of which lies inside the stretch."""
+        column = np.asarray(ends, dtype=float)[:, None]
+        if self.right is None:
+            return np.asarray((self.left - column) + points.from_left)
+        near_left = points.x.real < 0
+        return np.asarray(
+            np.where(
+                near_left | (column == self.left),
+                (self.left - column) + points.from_left,
+                (self.right - column) - points.to_right,
+            )
+        )
+
+    def coordinates(self, v: Array) -> Array:
+        """The x of slownesses (n,) from left on; -inf at left."""
+        beyond = self.left if self.right is None else self.right - v
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log((v - self.left) / beyond))
+
+    def coordinate(self, v: float) -> float:
+        """The x of a slowness inside the stretch."""
+        beyond = self.left if self.right is None else self.right - v
+        return float(np.log((v - self.left) / beyond))
+
+
+def stretches(ends: Sequence[float]) -> list[Stretch]:
+    """The stretches between slownesses in increasing order, and the last one without end."""
+    return [Stretch(left, right) for left, right in zip(ends, [*ends[1:], None], strict=True)]

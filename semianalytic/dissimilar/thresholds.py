@@ -1,0 +1,113 @@
+"""Speeds of waves along an interface without friction or slip, and friction at which waves grow.
+
+Speeds are in units of c_t of the upper body.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from semianalytic.dissimilar.compliance import Complex, Compliance, Entries
+from semianalytic.dissimilar.growth import count_growing
+from semianalytic.dissimilar.phase import bonded_phase, contact_phase
+from semianalytic.dissimilar.stretch import Stretch, stretches
+from semianalytic.halfplane.rayleigh import Array
+
+LEAST_FRICTION = 1e-6
+"""Thresholds below are none: no interface is that smooth."""
+_REACH, _STEP = 38.0, 0.02
+"""Of x on a stretch, on which crossings are looked for: at half the step 200 random pairs had the
+same thresholds, at five times the step one of them differed."""
+_DECOUPLED = 1e-12
+"""k D over A below which no friction lets waves grow: beside zeros of k D rounding decides."""
+_BESIDE = 1e-4
+"""Relative distance in friction from a crossing at which growing waves are counted: between two
+crossings nearer than that none is resolved."""
+
+
+def generalised_rayleigh_speed(compliance: Compliance) -> float | None:
+    """Speed of the wave along a closed interface without friction, A(k) = 0; None without one.
+
+    It is slower than all body waves.  Where it exists every friction coefficient lets waves grow
+    (Ranjith and Rice 2001).
+    """
+    return _slow_zero(compliance, contact_phase(compliance, 0.0).zeros)
+
+
+def stoneley_speed(compliance: Compliance) -> float | None:
+    """Speed of the wave along a bonded interface, A B + k^2 D^2 = 0; None without one."""
+    return _slow_zero(compliance, bonded_phase(compliance).zeros)
+
+
+def _slow_zero(compliance: Compliance, zeros: tuple[float, ...]) -> float | None:
+    slow = [1 / v for v in zeros if v > compliance.last]
+    return slow[0] if slow else None
+
+
+def growth_threshold(compliance: Compliance, direction: int) -> float:
+    """Friction coefficient above which waves grow that run in a direction.
+
+    Parameters
+    ----------
+    direction : +1 or -1
+        The direction in which the upper body slides, f_+, or the other one, f_-.
+
+    Returns
+    -------
+    float
+        0 where every coefficient lets waves grow, inf where none does.
+    """
+    # Waves towards +x while the upper body slides towards +x are those towards -x of a mirrored
+    # interface; slip of the other sense changes the sign of friction.
+    crossings = [f * direction for f in friction_crossings(compliance) if f * direction > 0]
+    low = 0.0
+    for f in [*sorted(crossings), np.inf]:
+        middle = (1 + low) * 2 if f == np.inf else np.sqrt(max(low, f * _BESIDE) * f)
+        if count_growing(compliance, direction * middle):
+            return low
+        low = f
+    return np.inf
+
+
+def friction_crossings(compliance: Compliance) -> Array:
+    """All s f at which A + s f k D vanishes on the cut k = -v + i0, in increasing order.
+
+    There a wave that runs towards +x turns from decaying to growing or back.
+    """
+    if compliance.upper == compliance.lower:
+        return np.zeros(0)
+    found: list[float] = []
+    for stretch in stretches(compliance.distinct_fronts):
+        found += _crossings_on(compliance, stretch)
+    return np.sort(found)
+
+
+def _crossings_on(compliance: Compliance, stretch: Stretch) -> list[float]:
+    """The same on one stretch of the cut, by Im(A / (k D)) = 0."""
+    from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
+
+    def ratio(x: Array) -> Complex:
+        points = stretch.at(x)
+        entries = compliance.on_cut(points.v, stretch.minus(points, compliance.fronts))
+        return _without_poles(entries)
+
+    def turned(x: float) -> float:
+        return float(ratio(np.array([x]))[0].imag)
+
+    x = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
+    sign = np.sign(ratio(x).imag)
+    found = []
+    for i in np.flatnonzero(sign[1:] * sign[:-1] < 0):
+        root = np.array([brentq(turned, x[i], x[i + 1], xtol=1e-14)])
+        entries = compliance.on_cut(
+            stretch.at(root).v, stretch.minus(stretch.at(root), compliance.fronts)
+        )
+        if abs(entries.coupling[0]) > _DECOUPLED * abs(entries.normal[0]):
+            found.append(float((-entries.normal / entries.coupling).real[0]))
+    return found
+
+
+def _without_poles(entries: Entries) -> Complex:
+    """A / (k D) times |k D|^2 > 0, over |A|^2 + |k D|^2."""
+    scale = np.abs(entries.normal) ** 2 + np.abs(entries.coupling) ** 2
+    return np.asarray(entries.normal * entries.coupling.conj() / scale)

@@ -1,0 +1,289 @@
+"""Exact answers without a slot: over-stressed half-line, patch and point of a closed interface.
+
+Two half-planes touch along the whole line y = 0 and never part.  Of slip V and its traction
+F = tau + s f sigma only F = -K W is left, K = (A + s f k D) / (A B + k^2 D^2): F is real on the cut
+where the interface slips, and F / K where it sticks.  So everything follows from one canonical
+function,
+
+    X(k) = exp(-(1/pi) int^{u_1} theta(w) dw / (w + k) - (1/pi) int^{u_2} theta'(w) dw / (w - k)),
+
+with theta the phase of K on k = -v + i0, theta' that of the bodies exchanged (waves to the left),
+u_1 and u_2 the slownesses of the edges of slip to the right and left (docs/dissimilar.md, "Without
+a slot").  Speeds are over c_t of the upper body, tractions over what drives slip.
+
+Tension between the bodies, where one of these answers has any, would part them: the point has
+always some beside itself, the half-line none but exponentially close to its end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.dissimilar.compliance import Compliance
+from semianalytic.dissimilar.phase import SlipPhase, slip_phase
+from semianalytic.dissimilar.stretch import Stretch, stretches
+from semianalytic.halfplane.rayleigh import Array, gauss
+from semianalytic.scene.errors import SceneError
+
+_REACH, _PIECE, _POINTS = 36.0, 1.5, 12
+"""Of x on a stretch, the length of a piece of it, and Gauss points on that: theta is analytic but
+for hidden zeros, and half the length changes no digit of the speeds in docs/dissimilar.md."""
+_SHARPER = 8
+"""Times shorter are pieces within 3 of a hidden zero."""
+_TOO_FAST = (
+    "no edge of slip is slower than all waves: slip runs ahead of them, or does not spread; make "
+    "what is missing to friction larger, or less than what drives slip."
+)
+_TO_PATCH = 16.0
+"""Of x towards the end of a patch, where nothing of the edge conditions is left to find."""
+_SPACING, _ETA_STEP = 0.25, 0.15
+"""Of x in the integral of slip rate, and of ln eta."""
+_SLOWEST = 1e8
+"""Slowness over that of the slowest wave beyond which no edge is looked for."""
+
+
+RealFunction = Callable[[float], float]
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseIntegrals:
+    """Integrals of theta over slowness, from the first wave to any edge.
+
+    Attributes
+    ----------
+    phase : SlipPhase
+    """
+
+    phase: SlipPhase
+
+    def nodes(self, stop: float) -> tuple[Array, Array, Array]:
+        """Slownesses up to `stop`, theta dw with weights of quadrature, and `stop` less them."""
+        compliance = self.phase.numerator.compliance
+        sharp = {*self.phase.numerator.sharp_turns, *self.phase.denominator.sharp_turns}
+        points, weights, distances = [], [], []
+        for whole in stretches(compliance.distinct_fronts):
+            if whole.left >= stop:
+                break
+            ends_there = whole.right is None or stop < whole.right
+            stretch = Stretch(whole.left, stop) if ends_there else whole
+            ends = _pieces(stretch, sorted(sharp))
+            t, weight = gauss(_POINTS)
+            x = (ends[:-1, None] + np.diff(ends)[:, None] * t).ravel()
+            dx = (np.diff(ends)[:, None] * weight).ravel()
+            at = stretch.at(x)
+            beyond = whole.left if whole.right is None else whole.right - at.v
+            there = np.log(at.from_left / beyond) if ends_there else x
+            points.append(at.v)
+            distances.append(at.to_right if ends_there else stop - at.v)
+            weights.append(dx * np.asarray(stretch.slope(at)) * self.phase.on(whole, there))
+        if not points:
+            return np.zeros(0), np.zeros(0), np.zeros(0)
+        return np.concatenate(points), np.concatenate(weights), np.concatenate(distances)
+
+    def over(self, stop: float, kernel: Callable[[Array], Array]) -> float:
+        """(1/pi) int theta(w) kernel(w) dw up to `stop`."""
+        w, weight, _ = self.nodes(stop)
+        return float(weight @ kernel(w) / np.pi)
+
+    @cached_property
+    def fastest(self) -> float:
+        """The slowness behind which theta is positive: faster edges of slip do not lead it."""
+        part = self.phase.numerator.table[-1]
+        phase = self.phase.on(part.stretch, part.x)
+        behind = np.flatnonzero(phase <= 0)
+        first = part.x[behind[-1] + 1] if len(behind) else part.x[0]
+        return float(part.stretch.at(np.array([first])).v[0])
+
+    def root(self, function: RealFunction, limit: float = np.inf) -> tuple[float, bool]:
+        """The slowness from `fastest` to a limit at which a function vanishes, and True.
+
+        Without one that end at which it is less, and False.
+        """
+        from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
+
+        front = Stretch(self.fastest, None if limit == np.inf else limit)
+        ends = (-_REACH, np.log(_SLOWEST) if limit == np.inf else _TO_PATCH)
+
+        def slowness(x: float) -> float:
+            return float(front.at(np.array([x])).v[0])
+
+        values = [function(slowness(x)) for x in ends]
+        if values[0] * values[1] > 0:
+            return slowness(ends[int(abs(values[1]) < abs(values[0]))]), False
+        return slowness(brentq(lambda x: function(slowness(x)), *ends, xtol=1e-13)), True
+
+
+def _pieces(stretch: Stretch, sharp: list[float]) -> Array:
+    """Ends of pieces of a stretch in x, shorter about hidden zeros."""
+    # Twice as far towards an edge: what is left out there is a root of the distance.
+    ends = np.arange(-_REACH, 2 * _REACH + _PIECE, _PIECE)
+    for v in sharp:
+        if stretch.left < v and (stretch.right is None or v < stretch.right):
+            x = float(stretch.coordinate(v))
+            near = x + np.linspace(-3.0, 3.0, int(6 * _SHARPER / _PIECE) + 1)
+            ends = np.concatenate([ends, near[np.abs(near) < _REACH]])
+    return np.unique(ends)
+
+
+def half_line_speed(compliance: Compliance, friction: float, ratio: float) -> float:
+    """Speed of the edge of slip ahead of a half-line that is stressed beyond friction.
+
+    On x < 0 the interface slips at once, and slip runs out along x > 0:
+    (1/pi) int theta(w) dw / w up to 1 / speed is ln(1 + chi).
+
+    Parameters
+    ----------
+    friction : float
+        s f, the friction coefficient with the sense of slip.
+    ratio : float
+        chi >= 0, what is missing to friction on x > 0 over what is too much on x < 0.
+
+    Raises
+    ------
+    SceneError
+        If a wave that runs ahead grows, so that there is no answer.
+    """
+    phase = _well_posed(compliance, friction)
+    integrals, wanted = PhaseIntegrals(phase), float(np.log1p(ratio))
+    edge, found = integrals.root(lambda u: integrals.over(u, lambda w: 1 / w) - wanted)
+    if not found:
+        raise SceneError(_TOO_FAST)
+    return 1 / edge
+
+
+def half_line_exponent(compliance: Compliance, friction: float, speed: float) -> float:
+    """Exponent 1 - theta / pi of slip rate at an edge of slip of a speed."""
+    return 1 - slip_phase(compliance, friction).at(1 / speed) / np.pi
+
+
+def half_line_slip_rate(
+    compliance: Compliance, friction: float, ratio: float, velocity: ArrayLike
+) -> Array:
+    """Relative slip rate ahead of such a half-line at x/t = velocity > 0, over what is too much and
+    missing together and over the impedance mu / c_t of the upper body.
+
+    dV/dv = -X(-v) Im(1/K) / (pi v).
+    """
+    speed = half_line_speed(compliance, friction, ratio)
+    integrals = PhaseIntegrals(_well_posed(compliance, friction))
+    _, weight, distance = integrals.nodes(1 / speed)
+    velocity = np.asarray(velocity, dtype=float)
+    rates = [
+        _slip_rate_behind(compliance, friction, (weight, distance), 1 / speed, 1 / one)
+        if one < speed
+        else 0.0
+        for one in velocity.ravel()
+    ]
+    return np.array(rates).reshape(velocity.shape)
+
+
+def _slip_rate_behind(
+    compliance: Compliance, friction: float, known: tuple[Array, Array], start: float, stop: float
+) -> float:
+    """The integral of dV/dv from the edge to a slowness behind it."""
+    (weight, distance), total = known, 0.0
+    ends = [start, *(v for v in compliance.distinct_fronts if start < v < stop), stop]
+    x = np.arange(-2 * _REACH, _REACH, _SPACING)  # both ends of a stretch are algebraic
+    for left, right in pairwise(ends):
+        stretch = Stretch(left, right)
+        at = stretch.at(x)
+        from_edge = np.asarray(stretch.minus(at, np.array([start]))[0])
+        canonical = np.exp(-(weight / -(distance + from_edge[:, None])).sum(axis=1) / np.pi)
+        entries = compliance.on_cut(at.v, stretch.minus(at, compliance.fronts))
+        mobility = (entries.determinant / entries.frictional(friction)).imag
+        slope = -canonical * mobility / (np.pi * at.v) * np.asarray(stretch.slope(at))
+        total += _SPACING * float(slope.sum())
+    return total
+
+
+def point_speeds(compliance: Compliance, friction: float, drop: float) -> tuple[float, float]:
+    """Speeds of the edges to the right and left of slip that a growing point force sustains.
+
+    F_0 t delta(x) on an interface at rest: int theta = int theta' up to the edges, and
+    d / F_0 = (1/pi) int_0^inf (1 - Re X(i eta)) d eta, with X tending to 1.
+
+    Parameters
+    ----------
+    friction : float
+        s f, the friction coefficient with the sense of slip.
+    drop : float
+        d c_t / F_0, d being what is missing to friction.
+    """
+    return _two_edges(compliance, friction, drop, None)
+
+
+def patch_speeds(
+    compliance: Compliance, friction: float, drop: float, speed: float
+) -> tuple[float, float]:
+    """Speeds of the edges to the right and left of slip around a growing over-stressed patch.
+
+    Tractions on |x| < w t exceed those around by S: with e = 1/w, X(e) = X(-e) and
+    1 - d / S = (2 e / (pi X(e))) int_0^inf Re X(i eta) / (e^2 + eta^2) d eta.
+
+    Parameters
+    ----------
+    drop : float
+        d / S, what is missing to friction outside over the excess, between 0 and 1.
+    speed : float
+        w, over c_t of the upper body.
+    """
+    return _two_edges(compliance, friction, drop, 1 / speed)
+
+
+def _two_edges(
+    compliance: Compliance, friction: float, drop: float, end: float | None
+) -> tuple[float, float]:
+    """Speeds to the right and left; `end` is the slowness of a patch's end, None for a point."""
+    if not drop > 0 or (end is not None and not drop < 1):
+        raise SceneError(f"drop: must be positive, and less than 1 for a patch, got {drop}.")
+    right = PhaseIntegrals(_well_posed(compliance, friction))
+    left = PhaseIntegrals(_well_posed(compliance.mirrored, friction))
+    y = np.arange(-_REACH, _REACH, _ETA_STEP)
+    eta, limit = compliance.last * np.exp(y), end or np.inf
+
+    def balance(w: Array) -> Array:
+        return np.ones_like(w) if end is None else end / ((end - w) * (end + w))
+
+    def other_edge(edge: float) -> tuple[float, bool]:
+        wanted = right.over(edge, balance)
+        return left.root(lambda u: left.over(u, balance) - wanted, limit)
+
+    def missing(edge: float) -> float:
+        """How far the traction at the middle is from what slips."""
+        w, weight, _ = right.nodes(edge)
+        v, other, _ = left.nodes(other_edge(edge)[0])
+        sums = (weight / (w + 1j * eta[:, None])).sum(axis=1)
+        sums = sums + (other / (v - 1j * eta[:, None])).sum(axis=1)
+        below_one = -np.expm1(-sums / np.pi).real  # 1 - Re X falls like 1 / eta^2
+        if end is None:
+            return float(_ETA_STEP / np.pi * (eta @ below_one)) - drop
+        at_end = np.exp(-(weight @ (1 / (w + end)) + other @ (1 / (v - end))) / np.pi)
+        share = 2 * end / (np.pi * at_end)
+        return (
+            1
+            - drop
+            - float(_ETA_STEP * share * (eta @ ((1 - below_one) / (end * end + eta * eta))))
+        )
+
+    edge, found = right.root(missing, limit)
+    other, balanced = other_edge(edge)
+    if not (found and balanced):
+        raise SceneError(_TOO_FAST)
+    return 1 / edge, 1 / other
+
+
+def _well_posed(compliance: Compliance, friction: float) -> SlipPhase:
+    """The phase of K, or a SceneError where a wave that runs ahead grows."""
+    phase = slip_phase(compliance, friction)
+    if not phase.is_regular(friction):
+        raise SceneError(
+            f"friction {abs(friction):.4g} lets waves grow that run ahead of slip: there is no "
+            "answer (docs/dissimilar.md)."
+        )
+    return phase

@@ -1,0 +1,178 @@
+"""Which zones to try next where solved ones break the law of contact."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from semianalytic.dissimilar_slot.admissible import Violation
+from semianalytic.dissimilar_slot.placement import Placement
+from semianalytic.dissimilar_slot.zones import Zone, edges_of, joined, moved, neighbours
+
+_AT_FRONT, _BEYOND_FRONT = 1e-4, 0.1
+"""Relative distance in slowness of an edge that ran into a wave front, and where it is started on
+the other side, over the distance of the next front."""
+_MET = 1e-3
+"""Relative width of a gap or a zone that Newton's method has all but closed."""
+_PARTED = 1e-3
+"""Half of the relative width of stick put between slip of either sense."""
+_NEAR = 1e-6
+"""Relative distance in slowness of what touches."""
+
+
+def corrected(zones: Sequence[Zone], violations: Sequence[Violation]) -> tuple[Zone, ...]:
+    """Zones without what slips or opens the wrong way; if there is none of that, with openings
+    where the contact would pull; and if there is none of that either, with slip where traction
+    exceeds friction."""
+    wrong = [one for one in violations if one.kind in ("reversed", "overlap")]
+    pulled = [one for one in violations if one.kind == "pull"]
+    result = list(zones)
+    if wrong:
+        for one in sorted(wrong, key=lambda one: -one.left):
+            _cut(result, one)
+    elif pulled:
+        widest = max(pulled, key=_extent)
+        _open(result, widest)
+    else:
+        for one in sorted(violations, key=lambda one: -one.left):
+            _slip(result, one)
+    return _tidy(result)
+
+
+def _tidy(zones: Sequence[Zone]) -> tuple[Zone, ...]:
+    """Neighbouring slip of one sense made one zone, and of either sense parted by stick."""
+    result: list[Zone] = []
+    for zone in zones:
+        last = result[-1] if result else None
+        if last is None or zone.open or last.open or not joined(last, zone):
+            result.append(zone)
+        elif last.sense == zone.sense:
+            result[-1] = replace(last, right=zone.right)
+        else:
+            result[-1] = replace(last, right=zone.left * (1 - _PARTED))
+            result.append(replace(zone, left=zone.left * (1 + _PARTED)))
+    return tuple(result)
+
+
+def _extent(one: Violation) -> float:
+    """Ratio of the ends of an interval; those that reach the contact edge are widest."""
+    return float("inf") if one.right is None else one.right / max(one.left, 1e-300)
+
+
+def _at(one: float | None, other: float | None) -> bool:
+    """Whether two slownesses are the same edge."""
+    if one is None or other is None:
+        return one is other
+    return abs(one - other) < _NEAR * other
+
+
+def _cut(zones: list[Zone], wrong: Violation) -> None:
+    """Take an interval out of its zone; next to an opening the sense of slip is turned."""
+    index = wrong.zone
+    zone = zones[index]
+    from_left, to_right = _at(wrong.left, zone.left), _at(wrong.right, zone.right)
+    before = index > 0 and joined(zones[index - 1], zone)
+    after = index + 1 < len(zones) and joined(zone, zones[index + 1])
+    if not zone.open and from_left and to_right and (before or after):
+        zones[index] = replace(zone, sense=-zone.sense)
+        if after and zones[index + 1].open:
+            zones[index + 1] = replace(zones[index + 1], sense=-zone.sense)
+    elif from_left and to_right:
+        del zones[index]
+    elif from_left and wrong.right is not None and not before:
+        zones[index] = replace(zone, left=wrong.right)
+    elif to_right and not after and zone.right is not None:
+        zones[index] = replace(zone, right=wrong.left)
+    elif zone.open:
+        _close(zones, index, wrong)
+    else:
+        inner = [] if wrong.right is None else [replace(zone, left=wrong.right)]
+        zones[index : index + 1] = [replace(zone, right=wrong.left), *inner]
+
+
+def _close(zones: list[Zone], index: int, overlap: Violation) -> None:
+    """Slip in place of a negative gap."""
+    zone = zones[index]
+    slip = Zone(overlap.left, overlap.right, zone.sense)
+    parts = [slip]
+    if not _at(overlap.left, zone.left):
+        parts.insert(0, replace(zone, right=overlap.left))
+    elif index > 0 and joined(zones[index - 1], zone):
+        zones[index - 1] = replace(zones[index - 1], right=overlap.right)
+        parts = []
+    if overlap.right is not None and not _at(overlap.right, zone.right):
+        parts.append(replace(zone, left=overlap.right))
+    zones[index : index + 1] = parts
+
+
+def _open(zones: list[Zone], pull: Violation) -> None:
+    """Open an interval of slip."""
+    zone = zones[pull.zone]
+    parts = [Zone(pull.left, pull.right, zone.sense, True)]
+    if not _at(pull.left, zone.left):
+        parts.insert(0, replace(zone, right=pull.left))
+    if pull.right is not None:
+        parts.append(replace(zone, left=pull.right))
+    zones[pull.zone : pull.zone + 1] = parts
+
+
+def _slip(zones: list[Zone], excess: Violation) -> None:
+    """Slip where traction exceeds friction: a neighbour of that sense widened, or a new zone."""
+    for index, zone in enumerate(zones):
+        if zone.open or zone.sense != excess.sense:
+            continue
+        if _at(excess.right, zone.left):
+            zones[index] = replace(zone, left=excess.left)
+            return
+        if zone.right is not None and _at(excess.left, zone.right):
+            zones[index] = replace(zone, right=excess.right)
+            return
+    place = sum(zone.left < excess.left for zone in zones)
+    zones.insert(place, Zone(excess.left, excess.right, excess.sense))
+
+
+def rearranged(placement: Placement) -> tuple[Zone, ...] | None:
+    """What to try where Newton's method did not place the edges of zones; None if nothing.
+
+    An edge that ran into a wave front is started on its other side; zones of one sense that have
+    met become one, and those that have shrunk to nothing are left out.
+    """
+    zones = placement.zones
+    crossed = _across_fronts(placement)
+    if crossed is not None:
+        return crossed
+    gaps = [
+        (other.left / one.right - 1, index)
+        for index, (one, other) in enumerate(pairwise(zones))
+        if one.right is not None and one.sense == other.sense and not (one.open or other.open)
+    ]
+    if gaps and min(gaps)[0] < _MET:
+        index = min(gaps)[1]
+        merged = replace(zones[index], right=zones[index + 1].right)
+        return (*zones[:index], merged, *zones[index + 2 :])
+    for index, (before, zone, after) in enumerate(neighbours(zones)):
+        alone = before is None and after is None
+        if alone and zone.right is not None and zone.right / zone.left - 1 < _MET:
+            return (*zones[:index], *zones[index + 1 :])
+    return None
+
+
+def _across_fronts(placement: Placement) -> tuple[Zone, ...] | None:
+    """The zones with edges that ran into a wave front started behind or ahead of it."""
+    edges = edges_of(placement.zones)
+    ends: list[float | None] = [0.0, *placement.density.interface.compliance.distinct_fronts, None]
+    result, crosses = list(edges), False
+    for index, (edge, segment) in enumerate(
+        zip(edges, placement.coordinates.segments, strict=True)
+    ):
+        left, right = segment
+        if right is not None and right - edge < _AT_FRONT * right:
+            beyond = ends[ends.index(right) + 1]
+            width = right if beyond is None else beyond - right
+            result[index], crosses = right + _BEYOND_FRONT * width, True
+        elif left > 0 and edge - left < _AT_FRONT * left:
+            ahead = ends[ends.index(left) - 1] or 0.0
+            result[index], crosses = left - _BEYOND_FRONT * (left - ahead), True
+    kept = all(one < other for one, other in pairwise(result))
+    return moved(placement.zones, result) if crosses and kept else None

@@ -1,0 +1,338 @@
+"""Slopes of slip and opening rate on given zones: singular equations, solved by least squares.
+
+With q = (dV/dv, dU/dv) on the zones the transforms of the tractions are
+
+    T = Psi z,    z(k) = Psi(0)^(-1) L - k int Psi^T(w) q(w) / n_inf dw / (w + k),
+
+L = (Q_0, -P_0), wherever the zones are.  On the cut C^(-1) = g stands for the rows of the inverse
+compliance, and tractions keep to the law of friction where
+
+    -Re g . q + (1/pi) Im g R(-v) PV int Psi^T(w) q(w) / n_inf dw / (w - v)
+        = -Im g R(-v) z(0) / (pi v)
+
+with g = (1, s f) C^(-1) where the interface slips or is open (tau + s f sigma does not change), and
+g = (0, 1) C^(-1) besides where it is open (nor does sigma); a viscous film adds eta to Re g for V'
+(docs/dissimilar.md, "Densities on the zones").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from semianalytic.dissimilar.canonical import Glued
+from semianalytic.dissimilar.compliance import Complex, Entries
+from semianalytic.dissimilar.stretch import Points, Stretch, Values
+from semianalytic.dissimilar_slot.interface import Interface
+from semianalytic.dissimilar_slot.panels import Panel, Rule, between_nodes, panels_of
+from semianalytic.dissimilar_slot.poles import Pole, poles_on
+from semianalytic.dissimilar_slot.zones import Zone
+from semianalytic.halfplane.rayleigh import Array
+
+_POWER_STEPS = 12
+"""Of the iteration for the smallest singular value: it is known to a tenth then."""
+
+
+@dataclass(frozen=True, eq=False)
+class OnPanel:
+    """What the equations need on one panel, at its nodes and half-way between.
+
+    Attributes
+    ----------
+    panel : Panel
+    rows : (r, m, 2) complex array
+        The vectors g, one where it slips and two where it is open.
+    turned : (r, m, 2) array
+        Im g R(-v).
+    sources : (n, 2, 2) array
+        Psi^T / n_inf at the nodes.
+    entries : Entries
+    rates : (m, 2, 2) array
+        R(-v).
+    poles : tuple of Pole
+        At the Rayleigh waves of the free faces, where it is open.
+    """
+
+    panel: Panel
+    rows: Complex
+    turned: Array
+    sources: Array
+    entries: Entries
+    rates: Array
+    poles: tuple[Pole, ...]
+
+    @property
+    def unknowns(self) -> int:
+        """How many unknowns the panel has."""
+        return self.panel.unknowns + 2 * len(self.poles)
+
+
+@dataclass(frozen=True, eq=False)
+class Density:
+    """Solved densities on zones.
+
+    Attributes
+    ----------
+    interface : Interface
+    glued : Glued
+    zones : tuple of Zone
+    parts : tuple of OnPanel
+    slopes : tuple of (n, 2) arrays
+        dV/dx and dU/dx at the nodes of every panel, times the spacing.
+    amplitudes : tuple of (p, 2) arrays
+        Of both kinds of every pole on every panel.
+    matrix : (m, n) array
+        Of the equations.
+    residual : float
+        Largest residual over the largest right-hand side.
+    """
+
+    interface: Interface
+    glued: Glued
+    zones: tuple[Zone, ...]
+    parts: tuple[OnPanel, ...]
+    slopes: tuple[Array, ...]
+    amplitudes: tuple[Array, ...]
+    matrix: Array
+    residual: float
+
+    @cached_property
+    def constant(self) -> Array:
+        """z(0), (2,)."""
+        interface = self.interface
+        return self.glued.constant(interface.load_shear, interface.load_pressure)
+
+    @cached_property
+    def masses(self) -> Array:
+        """(m, 2): Psi^T q dv / n_inf at the nodes of all panels."""
+        parts = [
+            (part.sources @ slope[:, :, None])[..., 0]
+            for part, slope in zip(self.parts, self.slopes, strict=True)
+        ]
+        return np.concatenate([np.zeros((0, 2)), *parts])
+
+    @cached_property
+    def smallest_singular_value(self) -> float:
+        """That of the equations: well below 0.1 they do not determine the densities."""
+        if not self.parts:
+            return 1.0
+        from scipy.linalg import cho_factor, cho_solve
+
+        normal = self.matrix.T @ self.matrix
+        try:
+            factor = cho_factor(normal)
+        except np.linalg.LinAlgError:
+            return 0.0
+        vector = np.random.default_rng(0).standard_normal(len(normal))
+        for _ in range(_POWER_STEPS):
+            vector = cho_solve(factor, vector / np.linalg.norm(vector))
+        return float(np.linalg.norm(vector) ** -0.5)
+
+    def _on_zone(self, zone: int) -> Iterator[tuple[OnPanel, Array, Array]]:
+        """The panels of a zone with their slopes and amplitudes."""
+        for part, slope, amplitude in zip(self.parts, self.slopes, self.amplitudes, strict=True):
+            if part.panel.zone == zone:
+                yield part, slope, amplitude
+
+    def change(self, zone: int) -> Array:
+        """How much V and U change across a zone, (2,)."""
+        return np.sum([self.panel_change(*on) for on in self._on_zone(zone)], axis=0)
+
+    @staticmethod
+    def panel_change(part: OnPanel, slope: Array, amplitude: Array) -> Array:
+        """How much V and U change across a panel, (2,)."""
+        total = slope.sum(axis=0)
+        for pole, size in zip(part.poles, amplitude, strict=True):
+            total = total + pole.change(np.array([pole.right]))[0] @ size
+        return np.asarray(total)
+
+    def gap_left(self, zone: int) -> float:
+        """Integral of the rate of opening over slowness across an opening that closes: the gap at
+        its end is that over time and slowness."""
+        moment = 0.0
+        for part, slope, amplitude in self._on_zone(zone):
+            moment += float(slope[:, 1] @ part.panel.points.v[: part.panel.count])
+            for pole, size in zip(part.poles, amplitude, strict=True):
+                end = np.array([pole.right])
+                moment += float((pole.right * pole.change(end) - pole.area(end))[0, 1] @ size)
+        return -moment
+
+    def _of_poles(self, v: Values) -> Values | float:
+        """What the poles add to int Psi^T q / n_inf dw / (w - v), (m, 2)."""
+        total: Values | float = 0.0
+        for part, amplitude in zip(self.parts, self.amplitudes, strict=True):
+            for pole, size in zip(part.poles, amplitude, strict=True):
+                total = total + pole.transform(v) @ size
+        return total
+
+    def normal_slope(self, on: OnPanel) -> Array:
+        """How sigma changes on a panel that slips, per step of x, half-way between its nodes."""
+        panel, count = on.panel, on.panel.count
+        z: Values = np.zeros((count - 1, 2))
+        for part, slope in zip(self.parts, self.slopes, strict=True):
+            source, nodes = part.panel, slice(0, part.panel.count)
+            phi = slope / (source.spacing * source.jacobian / source.weight)[nodes, None]
+            kernel = panel.own_kernel() if part is on else panel.other_kernel(source)
+            z += kernel[count:] @ (part.sources @ phi[:, :, None])[..., 0]
+        v, scale = panel.points.v[count:], (panel.spacing * panel.jacobian)[count:]
+        z = z / panel.weight[count:, None] + self._of_poles(v)
+        z = self.constant + v[:, None] * z
+        inverse = on.entries.inverse[count:, 1]
+        turned = (inverse.imag[:, None] @ on.rates[count:])[:, 0]
+        phi = self.slopes[self.parts.index(on)][:, 0] * (panel.weight / panel.jacobian)[:count]
+        rate = between_nodes(count) @ phi / panel.weight[count:] / panel.spacing
+        return np.asarray(
+            scale * ((turned * z).sum(axis=1) / (np.pi * v) - inverse[:, 0].real * rate)
+        )
+
+    def z(self, stretch: Stretch, points: Points) -> Values:
+        """z(k), (m, 2), at points k = -v off the zones of a stretch that no zone edge cuts."""
+        differences = np.concatenate([self._from(stretch, points, part) for part in self.parts])
+        sums = (1 / differences).T @ self.masses
+        return np.asarray(self.constant + points.v[:, None] * (sums + self._of_poles(points.v)))
+
+    def _from(self, stretch: Stretch, points: Points, part: OnPanel) -> Values:
+        """(n, m): the nodes of a panel less the points, formed at the end of the stretch that is
+        nearer to each point."""
+        panel = part.panel
+        near_left = np.broadcast_to((points.x.real < 0) | (stretch.right is None), points.v.shape)
+        result = np.empty((panel.count, len(points.v)), dtype=points.v.dtype)
+        for near, end, distance in (
+            (near_left, stretch.left, points.from_left),
+            (~near_left, stretch.right, -points.to_right),
+        ):
+            if end is not None and near.any():
+                result[:, near] = _nodes_from(panel, end)[:, None] - distance[near]
+        return result
+
+    def tractions(self, stretch: Stretch, points: Points) -> Values:
+        """T_tau and T_sigma at k = -v, (m, 2), off the zones."""
+        fronts = self.interface.compliance.fronts
+        entries = self.interface.compliance.on_cut(points.v, stretch.minus(points, fronts))
+        z = self.z(stretch, points) if self.parts else np.broadcast_to(self.constant, (1, 2))
+        rates = self.glued.rates(points.v)
+        return np.asarray((entries.inverse @ (rates @ z[..., None]))[..., 0])
+
+
+def _nodes_from(panel: Panel, end: float) -> Array:
+    """The nodes of a panel less a slowness, exact where that is an end of the panel."""
+    stretch, nodes = panel.stretch, slice(0, panel.count)
+    inside = stretch.left < end and (stretch.right is None or end < stretch.right)
+    if inside:
+        return np.asarray(panel.points.v[nodes] - end)
+    return np.asarray(stretch.minus(panel.points, np.array([end]))[0][nodes])
+
+
+def density_of(interface: Interface, glued: Glued, zones: Sequence[Zone], rule: Rule) -> Density:
+    """Solve the equations on given zones."""
+    parts = tuple(_on_panel(interface, glued, p) for p in panels_of(interface, zones, rule))
+    if not parts:
+        return Density(interface, glued, (), (), (), (), np.zeros((0, 0)), 0.0)
+    constant = glued.constant(interface.load_shear, interface.load_pressure)
+    blocks = [_equations(interface, target, parts, constant) for target in parts]
+    closing = [_closing(parts, i) for i, zone in enumerate(zones) if zone.open and zone.right]
+    matrix = np.concatenate([*(block for block, _ in blocks), *closing])
+    right = np.concatenate([*(values for _, values in blocks), np.zeros(len(closing))])
+    solution = _least_squares(matrix, right)
+    residual = float(np.abs(matrix @ solution - right).max() / (np.abs(right).max() or 1.0))
+    slopes, amplitudes, start = [], [], 0
+    for part in parts:
+        panel, slope = part.panel, np.zeros((part.panel.count, 2))
+        phi = solution[start : start + panel.unknowns].reshape(-1, panel.count)
+        scale = panel.spacing * panel.jacobian[: panel.count] / panel.weight[: panel.count]
+        slope[:, : len(phi)] = (phi * scale).T
+        slopes.append(slope)
+        amplitudes.append(solution[start + panel.unknowns : start + part.unknowns].reshape(-1, 2))
+        start += part.unknowns
+    return Density(
+        interface,
+        glued,
+        tuple(zones),
+        parts,
+        tuple(slopes),
+        tuple(amplitudes),
+        matrix,
+        residual,
+    )
+
+
+def _closing(parts: Sequence[OnPanel], zone: int) -> Array:
+    """The row, (1, n), by which the rate of opening is back to 0 where an opening closes."""
+    cells = []
+    for part in parts:
+        panel, here = part.panel, part.panel.zone == zone
+        scale = panel.spacing * panel.jacobian[: panel.count] / panel.weight[: panel.count]
+        cells.append(np.zeros(panel.unknowns))
+        if here:
+            cells[-1][panel.count :] = scale
+        for pole in part.poles:
+            cells.append(pole.change(np.array([pole.right]))[0, 1] if here else np.zeros(2))
+    return np.concatenate(cells)[None]
+
+
+def _on_panel(interface: Interface, glued: Glued, panel: Panel) -> OnPanel:
+    v, entries = panel.points.v, panel.entries(interface)
+    inverse, rates = entries.inverse, glued.rates(v)
+    friction = panel.sense * interface.friction
+    rows = [inverse[:, 0] + friction * inverse[:, 1]]
+    if panel.open:
+        rows.append(inverse[:, 1])
+    turned = [(row.imag[:, None] @ rates)[:, 0] for row in rows]
+    sources = np.swapaxes(glued.psi(v[: panel.count]), -1, -2) / glued.limit
+    poles: list[Pole] = []
+    if panel.open and panel.stretch.right is not None:
+        ends = panel.stretch.left, panel.stretch.right
+        poles = poles_on(glued, interface.rayleigh_slownesses, *ends)
+    return OnPanel(panel, np.array(rows), np.array(turned), sources, entries, rates, tuple(poles))
+
+
+def _equations(
+    interface: Interface, target: OnPanel, parts: Sequence[OnPanel], constant: Array
+) -> tuple[NDArray[np.float64], Array]:
+    """Rows of the equations at the points of one panel, and their right-hand sides, each over the
+    modulus of g and times omega."""
+    panel, count = target.panel, target.panel.count
+    film = 0.0 if panel.open else interface.resistance
+    columns: list[list[Array]] = [[] for _ in target.rows]
+    for source in parts:
+        own = source is target
+        kernel = panel.own_kernel() if own else panel.other_kernel(source.panel)
+        for component in range(2 if source.panel.open else 1):
+            for index, (row, turned) in enumerate(zip(target.rows, target.turned, strict=True)):
+                block = kernel * (turned @ source.sources[:, :, component].T / np.pi)
+                if own:
+                    real = row.real[:, component] + (film if not (index or component) else 0.0)
+                    block[np.arange(count), np.arange(count)] -= real[:count]
+                    block[count:] -= real[count:, None] * between_nodes(count)
+                columns[index].append(block)
+        for pole in source.poles:
+            transform = pole.transform(panel.points.v)
+            own_values = pole.values(panel.points.v) if own else np.zeros_like(transform)
+            for index, (row, turned) in enumerate(zip(target.rows, target.turned, strict=True)):
+                block = (turned[:, None] @ transform / np.pi - row.real[:, None] @ own_values)[:, 0]
+                columns[index].append(block * panel.weight[:, None])
+    blocks, values = [], []
+    for row, turned, cells in zip(target.rows, target.turned, columns, strict=True):
+        size = np.abs(row).max(axis=1) if panel.open else np.abs(row[:, 0] + film)
+        right = -(turned @ constant) / (np.pi * panel.points.v) * panel.weight
+        blocks.append(np.concatenate(cells, axis=1) / size[:, None])
+        values.append(right / size)
+    return np.concatenate(blocks), np.concatenate(values)
+
+
+def _least_squares(matrix: Array, right: Array) -> Array:
+    """The solution of least squares, by normal equations and one correction: no singular value is
+    small where the zones have an answer, so that squaring them costs no digit that is wanted."""
+    from scipy.linalg import cho_factor, cho_solve  # here, for a quick import
+
+    normal = matrix.T @ matrix
+    try:
+        factor = cho_factor(normal)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=None)[0])
+    solution = cho_solve(factor, matrix.T @ right)
+    return np.asarray(solution + cho_solve(factor, matrix.T @ (right - matrix @ solution)))

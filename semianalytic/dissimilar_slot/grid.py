@@ -1,0 +1,313 @@
+"""Zones seen on a grid: slip and opening piecewise linear in x/t, contact as complementarity.
+
+With V and U linear between nodes of xi = x/t and n(xi) = xi Psi^T(1/xi) / n_inf,
+
+    dT/dxi = -Im C^(-1) R z / (pi xi) - Re C^(-1) (dV/dxi, dU/dxi),
+    z = z(0) + PV int n (dV, dU) / (xi_0 - xi),
+
+on the cut, integrated inward from the fastest wave.  It is tested with the hat functions that carry
+V and U, and solved by Lemke's pivoting for slip of either sense and for the gap:
+
+    f p - tau >= 0,  f p + tau >= 0,  V_+ >= 0,  V_- >= 0,  p >= 0,  gap >= 0,
+
+one of each pair zero (docs/dissimilar.md, "Which zones there are").
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+
+from semianalytic.dissimilar.canonical import glued
+from semianalytic.dissimilar.compliance import Compliance
+from semianalytic.dissimilar_slot.interface import Interface, rayleigh_slowness
+from semianalytic.dissimilar_slot.zones import Zone
+from semianalytic.halfplane.rayleigh import Array, gauss
+from semianalytic.scene.errors import ComputationError
+from semianalytic.selfsimilar.collocation import lemke
+
+_GAUSS = 6
+"""Points per element; the grid of identical bodies has as many."""
+_NEAREST_ENDS = 0.02
+"""Distance over the largest velocity below which two wave fronts count as one on the grid."""
+_FEWEST = 5
+"""Elements between two fronts."""
+_TOLERANCE = 1e-8
+"""Of the canonical matrix on the grid, where the error of piecewise linear rates is a percent."""
+_EDGE_SHARE, _EDGE_SLOPE, _RATIO_UNKNOWN, _MOST_SHARE = 0.25, 0.75, 0.5, 0.95
+"""Place of an edge between two nodes, from the ratio of the two outermost rates, as on the grid of
+identical bodies (`semianalytic.selfsimilar.tuning`)."""
+_HALF_GAP, _HALF_SLIP = 0.1, 0.3
+"""Halves of the stick between slip of either sense, and of slip put beside an opening, over the
+distance of the nodes.  Newton's method finds their widths."""
+_NO_SLIP = 1e-6
+"""Of slip rate over the largest gap over time."""
+_ROW_POWERS = (0.0, 1.0, 0.5, -1.0, 2.0)
+"""Of the weights that rows are divided by."""
+_NEGLIGIBLE = 1e-9
+"""Of a rate or gap, over the largest: what pivoting leaves by rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Nodes in xi and what depends on the bodies alone.
+
+    Attributes
+    ----------
+    xi : (n + 1,) array
+        From the contact edge to the fastest wave, where rates vanish.
+    response : (n, 2, n, 2) array
+        Tests of tau and sigma due to unit V and U at the nodes.
+    stuck : (n, 2, 2) array
+        Tests of the stuck tractions, from z(0).
+    weight : (n,) array
+        Tests of 1.
+    gram : (n, n) array
+        Tests of the hat functions.
+    opening : (n, n) array
+        U from the gap over time at the nodes.
+    """
+
+    xi: Array
+    response: Array
+    stuck: Array
+    weight: Array
+    gram: Array
+    opening: Array
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What the grid shows at its nodes.
+
+    Attributes
+    ----------
+    xi : (n + 1,) array
+    rate, gap : (n,) arrays
+        V and the gap over time.
+    """
+
+    xi: Array
+    rate: Array
+    gap: Array
+
+    @property
+    def states(self) -> list[int]:
+        """At the nodes: 0 stuck, +1 or -1 slipping, 2 open."""
+        least_rate, least_gap = (_NEGLIGIBLE * np.abs(one).max() for one in (self.rate, self.gap))
+        slipping = np.where(np.abs(self.rate) > least_rate, np.sign(self.rate), 0)
+        return [int(s) for s in np.where(self.gap > least_gap, 2, slipping)]
+
+
+@lru_cache(maxsize=16)
+def grid_of(compliance: Compliance, size: int) -> Grid:
+    """A grid of about `size` nodes, clustered at all wave fronts and at the contact edge."""
+    slownesses = [*compliance.distinct_fronts, *map(rayleigh_slowness, compliance.bodies)]
+    ends = [0.0]
+    for end in sorted(1 / v for v in slownesses):
+        if end - ends[-1] > _NEAREST_ENDS / compliance.first:
+            ends.append(end)
+    ends[-1] = 1 / compliance.first
+    lengths = np.sqrt(np.diff(ends))
+    counts = np.maximum(np.round(size * lengths / lengths.sum()).astype(int), _FEWEST)
+    t, weight = gauss(_GAUSS)
+    nodes, points, weights = [np.zeros(1)], [], []
+    for (left, right), count in zip(pairwise(ends), counts, strict=True):
+        s = np.arange(count + 1) / count
+        nodes.append(left + (right - left) * np.sin(np.pi / 2 * s[1:]) ** 2)
+        sub = (s[:-1, None] + t / count) * np.pi / 2
+        points.append(left + (right - left) * np.sin(sub) ** 2)
+        weights.append((right - left) * np.sin(2 * sub) * np.pi / 2 * weight / count)
+    xi, at, dxi = np.concatenate(nodes), np.concatenate(points), np.concatenate(weights)
+    slopes, stuck = _slopes(compliance, xi, at.ravel())
+    test = _integrated_tests(xi, at, dxi)
+    width = np.diff(xi)
+    area = np.convolve(width, [0.5, 0.5])[:-1]
+    gram = np.diag(np.convolve(width, [2, 2])[:-1])
+    gram = (gram + np.diag(width[:-1], 1) + np.diag(width[:-1], -1)) / 6
+    return Grid(
+        xi,
+        -np.einsum("mi,mnab->ianb", test, slopes),
+        -np.einsum("mi,mab->iab", test, stuck),
+        area,
+        gram,
+        np.asarray(np.linalg.inv(_gap_from_rate(xi)), dtype=float),
+    )
+
+
+def _slopes(compliance: Compliance, xi: Array, at: Array) -> tuple[Array, Array]:
+    """dT/dxi at points (m,) due to unit rates at the nodes, (m, n, 2, 2), and due to z(0),
+    (m, 2, 2)."""
+    canonical = glued(compliance, _TOLERANCE)
+    inverse, rates = compliance.on_cut(1 / at).inverse, canonical.rates(1 / at)
+    n, width = len(xi) - 1, np.diff(xi)
+    density = np.zeros((n + 1, 2, 2))
+    psi = np.swapaxes(canonical.psi(1 / xi[1:]), -1, -2)
+    density[1:] = xi[1:, None, None] * psi / canonical.limit
+    slope = np.diff(density, axis=0) / width[:, None, None]
+    offset = xi - at[:, None]
+    log = np.diff(np.log(np.abs(offset)), axis=1)[..., None, None]
+    near = density[:-1] - slope * offset[:, :-1, None, None]
+    cauchy = near * log + slope * width[:, None, None]
+    turned = inverse.imag @ rates / (-np.pi * at)[:, None, None]
+    gradient = np.einsum("mab,mnbc->mnac", turned, cauchy)
+    own = np.searchsorted(xi, at) - 1
+    gradient[np.arange(len(at)), own] -= inverse.real
+    by_node = np.zeros((len(at), n + 1, 2, 2))
+    by_node[:, 1:] += gradient / width[:, None, None]
+    by_node[:, :-1] -= gradient / width[:, None, None]
+    return by_node[:, :-1], np.asarray(turned, dtype=float)
+
+
+def _integrated_tests(xi: Array, at: Array, dxi: Array) -> Array:
+    """(m, n): weights that take slopes at the points to tests with the hat functions of the
+    function they belong to, which vanishes at the last node."""
+    n, width = len(xi) - 1, np.diff(xi)
+    local = (at - xi[:-1, None]) / width[:, None]
+    area = np.convolve(width, [0.5, 0.5])
+    passed = np.zeros((n, at.shape[1], n))
+    passed += np.where(np.arange(n)[:, None] > np.arange(n), area[:n], 0.0)[:, None]
+    rows = np.arange(n)
+    passed[rows, :, rows] = area[:n, None] - width[:, None] / 2 * (1 - local) ** 2
+    passed[rows[:-1], :, rows[1:]] = width[:-1, None] / 2 * local[:-1] ** 2
+    return np.asarray((passed * dxi[:, :, None]).reshape(-1, n))
+
+
+def _gap_from_rate(xi: Array) -> Array:
+    """(n, n): the gap over time at the nodes, xi int U / xi'^2 dxi' from there outward."""
+    n = len(xi) - 1
+    left, right = xi[1:-1], xi[2:]
+    log, inverse = np.log(right / left), 1 / left - 1 / right
+    of_left = (right * inverse - log) / (right - left)
+    of_right = (log - left * inverse) / (right - left)
+    element = np.zeros((n - 1, n + 1))
+    rows = np.arange(n - 1)
+    element[rows, rows + 1], element[rows, rows + 2] = of_left, of_right
+    total = np.zeros((n, n + 1))
+    total[1:] = xi[1:-1, None] * np.cumsum(element[::-1], axis=0)[::-1]
+    total[0, 0] = 1.0  # at the contact edge the gap over time is the rate itself
+    return total[:, :n]
+
+
+def seen_on_grid(interface: Interface, size: int) -> Seen:
+    """Slip and opening on a grid of about `size` nodes.
+
+    Raises
+    ------
+    ComputationError
+        If complementary pivoting fails.
+    """
+    grid = grid_of(interface.compliance, size)
+    constant = glued(interface.compliance, _TOLERANCE).constant(
+        interface.load_shear, interface.load_pressure
+    )
+    f, stuck = interface.friction, grid.stuck @ constant
+    shear = stuck[:, 0] + interface.base_shear * grid.weight
+    pressure = interface.base_pressure * grid.weight - stuck[:, 1]
+    by_slip, by_gap = grid.response[:, :, :, 0], grid.response[:, :, :, 1] @ grid.opening
+    film = interface.resistance * grid.gram
+    falls = f * by_slip[:, 1] + by_slip[:, 0]  # of f p - tau per V, and of f p + tau below
+    rises = f * by_slip[:, 1] - by_slip[:, 0]
+    matrix = np.block(
+        [
+            [film - falls, falls - film, -f * by_gap[:, 1] - by_gap[:, 0]],
+            [-film - rises, film + rises, -f * by_gap[:, 1] + by_gap[:, 0]],
+            [-by_slip[:, 1], by_slip[:, 1], -by_gap[:, 1]],
+        ]
+    )
+    given = np.concatenate([f * pressure - shear, f * pressure + shear, pressure])
+    closed = slice(0, 2 * len(shear))
+    try:
+        z = _pivoted(matrix[closed, closed], given[closed], np.tile(grid.weight, 2))
+        opens = bool(np.any(given[closed.stop :] + matrix[closed.stop :, closed] @ z < 0))
+    except ComputationError:
+        opens = True  # closed the contact may have no answer
+    if opens:
+        z = _pivoted(matrix, given, np.tile(grid.weight, 3))
+    else:
+        z = np.concatenate([z, np.zeros(len(shear))])
+    forward, backward, gap = np.split(z, 3)
+    return Seen(grid.xi, forward - backward, gap)
+
+
+def _pivoted(matrix: Array, given: Array, weight: Array) -> Array:
+    """Lemke's method, with rows over some power of their weights: where its path ends on a ray for
+    one of them, it does not for another."""
+    for power in _ROW_POWERS:
+        scale = weight**-power
+        try:
+            return lemke(matrix * scale[:, None], given * scale).z
+        except ComputationError as error:
+            last = error
+    raise last
+
+
+@dataclass(frozen=True)
+class _Run:
+    """Neighbouring nodes in one state: 0 stuck, +1 or -1 slipping, 2 open."""
+
+    state: int
+    first: int
+    last: int
+
+
+def zones_seen(seen: Seen) -> tuple[Zone, ...]:
+    """Zones from the fastest wave inward, with edges between the nodes that show them.
+
+    An opening has slip ahead of it, of the sense in which the sides move where it begins, and slip
+    behind where it closes: narrow slip where the grid shows none.
+    """
+    states = seen.states
+    runs = [_Run(0, len(states), len(states))]  # nothing slips at the fastest wave
+    for node in range(len(states) - 1, -1, -1):
+        run = runs[-1]
+        if states[node] == run.state:
+            runs[-1] = _Run(run.state, node, run.last)
+        else:
+            runs.append(_Run(states[node], node, node))
+    zones: list[Zone] = []
+    start = 0.0  # slowness at which the present run begins
+    for outer, inner in zip(runs, [*runs[1:], None], strict=True):
+        stop, between, begin = (None, [], 0.0) if inner is None else _boundary(seen, outer, inner)
+        if outer.state:
+            sense = outer.state
+            if outer.state == 2:  # of the slip ahead of it
+                sense = zones[-1].sense if zones and zones[-1].right == start else 1
+            zones.append(Zone(start, stop, sense, outer.state == 2))
+        zones += between
+        start = begin
+    return tuple(zones)
+
+
+def _boundary(seen: Seen, outer: _Run, inner: _Run) -> tuple[float, list[Zone], float]:
+    """Slownesses at which one run ends and the next begins, and slip that is put between."""
+    near, far = seen.xi[inner.last], seen.xi[outer.first]
+    senses = np.sign(seen.rate).astype(int)
+
+    def at(share: float) -> float:
+        """Slowness at a share of the way out from the last node of the inner run."""
+        return float(1 / (near + share * (far - near)))
+
+    states = {outer.state, inner.state}
+    if states == {1, -1}:
+        return at(0.5 + _HALF_GAP), [], at(0.5 - _HALF_GAP)
+    if 2 in states and 0 in states:
+        node = inner.last if inner.state == 2 else outer.first
+        if abs(seen.rate[node]) <= _NO_SLIP * seen.gap.max():
+            return at(0.5), [], at(0.5)  # nothing shears the interface
+        slip = Zone(at(0.5 + _HALF_SLIP), at(0.5 - _HALF_SLIP), int(senses[node]) or 1)
+        return slip.left, [slip], float(slip.right or 0.0)
+    if 2 in states:
+        return at(0.5), [], at(0.5)
+    # The root beside an edge puts it further from nodes that slip fast.
+    slipping = inner.last if inner.state else outer.first
+    inward = slipping - 1 if inner.state else slipping + 1
+    run = inner if inner.state else outer
+    known = run.first <= inward <= run.last
+    ratio = abs(seen.rate[slipping] / seen.rate[inward]) if known else _RATIO_UNKNOWN
+    share = min(_EDGE_SHARE + _EDGE_SLOPE * ratio, _MOST_SHARE)
+    edge = at(share if inner.state else 1 - share)
+    return edge, [], edge

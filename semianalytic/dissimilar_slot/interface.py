@@ -1,0 +1,126 @@
+"""A loaded pair in its own units, and the exponents at the edges of its zones.
+
+Slowness is in units of b of the upper body, stress in the larger of the two steps on the slot
+faces, and rates of slip and opening, which are relative, in that over mu b of the upper body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from semianalytic.dissimilar.compliance import Body, Compliance
+from semianalytic.dissimilar.pair import Pair
+from semianalytic.dissimilar.phase import (
+    CutPhase,
+    SlipPhase,
+    contact_phase,
+    rayleigh_phases,
+    slip_phase,
+)
+from semianalytic.scene.friction import ViscousFriction
+from semianalytic.scene.scene import Material
+
+_KEPT = 64
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Two half-planes, friction and tractions.
+
+    Attributes
+    ----------
+    compliance : Compliance
+    friction : float
+        f.
+    resistance : float
+        eta, what a viscous film takes per relative slip rate [mu b].
+    base_pressure, base_shear, load_pressure, load_shear : float
+        P_b, Q_b, P_0, Q_0 [stress unit].
+    """
+
+    compliance: Compliance
+    friction: float
+    resistance: float
+    base_pressure: float
+    base_shear: float
+    load_pressure: float
+    load_shear: float
+
+    @property
+    def rayleigh_slownesses(self) -> tuple[float, float]:
+        """Those of the Rayleigh waves of the free faces, upper and lower."""
+        upper, lower = self.compliance.bodies
+        return rayleigh_slowness(upper), rayleigh_slowness(lower)
+
+    def level(self, sense: int) -> float:
+        """s f P_b - Q_b: what tau + s f sigma amounts to where the interface slips in a sense."""
+        return sense * self.friction * self.base_pressure - self.base_shear
+
+    def slip_phase(self, sense: int) -> SlipPhase:
+        """theta_K of slip of a sense."""
+        return _slip_phase(self.compliance, sense * self.friction, self.resistance)
+
+    def slip_turn(self, sense: int, u: float) -> float:
+        """theta_K / pi at slowness u."""
+        return self.slip_phase(sense).at(u) / np.pi
+
+    def open_turn(self, sense: int, u: float) -> float:
+        """theta_N / pi at slowness u, N = 1 / (A + s f k D), beside slip of a sense."""
+        free = sum(phase.at(u) for phase in _rayleigh_phases(self.compliance))
+        return (free - _contact_phase(self.compliance, sense * self.friction).at(u)) / np.pi
+
+    def edge_decay(self, sense: int) -> float:
+        """lambda = 1/2 - arctan(s f beta) / pi: slip that reaches the contact edge has V' ~
+        v^(lambda - 2) there, or v^(-2) if that is more."""
+        return 0.5 - float(np.arctan(sense * self.friction * self.compliance.dundurs)) / np.pi
+
+    def sharp_turns(self, sense: int, opened: bool) -> tuple[float, ...]:
+        """Slownesses next to which the equations of a zone change fast: hidden zeros of
+        A + s f k D or of A B + k^2 D^2 lie near the cut there."""
+        phase = self.slip_phase(sense)
+        turns = phase.denominator.sharp_turns
+        return turns if opened else tuple(sorted({*turns, *phase.numerator.sharp_turns}))
+
+
+@lru_cache(maxsize=_KEPT)
+def rayleigh_slowness(body: Body) -> float:
+    """Slowness of the Rayleigh wave of a free body."""
+    ratio = (body.a / body.b) ** 2
+    poisson_ratio = (1 - 2 * ratio) / (2 * (1 - ratio))
+    return body.b / Material(1.0, 1.0, poisson_ratio).rayleigh_speed
+
+
+def interface_of(pair: Pair) -> tuple[Interface, float]:
+    """A pair in its own units, and the unit of stress."""
+    base, load = pair.base, pair.load
+    unit = max(abs(load.pressure), abs(load.shear)) or pair.base.pressure
+    law = pair.friction_law
+    viscosity = law.viscosity if isinstance(law, ViscousFriction) else 0.0
+    interface = Interface(
+        pair.compliance,
+        pair.friction,
+        viscosity / pair.upper.shear_impedance,
+        base.pressure / unit,
+        base.shear / unit,
+        load.pressure / unit,
+        load.shear / unit,
+    )
+    return interface, unit
+
+
+@lru_cache(maxsize=_KEPT)
+def _slip_phase(compliance: Compliance, friction: float, resistance: float) -> SlipPhase:
+    return slip_phase(compliance, friction, resistance)
+
+
+@lru_cache(maxsize=_KEPT)
+def _contact_phase(compliance: Compliance, friction: float) -> CutPhase:
+    return contact_phase(compliance, friction)
+
+
+@lru_cache(maxsize=_KEPT)
+def _rayleigh_phases(compliance: Compliance) -> tuple[CutPhase, CutPhase]:
+    return rayleigh_phases(compliance)

@@ -1,0 +1,263 @@
+"""Panels on which the slopes of slip and opening rate are expanded, and their weights.
+
+Zones are cut at wave fronts and where their equations change fast.  On a panel a slope q is the
+unknown phi = omega q at equidistant points of the coordinate x of its stretch, with omega a power p
+of the distance from either end.  What behaves like d^e at an end decays like exp(-(p + e) |x|).
+
+The power selects the solution: on the line Re = -p of exponents the equations have exactly one, if
+the wanted exponent e lies to its right and the next one, e - 1, to its left, p stays between 0
+and 1, and nothing else comes between.  Far behind its start and far ahead of its end a zone is like
+one that reaches the contact edge: there omega follows v to the power that it has at that edge
+(docs/dissimilar.md, "Weights").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
+
+import numpy as np
+
+from semianalytic.dissimilar.compliance import Entries
+from semianalytic.dissimilar.stretch import Points, Stretch
+from semianalytic.dissimilar_slot.interface import Interface
+from semianalytic.dissimilar_slot.zones import Zone, neighbours
+from semianalytic.halfplane.rayleigh import Array
+
+_PLACE, _PLACE_FAR = 0.65, 0.35
+"""Place of the power between its bounds, at an end and at the contact edge: the smallest singular
+value is 0.26 to 0.37 there; nearer to a bound it falls like the distance from it."""
+_SHARED, _SHARED_POWER = 0.03, 0.3
+"""Relative distance of shear fronts that count as one, and the power of omega there: below 1/2, of
+which 0.2 and 0.4 give the same smallest singular value within a tenth."""
+_BEHIND_POLE = 2.0
+"""Slowness of a cut over that of a Rayleigh wave in an opening without end."""
+_SLOWEST_DECAY = 0.05
+"""Of phi at the end of a panel: an exponent nearer to -1 would need thousands of points."""
+
+
+@dataclass(frozen=True)
+class End:
+    """How a density behaves at one end of a panel: omega ~ d^power, phi ~ exp(-decay |x|)."""
+
+    power: float
+    decay: float
+
+
+def edge_end(exponent: float, bounded: bool = False) -> End:
+    """An end at which the density behaves like d^exponent, -1 < exponent < 1; `bounded`: and like a
+    bounded function besides, as V' does where slip turns to opening."""
+    low, high = max(0.0, -exponent), min(1.0, 1 - exponent)
+    power = low + _PLACE * (high - low)
+    slowest = min(exponent, 0.0) if bounded else exponent
+    return End(power, max(power + slowest, _SLOWEST_DECAY))
+
+
+def front_end(interface: Interface, v: float) -> End:
+    """A cut inside a zone, where densities are bounded; at a shear front of both bodies they vanish
+    like d^(1/2), and d^(-1/2) is to be kept out."""
+    one, two = (body.b for body in interface.compliance.bodies)
+    shared = abs(one - two) < _SHARED * one and min(abs(v - one), abs(v - two)) < _SHARED * v
+    return End(_SHARED_POWER, _SHARED_POWER) if shared else edge_end(0.0)
+
+
+def contact_end(interface: Interface, zone: Zone) -> End:
+    """The contact edge, v -> infinity, where the density of a zone falls at least like v^(-3/2) or,
+    where that is less, v^(lambda - 2): omega ~ v^power."""
+    slowest = -1.5 if zone.open else max(-1.5, interface.edge_decay(zone.sense) - 2)
+    power = 1 - _PLACE_FAR * (slowest + 1)
+    return End(power, -(power + slowest))
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """Nodes on one stretch of a zone.
+
+    Attributes
+    ----------
+    zone : int
+        Index of the zone.
+    sense : int
+    open : bool
+    stretch : Stretch
+    spacing : float
+    first, count : int
+        The nodes are (first + i) spacing, i = 0 ... count - 1.
+    left, right : End
+    fall : float
+        Power of v in omega between ends that are far apart.
+    """
+
+    zone: int
+    sense: int
+    open: bool
+    stretch: Stretch
+    spacing: float
+    first: int
+    count: int
+    left: End
+    right: End
+    fall: float
+
+    @property
+    def unknowns(self) -> int:
+        """How many unknowns it has: slip alone, or slip and opening."""
+        return self.count * (2 if self.open else 1)
+
+    @cached_property
+    def x(self) -> Array:
+        """(2 n - 1,): the nodes and after them the points half-way between."""
+        nodes = self.spacing * (self.first + np.arange(self.count))
+        return np.concatenate([nodes, nodes[:-1] + self.spacing / 2])
+
+    @cached_property
+    def points(self) -> Points:
+        """The points of `x`."""
+        return self.stretch.at(self.x)
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """dv/dx at these points."""
+        return np.asarray(self.stretch.slope(self.points))
+
+    @cached_property
+    def weight(self) -> Array:
+        """omega at these points, with the root of the width for unit of slowness."""
+        at, stretch = self.points, self.stretch
+        fall = at.v**self.fall
+        if stretch.right is None:
+            return np.asarray((at.from_left / at.v) ** self.left.power * fall * stretch.left**0.5)
+        width = stretch.right - stretch.left
+        share = (at.from_left * stretch.right / (at.v * width)) ** self.left.power
+        return np.asarray(share * (at.to_right / width) ** self.right.power * fall * width**0.5)
+
+    def entries(self, interface: Interface) -> Entries:
+        """The compliance at these points."""
+        fronts = interface.compliance.fronts
+        return interface.compliance.on_cut(self.points.v, self.stretch.minus(self.points, fronts))
+
+    def own_kernel(self) -> Array:
+        """(2 n - 1, n): weights of J(w) / (w - v) for densities phi of the panel itself, in the
+        principal value at the nodes v and half-way between, rows times omega."""
+        kernel = _kernel(self.count, self.spacing, self.stretch.right is not None)
+        rows, columns = self.weight, 1 / self.weight[: self.count]
+        if self.stretch.right is not None:
+            cosh = np.cosh(self.x / 2)
+            rows, columns = rows * cosh, columns / cosh[: self.count]
+        return np.asarray(kernel * rows[:, None] * columns)
+
+    def other_kernel(self, source: Panel) -> Array:
+        """(2 n - 1, m): the same for densities phi of another panel."""
+        common = max(self.stretch.left, source.stretch.left)  # an end between the two, or of both
+        ends = np.array([common])
+        target = self.stretch.minus(self.points, ends)[0]
+        nodes = slice(0, source.count)
+        difference = source.stretch.minus(source.points, ends)[0][nodes] - target[:, None]
+        strength = source.spacing * source.jacobian[nodes] / source.weight[nodes]
+        return np.asarray(self.weight[:, None] * strength / difference)
+
+
+@lru_cache(maxsize=64)
+def _kernel(count: int, spacing: float, bounded: bool) -> Array:
+    """(2 n - 1, n): spacing over 2 sinh((x_j - x_i) / 2), or over 1 - exp(x_i - x_j) on a panel
+    without right end.  At a node only the nodes at odd distance count, twice: the trapezoidal rule
+    of twice the spacing around a pole is exact as that with the pole half-way between is."""
+    nodes = np.arange(count)
+    steps = nodes - np.concatenate([nodes, nodes[:-1] + 0.5])[:, None]
+    apart = np.clip(spacing * np.where(steps, steps, 1.0), -1200.0, 1200.0)
+    with np.errstate(over="ignore"):
+        kernel = 1 / (2 * np.sinh(apart / 2) if bounded else -np.expm1(-apart))
+    kernel[:count] *= np.where(steps[:count] % 2, 2.0, 0.0)
+    return np.asarray(spacing * kernel)
+
+
+@lru_cache(maxsize=64)
+def between_nodes(count: int) -> Array:
+    """(n - 1, n): values half-way between nodes from those at the nodes, by sinc interpolation."""
+    return np.sinc(np.arange(count - 1)[:, None] + 0.5 - np.arange(count))
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Spacing in x of the nodes, and the share of a density at which panels are cut off."""
+
+    spacing: float
+    cutoff: float
+
+
+@lru_cache(maxsize=32)
+def rule_for(tolerance: float) -> Rule:
+    """A rule on which slip rates are right to about a tolerance at every point.
+
+    The sinc series of slip rate is in error by 0.06 to 0.4 exp(-pi^2 / h), a cut-off c by c^1.5:
+    measured on the zones of docs/dissimilar.md, h = 0.4 ... 0.8 and c = 1e-4 ... 1e-10.
+    """
+    return Rule(float(np.pi**2 / np.log(0.3 / tolerance)), float(tolerance**0.66))
+
+
+def panels_of(interface: Interface, zones: Sequence[Zone], rule: Rule) -> tuple[Panel, ...]:
+    """The panels of all zones, in order of slowness."""
+    panels = []
+    for index, (before, zone, after) in enumerate(neighbours(zones)):
+        first, last = edge_exponents(interface, before, zone, after)
+        far = contact_end(interface, zone)
+        left = edge_end(first, zone.open or before is not None)
+        right = far if last is None else edge_end(last, zone.open or after is not None)
+        cuts = {*interface.compliance.distinct_fronts}
+        cuts.update(interface.sharp_turns(zone.sense, zone.open))
+        if zone.open and zone.right is None:  # poles lie on panels that end
+            cuts.update(_BEHIND_POLE * c for c in interface.rayleigh_slownesses if c > zone.left)
+        inside = sorted(v for v in cuts if zone.left < v and (zone.right is None or v < zone.right))
+        ends = [zone.left, *inside, zone.right]
+        for start, stop in pairwise(ends):
+            assert start is not None
+            panels.append(
+                _panel(
+                    (index, zone.sense, zone.open),
+                    Stretch(start, stop),
+                    rule,
+                    (
+                        left if start == zone.left else front_end(interface, start),
+                        right if stop is None or stop == zone.right else front_end(interface, stop),
+                    ),
+                    far.power,
+                )
+            )
+    return tuple(panels)
+
+
+def _panel(
+    of: tuple[int, int, bool], stretch: Stretch, rule: Rule, ends: tuple[End, End], fall: float
+) -> Panel:
+    reach = np.log(1 / rule.cutoff)
+    lengths = (reach / ends[0].decay + stretch.lead, reach / ends[1].decay)
+    before, after = (int(np.ceil(length / rule.spacing)) for length in lengths)
+    return Panel(*of, stretch, rule.spacing, -before, before + after + 1, *ends, fall)
+
+
+def edge_exponents(
+    interface: Interface, before: Zone | None, zone: Zone, after: Zone | None
+) -> tuple[float, float | None]:
+    """Exponents of V' (and U') at the two edges of a zone; the second is None at the contact edge.
+
+    Slip starts with -theta_K / pi and heals with theta_K / pi; it opens with -theta_N / pi, and
+    closes with theta_N / pi - 1, sharper by one power, for the gap has to vanish there besides its
+    rate (docs/dissimilar.md, "Exponents").
+    """
+    slip, opening = interface.slip_turn, interface.open_turn
+    if zone.open:
+        left = -opening(zone.sense, zone.left)
+    elif before is not None:
+        left = opening(zone.sense, zone.left) - 1
+    else:
+        left = -slip(zone.sense, zone.left)
+    if zone.right is None:
+        return left, None
+    if zone.open:
+        sense = after.sense if after is not None else zone.sense
+        return left, opening(sense, zone.right) - 1
+    if after is not None:
+        return left, -opening(zone.sense, zone.right)
+    return left, slip(zone.sense, zone.right)

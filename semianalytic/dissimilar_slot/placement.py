@@ -1,0 +1,232 @@
+"""Where zone edges lie: one condition for each, and Newton's method.
+
+- Where slip starts, tau + s f sigma has reached its level s f P_b - Q_b;
+- where slip heals, slip rate is back to 0;
+- where slip turns to opening, sigma has reached P_b: no pressure is left;
+- where an opening closes, no gap is left.
+
+Im T / (pi v) is the slope of tractions on the cut k = -v + i0.  T is analytic above it, so that
+
+    tau(u) = (1/pi) Im int T_tau dv / v
+
+may be taken along half circles from edge to edge, v in the lower half-plane.  Neither wave fronts
+nor hidden zeros next to the cut come near them: few points give all digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from semianalytic.dissimilar.canonical import Glued
+from semianalytic.dissimilar.stretch import Stretch
+from semianalytic.dissimilar_slot.density import Density, density_of
+from semianalytic.dissimilar_slot.interface import Interface
+from semianalytic.dissimilar_slot.panels import Rule, edge_exponents
+from semianalytic.dissimilar_slot.zones import (
+    Coordinates,
+    Zone,
+    coordinates_of,
+    edges_of,
+    moved,
+    neighbours,
+)
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.selfsimilar.edges import broyden
+
+_SPACING = 0.36
+"""Of x along a half circle, from whose singularities it stays pi / 2: exp(-pi^2 / 0.36) = 1e-12."""
+_DIGITS = 30.0
+"""Logarithm of what is cut off at the ends."""
+_WEAKEST = 0.05
+"""Least decay of T dv/dx at an end; an exponent nearer to -1 is met by no admissible edge."""
+_NUDGE = 1e-6
+"""Of an unknown, for its column of the Jacobian: half and twice that give the same steps."""
+_MOST_STEPS, _LONGEST_MOVE, _MOST_HALVINGS = 14, 1.2, 5
+"""Newton steps, the largest change of an unknown in one of them, and halvings of a step that makes
+the mismatch larger.  Two to five steps are the rule from zones of the complementarity grid."""
+_HARMLESS, _SLOW = 0.05, 0.3
+"""Steps below are left as they are, and one Jacobian serves those after them, updated, until a step
+is not shorter than 0.3 of the one before."""
+_FARTHEST = 40.0
+"""Unknowns beyond put an edge on a wave front, on another edge, or at the contact edge."""
+
+
+def traction_change(
+    density: Density, start: float, stop: float, exponents: tuple[float, float]
+) -> Array:
+    """How much tau and sigma change from one slowness to another, (2,).
+
+    Parameters
+    ----------
+    exponents : (float, float)
+        e of T ~ d^e at both ends; 0 where T is bounded.
+    """
+    stretch = Stretch(start, stop)
+    before, after = (_DIGITS / max(1 + min(e, 0.0), _WEAKEST) for e in exponents)
+    x = np.arange(-before - stretch.lead, after + _SPACING, _SPACING) - 0.5j * np.pi
+    points = stretch.at(x)
+    values = density.tractions(stretch, points) / points.v[:, None]
+    slope = np.asarray(stretch.slope(points))[:, None]
+    return np.asarray((values * slope).sum(axis=0).imag * (_SPACING / np.pi))
+
+
+@dataclass(frozen=True)
+class Tractions:
+    """tau and sigma beyond the base at the edges of zones.
+
+    Attributes
+    ----------
+    edges : (e,) array
+    values : (e, 2) array
+    """
+
+    edges: Array
+    values: Array
+
+    def at(self, edge: float) -> Array:
+        """tau and sigma at an edge, (2,)."""
+        return np.asarray(self.values[int(np.argmin(np.abs(self.edges - edge)))])
+
+
+def edge_tractions(density: Density) -> Tractions:
+    """Tractions at all edges, from the last one ahead of all waves, where they are those of the
+    base."""
+    interface, zones = density.interface, density.zones
+    exponents: dict[float, float] = {}
+    for before, zone, after in neighbours(zones):
+        left, right = edge_exponents(interface, before, zone, after)
+        exponents[zone.left] = left
+        if zone.right is not None and right is not None:
+            exponents[zone.right] = right
+    start, exponent, total, values = interface.compliance.first / 2, 0.0, np.zeros(2), []
+    edges = edges_of(zones)
+    for edge in edges:
+        total = total + traction_change(density, start, edge, (exponent, exponents[edge]))
+        values.append(total)
+        start, exponent = edge, exponents[edge]
+    return Tractions(np.array(edges), np.array(values).reshape(-1, 2))
+
+
+def mismatch(density: Density) -> Array:
+    """What the edges of zones leave unfulfilled, (e,), in the order of `edges_of`."""
+    interface, reached = density.interface, edge_tractions(density)
+    left_by: dict[float, float] = {}
+    slip = 0.0
+    for index, (before, zone, after) in enumerate(neighbours(density.zones)):
+        tau, sigma = reached.at(zone.left)
+        slip = density.change(index)[0] + (0.0 if before is None else slip)
+        if zone.open:
+            left_by[zone.left] = sigma - interface.base_pressure
+        elif before is None:
+            level = interface.level(zone.sense)
+            left_by[zone.left] = tau + zone.sense * interface.friction * sigma - level
+        if zone.right is None:
+            continue
+        if zone.open:
+            left_by[zone.right] = density.gap_left(index)
+        elif after is None:
+            left_by[zone.right] = slip
+    return np.array([left_by[edge] for edge in edges_of(density.zones)])
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Zones whose edges Newton's method has placed.
+
+    Attributes
+    ----------
+    coordinates : Coordinates
+    unknowns : (e,) array
+    inverse : (e, e) array, inverse Jacobian of the mismatch
+    density : Density
+    converged : bool
+    steps : int
+    move : float
+        What the next step would change of an unknown.
+    """
+
+    coordinates: Coordinates
+    unknowns: Array
+    inverse: Array
+    density: Density
+    converged: bool
+    steps: int
+    move: float
+
+    @property
+    def zones(self) -> tuple[Zone, ...]:
+        """The zones as placed."""
+        return self.density.zones
+
+
+def place(
+    interface: Interface, glued: Glued, zones: Sequence[Zone], rule: Rule, tolerance: float
+) -> Placement:
+    """Newton's method for the edges of zones, until a step is below a tolerance."""
+    coordinates = coordinates_of(interface.compliance.distinct_fronts, edges_of(zones))
+
+    def at(unknowns: Array) -> Density:
+        return density_of(interface, glued, moved(zones, coordinates.edges(unknowns)), rule)
+
+    unknowns = coordinates.unknowns(edges_of(zones))
+    density, inverse = at(unknowns), np.zeros((len(unknowns), len(unknowns)))
+    if not len(unknowns):
+        return Placement(coordinates, unknowns, inverse, density, True, 0, 0.0)
+    values, before, renew = mismatch(density), np.inf, True
+    for step in range(1, _MOST_STEPS + 1):
+        if renew:
+            beside = [mismatch(at(unknowns + nudge)) for nudge in _NUDGE * np.eye(len(unknowns))]
+            try:
+                jacobian = (np.array(beside).T - values[:, None]) / _NUDGE
+                inverse = np.asarray(np.linalg.inv(jacobian), dtype=float)
+            except np.linalg.LinAlgError:
+                break
+        move = -inverse @ values
+        largest = float(np.abs(move).max())
+        if not largest < np.inf or np.abs(unknowns).max() > _FARTHEST:
+            break
+        if largest < tolerance:
+            return Placement(coordinates, unknowns, inverse, density, True, step, largest)
+        # A Jacobian that was updated is formed anew where it does not bring much.
+        if not renew and largest > _SLOW * before:
+            renew = True
+            continue
+        move *= min(1.0, _LONGEST_MOVE / largest)
+        trial = at(unknowns + move)
+        left = mismatch(trial)
+        for _ in range(_MOST_HALVINGS):
+            if np.abs(inverse @ left).max() <= max(largest, _HARMLESS):
+                break
+            move = move / 2
+            trial = at(unknowns + move)
+            left = mismatch(trial)
+        inverse = broyden(inverse, move, left - values)
+        renew, before = largest > _HARMLESS, largest
+        unknowns, density, values = unknowns + move, trial, left
+    return Placement(coordinates, unknowns, inverse, density, False, step, largest)
+
+
+def polished(
+    start: Placement, glued: Glued, rule: Rule, tolerance: float, most_steps: int = 8
+) -> Placement:
+    """The edges moved to where a finer rule wants them, with the Jacobian of a coarser one."""
+    unknowns, inverse, coordinates = start.unknowns, start.inverse, start.coordinates
+    interface, zones = start.density.interface, start.density.zones
+    move, before, largest, steps = np.zeros(len(unknowns)), None, 0.0, 0
+    while True:
+        density = density_of(interface, glued, moved(zones, coordinates.edges(unknowns)), rule)
+        if not len(unknowns):
+            break
+        values = mismatch(density)
+        if before is not None:
+            inverse = broyden(inverse, move, values - before)
+        move, before = -inverse @ values, values
+        largest = float(np.abs(move).max())
+        steps += 1
+        if largest < tolerance or not largest < 1 or steps == most_steps:
+            break
+        unknowns = unknowns + move
+    return Placement(coordinates, unknowns, inverse, density, largest < tolerance, steps, largest)

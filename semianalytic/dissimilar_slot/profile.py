@@ -1,0 +1,317 @@
+"""All fields on the interface as functions of slowness, from densities on zones.
+
+Rates V and U are sinc series between the nodes of the densities, and so is the normal traction
+where the interface slips; elsewhere the slopes of tractions are evaluated as they are.  Everything
+is then kept as piecewise Chebyshev series, which are quick to evaluate and local.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from semianalytic.dissimilar.stretch import Stretch
+from semianalytic.dissimilar_slot.density import Density, OnPanel
+from semianalytic.dissimilar_slot.panels import edge_exponents
+from semianalytic.dissimilar_slot.poles import Pole
+from semianalytic.dissimilar_slot.table import (
+    Intervals,
+    Series,
+    from_values,
+    integrated,
+    interval_weights,
+    padded,
+)
+from semianalytic.dissimilar_slot.zones import edges_of, neighbours
+from semianalytic.halfplane.rayleigh import Array
+
+RATE, OPENING, SLIP, GAP, SHEAR, NORMAL = range(6)
+"""Functions of a profile: V, U, their integrals over slowness, tau and sigma beyond the base."""
+
+_LENGTH = 2.0
+"""Of an interval in x where tractions are evaluated as they are."""
+_DIGITS = 28.0
+"""Logarithm of what is left out beyond the intervals on stick."""
+_AT_FRONT = -0.5
+"""Exponent of the slopes of tractions at a front that both bodies share: none is sharper."""
+_TO_CONTACT_EDGE = 46.0
+"""Of x on stick that reaches the contact edge: x/t down to 1e-20 of the wave speeds."""
+_NEAR_MOST = 101
+"""Points around the largest slip, among which it is known to 1e-4 of their distance squared."""
+_STEPS = 3
+"""Nodes of a density per interval of its series."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """The profile on one stretch.
+
+    Attributes
+    ----------
+    series : Series
+        Of the six functions.
+    zone : int
+        Index of the zone; -1 where the interface sticks.
+    poles : tuple of (Pole, (2,) array)
+        With their amplitudes: what they add to the first four functions.
+    """
+
+    series: Series
+    zone: int
+    poles: tuple[tuple[Pole, Array], ...] = ()
+
+    @property
+    def stretch(self) -> Stretch:
+        """The stretch."""
+        return self.series.intervals.stretch
+
+    def at(self, x: Array, v: Array) -> Array:
+        """The functions at coordinates x (n,), which are slownesses v, (6, n)."""
+        values = self.series.at(x)
+        for pole, size in self.poles:
+            values[[RATE, OPENING]] += (pole.change(v) @ size).T
+            values[[SLIP, GAP]] += (pole.area(v) @ size).T
+        return values
+
+    @property
+    def end(self) -> Array:
+        """The functions at its right end, (6,)."""
+        stop = np.array([np.inf if self.stretch.right is None else self.stretch.right])
+        if not self.poles:
+            return self.series.ends[1].copy()
+        return self.at(np.array([np.inf]), stop)[:, 0]
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Fields on the interface over slowness, in the units of the `Interface`.
+
+    Attributes
+    ----------
+    density : Density
+    """
+
+    density: Density
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Stretches from the first wave to the contact edge."""
+        density, result = self.density, []
+        state = np.zeros(6)
+        starts = {p.panel.stretch.left: p for p in density.parts}
+        slowness = density.interface.compliance.first
+        edges = edges_of(density.zones)
+        while True:
+            on = starts.get(slowness)
+            if on is None or not on.panel.open:  # closed: what is left of a gap is rounding
+                state[[OPENING, GAP]] = 0.0
+            if on is None:
+                state[RATE] = 0.0
+            result.append(
+                self._stuck(slowness, edges, state) if on is None else self._moving(on, state)
+            )
+            state, stop = result[-1].end, result[-1].stretch.right
+            if stop is None:
+                return tuple(result)
+            slowness = stop
+
+    def _stuck(self, left: float, edges: list[float], state: Array) -> Part:
+        """Stick from one slowness to the next front or edge."""
+        density = self.density
+        compliance = density.interface.compliance
+        turns = density.interface.slip_phase(1).denominator.sharp_turns
+        ends = [v for v in (*compliance.distinct_fronts, *turns, *edges) if v > left]
+        stretch = Stretch(left, min(ends, default=None))
+        exponents = self._exponents
+
+        def reach(end: float) -> float:
+            """At a front of both bodies tractions may be singular like d^(-1/2)."""
+            return _DIGITS / (1 + min(_AT_FRONT, exponents.get(end, 0.0)))
+
+        before, after = stretch.lead + reach(left), _TO_CONTACT_EDGE
+        if stretch.right is not None:
+            after = reach(stretch.right)
+        intervals = Intervals(stretch, -before, _LENGTH, int(np.ceil((before + after) / _LENGTH)))
+        points = intervals.points
+        tractions = density.tractions(stretch, points).imag
+        slopes = tractions * np.asarray(stretch.slope(points) / (np.pi * points.v))[:, None]
+        slopes = slopes.reshape(intervals.count, -1, 2)
+        constant = [np.full((intervals.count, 1), value) for value in state[:SHEAR]]
+        moving = [integrated(slopes[..., k], _LENGTH, state[SHEAR + k]) for k in range(2)]
+        return Part(Series(intervals, padded([*constant, *moving])), -1)
+
+    def _moving(self, on: OnPanel, state: Array) -> Part:
+        """A panel of a zone."""
+        panel = on.panel
+        density, interface = self.density, self.density.interface
+        length = _STEPS * panel.spacing
+        count = int(np.ceil((panel.count - 1) / _STEPS)) + 2
+        start = panel.spacing * (panel.first - _STEPS)
+        intervals = Intervals(panel.stretch, start, length, count)
+        slopes = density.slopes[density.parts.index(on)]
+        running = _running(panel.count, count)
+        rates = [state[k] + (running @ slopes[:, k]).reshape(count, -1) for k in range(2)]
+        jacobian = np.asarray(panel.stretch.slope(intervals.points)).reshape(count, -1)
+        integrals = [
+            integrated(rate * jacobian, length, state[SLIP + k]) for k, rate in enumerate(rates)
+        ]
+        normal = np.full((count, 1), state[NORMAL])
+        shear = np.full((count, 1), state[SHEAR])
+        if not panel.open:
+            normal = self._normal(on, intervals, state[NORMAL])
+            held = -panel.sense * interface.friction * normal
+            held[:, 0] += interface.level(panel.sense)
+            film = interface.resistance * from_values(rates[0])
+            shear = padded([held, film]).sum(axis=0)
+        series = [from_values(rate) for rate in rates] + integrals + [shear, normal]
+        amplitudes = density.amplitudes[density.parts.index(on)]
+        poles = tuple(zip(on.poles, amplitudes, strict=True))
+        return Part(Series(intervals, padded(series)), panel.zone, poles)
+
+    def _normal(self, on: OnPanel, intervals: Intervals, start: float) -> Array:
+        """Coefficients of sigma on a panel that slips.
+
+        Its slope is known half-way between the nodes.  Towards the contact edge it grows like
+        v^lambda: there it is interpolated over a power of v that grows a little faster.
+        """
+        panel, density = on.panel, self.density
+        slope = density.normal_slope(on)
+        if panel.stretch.right is not None:
+            running = _running(panel.count, intervals.count, between=True)
+            return from_values(start + (running @ slope).reshape(intervals.count, -1))
+        power = density.interface.edge_decay(panel.sense) + panel.right.decay
+        left = panel.stretch.left
+        scaled = slope * (left / panel.points.v[panel.count :]) ** power
+        values = _interpolating(panel.count, intervals.count) @ scaled
+        values *= (intervals.points.v / left) ** power / panel.spacing
+        return integrated(values.reshape(intervals.count, -1), intervals.length, start)
+
+    @cached_property
+    def largest_rate(self) -> float:
+        """Largest |V|; 1 where nothing slips."""
+        return self._largest(RATE)
+
+    @cached_property
+    def largest_gap(self) -> float:
+        """Largest gap over time; 1 where nothing opens."""
+        return self._largest(GAP)
+
+    def _largest(self, function: int) -> float:
+        """Of |V|, or of the integral of U over slowness, at the points of all intervals."""
+        largest = 0.0
+        for part in self.parts:
+            if part.zone >= 0:
+                points = part.series.intervals.points
+                values = np.abs(part.at(points.x, points.v)[function])
+                largest = max(
+                    largest, float((values / points.v if function == GAP else values).max())
+                )
+        return largest or 1.0
+
+    @cached_property
+    def most_slip(self) -> float:
+        """Largest |slip| over time."""
+        largest = 0.0
+        for part in self.parts:
+            if part.zone >= 0:
+                x = part.series.intervals.points.x
+                best = int(np.argmax(self._slip_over_time(part, x)))
+                near = np.linspace(x[max(best - 1, 0)], x[min(best + 1, len(x) - 1)], _NEAR_MOST)
+                largest = max(largest, float(self._slip_over_time(part, near).max()))
+        return largest
+
+    @staticmethod
+    def _slip_over_time(part: Part, x: Array) -> Array:
+        """|slip| over time at coordinates on a part."""
+        v = part.stretch.at(x).v
+        return np.abs(part.at(x, v)[SLIP] / v)
+
+    @cached_property
+    def slipped(self) -> float:
+        """Integral of |V| over x/t."""
+        return sum(float(w @ np.abs(f[RATE])) for _, f, w in self._moving_points)
+
+    @cached_property
+    def dissipated(self) -> float:
+        """Integral of traction times V over x/t."""
+        interface = self.density.interface
+        parts = zip(self._moving_points, self._open_parts, strict=True)
+        return sum(
+            float(w @ ((interface.base_shear + f[SHEAR]) * f[RATE]))
+            for (_, f, w), opened in parts
+            if not opened
+        )
+
+    @cached_property
+    def _open_parts(self) -> list[bool]:
+        return [self.density.zones[part.zone].open for part in self.parts if part.zone >= 0]
+
+    @cached_property
+    def _moving_points(self) -> list[tuple[Array, Array, Array]]:
+        """On every part that moves: slownesses, the functions there, and weights of integrals over
+        x/t."""
+        result = []
+        for part in self.parts:
+            if part.zone >= 0:
+                intervals = part.series.intervals
+                points = intervals.points
+                slope = np.asarray(part.stretch.slope(points)) / np.square(points.v)
+                weights = np.tile(interval_weights(), intervals.count) * intervals.length / 2
+                result.append((points.v, part.at(points.x, points.v), weights * slope))
+        return result
+
+    @cached_property
+    def _exponents(self) -> dict[float, float]:
+        """Exponents of the slopes of tractions at all zone edges."""
+        result: dict[float, float] = {}
+        for before, zone, after in neighbours(self.density.zones):
+            left, right = edge_exponents(self.density.interface, before, zone, after)
+            result[zone.left] = left
+            if zone.right is not None and right is not None:
+                result[zone.right] = right
+        return result
+
+    def at(self, u: Array) -> Array:
+        """The six functions at slownesses u >= 0, (6, n); 0 ahead of all waves."""
+        result = np.zeros((6, len(u)))
+        parts = self.parts
+        ends = np.array([part.stretch.left for part in parts])
+        index = np.searchsorted(ends, u, side="right") - 1
+        for k, part in enumerate(parts):
+            here = index == k
+            if here.any():
+                result[:, here] = part.at(part.stretch.coordinates(u[here]), u[here])
+        return result
+
+
+@lru_cache(maxsize=64)
+def _offsets(between: bool) -> Array:
+    """(POINTS _STEPS-fold): places of the Chebyshev points of an interval in steps of the nodes,
+    from the node or half-step the interval begins at."""
+    unit = Intervals(Stretch(1.0, None), 0.0, float(_STEPS), 1).x.ravel()
+    return unit - (0.5 if between else 0.0)
+
+
+@lru_cache(maxsize=64)
+def _running(nodes: int, intervals: int, between: bool = False) -> Array:
+    """(intervals POINTS, n): integrals up to the points of all intervals of the sinc functions of
+    the nodes, or of the n - 1 half steps, over the spacing."""
+    from scipy.special import sici  # here, for a quick import
+
+    steps = _apart(nodes - between, intervals, between)
+    return np.asarray(0.5 + sici(np.pi * steps)[0] / np.pi)
+
+
+@lru_cache(maxsize=64)
+def _interpolating(nodes: int, intervals: int) -> Array:
+    """(intervals POINTS, n - 1): the sinc functions of the half steps at those points."""
+    return np.sinc(_apart(nodes - 1, intervals, True))
+
+
+def _apart(count: int, intervals: int, between: bool) -> Array:
+    """Points of all intervals less nodes or half steps, in steps; the first interval begins _STEPS
+    before the first node."""
+    places = _STEPS * (np.arange(intervals) - 1)[:, None] + _offsets(between)
+    return np.asarray(places.reshape(-1, 1) - np.arange(count))

@@ -1,0 +1,257 @@
+"""A solved pair: everything on the interface as functions of position and time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from semianalytic.dissimilar.growth import GrowingWave, growing_waves
+from semianalytic.dissimilar.pair import Pair
+from semianalytic.dissimilar_slot.profile import (
+    GAP,
+    NORMAL,
+    OPENING,
+    RATE,
+    SHEAR,
+    SLIP,
+    Profile,
+)
+from semianalytic.dissimilar_slot.zones import Zone
+from semianalytic.halfplane.rayleigh import Array
+from semianalytic.results.answer import OpenInterval, SlipInterval
+from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.scene.checks import checked_number
+from semianalytic.scene.friction import ViscousFriction
+from semianalytic.selfsimilar.motion import OpenZone, SlipZone, over_slowness
+
+
+@dataclass(frozen=True)
+class PairStatistics:
+    """What a solution took.
+
+    Attributes
+    ----------
+    newton_steps : int, of the zone edges
+    zone_sets : int, sets of zones tried until the law of contact held everywhere
+    unknowns : int, zone edges
+    nodes : int, unknowns of the densities
+    residual : float, of their equations
+    smallest_singular_value : float, of these equations
+    seconds : dict of stage to time [s]
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
+    >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
+    >>> answer = sa.solve_pair(pair, rtol=1e-6)
+    >>> answer.statistics.unknowns  # the edge of slip, and that of an opening
+    2
+    """
+
+    newton_steps: int
+    zone_sets: int
+    unknowns: int
+    nodes: int
+    residual: float
+    smallest_singular_value: float
+    seconds: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class PairSolution:
+    """Self-similar slip, stick and opening between two different half-planes.
+
+    Fields broadcast over positions x > 0 [length] and times t [time]; before t = 0 there is the
+    base state.  Slip and gap are relative, upper minus lower side.  As all results that hold
+    arrays, a solution equals only itself; compare fields.
+
+    Attributes
+    ----------
+    pair : Pair
+    zones : tuple of SlipZone
+        Closed parts that slip, from the contact edge outward, in velocities [length / time].
+    openings : tuple of OpenZone
+    status : str
+        "converged", or a sentence saying what to distrust.
+    error_estimate : float
+        Estimate, meant as a bound, of the errors of
+
+        - zone edges, relative to the lesser of themselves and the slowest wave speed;
+        - slip rate and rate of opening at points further than 0.03 of that speed from zone edges,
+          relative to their largest value; slip and gap likewise;
+        - shear traction and pressure there, relative to themselves plus base and load.
+    statistics : PairStatistics
+    profile : Profile
+        The fields over slowness, in units of b and mu of the upper body and `stress_unit`.
+    stress_unit : float
+        Unit of stress of `profile`.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
+    >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
+    >>> answer = sa.solve_pair(pair, rtol=1e-6)
+    >>> answer.slip_rate(1.0, 2e-3).round(3), (answer.pressure(1.0, 2e-3) / 1e6).round(3)
+    (np.float64(0.25), np.float64(9.633))
+    """
+
+    pair: Pair
+    zones: tuple[SlipZone, ...]
+    openings: tuple[OpenZone, ...]
+    status: str
+    error_estimate: float
+    statistics: PairStatistics
+    profile: Profile
+    stress_unit: float
+
+    def __repr__(self) -> str:
+        speeds = [(f"{zone.inner:.4g}", f"{zone.outer:.4g}", zone.sense) for zone in self.zones]
+        parts = [f"{inner} < x/t < {outer} ({sense:+d})" for inner, outer, sense in speeds]
+        slips = f"slip at {', '.join(parts)}" if parts else "no slip"
+        opens = [f"{part.inner:.4g} < x/t < {part.outer:.4g}" for part in self.openings]
+        open_ = f", open at {', '.join(opens)}" if opens else ""
+        estimate = f"error estimate {self.error_estimate:.1e}"
+        return f"<PairSolution: {slips}{open_}; {self.status}, {estimate}>"
+
+    def _evaluate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """The functions of the profile, (6, ...), at positions and times; 0 before t = 0."""
+        return over_slowness(self.pair.upper.shear_speed, x, t, self.profile.at)
+
+    @property
+    def _rate_unit(self) -> float:
+        return self.stress_unit / self.pair.upper.shear_impedance
+
+    def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip rate [length / time].
+
+        Raises
+        ------
+        SceneError
+            If a position is not positive, or x or t is not finite.
+        """
+        return np.asarray(self._rate_unit * self._evaluate(x, t)[RATE])
+
+    def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How fast the contact opens [length / time], 0 where closed; raises as `slip_rate`."""
+        return np.asarray(self._rate_unit * self._evaluate(x, t)[OPENING])
+
+    def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Relative slip since t = 0 [length]; raises as `slip_rate`."""
+        return self._integrated(x, t, SLIP)
+
+    def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
+        gap = self._integrated(x, t, GAP)
+        return np.where(self._is_open(x, t), np.maximum(gap, 0.0), 0.0)
+
+    def _integrated(self, x: ArrayLike, t: ArrayLike, function: int) -> Array:
+        """x times the integral of a rate over slowness, its integral over time."""
+        length = self._rate_unit * np.asarray(x, dtype=float) / self.pair.upper.shear_speed
+        return np.asarray(length * self._evaluate(x, t)[function])
+
+    def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Total shear traction sigma_xy [stress], 0 where open; raises as `slip_rate`."""
+        change = self.stress_unit * self._evaluate(x, t)[SHEAR]
+        return np.where(self._is_open(x, t), 0.0, self.pair.base.shear + change)
+
+    def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Contact pressure [stress], 0 where open; raises as `slip_rate`."""
+        change = self.stress_unit * self._evaluate(x, t)[NORMAL]
+        return np.where(self._is_open(x, t), 0.0, self.pair.base.pressure - change)
+
+    def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Strength less shear traction, f p + viscosity |V| - |tau| [stress] where it sticks; 0
+        where it slips."""
+        law = self.pair.friction_law
+        frictional = self.pair.friction * self.pressure(x, t)
+        strength = law.strength(frictional, self.slip_rate(x, t), 0.0)
+        margin = strength - np.abs(self.shear_traction(x, t))
+        film = isinstance(law, ViscousFriction) and law.viscosity > 0
+        return np.where(self._is_open(x, t), 0.0, margin) if film else margin
+
+    def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
+        """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
+        x, t = (np.atleast_1d(np.asarray(samples, dtype=float)) for samples in (x, t))
+        fields = (self.slip, self.slip_rate, self.shear_traction, self.pressure, self.gap)
+        return InterfaceHistory(x, t, *(field(x, t[:, None]) for field in fields))
+
+    def _is_open(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
+        """Where and when the contact is open."""
+        x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
+        velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
+        parts = [(velocity > part.inner) & (velocity < part.outer) for part in self.openings]
+        return np.logical_or.reduce([np.zeros(x.shape, dtype=bool), *parts])
+
+    @cached_property
+    def growing(self) -> tuple[GrowingWave, ...]:
+        """Waves that grow where the interface slips.
+
+        They run towards the contact edge: those that run ahead of slip are refused.  They leave the
+        exact answer as it is, but a march on a grid lets them grow from its rounding, the faster
+        the finer it is.
+        """
+        compliance = self.profile.density.interface.compliance
+        senses = sorted({zone.sense for zone in self.zones})
+        frictions = [sense * self.pair.friction for sense in senses]
+        return tuple(wave for f in frictions for wave in growing_waves(compliance, f))
+
+    @property
+    def edge_speeds(self) -> Array:
+        """(m, 2) velocities of the inner and outer edge of each slip zone [length / time]."""
+        return np.array([(zone.inner, zone.outer) for zone in self.zones]).reshape(-1, 2)
+
+    @cached_property
+    def edge_slip_rate(self) -> float:
+        """Relative slip rate at the contact edge, x -> 0+ [length / time]; 0 if it sticks."""
+        return float(self._rate_unit * self.profile.parts[-1].series.ends[1][RATE])
+
+    def max_slip(self, t: ArrayLike) -> Array:
+        """Largest |slip| on the contact at times t [length]; it grows linearly in time."""
+        return (
+            self._rate_unit * np.maximum(np.asarray(t, dtype=float), 0.0) * self.profile.most_slip
+        )
+
+    def accumulated_slip(self, t: ArrayLike) -> Array:
+        """Integral over the contact of the |slip| accumulated until t [length^2]; grows as t^2."""
+        area = self._rate_unit * self.pair.upper.shear_speed * self.profile.slipped / 2
+        return np.asarray(area * np.maximum(np.asarray(t, dtype=float), 0.0) ** 2)
+
+    def frictional_power(self, t: ArrayLike) -> Array:
+        """Power turned to heat on the contact per unit depth [stress length^2 / time]."""
+        unit = self._rate_unit * self.stress_unit * self.pair.upper.shear_speed
+        return np.asarray(unit * self.profile.dissipated * np.maximum(np.asarray(t, float), 0.0))
+
+    def frictional_work(self, t: ArrayLike) -> Array:
+        """Energy turned to heat on the contact until t, per unit depth [stress length^2]."""
+        return self.frictional_power(t) * np.maximum(np.asarray(t, dtype=float), 0.0) / 2
+
+    def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
+        """What slips at a time [time], from the contact edge outward; nothing until t = 0."""
+        t = checked_number("zones_at: t", t)
+        parts = self.zones if t > 0 else ()
+        return tuple(SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in parts)
+
+    def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
+        """What is open at a time [time], from the contact edge outward; nothing until t = 0."""
+        t = checked_number("openings_at: t", t)
+        parts = self.openings if t > 0 else ()
+        return tuple(OpenInterval(t * part.inner, t * part.outer) for part in parts)
+
+
+def in_velocity(
+    zones: tuple[Zone, ...], speed: float
+) -> tuple[tuple[SlipZone, ...], tuple[OpenZone, ...]]:
+    """Slip and openings of zones in slowness, from the contact edge outward."""
+    slips, opens = [], []
+    for zone in reversed(zones):
+        inner = 0.0 if zone.right is None else speed / zone.right
+        if zone.open:
+            opens.append(OpenZone(inner, speed / zone.left))
+        else:
+            slips.append(SlipZone(inner, speed / zone.left, zone.sense))
+    return tuple(slips), tuple(opens)

@@ -1,0 +1,253 @@
+"""Solve a pair: zones from a grid, edges by Newton's method, the law of contact, corrections."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from semianalytic.dissimilar.canonical import glued
+from semianalytic.dissimilar.delay import fastest_delayed_growth
+from semianalytic.dissimilar.growth import growing_waves
+from semianalytic.dissimilar.pair import Pair
+from semianalytic.dissimilar.thresholds import LEAST_FRICTION, growth_threshold, stoneley_speed
+from semianalytic.dissimilar_slot.admissible import largest_breach, violations
+from semianalytic.dissimilar_slot.corrections import corrected, rearranged
+from semianalytic.dissimilar_slot.estimate import numerical_error
+from semianalytic.dissimilar_slot.grid import seen_on_grid, zones_seen
+from semianalytic.dissimilar_slot.interface import Interface, interface_of
+from semianalytic.dissimilar_slot.panels import rule_for
+from semianalytic.dissimilar_slot.placement import Placement, place, polished
+from semianalytic.dissimilar_slot.profile import Profile
+from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics, in_velocity
+from semianalytic.dissimilar_slot.zones import Zone
+from semianalytic.scene.checks import checked_number
+from semianalytic.scene.errors import ComputationError, SceneError
+
+GRIDS = (48, 96, 192)
+"""Nodes of the complementarity grids, one after the other until zones hold."""
+_WEAKER = ((48, 0.7), (48, 0.4))
+"""Nodes and share of friction of the grids after them: of 60 random pairs one needed them."""
+_LOCATING = 1e-5
+"""Tolerance of the rule on which zones are looked for."""
+_LAW = 1e-3
+"""By how much the law of contact may be broken there: a hundred times the rule's tolerance."""
+_MOST_ZONE_SETS = 8
+"""Sets of zones tried from one grid."""
+_LEAST_ZONE = 1e-2
+"""Over rtol: zones at the contact edge that are slower than that share of the slowest wave are left
+out.  What they change elsewhere falls like their speed over that of the place."""
+_LOCATED = 1e-4
+"""Change of an unknown that ends Newton's method in the search."""
+_CANONICAL = 0.1
+"""Tolerance of the canonical matrix over that of the rule."""
+_RULE_SHARE, _MOST_REFINEMENTS = 10.0, 4
+"""rtol over the tolerance of the first rule, and rules tried until the estimate is below rtol."""
+_FINAL_LAW = 30.0
+"""By how much the law of contact may be broken in the end, over rtol: fields are known to rtol, and
+beside zone edges what the law compares with is the root of a distance."""
+_LEAST_SINGULAR_VALUE = 1e-4
+"""0.26 to 0.37 is the rule; an edge next to a wave front has been seen to bring 0.05."""
+
+
+def solve_pair(pair: Pair, *, rtol: float = 1e-8) -> PairSolution:
+    """Solve a pair for slip, stick and opening on its interface.
+
+    Parameters
+    ----------
+    pair : Pair
+    rtol : float
+        Wanted accuracy, between 1e-10 and 1e-2, of all that `PairSolution.error_estimate` is said
+        to bound.
+
+    Returns
+    -------
+    PairSolution
+        Its `status` is "converged" if the error estimate is below rtol and the law of contact holds
+        to rtol.
+
+    Raises
+    ------
+    SceneError
+        If rtol is out of range, the interface slips in a sense in which friction between these
+        bodies has no answer (the message says how fast waves grow), a Stoneley wave runs along the
+        interface, or the contact opens under a viscous film.
+
+    Examples
+    --------
+    >>> import semianalytic as sa
+    >>> gouge, rock = sa.Material(12e9, 2300, 0.25), sa.Material(30e9, 2700, 0.25)
+    >>> pair = sa.Pair(gouge, rock, 0.4, sa.Tractions(10e6, 0.0), sa.Tractions(0.0, 4e6))
+    >>> answer = sa.solve_pair(pair)
+    >>> answer.status
+    'converged'
+    >>> answer.edge_speeds.round(1)  # of slip, in m/s; nearer to the slot the contact is open
+    array([[  5.1, 903.6]])
+    """
+    rtol = checked_number(
+        "rtol", rtol, "lie between 1e-10 and 1e-2", lambda given: 1e-10 <= given <= 1e-2
+    )
+    interface, unit = interface_of(pair)
+    bonded = stoneley_speed(interface.compliance)
+    if bonded is not None:
+        raise SceneError(
+            "pair: where these bodies stick, a wave runs along their interface at "
+            f"{bonded * pair.upper.shear_speed:.6g} (a Stoneley wave), at which tractions are "
+            "infinite; this solver does not know it: change a modulus or density "
+            "(docs/dissimilar.md)."
+        )
+    clock = [perf_counter()]
+    trial = _search(interface, rtol)
+    clock.append(perf_counter())
+    trial, estimate = _refined(trial, rtol)
+    clock.append(perf_counter())
+    profile = Profile(trial.placement.density)
+    lawful = trial.lawful and largest_breach(profile, _slowest(rtol)) <= _FINAL_LAW * rtol
+    clock.append(perf_counter())
+    density = trial.placement.density
+    statistics = PairStatistics(
+        newton_steps=trial.steps,
+        zone_sets=trial.sets,
+        unknowns=len(trial.placement.unknowns),
+        nodes=density.matrix.shape[1],
+        residual=density.residual,
+        smallest_singular_value=density.smallest_singular_value,
+        seconds=dict(zip(("zones", "edges", "check"), np.diff(clock).tolist(), strict=True)),
+    )
+    slips, opens = in_velocity(trial.placement.zones, pair.upper.shear_speed)
+    return PairSolution(
+        pair,
+        slips,
+        opens,
+        _status(lawful, estimate, statistics, rtol),
+        estimate if lawful else np.inf,
+        statistics,
+        profile,
+        unit,
+    )
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """Zones that were tried, with how many steps and sets it took."""
+
+    placement: Placement
+    lawful: bool
+    steps: int
+    sets: int
+
+
+def _slowest(rtol: float) -> float:
+    """Slowness, over that of the slowest wave, beyond which zones are left out."""
+    return 1 / (_LEAST_ZONE * rtol)
+
+
+def _search(interface: Interface, rtol: float) -> _Trial:
+    """Zones that obey the law of contact on a loose rule, from one grid after the other."""
+    canonical = glued(interface.compliance, _CANONICAL * _LOCATING)
+    rule = rule_for(_LOCATING)
+    steps = sets = 0
+    for zones in _guesses(interface):
+        for _ in range(_MOST_ZONE_SETS):
+            _check_zones(interface, zones)
+            placement = place(interface, canonical, zones, rule, _LOCATED)
+            steps, sets = steps + placement.steps, sets + 1
+            if not placement.converged:
+                other = rearranged(placement)
+                if other is None:
+                    break
+                zones = other
+                continue
+            broken = violations(Profile(placement.density), _LAW, _slowest(rtol))
+            if not broken:
+                return _Trial(placement, True, steps, sets)
+            zones = corrected(placement.zones, broken)
+    for sense in (1, -1):  # where slip of either sense has no answer, pivoting may find none
+        check_well_posed(interface, (Zone(0.0, None, sense),))
+    placement = place(interface, canonical, (), rule, _LOCATED)
+    return _Trial(placement, False, steps, sets)
+
+
+def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
+    """Edges and densities on finer rules until the error estimate is below rtol, and that."""
+    if not trial.lawful:
+        return trial, np.inf
+    placement, steps, tolerance = trial.placement, trial.steps, rtol / _RULE_SHARE
+    for _ in range(_MOST_REFINEMENTS):
+        canonical = glued(placement.density.interface.compliance, _CANONICAL * tolerance)
+        placement = polished(placement, canonical, rule_for(tolerance), tolerance)
+        steps += placement.steps
+        estimate = numerical_error(placement, tolerance)
+        if not placement.converged or estimate <= rtol:
+            break
+        tolerance *= max(min(0.5 * rtol / estimate, 0.3), 0.01)
+    return replace(trial, placement=placement, steps=steps), estimate
+
+
+def _check_zones(interface: Interface, zones: Sequence[Zone]) -> None:
+    """Raise SceneError for zones that cannot be solved."""
+    check_well_posed(interface, zones)
+    if interface.resistance and any(zone.open for zone in zones):
+        raise SceneError(
+            "pair: the contact opens under a viscous film, which this solver does not know between "
+            "different bodies; leave the viscosity out, or make the base pressure larger "
+            "(docs/dissimilar.md)."
+        )
+
+
+def _guesses(interface: Interface) -> Iterator[Sequence[Zone]]:
+    """Zones seen on one grid after the other, and under weaker friction, for which pivoting ends on
+    a ray less often."""
+    tried: list[Sequence[Zone]] = []
+    for size, share in (*((size, 1.0) for size in GRIDS), *_WEAKER):
+        weaker = replace(interface, friction=share * interface.friction)
+        try:
+            zones = zones_seen(seen_on_grid(weaker, size))
+        except ComputationError:
+            continue
+        if zones not in tried:
+            tried.append(zones)
+            yield zones
+
+
+def check_well_posed(interface: Interface, zones: Sequence[Zone]) -> None:
+    """Raise SceneError if the interface slips in a sense in which waves that run ahead grow."""
+    for sense in {zone.sense for zone in zones}:
+        friction = sense * interface.friction
+        if interface.slip_phase(sense).is_regular(friction):
+            continue
+        ahead = [w for w in growing_waves(interface.compliance, friction) if w.velocity > 0]
+        if not ahead:
+            raise SceneError(
+                f"pair: friction {interface.friction:.4g} makes the number of answers of this "
+                "interface other than one; lower it (docs/dissimilar.md)."
+            )
+        wave, limit = ahead[0], growth_threshold(interface.compliance, sense)
+        lower = (
+            f"lower it below {limit:.3g}" if limit > LEAST_FRICTION else "no friction is too low"
+        )
+        delayed = fastest_delayed_growth(interface.compliance, friction)
+        share = delayed.rate if delayed else 0.0
+        raise SceneError(
+            f"pair: where the upper body slips towards {'+' if sense > 0 else '-'}x under friction "
+            f"{interface.friction:.4g}, waves that run ahead grow by "
+            f"{100 * np.expm1(wave.per_wavelength):.3g} % over every wavelength, however short, "
+            f"and nothing has an answer: {lower}, or let friction follow pressure with a delay of "
+            f"some {share:.2g} of the time of interest (docs/dissimilar.md)."
+        )
+
+
+def _status(lawful: bool, estimate: float, statistics: PairStatistics, rtol: float) -> str:
+    """ "converged", or a sentence saying what to distrust."""
+    if not lawful:
+        return "no set of zones was found that obeys the law of contact everywhere"
+    if statistics.smallest_singular_value < _LEAST_SINGULAR_VALUE:
+        return (
+            "the equations of the zones are nearly singular (smallest singular value "
+            f"{statistics.smallest_singular_value:.1e})"
+        )
+    if estimate > rtol:
+        return f"the error estimate {estimate:.1e} exceeds rtol {rtol:.1e}"
+    return "converged"

@@ -1,0 +1,107 @@
+"""Zones of slip and of opening, and their edges as unknowns of Newton's method."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from semianalytic.dissimilar.stretch import Stretch
+from semianalytic.halfplane.rayleigh import Array
+
+
+@dataclass(frozen=True)
+class Zone:
+    """Part of the interface that slips or is open: left < v < right in slowness.
+
+    Attributes
+    ----------
+    left : float
+    right : float or None
+        None: up to the contact edge.
+    sense : int
+        +1 where the upper body slips towards +x; of an opening that of the slip ahead of it.
+    open : bool
+    """
+
+    left: float
+    right: float | None
+    sense: int
+    open: bool = False
+
+
+def joined(one: Zone, other: Zone) -> bool:
+    """Whether a zone begins where the one before it ends."""
+    return one.right is not None and one.right == other.left
+
+
+def neighbours(zones: Sequence[Zone]) -> Iterator[tuple[Zone | None, Zone, Zone | None]]:
+    """Every zone between those it is joined to, None for stick."""
+    for before, zone, after in zip([None, *zones], zones, [*zones[1:], None], strict=False):
+        yield (
+            before if before is not None and joined(before, zone) else None,
+            zone,
+            after if after is not None and joined(zone, after) else None,
+        )
+
+
+def edges_of(zones: Sequence[Zone]) -> list[float]:
+    """Slownesses of all edges, those between joined zones once, in increasing order."""
+    ends = [end for zone in zones for end in (zone.left, zone.right) if end is not None]
+    return sorted(set(ends))
+
+
+def moved(zones: Sequence[Zone], edges: Sequence[float]) -> tuple[Zone, ...]:
+    """The zones with other edges, in the order of `edges_of`."""
+    to = dict(zip(edges_of(zones), edges, strict=True))
+    return tuple(
+        replace(zone, left=to[zone.left], right=None if zone.right is None else to[zone.right])
+        for zone in zones
+    )
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """Edges as unknowns: coordinates on the stretch from the edge or wave front before each to the
+    wave front behind it, so that every choice of unknowns keeps their order.
+
+    Attributes
+    ----------
+    segments : tuple of (float, float or None), the wave fronts on both sides of every edge
+    """
+
+    segments: tuple[tuple[float, float | None], ...]
+
+    def edges(self, unknowns: Array) -> list[float]:
+        """Slownesses of the edges, (e,)."""
+        edges: list[float] = []
+        for (left, right), x in zip(self.segments, unknowns, strict=True):
+            start = max([left, *edges[-1:]])
+            edges.append(float(Stretch(start, right).at(np.array([x])).v[0]))
+        return edges
+
+    def unknowns(self, edges: Sequence[float]) -> Array:
+        """(e,) from the slownesses of the edges."""
+        starts = [0.0, *edges][: len(edges)]
+        return np.array(
+            [
+                Stretch(max(left, start), right).coordinate(edge)
+                for (left, right), start, edge in zip(self.segments, starts, edges, strict=True)
+            ]
+        )
+
+
+def coordinates_of(fronts: Sequence[float], edges: Sequence[float]) -> Coordinates:
+    """The unknowns of edges that stay between the wave fronts they lie between."""
+    ends: list[float | None] = [0.0, *fronts, None]
+    segments = []
+    for edge in edges:
+        left, right = next(
+            (one, other)
+            for one, other in pairwise(ends)
+            if one is not None and one < edge and (other is None or edge < other)
+        )
+        segments.append((left, right))
+    return Coordinates(tuple(segments))

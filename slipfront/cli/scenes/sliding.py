@@ -1,0 +1,78 @@
+"""``slipfront sliding``: whether friction between two bodies has an answer, before any scene."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from semianalytic import Material, sliding_stability
+from semianalytic.scene.checks import shown
+from semianalytic.scene.errors import SceneError
+from slipfront.cli.options import AsJson
+from slipfront.cli.terminal import print_json
+
+_BODY = "G,RHO,NU"
+_UNITS = {
+    "waves": {"growth": "length / time", "velocity": "length / time", "per_wavelength": "1"},
+    **dict.fromkeys(("generalised_rayleigh_speed", "stoneley_speed"), "length / time"),
+    **dict.fromkeys(
+        ("friction", "dundurs", "threshold_with", "threshold_against", "delayed_growth"), "1"
+    ),
+}
+
+
+def sliding(
+    upper: Annotated[
+        str,
+        typer.Option(
+            metavar=_BODY, help="Shear modulus, density, Poisson ratio of the upper body."
+        ),
+    ],
+    lower: Annotated[str, typer.Option(metavar=_BODY, help="The same of the lower body.")],
+    friction: Annotated[float, typer.Option(help="Coulomb friction coefficient.")],
+    as_json: AsJson = False,
+) -> None:
+    """Tell whether waves grow while two bodies slide, below which friction none does, how fast.
+
+    As slipfront sliding --upper 12e9,2300,0.25 --lower 30e9,2700,0.25 --friction 0.4, in any one
+    system of units.
+    """
+    bodies = _body("upper", upper), _body("lower", lower)
+    known = sliding_stability(*bodies, friction)
+    if as_json:
+        document = asdict(known) | {"well_posed": known.well_posed, "verdict": known.verdict}
+        print_json("sliding", document | {"units": _UNITS})
+        return
+    table = Table("quantity", "value", title="Sliding on one another")
+    table.add_row("f above which waves grow with the upper body", f"{known.threshold_with:.6g}")
+    table.add_row("f above which waves grow against it", f"{known.threshold_against:.6g}")
+    for name, speed in (
+        ("generalised Rayleigh wave", known.generalised_rayleigh_speed),
+        ("Stoneley wave", known.stoneley_speed),
+    ):
+        table.add_row(f"speed of a {name}", "there is none" if speed is None else f"{speed:.6g}")
+    table.add_row("Dundurs' beta", f"{known.dundurs:.6g}")
+    for wave in known.waves:
+        grows = f"{100 * (wave.per_wavelength - 1):.4g} % over a wavelength"
+        table.add_row(f"wave at {wave.velocity:+.6g}", f"grows by {grows}")
+    Console().print(table)
+    Console().print(known.verdict, highlight=False)
+
+
+def _body(name: str, text: str) -> Material:
+    """Return the material that three numbers describe, or refuse them by the name of the option."""
+    try:
+        modulus, density, poisson_ratio = map(float, text.split(","))
+    except ValueError:
+        raise SceneError(
+            f"--{name} has to be three numbers as 30e9,2700,0.25: shear modulus, density and "
+            f"Poisson ratio; got {shown(text)}."
+        ) from None
+    try:
+        return Material(modulus, density, poisson_ratio)
+    except SceneError as error:  # it does not know which of the two bodies it is
+        raise SceneError(f"--{name}: {str(error).removeprefix('material: ')}") from error

@@ -1,0 +1,70 @@
+"""Studies of different bodies: a small map, its figure, and the tables of docs."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from compare.studies.dissimilar import study, tables
+from compare.studies.dissimilar.honesty import honesty_rows
+from compare.studies.dissimilar.pairs import NAMED
+from compare.studies.dissimilar.points import column, threshold_point
+from compare.studies.documents import growth_document
+from docs.studies.pages import read_data
+
+
+def test_waves_grow_above_the_thresholds_alone():
+    for contrast in (1.1, 1.5, 2.5):
+        curve = threshold_point(contrast)
+        for point in column(contrast, 6):
+            assert (point.growth_with > 0) == (point.friction > curve.threshold_with)
+            assert (point.growth_against > 0) == (point.friction > curve.threshold_against)
+
+
+@pytest.mark.slow
+def test_a_small_map_is_written(tmp_path, monkeypatch):
+    monkeypatch.setattr(study, "_NAMED_FRICTIONS", 3)
+    results = study.write_growth(tmp_path, 4)
+    assert len(results.points) == 16
+    assert {point.pair for point in results.named} == set(NAMED)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "dissimilar-named.csv",
+        "dissimilar-thresholds.csv",
+        "dissimilar.csv",
+        "dissimilar.png",
+    ]
+    with (tmp_path / "dissimilar.csv").open() as stream:
+        assert len(list(csv.DictReader(stream))) == 16
+    assert len(growth_document(results)["thresholds"]) == len(results.thresholds)
+
+
+@pytest.mark.parametrize("name", ["thresholds", "halflines"])
+def test_tables_of_docs_are_what_their_command_makes(name):
+    found = tables.STUDIES[name]() if name == "thresholds" else tables.half_line_rows()[:1]
+    _, kept = read_data(f"dissimilar-{name}")
+    for row, written in zip(found, kept, strict=name == "thresholds"):
+        for key, value in written.items():
+            assert float(value) == pytest.approx(getattr(row, key), rel=1e-9, nan_ok=True)
+
+
+def test_estimates_in_docs_bound_all_errors():
+    _, rows = read_data("dissimilar-honesty")
+    assert [row["solved"] for row in rows] == ["200"] * 3
+    for row in rows:
+        assert row["below"] == row["compared"]
+        assert float(row["worst_ratio"]) < 1
+
+
+def test_errors_of_random_pairs_are_held_against_their_estimates():
+    rows = honesty_rows(1, first=1)
+    assert [row.solved for row in rows] == [1, 1, 1]
+    assert all(row.below == row.compared == 1 for row in rows)
+    assert np.all([row.worst_error <= 10 * row.rtol for row in rows])
+
+
+def test_zones_are_told_from_the_slot_outward():
+    _, rows = read_data("dissimilar-slots")
+    zones = {row["scene"]: row["zones"] for row in rows}
+    assert zones["slip and opening"].startswith("open 0 to 0.15748621, slip + 0.15748621 to 0.557")
+    answer = tables.solve_pair(tables.SCENES["slip from the slot"], rtol=1e-9)
+    assert tables.zones_text(answer) == zones["slip from the slot"]

@@ -1,0 +1,273 @@
+"""Waves that grow while two bodies slide: tables computed by an independent Newton's method and by
+marching single waves, and the count of the principle of the argument on random pairs."""
+
+import numpy as np
+import pytest
+from dissimilar_pairs import (
+    ALUMINIUM_ON_STEEL,
+    GOUGE_ON_ROCK,
+    PAIRS,
+    ROCK,
+    RUBBER_ON_STEEL,
+    contrast,
+)
+
+from semianalytic import Material
+from semianalytic.dissimilar.compliance import compliance_of
+from semianalytic.dissimilar.delay import fastest_delayed_growth
+from semianalytic.dissimilar.growth import count_growing, growing_waves
+from semianalytic.dissimilar.thresholds import (
+    friction_crossings,
+    generalised_rayleigh_speed,
+    growth_threshold,
+    stoneley_speed,
+)
+
+FASTEST = [
+    (contrast(1.2), 0.05, 0.00209156, 0.98485883),
+    (contrast(1.2), 0.2, 0.00844762, 0.98512795),
+    (contrast(1.2), 0.5, 0.02194537, 0.98612211),
+    (contrast(1.2), 1.0, 0.04627863, 0.98679677),
+    (contrast(1.1), 0.2, 0.00572347, 0.95859767),
+    (contrast(1.1), 0.5, 0.01425682, 0.95823356),
+    (compliance_of(*ALUMINIUM_ON_STEEL), 0.2, 0.00128573, 0.94914187),
+    (compliance_of(*ALUMINIUM_ON_STEEL), 0.5, 0.00316693, 0.94951167),
+    (compliance_of(*GOUGE_ON_ROCK), 1.0, 0.06304035, 1.07828011),
+    (compliance_of(*PAIRS["PMMA on aluminium"]), 0.02, 6.4570e-4, -2.07796665),
+    (compliance_of(*PAIRS["PMMA on aluminium"]), 0.2, 0.01009075, -2.08509184),
+    (compliance_of(*PAIRS["PMMA on aluminium"]), 0.5, 0.02175498, -2.11037591),
+    (compliance_of(*RUBBER_ON_STEEL), 0.001, 9.49e-6, -7.14142488),
+    (compliance_of(*RUBBER_ON_STEEL), 0.2, 0.00175415, -7.25921133),
+    (compliance_of(*RUBBER_ON_STEEL), 0.5, 0.00428302, -7.76942886),
+    (compliance_of(*RUBBER_ON_STEEL), 1.0, 0.00954590, -9.15148714),
+]
+"""Growth rate over wave number and velocity, over c_t of the upper body, of the fastest growth."""
+
+
+@pytest.mark.parametrize(("bodies", "friction", "growth", "velocity"), FASTEST)
+def test_fastest_growth(bodies, friction, growth, velocity):
+    wave = growing_waves(bodies, friction)[0]
+    assert wave.growth == pytest.approx(growth, abs=6e-9)
+    assert wave.velocity == pytest.approx(velocity, abs=6e-9)
+    other = growing_waves(bodies.mirrored, -friction)[0]  # seen from below
+    assert other.slowness == pytest.approx(wave.slowness, rel=1e-9)
+
+
+def test_waves_beyond_the_second_threshold_grow_slowly():
+    for ratio, friction, growth in ((1.2, 0.3, 2.6e-5), (3, 0.1, 1.40e-3), (5, 0.1, 6.0e-4)):
+        wave = growing_waves(contrast(ratio), friction)[-1]
+        assert wave.velocity < 0
+        assert wave.growth == pytest.approx(growth, rel=0.004)
+    assert growing_waves(contrast(1.2), 2.0)[1].growth == pytest.approx(0.073638, abs=6e-7)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "below", "above"),
+    [
+        (1.1, 0.28, 0.32),
+        (1.2, 0.25, 0.27),
+        (1.4, 2.05, 2.2),
+        (1.5, 2.3, 2.45),
+        (1.8, 2.8, 2.9),
+        (2, 1.0, 1.06),
+        (3, 0.024, 0.027),
+        (5, 0.001, 0.003),
+    ],
+)
+def test_waves_against_the_slower_body_grow_on_one_side_of_a_threshold(ratio, below, above):
+    counts = [count_growing(contrast(ratio).mirrored, friction) for friction in (below, above)]
+    assert counts == [0, 1]
+    assert below < growth_threshold(contrast(ratio), -1) < above
+
+
+def test_there_may_be_waves_in_both_directions():
+    _, other = growing_waves(contrast(1.2), 1.0)
+    assert (other.growth, other.velocity) == pytest.approx((0.00586992, -1.75947300), abs=6e-9)
+    rubber = growing_waves(compliance_of(*RUBBER_ON_STEEL), 1.0)
+    assert [np.sign(wave.velocity) for wave in rubber] == [-1, 1]
+    assert rubber[1].growth == pytest.approx(1.153e-5, rel=1e-3)
+
+
+def test_nothing_grows_between_like_bodies_or_below_the_threshold():
+    assert growing_waves(compliance_of(Material(1, 1, 0.3), Material(1, 1, 0.3)), 0.9) == ()
+    assert growing_waves(compliance_of(*GOUGE_ON_ROCK), 0.5) == ()
+
+
+def test_every_wave_that_the_principle_of_the_argument_counts_is_found():
+    rng = np.random.default_rng(4)
+    counts = set()
+    for _ in range(6):
+        bodies = compliance_of(
+            Material(1.0, 1.0, rng.uniform(-0.5, 0.49)),
+            Material(*np.exp(rng.uniform([-4, -1], [4, 1])), rng.uniform(-0.5, 0.49)),
+        )
+        friction = 10 ** rng.uniform(-2.5, 0.3)
+        waves = growing_waves(bodies, friction)  # raises where one is not found
+        right = sum(wave.velocity > 0 for wave in waves)
+        assert right == count_growing(bodies, friction)
+        counts.add(len(waves))
+        for wave in waves:
+            entries = bodies.at(np.array([wave.slowness]))
+            size = np.abs(entries.normal) + friction * np.abs(entries.coupling)
+            assert np.abs(entries.frictional(friction)) < 1e-7 * size
+    assert len(counts) > 1
+
+
+@pytest.mark.parametrize(
+    ("delay", "growth"),
+    [
+        (0.1, 2.181568e-3),
+        (0.4, 7.670228e-3),
+        (1.0, 1.138102e-2),
+        (2.0, 9.179136e-3),
+        (5.0, 4.313361e-3),
+        (10.0, 2.182645e-3),
+        (100.0, 2.160161e-4),
+    ],
+)
+def test_growth_under_a_delay(delay, growth):
+    fastest = growing_waves(contrast(1.2), 0.5, delay)[0]
+    assert fastest.growth * delay == pytest.approx(growth, rel=3e-7)
+
+
+def test_a_delay_bounds_growth():
+    bodies, free = contrast(1.2), growing_waves(contrast(1.2), 0.5)[0]
+    fastest = fastest_delayed_growth(bodies, 0.5)
+    beside = [growing_waves(bodies, 0.5, s * fastest.wave_number)[0] for s in (0.97, 1.0, 1.03)]
+    rates = [
+        w.growth * s * fastest.wave_number for w, s in zip(beside, (0.97, 1, 1.03), strict=True)
+    ]
+    assert rates[1] == pytest.approx(fastest.rate, rel=1e-6)
+    assert max(rates) == rates[1]
+    assert 1 / fastest.rate == pytest.approx(88, abs=0.5)  # t* to grow by a factor of e
+    # a wave near the generalised Rayleigh speed obeys a rule of thumb ...
+    assert fastest.rate == pytest.approx(free.growth / (2 * free.velocity), rel=0.05)
+    # ... one that hugs a body wave grows far faster than that
+    rubber = compliance_of(*RUBBER_ON_STEEL)
+    free = growing_waves(rubber, 0.5)[0]
+    rule = free.growth / (2 * abs(free.velocity))
+    assert fastest_delayed_growth(rubber, 0.5).rate > 100 * rule
+    assert fastest_delayed_growth(compliance_of(ROCK, ROCK), 0.5) is None
+
+
+def plain_symbol(k, upper, lower, friction):
+    """A + s f k D of two materials, as it is written down."""
+    total_a = total_d = 0.0
+    for body, sign in ((upper, 1), (lower, -1)):
+        a, b = 1 / body.longitudinal_speed, 1 / body.shear_speed
+        alpha, beta, q = np.sqrt(a**2 - k**2), np.sqrt(b**2 - k**2), b**2 - 2 * k**2
+        rayleigh = q**2 + 4 * k**2 * alpha * beta
+        total_a += alpha * b**2 / (body.shear_modulus * rayleigh)
+        total_d += sign * (2 * alpha * beta - q) / (body.shear_modulus * rayleigh)
+    return total_a + friction * k * total_d
+
+
+def test_a_delay_lets_waves_grow_that_decay_without_one():
+    """Gouge on rock is well posed below 0.53, and unstable at 0.5 under a delay all the same."""
+    bodies, unit = compliance_of(*GOUGE_ON_ROCK), GOUGE_ON_ROCK[0].shear_speed
+    assert growing_waves(bodies, 0.5) == ()
+    fastest = fastest_delayed_growth(bodies, 0.5)
+    assert fastest.rate == pytest.approx(0.0040085025, rel=1e-7)
+    wave = growing_waves(bodies, 0.5, fastest.wave_number)[0]
+    assert wave.growth * fastest.wave_number == pytest.approx(fastest.rate, rel=1e-9)
+    delayed = 0.5 / (1 + 1j * fastest.wave_number / wave.slowness)
+    sizes = [plain_symbol(wave.slowness / unit, *GOUGE_ON_ROCK, f) for f in (delayed, 0.0)]
+    assert abs(sizes[0]) < 1e-9 * abs(sizes[1])
+    # the fastest of aluminium on steel is none of those that grow without delay either
+    assert growing_waves(compliance_of(*ALUMINIUM_ON_STEEL), 0.5)[-1].velocity > 0
+    fastest = fastest_delayed_growth(compliance_of(*ALUMINIUM_ON_STEEL), 0.5)
+    assert (fastest.rate, fastest.velocity) == pytest.approx((0.00312889520, -1.98268530))
+
+
+@pytest.mark.parametrize(
+    ("ratio", "speed"),
+    [
+        (1.02, 0.928321),
+        (1.05, 0.940689),
+        (1.1, 0.958669),
+        (1.2, 0.984840),
+        (1.3, 0.998005),
+        (1.35, 0.999953),
+    ],
+)
+def test_generalised_rayleigh_speed(ratio, speed):
+    assert generalised_rayleigh_speed(contrast(ratio)) == pytest.approx(speed, abs=6e-7)
+    assert growth_threshold(contrast(ratio), 1) == 0
+    assert stoneley_speed(contrast(ratio)) is None
+
+
+@pytest.mark.parametrize(("nu", "ratio"), [(0.1, 1.478882), (0.25, 1.359316), (0.4, 1.252707)])
+def test_generalised_rayleigh_wave_ends_at_the_slower_shear_wave(nu, ratio):
+    def exists(other):
+        bodies = compliance_of(Material(1, 1, nu), Material(other**2, 1, nu))
+        return generalised_rayleigh_speed(bodies) is not None
+
+    assert exists(ratio - 1e-4)
+    assert not exists(ratio + 1e-4)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "ahead", "behind"),
+    [
+        (1.1, 0.0, 0.30043),
+        (1.2, 0.0, 0.25798),
+        (1.4, 0.29780, 2.1086),
+        (1.5, 0.51239, None),
+        (1.6, 0.62529, None),
+        (1.8, 0.75080, 2.8435),
+        (2.0, 0.81902, 1.0268),
+        (2.2, None, 0.2517),
+        (2.5, None, 0.0833),
+        (3.0, 0.93557, 0.0257),
+        (5.0, 0.97895, 0.0021),
+        (10.0, 0.99494, 1e-4),
+    ],
+)
+def test_thresholds(ratio, ahead, behind):
+    for known, direction in ((ahead, 1), (behind, -1)):
+        if known is not None:
+            digit = 0.6 * 10.0 ** -len(f"{known}".partition(".")[2]) if known >= 1e-3 else 2e-5
+            assert growth_threshold(contrast(ratio), direction) == pytest.approx(known, abs=digit)
+
+
+def test_waves_of_gouge_on_rock_begin_at_the_threshold():
+    assert growing_waves(compliance_of(*GOUGE_ON_ROCK), 0.5314) == ()
+    (wave,) = growing_waves(compliance_of(*GOUGE_ON_ROCK), 0.532)
+    assert 0 < wave.growth < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("ratio", "friction", "count"),
+    [
+        (1.35, 0.05, 1),
+        (1.5, 0.5, 0),
+        (1.9, 0.7, 0),
+        (2.0, 0.8, 0),
+        (2.5, 0.08, 0),
+        (2.5, 0.09, 1),
+        (2.6, 0.08, 1),
+    ],
+)
+def test_the_window_without_growing_waves(ratio, friction, count):
+    """Contrasts of 1.36 to 2, and of 2.5 at most under friction below 0.08."""
+    assert len(growing_waves(contrast(ratio), friction)) == count
+
+
+def test_thresholds_of_named_pairs():
+    assert growth_threshold(compliance_of(*GOUGE_ON_ROCK), 1) == pytest.approx(0.5314169, abs=6e-8)
+    pmma = compliance_of(*PAIRS["PMMA on aluminium"])
+    assert growth_threshold(pmma, -1) == pytest.approx(0.0095371, abs=6e-8)
+    assert growth_threshold(compliance_of(*RUBBER_ON_STEEL), -1) < 1e-5
+
+
+@pytest.mark.parametrize("nu", [0.1, 0.25, 0.4])
+def test_on_a_rigid_body_waves_ahead_grow_above_friction_1(nu):
+    bodies = compliance_of(Material(1, 1, nu), Material(1e10, 100.0, nu))
+    assert growth_threshold(bodies, 1) == pytest.approx(1.0, abs=1e-8)
+
+
+def test_a_wave_turns_at_its_threshold():
+    bodies = contrast(1.5)
+    for friction in friction_crossings(bodies)[np.abs(friction_crossings(bodies)) < 1]:
+        below, above = (count_growing(bodies, friction * (1 + s)) for s in (-1e-3, 1e-3))
+        assert below != above

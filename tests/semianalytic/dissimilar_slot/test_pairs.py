@@ -1,0 +1,316 @@
+"""`solve_pair` on random pairs: like bodies, symmetry, units, the law of contact, honest errors."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from dissimilar_pairs import scene
+from two_body_march import march
+
+from compare.studies.dissimilar.honesty import error_of
+from compare.studies.dissimilar.pairs import SCENES, random_pair
+from semianalytic import (
+    CoulombFriction,
+    Material,
+    Pair,
+    Scene,
+    SceneError,
+    Tractions,
+    ViscousFriction,
+    solve,
+    solve_pair,
+)
+
+X = np.linspace(0.02, 1.95, 160)
+
+
+def random_scene(rng):
+    """One solid on both sides: slip, openings from the edge, viscous films, several zones."""
+    solid = Material(*rng.uniform(0.5, 2, 2), rng.uniform(-0.3, 0.45))
+    friction, kind = rng.uniform(0.05, 0.8), rng.integers(0, 4)
+    base = Tractions(1.0, rng.uniform(-0.9, 0.9) * friction * (rng.random() < 0.5))
+    shear, size = rng.normal() * friction, abs(rng.normal()) / 2
+    load = Tractions([0.0, size, -size, 2 * rng.normal()][kind], shear)
+    viscous = rng.random() < 0.25 and load.pressure == 0
+    law = {"friction_law": ViscousFriction(rng.uniform(0, 2) * solid.shear_impedance)}
+    return Scene(solid, friction, base, load, **(law if viscous else {}))
+
+
+def check_like_bodies(given, accuracy):
+    """A scene through `solve_pair` is what `solve` says."""
+    known = solve(given, rtol=accuracy)
+    law = {"friction_law": given.friction_law}
+    solids = (given.material, given.material)
+    found = solve_pair(Pair(*solids, given.friction, given.base, given.load, **law), rtol=accuracy)
+    assert found.status == "converged"
+    speed = given.material.shear_speed
+    assert len(found.zones) == len(known.zones)
+    np.testing.assert_allclose(found.edge_speeds, known.edge_speeds, atol=accuracy * speed)
+    edges = [*known.edge_speeds.ravel(), given.material.rayleigh_speed]
+    edges += [end for part in known.openings for end in (part.inner, part.outer)]
+    x = X * speed
+    x = x[np.abs(x[:, None] - edges).min(axis=1) > 0.03 * speed]
+    for name in ("slip_rate", "slip", "gap", "gap_rate", "pressure", "shear_traction"):
+        one, other = (getattr(answer, name)(x, 1.0) for answer in (found, known))
+        scale = np.abs(getattr(known, name)(X * speed, 1.0)).max(initial=1e-300)
+        assert np.abs(one - other).max() <= accuracy * max(scale, 1e-6), name
+    assert found.frictional_work(2.0) == pytest.approx(
+        known.frictional_work(2.0), rel=1e-7, abs=1e-12
+    )
+    assert found.max_slip(2.0) == pytest.approx(known.max_slip(2.0), rel=1e-7, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+def test_like_bodies_have_the_answer_of_solve(seed):
+    check_like_bodies(random_scene(np.random.default_rng([1, seed])), 1e-10)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40))
+def test_many_scenes_of_like_bodies(seed):
+    given = random_scene(np.random.default_rng([1, seed]))
+    film = given.friction_law != CoulombFriction()
+    accuracy = 1e-9 if film or abs(given.load.shear) < 1e-3 else 1e-10
+    check_like_bodies(given, accuracy)
+
+
+@pytest.mark.parametrize("name", ["slip from the slot", "slip and opening", "film"])
+def test_exchange_of_the_bodies_mirrors_the_answer(name):
+    pair = SCENES[name]
+    one, other = solve_pair(pair), solve_pair(pair.exchanged)
+    assert [zone.sense for zone in one.zones] == [-zone.sense for zone in other.zones]
+    np.testing.assert_allclose(one.edge_speeds, other.edge_speeds, rtol=1e-12)
+    x = X[np.abs(X[:, None] - one.edge_speeds.ravel()).min(axis=1) > 0.03]
+    for field, sign in (("slip_rate", -1), ("shear_traction", -1), ("pressure", 1), ("gap", 1)):
+        here, there = (getattr(answer, field)(x, 1.0) for answer in (one, other))
+        scale = np.abs(here).max() or 1.0
+        np.testing.assert_allclose(sign * there / scale, here / scale, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["slip from the slot", "slip and opening"])
+def test_units_do_not_matter(name):
+    pair, stress, speed = SCENES[name], 3e6, 2000.0
+    density = 5e9 / speed**2
+    solids = [
+        Material(5e9 * one.shear_modulus, density * one.density, one.poisson_ratio)
+        for one in (pair.upper, pair.lower)
+    ]
+    base, load = (
+        Tractions(stress * one.pressure, stress * one.shear) for one in (pair.base, pair.load)
+    )
+    one, other = solve_pair(pair), solve_pair(Pair(*solids, pair.friction, base, load))
+    np.testing.assert_allclose(other.edge_speeds, speed * one.edge_speeds, rtol=1e-11)
+    x, t = 0.17, 3e-4
+    rate = other.slip_rate(x * speed * t, t) * density * speed / stress
+    assert rate == pytest.approx(one.slip_rate(x, 1.0), rel=1e-10)
+    gap = other.gap(0.02 * speed * t, t) * 5e9 / (stress * speed * t)
+    assert gap == pytest.approx(one.gap(0.02, 1.0), rel=1e-9, abs=1e-15)
+    pressure = other.pressure(x * speed * t, t) / stress
+    assert pressure == pytest.approx(one.pressure(x, 1.0), rel=1e-11)
+
+
+def check_law(answer, rtol):
+    """Coulomb's law and contact hold at many points, and slip is the integral of its rate."""
+    pair = answer.pair
+    speeds = [pair.upper.longitudinal_speed, pair.lower.longitudinal_speed]
+    x = np.concatenate([np.geomspace(1e-3, 0.05, 40), np.linspace(0.05, max(speeds), 400)])
+    rate, shear = answer.slip_rate(x, 1.0), answer.shear_traction(x, 1.0)
+    pressure, gap = answer.pressure(x, 1.0), answer.gap(x, 1.0)
+    film = getattr(pair.friction_law, "viscosity", 0.0)
+    unit = pair.friction * (pair.base.pressure + np.abs(pressure)) + np.abs(shear)
+    strength = pair.friction * pressure + film * np.abs(rate)
+    assert np.all(pressure >= -100 * rtol * (1 + np.abs(pressure)))
+    assert np.all(gap >= 0)
+    assert np.all(np.abs(shear) <= strength + 100 * rtol * unit)
+    slips = (np.abs(rate) > 1e-5 * np.abs(rate).max(initial=0.0)) & (gap == 0)
+    held = shear[slips] * np.sign(rate[slips])
+    np.testing.assert_allclose(held, strength[slips], rtol=1e-9, atol=1e-12)
+    assert np.all(gap[shear != 0] == 0)
+    # x du/dx at fixed t is t (u - t V) / t for slip of degree 1: differences of the slip itself
+    place, step = x[::40], 1e-5
+    change = answer.slip(place, 1 + step) - answer.slip(place, 1 - step)
+    scale = np.abs(rate).max(initial=1e-300)
+    clear = np.abs(np.diff(answer.slip_rate(place, np.array([[0.99], [1.01]])), axis=0))[0]
+    smooth = clear < 0.1 * scale
+    error = change / (2 * step) - answer.slip_rate(place, 1.0)
+    assert np.all(np.abs(error[smooth]) < 1e-3 * scale)
+
+
+def check_random_pair(seed, tolerances):
+    """One random pair: what is said of it, and that its errors are below their estimates."""
+    pair = random_pair(np.random.default_rng([2, seed]))
+    try:
+        exact = solve_pair(pair, rtol=1e-10)
+    except SceneError:
+        return "refused"
+    assert np.isfinite(exact.error_estimate)
+    check_law(exact, 1e-9)
+    for rtol in tolerances:
+        answer = solve_pair(pair, rtol=rtol)
+        assert answer.status == "converged"
+        error = error_of(answer, exact)
+        if error is not None:  # else there are zones next to the edge that rtol leaves out
+            assert error <= answer.error_estimate
+    return "solved"
+
+
+@pytest.mark.parametrize("seed", [1, 4])
+def test_a_random_pair(seed):
+    assert check_random_pair(seed, (1e-6,)) == "solved"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(60))
+def test_random_pairs(seed):
+    check_random_pair(seed, (1e-4, 1e-6, 1e-8))
+
+
+def compared(pair, nodes, reach):
+    """L1 differences of slip rate and pressure from a march, and its answer.
+
+    Beside a stuck edge of different bodies the nodal pressure alternates by a share of j^(-1/2) at
+    the j-th node on every grid, for the symbol of the grid jumps at its Nyquist frequency
+    (docs/dissimilar.md): means of three neighbours are compared, of the march and of the answer.
+    """
+    answer = solve_pair(pair, rtol=1e-5)
+    marched = march(pair, nodes, reach, getattr(pair.friction_law, "viscosity", 0.0))
+    x = marched.velocity
+    clear = x[1:-1] > 0.03
+    result = []
+    for name in ("slip_rate", "pressure"):
+        exact, found = getattr(answer, name)(x, 1.0), getattr(marched, name)
+        exact, error = ((f[:-2] + 2 * f[1:-1] + f[2:])[clear] for f in (exact, found - exact))
+        result.append(np.abs(error).sum() / np.abs(exact).sum())
+    return answer, marched, result
+
+
+@pytest.mark.parametrize(
+    ("name", "reach", "rate", "pressure"),
+    [
+        ("two zones", 1.3, 0.01, 0.0006),
+        ("slip and opening", 0.8, 0.017, 0.008),
+        ("film", 1.3, 0.01, 0.0017),
+    ],
+)
+def test_a_march_agrees(name, reach, rate, pressure):
+    """Within some 4/3 of what was found on 512 nodes; four times the nodes leave a quarter."""
+    _, _, found = compared(SCENES[name], 512, reach)
+    assert found[0] < rate
+    assert found[1] < pressure
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "reach"),
+    [
+        ("slip from the slot", 0.8),
+        ("two zones", 1.3),
+        ("slip and opening", 0.8),
+        ("film", 1.3),
+        ("both senses", 2.4),
+        ("detached opening", 2.0),
+    ],
+)
+def test_a_march_converges_to_the_answer(name, reach):
+    answer, marched, fine = compared(SCENES[name], 2048, reach)
+    _, _, coarse = compared(SCENES[name], 512, reach)
+    assert fine[0] < 0.007
+    assert fine[0] < 0.35 * coarse[0]
+    assert fine[1] < 0.002
+    assert fine[1] < 0.35 * coarse[1]
+    for zone in answer.zones:
+        if zone.outer - zone.inner > 0.1:
+            ends = [end for state, *both in marched.zones if state == zone.sense for end in both]
+            assert np.abs(np.array(ends) - zone.outer).min() < 4 * marched.spacing
+
+
+def test_both_senses():
+    answer = solve_pair(SCENES["both senses"], rtol=1e-6)
+    assert [zone.sense for zone in answer.zones] == [1, -1, 1]
+    assert answer.status == "converged"
+    assert len(answer.openings) == 0
+
+
+def test_a_stuck_edge_of_different_bodies_slips_within_a_strip():
+    """The tractions turn like x^(i eps) there: they leave every cone of friction."""
+    answer = solve_pair(scene("0", 0.4, (0.7, 0.0), (5.5, -1.0)))
+    edge, detached = answer.zones
+    assert (edge.inner, edge.sense) == (0.0, 1)
+    assert edge.outer == pytest.approx(1.5728e-6, rel=1e-4)
+    assert (detached.outer, detached.inner) == pytest.approx((1.24499146, 0.54762532), abs=1e-7)
+
+
+def test_tension_next_to_the_edge_opens_it():
+    answer = solve_pair(scene("A", 0.2, (5.0, 0.0), (0.0, -1.0)))
+    assert answer.openings[0].outer == pytest.approx(1.036920e-5, rel=1e-6)
+    assert answer.zones[0].outer == pytest.approx(0.373588456, abs=3e-9)
+
+
+@pytest.mark.slow
+def test_a_detached_opening():
+    answer = solve_pair(SCENES["detached opening"])
+    assert answer.status == "converged"
+    assert answer.openings[0].inner == pytest.approx(0.7831567, abs=1e-7)
+    assert answer.openings[0].outer == pytest.approx(1.1553929, abs=1e-7)
+    check_law(answer, 1e-8)
+
+
+@pytest.mark.slow
+def test_a_detached_opening_of_like_bodies():
+    solid = Material(1.0, 1.0, 1 / 3)
+    given = Scene(solid, 0.3, Tractions(0.02, 0.0), Tractions(1.0, 0.5))
+    known = solve(given, rtol=1e-10)
+    found = solve_pair(Pair(solid, solid, 0.3, given.base, given.load))
+    np.testing.assert_allclose(found.edge_speeds, known.edge_speeds, atol=1e-7)
+    x = np.array([0.3, 0.6, 0.8, 1.2, 1.5, 1.7])
+    for name in ("slip_rate", "gap_rate", "gap", "pressure"):
+        one, other = (getattr(each, name)(x, 1.0) for each in (found, known))
+        np.testing.assert_allclose(one, other, atol=1e-7)
+
+
+def test_what_has_no_answer_is_refused():
+    with pytest.raises(SceneError, match=r"grow by 4\.82 % .* no friction is too low"):
+        solve_pair(scene("A", 0.2, (5.0, 0.0), (0.0, 1.0)))
+    with pytest.raises(SceneError, match=r"lower it below 0\.572"):
+        solve_pair(scene("0", 0.8, (1.0, 0.0), (0.0, 1.0)))
+    upper, lower = Material(1.0, 1.0, 0.3), Material(1.9706, 1.98737, -0.02)
+    bonded = Pair(upper, lower, 0.2, Tractions(1.0, 0.0), Tractions(0.0, 0.3))
+    with pytest.raises(SceneError, match="Stoneley"):
+        solve_pair(bonded)
+    film = dataclasses.replace(SCENES["slip and opening"], friction_law=ViscousFriction(0.3))
+    with pytest.raises(SceneError, match="viscous film"):
+        solve_pair(film)
+    with pytest.raises(SceneError, match="rtol"):
+        solve_pair(SCENES["slip from the slot"], rtol=1e-13)
+
+
+def test_waves_towards_the_edge_are_told():
+    """Slip of pair C towards -x is solved; a march of it lets waves towards the edge grow."""
+    answer = solve_pair(SCENES["slip from the slot"], rtol=1e-5)
+    (wave,) = answer.growing
+    assert wave.velocity < 0
+    assert 0 < wave.growth < 0.02
+    assert solve_pair(SCENES["slip and opening"], rtol=1e-5).growing == ()
+
+
+def test_nothing_moves_without_a_load_or_before_it():
+    still = solve_pair(scene("0", 0.3, (1.0, 0.1), (0.0, 0.0)))
+    assert (still.status, still.zones) == ("converged", ())
+    np.testing.assert_array_equal(still.shear_traction(X, 1.0), 0.1)
+    answer = solve_pair(SCENES["slip from the slot"], rtol=1e-5)
+    assert answer.slip_rate(0.1, -1.0) == 0
+    assert answer.pressure(0.1, 0.0) == 4.0
+    assert answer.zones_at(0.0) == ()
+    assert answer.zones_at(2.0)[0].end == pytest.approx(2 * answer.zones[0].outer)
+    assert "slip at 0 < x/t < 0.40" in repr(answer)
+    with pytest.raises(SceneError, match="x > 0"):
+        answer.slip(-1.0, 1.0)
+
+
+def test_history_holds_all_fields():
+    answer = solve_pair(SCENES["slip and opening"], rtol=1e-5)
+    history = answer.history([0.05, 0.3], [0.5, 1.0])
+    assert history.slip_rate.shape == (2, 2)
+    assert history.gap[1, 0] > 0 == history.gap[1, 1]
+    assert answer.frictional_power(1.0) > 0
+    assert answer.accumulated_slip(2.0) == pytest.approx(4 * answer.accumulated_slip(1.0))

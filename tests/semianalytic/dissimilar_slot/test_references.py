@@ -1,0 +1,152 @@
+"""Zones of a slot between different bodies: reference numbers of an independent prototype.
+
+The prototype (densities as here, but sinc panels without far weights, Gauss-Legendre stick parts
+and a dense QR) gave ten to twelve digits; a spectral march agrees to a cell of its grid.
+"""
+
+import numpy as np
+import pytest
+from dissimilar_pairs import PAIRS
+
+from semianalytic import Material
+from semianalytic.dissimilar.canonical import glued
+from semianalytic.dissimilar.compliance import compliance_of
+from semianalytic.dissimilar_slot.density import density_of
+from semianalytic.dissimilar_slot.interface import Interface
+from semianalytic.dissimilar_slot.panels import edge_exponents, rule_for
+from semianalytic.dissimilar_slot.placement import edge_tractions, place, polished
+from semianalytic.dissimilar_slot.zones import Zone, edges_of
+
+TOLERANCE = 1e-11
+
+
+def interface(pair, friction, base_pressure, load, base_shear=0.0):
+    """`load` is (Q_0, -P_0), the jump of tau and sigma."""
+    bodies = compliance_of(*(PAIRS[pair] if isinstance(pair, str) else pair))
+    return Interface(bodies, friction, 0.0, base_pressure, base_shear, -load[1], load[0])
+
+
+def placed(known, zones):
+    """The zones with edges where they belong, from a start nearby."""
+    matrix = glued(known.compliance, TOLERANCE / 10)
+    start = place(known, matrix, zones, rule_for(1e-5), 1e-5)
+    assert start.converged
+    return polished(start, matrix, rule_for(TOLERANCE), TOLERANCE)
+
+
+@pytest.mark.parametrize(("edge", "level"), [(2.2, 0.85487324832243), (1.6, 0.57862945297427)])
+def test_level_at_which_slip_from_the_slot_ends(edge, level):
+    """The prototype had 0.854873248232 and 0.578629452911, 9e-11 and 6e-11 less: its tractions on
+    stick were integrated along the cut, past a hidden zero."""
+    known = interface("0", 0.2, 0.0, (1.0, -0.5))
+    density = density_of(
+        known, glued(known.compliance, 1e-13), (Zone(edge, None, 1),), rule_for(TOLERANCE)
+    )
+    tau, sigma = edge_tractions(density).at(edge)
+    assert tau + 0.2 * sigma == pytest.approx(level, abs=2e-11)
+
+
+@pytest.mark.parametrize(
+    ("pair", "pressure", "load", "speed", "rate"),
+    [
+        ("A", 5.0, (-1.0, 0.0), 0.373588458106, -0.5108806917),
+        ("C", 5.0, (-1.0, 0.0), 0.347997525295, -0.5562363275),
+        ("A", 4.0, (-1.0, -0.5), 0.450208159960, -0.5120783632),
+        ("C", 4.0, (-1.0, -0.5), 0.409015941566, -0.5416429694),
+    ],
+)
+def test_slip_from_the_slot(pair, pressure, load, speed, rate):
+    """A and C at P_0 = 0 leave out an opening within x/t < 1e-5, which changes them by 3e-9."""
+    result = placed(interface(pair, 0.2, pressure, load), (Zone(1 / 0.37, None, -1),))
+    assert 1 / result.zones[0].left == pytest.approx(speed, abs=1e-11)
+    assert result.density.change(0)[0] == pytest.approx(rate, abs=1e-10)
+
+
+def test_a_detached_zone():
+    known = interface("0", 0.4, 0.7, (-1.0, -5.5))
+    result = placed(known, (Zone(1 / 1.25, 1 / 0.54, -1),))
+    speeds = 1 / np.array(edges_of(result.zones))
+    np.testing.assert_allclose(speeds, [1.24499152201, 0.5476249625], atol=4e-10)
+    exponents = edge_exponents(known, None, result.zones[0], None)
+    assert exponents == pytest.approx((-0.25618698, 0.47286015), abs=2e-8)
+    assert result.density.change(0)[0] == pytest.approx(0.0, abs=1e-10)
+
+
+def test_two_zones():
+    known = interface("C", 0.2, 1.1, (-1.0, 0.0))
+    start = (Zone(1 / 1.16, 1 / 0.985, -1), Zone(1 / 0.93, None, -1))
+    result = placed(known, start)
+    speeds = 1 / np.array(edges_of(result.zones))
+    np.testing.assert_allclose(speeds, [1.16734526, 0.98407487, 0.93325727], atol=6e-9)
+    one, other = (edge_exponents(known, None, zone, None) for zone in result.zones)
+    assert (*one, other[0]) == pytest.approx((-0.3887, -0.4247, -0.4326), abs=6e-5)
+
+
+@pytest.mark.parametrize(
+    ("load", "sense", "slip", "opening"),
+    [
+        ((0.5, 1.0), 1, 0.5570204652, 0.1574862063),
+        ((-0.5, 1.0), -1, 0.5528459861, 0.1245261371),
+    ],
+)
+def test_opening_with_slip_ahead(load, sense, slip, opening):
+    start = (Zone(1 / 0.556, 1 / 0.14, sense), Zone(1 / 0.14, None, sense, True))
+    result = placed(interface("0", 0.3, 1.5, load), start)
+    speeds = 1 / np.array(edges_of(result.zones))
+    np.testing.assert_allclose(speeds, [slip, opening], atol=7e-11)
+
+
+@pytest.mark.parametrize(
+    ("strength", "edge", "rate"), [(1.0, 0.375, 0.29320313118), (0.5, 2 / 3, 0.37095364419)]
+)
+def test_like_bodies(strength, edge, rate):
+    solid = Material(1.0, 1.0, 1 / 3)
+    known = interface((solid, solid), 0.5, 2 * strength, (1.0, 0.0))
+    result = placed(known, (Zone(1 / edge * 1.01, None, 1),))
+    assert 1 / result.zones[0].left == pytest.approx(edge, abs=2e-11)
+    assert result.density.change(0)[0] / 2 == pytest.approx(rate, abs=2e-11)
+
+
+@pytest.mark.parametrize(
+    ("pressure", "load", "edges", "rate"),
+    [
+        (1.6, (1.0, 0.0), (25 / 54,), 0.64079319),
+        (2.0, (1.0, -0.3), (0.346425107747,), 0.50757203),
+        (2.4, (1.0, 0.2), (0.32690877, 0.00443787), None),
+    ],
+)
+def test_like_bodies_under_friction_one_half(pressure, load, edges, rate):
+    """Edges of slip and of the opening behind it, and slip rate at the contact edge, that the
+    solver for identical bodies found with nu = 1/3."""
+    solid = Material(1.0, 1.0, 1 / 3)
+    known = interface((solid, solid), 0.5, pressure, load)
+    ends = [1.02 / one for one in edges]
+    zones = [Zone(ends[0], None if len(ends) == 1 else ends[1], 1)]
+    zones += [Zone(end, None, 1, True) for end in ends[1:]]
+    result = placed(known, tuple(zones))
+    speeds = 1 / np.array(edges_of(result.zones))
+    np.testing.assert_allclose(speeds, edges, rtol=0, atol=TOLERANCE if load[1] == 0 else 6e-9)
+    if rate is not None:
+        assert result.density.change(0)[0] == pytest.approx(rate, abs=6e-9)
+
+
+def test_far_apart_edges_do_not_spoil_the_equations():
+    """Between slip that starts at 2.7 and an opening at 1e5 the weight has to follow v: with that
+    of the ends alone the smallest singular value falls like a power of their ratio."""
+    known = interface("A", 0.2, 5.0, (-1.0, 0.0))
+    matrix = glued(known.compliance, 1e-9)
+    values = []
+    for edge in (1e1, 1e3, 1e5):
+        zones = (Zone(2.677, edge, -1), Zone(edge, None, -1, True))
+        values.append(density_of(known, matrix, zones, rule_for(1e-6)).smallest_singular_value)
+    assert min(values) > 0.25
+    assert max(values) / min(values) < 1.2
+
+
+def test_shear_fronts_of_both_bodies_at_once():
+    """There K is singular like d^(-1/2), and a power of omega above 1/2 would admit too much."""
+    solid = Material(1.0, 1.0, -0.2)
+    known = interface((solid, solid), 0.37, 1.0, (-0.8, 0.0), -0.3)
+    zones = (Zone(0.889, 1.054, -1), Zone(1.375, None, -1))
+    density = density_of(known, glued(known.compliance, 1e-9), zones, rule_for(1e-6))
+    assert density.smallest_singular_value > 0.02
