@@ -7,14 +7,20 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from compare.comparison.arrival_rows import arrival_rows
 from compare.comparison.case import Case
-from compare.comparison.edge_rows import opening_rows, zone_rows
 from compare.comparison.fields.errors import FieldErrors
-from compare.comparison.history_rows import cycle_rows, event_rows, gap_row, rate_row, sense_rows
 from compare.comparison.measures import is_nothing
 from compare.comparison.mesh_choice import Feature, Prices
-from compare.comparison.profile_rows import (
+from compare.comparison.quantities.arrival_rows import arrival_rows
+from compare.comparison.quantities.edge_rows import opening_rows, zone_rows
+from compare.comparison.quantities.history_rows import (
+    cycle_rows,
+    event_rows,
+    gap_row,
+    rate_row,
+    sense_rows,
+)
+from compare.comparison.quantities.profile_rows import (
     gap_rows,
     slip_rate_rows,
     snapshot_row,

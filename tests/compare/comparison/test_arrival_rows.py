@@ -3,9 +3,9 @@
 import pytest
 from compare_cases import sampled_run
 
-from compare.comparison.arrival_rows import arrival_rows
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
+from compare.comparison.quantities.arrival_rows import arrival_rows
 from semianalytic import solve
 from semianalytic.scene.named import find_scene
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from compare_cases import sampled_run
 
-from compare.comparison.edge_rows import narrow_obstacle, zone_rows
 from compare.comparison.judgement import side_by_side
+from compare.comparison.quantities.edge_rows import narrow_obstacle, zone_rows
 from semianalytic import solve
 from semianalytic.results.answer import SlipInterval
 from semianalytic.scene.named import find_scene, override_scene

@@ -14,9 +14,14 @@ from compare_cases import sampled_run
 from compare import judge
 from compare.cli.commands import main
 from compare.comparison.case import worn_by
-from compare.comparison.history_rows import beside_edges, event_rows, sense_rows, slip_sense
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import method_of, predict_like
+from compare.comparison.quantities.history_rows import (
+    beside_edges,
+    event_rows,
+    sense_rows,
+    slip_sense,
+)
 from compare.comparison.rows import ALARM
 from fem import simulate
 from semianalytic import (

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from compare import judge
 from compare.comparison.judgement import mesh_sentence
-from compare.comparison.profile_rows import SINGLE_STEPS
+from compare.comparison.quantities.profile_rows import SINGLE_STEPS
 from compare.comparison.rows import ALARM, Row
 from compare.comparison.scales import slip_rate_scale
 from compare.comparison.snapshots import SlipRateProfile

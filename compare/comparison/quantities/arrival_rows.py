@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.arrivals import (
+from compare.comparison.bars import error_bar, observed_order
+from compare.comparison.case import Case, mesh_changes
+from compare.comparison.quantities.arrivals import (
     LARGEST_MISFIT,
     ROUNDING,
     Table,
@@ -22,8 +24,6 @@ from compare.comparison.arrivals import (
     smeared,
     tabulated,
 )
-from compare.comparison.bars import error_bar, observed_order
-from compare.comparison.case import Case, mesh_changes
 from compare.comparison.rows import Row
 from compare.comparison.scales import scene_fronts
 from semianalytic.scene.errors import SceneError
