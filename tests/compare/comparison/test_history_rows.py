@@ -55,7 +55,7 @@ def test_both_methods_agree_within_the_bars(name, tmp_path, capsys):
     rows = {row["name"]: row for row in report["rows"]}
     assert rows["other sense, part of map"]["difference"] < 0.06
     assert rows["accumulated |slip|, L1"]["difference"] < 0.05
-    assert (rows["reverse slip, part of map"]["at_nodes"] > 0.001) == (name != "ramp")
+    assert ("reverse slip, part of map" in rows) == (name != "ramp")
     if name == "harmonic":
         assert rows["work in cycle 3"]["at_nodes"] > 0
         assert any(row.startswith("reversal at") for row in rows)
