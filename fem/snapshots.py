@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fem.assembly import X, Y, Z
 from fem.budget import free_space
 from fem.model import Model
-from semianalytic.results.files import Seal, new_file, write_bytes
+from semianalytic.results.files import Seal, new_file, remove_empty, write_bytes
 from semianalytic.scene.errors import DataFileError
 
 INDEX = "fields.pvd"
@@ -24,6 +24,9 @@ CELLS = {"P1": "triangle", "Q1": "quad", "Q2": "quad9"}
 
 MIRRORED = {"P1": [0, 2, 1], "Q1": [0, 3, 2, 1], "Q2": [0, 3, 2, 1, 7, 6, 5, 4, 8]}
 """Order of the nodes of an element that makes its mirror image counter-clockwise again."""
+
+COMPANIONS = 2
+"""How many coarser runs a simulation carries, each at twice the element size of the one before."""
 
 _RUN = re.compile(rb"<!-- slipfront run ([0-9a-f]+) -->")
 
@@ -240,8 +243,15 @@ def _listed(directory: Path) -> list[str]:
         return []
 
 
+def companion_folder(snapshots: Path, number: int) -> Path:
+    """Where the companion of 2^number times the element size leaves its last frame."""
+    return snapshots / f"{2**number}h"
+
+
 def forget_other_frames(directory: Path, run: str) -> None:
     """Remove index and frames of other runs from a folder of snapshots, and nothing else.
+
+    If the index was of another run, the frames of its companions go too.
 
     Parameters
     ----------
@@ -264,6 +274,10 @@ def forget_other_frames(directory: Path, run: str) -> None:
         owner = index_run(directory)
         if owner != run and (owner is not None or listed):
             (directory / INDEX).unlink(missing_ok=True)
+        for number in range(1, COMPANIONS + 1) if owner not in (run, None) else ():
+            folder = companion_folder(directory, number)
+            forget_other_frames(folder, run)
+            remove_empty([folder] if folder.is_dir() else [])
     except OSError as error:
         raise DataFileError(
             f"the snapshots of another run in {directory} cannot be removed ({error.strerror}); "

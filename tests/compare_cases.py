@@ -62,6 +62,7 @@ def sampled_run(
         step_ratio=1.0,
         time_step=float(t[1]),
         critical_step=float(t[1]),
+        rate_window=0.0,
         steps=times,
         unknowns=0,
         interface=replace(

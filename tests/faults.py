@@ -15,7 +15,7 @@ import meshio
 import numpy as np
 from fault_tasks import history
 
-from compare.comparison.snapshots import last_snapshot
+from compare.comparison.fields.frames import last_frame
 from compare.output.tables import append_rows, write_rows
 from compare.studies.chart.study import COMMAND, read_points
 from compare.studies.regimes.points import MapPoint, kept_columns, poisson_ratios
@@ -120,8 +120,8 @@ def all_kinds():
             lambda folder: read_mesh_again(folder / "any"),
             read_mesh_again,
         ),
-        "snapshot": Kind("last.vtu", write_frame, lambda path: last_snapshot(path.parent)),
-        "index": Kind("fields.pvd", write_frame, lambda path: last_snapshot(path.parent)),
+        "snapshot": Kind("last.vtu", write_frame, lambda path: last_frame(path.parent)),
+        "index": Kind("fields.pvd", write_frame, lambda path: last_frame(path.parent)),
         "chart": Kind(
             "chart.csv",
             lambda folder: write_rows(folder / "chart.csv", points, checked=True, command=COMMAND),

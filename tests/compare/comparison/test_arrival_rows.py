@@ -3,9 +3,9 @@
 import pytest
 from compare_cases import sampled_run
 
-from compare.comparison.arrival_rows import arrival_rows
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
+from compare.comparison.quantities.arrival_rows import arrival_rows
 from semianalytic import solve
 from semianalytic.scene.named import find_scene
 
@@ -34,7 +34,12 @@ def test_every_signal_on_either_face_has_one_row(name):
     signals = [row.name.split(" (")[0].replace(" front,", "") for row in rows]
     assert sorted(signals) == sorted(PRESENT[name])
     for row in rows:
-        assert (row.unit, row.kind, row.verdict) == ("c_t", "arrival", "agrees")
+        assert (row.unit, row.kind) == ("c_t", "arrival")
+        # A Rayleigh front is too blurred at 4h to say how fast it converges.
+        assert row.verdict == "agrees" or (row.verdict, row.name.split()[0]) == (
+            "unresolved",
+            "Rayleigh",
+        )
 
 
 @pytest.mark.thinned(2)

@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compare import judge
-from compare.comparison.case import mesh_changes, own_wear, worn_by
+from compare.comparison.case import own_wear, worn_by
 from compare.comparison.judgement import side_by_side
+from compare.comparison.judging import mesh_changes
 from compare.comparison.prediction import predict_like
 from semianalytic import solve
 from semianalytic.scene.named import find_scene

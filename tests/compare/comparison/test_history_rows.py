@@ -13,9 +13,14 @@ from compare_cases import sampled_run
 
 from compare import judge
 from compare.comparison.case import worn_by
-from compare.comparison.history_rows import beside_edges, event_rows, sense_rows, slip_sense
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import method_of, predict_like
+from compare.comparison.quantities.history_rows import (
+    beside_edges,
+    event_rows,
+    sense_rows,
+    slip_sense,
+)
 from compare.comparison.rows import ALARM
 from fem import simulate
 from semianalytic import (
@@ -50,7 +55,7 @@ def test_both_methods_agree_within_the_bars(name, tmp_path, capsys):
     rows = {row["name"]: row for row in report["rows"]}
     assert rows["other sense, part of map"]["difference"] < 0.06
     assert rows["accumulated |slip|, L1"]["difference"] < 0.05
-    assert (rows["reverse slip, part of map"]["at_nodes"] > 0.001) == (name != "ramp")
+    assert ("reverse slip, part of map" in rows) == (name != "ramp")
     if name == "harmonic":
         assert rows["work in cycle 3"]["at_nodes"] > 0
         assert any(row.startswith("reversal at") for row in rows)

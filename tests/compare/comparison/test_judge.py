@@ -8,11 +8,10 @@ from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from compare import judge
+from compare.comparison.case import NARROW
 from compare.comparison.judgement import mesh_sentence
-from compare.comparison.profile_rows import SINGLE_STEPS
 from compare.comparison.rows import ALARM, Row
 from compare.comparison.scales import slip_rate_scale
-from compare.comparison.snapshots import SlipRateProfile
 from fem import simulate
 from semianalytic import Material, Scene, Solution, Tractions, solve
 from semianalytic.results.answer import SlipInterval
@@ -61,9 +60,8 @@ def test_a_run_without_error_agrees_with_nothing_but_rounding(name):
     solution = solve(NAMED_SCENES[name].scene)
     judgement = judge(solution, sampled_run(solution))
     assert judgement.verdict == "agrees"
-    # The zone ahead of c_R of the auxetic scene is one node wide at 4h.
-    unresolved = [row.name for row in judgement.having("unresolved")]
-    assert unresolved == (["Rayleigh front, interface (slip rate)"] if name == "auxetic" else [])
+    # At 4h a Rayleigh front is too blurred, and edges move by what nodes alone leave open.
+    assert not {row.kind for row in judgement.having("unresolved")} - {"arrival", "zone edge"}
     # Waveforms are aligned through a table of 801 values: a fraction of its spacing is left.
     assert max(abs(row.difference) for row in judgement.rows) < 2e-3
 
@@ -81,7 +79,7 @@ def check_ordinary(name, resolution):
         for row in edges:
             assert row.verdict == "unresolved"
             assert row.obstacle.startswith("the gap to the next zone is ")
-            gap = (rows["zone 2, inner edge"].exact - rows["zone 1, outer edge"].exact) / 4
+            gap = (rows["zone 2, inner edge"].exact - rows["zone 1, outer edge"].exact) / NARROW
             assert row.resolution == pytest.approx(1 / gap, abs=1)
             assert judgement.remedy(row).startswith(f"resolution {row.resolution}, h = ")
     return rows
@@ -123,9 +121,8 @@ def test_a_coarse_mesh_is_unresolved_and_says_which_would_do(solution):
     judgement = judge(solution, run)
     assert judgement.simulation.companion is None
     assert judgement.verdict == "unresolved"
-    assert {row.bar for row in judgement.rows} == {None}
     for row in judgement.rows:
-        assert row.obstacle
+        assert row.kind == "law" or (row.bar is None and row.obstacle)
     assert any(row.resolution == 28 for row in judgement.rows)
 
 
@@ -170,10 +167,10 @@ def test_another_prediction_moves_nothing_of_the_simulation(fair, coarse, fricti
     other = named(judge(solve(override_scene(PRELOADED, friction=friction)), coarse))
     moved = 0
     for name, row in named(fair).items():
-        if row.kind == "arrival" or name == "other sense, part of map":
+        if row.kind in ("arrival", "local") or name == "other sense, part of map":
             continue
         assert other[name].simulated == row.simulated, name
-        assert other[name].order == row.order, name
+        assert (other[name].order or 0) == pytest.approx(row.order or 0, rel=1e-9), name
         moved += other[name].at_nodes != row.at_nodes
     assert moved >= 10
 
@@ -186,8 +183,8 @@ def test_bars_come_from_the_simulation():
     fair, other = (named(judge(solve(scene), run)) for scene in scenes)
     compared = 0
     for name, row in fair.items():
-        if row.kind == "arrival" or "(x, t)" in name:
-            continue
+        if row.kind in ("arrival", "local") or "(x, t)" in name:
+            continue  # windows and places depend on the prediction
         scales = (row.at_nodes, other[name].at_nodes) if row.relative else (1.0, 1.0)
         bars = [one.bar * scale for one, scale in zip((row, other[name]), scales, strict=True)]
         assert bars[0] == pytest.approx(bars[1], rel=1e-3, abs=1e-5), name
@@ -333,23 +330,6 @@ def test_remedies_say_mesh_time_and_memory(coarse, fair):
     assert "years" in mesh_sentence(coarse, 10**6)
     agreeing = fair.having("agrees")[0]
     assert fair.remedy(replace(agreeing, resolution=240)) == ""
-
-
-# --- snapshots ------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_a_snapshot_is_compared_at_its_own_time(solution):
-    run = sampled_run(solution)
-    x = run.interface.x
-    judgement = judge(solution, run, SlipRateProfile(0.5, x, 1.03 * solution.slip_rate(x, 0.5)))
-    rows = named(judgement)
-    row = rows["slip rate of snapshot, L1"]
-    assert row.difference == pytest.approx(0.03)
-    assert row.bar == SINGLE_STEPS * rows["slip rate, L1"].bar
-    assert row.verdict == "differs"
-    honest = judge(solution, run, SlipRateProfile(0.5, x, solution.slip_rate(x, 0.5)))
-    assert named(honest)["slip rate of snapshot, L1"].verdict == "agrees"
 
 
 def test_intervals_of_any_answer_will_do(solution):

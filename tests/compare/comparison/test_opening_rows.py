@@ -3,9 +3,9 @@
 import pytest
 from compare_cases import simulated
 
-from compare.comparison.edge_rows import opening_rows, zone_rows
 from compare.comparison.judgement import judge, side_by_side
-from compare.comparison.profile_rows import gap_rows
+from compare.comparison.quantities.edge_rows import opening_rows, zone_rows
+from compare.comparison.quantities.profile_rows import gap_rows
 from docs.studies.judge.spoils import SPOILS, Window, spoilt
 from semianalytic import solve
 from semianalytic.scene.named import find_scene

@@ -16,7 +16,7 @@ from semianalytic.scene.named import find_scene, override_scene
 PRELOADED = find_scene("preloaded")
 FIELDS = {
     *("name", "kind", "exact", "at_nodes", "simulated", "difference", "bar", "unit", "relative"),
-    *("order", "obstacle", "resolution", "verdict", "remedy"),
+    *("order", "obstacle", "resolution", "converges", "place", "verdict", "remedy"),
 }
 
 
