@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from compare.comparison.fields.errors import field_errors
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.mesh_choice import MeshChoice, choose_mesh
-from compare.comparison.prediction import predict_before
+from compare.comparison.prediction import check_marched, predict_before
 from semianalytic import Marched, Scene, Solution
 
 if TYPE_CHECKING:
@@ -42,6 +42,8 @@ def planned(
     """
     prediction = predict_before(scene, method)
     choice = choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **settings)
+    # a march that follows the simulation would refuse its loads only once that has run
+    check_marched(scene, method, choice.resolution, settings.get("end_time"))
     return prediction, choice
 
 

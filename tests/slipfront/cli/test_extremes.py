@@ -165,12 +165,16 @@ def test_edges_that_the_mesh_cannot_show_are_unresolved(name, words):
 
 
 def test_edges_that_the_mesh_shows_are_judged():
-    rows = edges_of(solve(NAMED_SCENES["preloaded"].scene))
+    rows = edges_of(solve(NAMED_SCENES["preloaded"].scene), 100)
     assert [row.verdict for row in rows] == 3 * ["agrees"]
 
 
-def edges_of(solution):
-    return [row for row in judge(solution, faultless(solution, 60)).rows if row.kind == "zone edge"]
+def edges_of(solution, resolution=60):
+    return [
+        row
+        for row in judge(solution, faultless(solution, resolution)).rows
+        if row.kind == "zone edge"
+    ]
 
 
 def test_numbers_of_a_table_keep_their_digits_whatever_their_size():
