@@ -67,6 +67,10 @@ def faultless(solution, resolution):
 QUICKLY = ("frictionless", "no load", "small load", "much friction", "most friction")
 
 
+NOTHING_SHOWN = ("no load, no pressure", "much friction")
+"""Scenes that no verdict is possible on: nothing has a size, or the mesh shows no zone of slip."""
+
+
 @pytest.mark.thinned(5)
 @pytest.mark.parametrize(
     "name",
@@ -75,7 +79,7 @@ QUICKLY = ("frictionless", "no load", "small load", "much friction", "most frict
 def test_a_run_without_error_agrees(name):
     solution = solve(scene_of(name))
     judgement = judge(solution, faultless(solution, 100))
-    assert judgement.verdict == "agrees"
+    assert judgement.verdict == ("unresolved" if name in NOTHING_SHOWN else "agrees")
     assert judgement.counts["differs"] == 0
     document = finite_everywhere(json_text(report_document(judgement, name)))
     assert len(document["rows"]) == len(judgement.rows)
