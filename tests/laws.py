@@ -43,13 +43,13 @@ def viscous_scene(random):
         return replace(opening_scene(random), friction_law=law, mode=mode)
     poisson_ratio, friction = random.uniform(-0.9, 0.49), 10 ** random.uniform(-2, 0.5)
     shear, pressure = random.normal(), random.choice([0.0, abs(random.normal())])
-    base, load = Tractions(1.0, 0.0), Tractions(pressure, shear)
+    base, load, load_on = Tractions(1.0, 0.0), Tractions(pressure, shear), "slot"
     if random.random() < 1 / 3:
-        base, load = Tractions(0.0, 0.0), Tractions(1.0, shear)
+        base, load, load_on = Tractions(0.0, 0.0), Tractions(1.0, shear), "remote"
     elif random.random() < 0.5:
         base = Tractions(1.0, random.uniform(-1, 1) * friction)
     material = Material(1.0, 1.0, poisson_ratio)
-    return Scene(material, friction, base, load, friction_law=law, mode=mode)
+    return Scene(material, friction, base, load, friction_law=law, mode=mode, load_on=load_on)
 
 
 def inside(x, parts):

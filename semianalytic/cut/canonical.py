@@ -1,11 +1,11 @@
-"""The canonical function X of slip zones: on stick of the phase of M_+, on slip real.
+"""The canonical function X of slip zones, with the phase of M_+ on stick and real on slip.
 
 Where slip of rate V meets the resistance eta V, X has the phase of M / (M + eta) instead.
 
-It carries the behaviour at each edge.  The edge that opens ahead of slip has |v - edge|^(-1/2) in
-dV/dv when it runs slower than c_R, |v - edge|^(-phi/pi) between c_t and c_l; an edge that heals
-has it between c_R and c_t; the others are smoother by one power, for |tau| <= f p would fail.
-It knows where the zones are, not how they are loaded.
+X carries the behaviour at each edge. An edge at which slip begins has |v - edge|^(-1/2) in dV/dv if
+it runs slower than c_R, and |v - edge|^(-phi/pi) between c_t and c_l. An edge that heals has |v -
+edge|^(-1/2) between c_R and c_t. The others are smoother by one power, because |tau| <= f p would
+fail otherwise (docs/theory.md, "Where the edges are"). X depends on the zones but not on the load.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from semianalytic.halfplane.rayleigh import Array, RayleighFactors
 
 
 def log_share(part: Array, whole: Array, rest: Array) -> Array:
-    """ln(part / whole) with part + rest = whole, accurate for part << whole and rest << whole."""
+    """Return ln(part / whole) with part + rest = whole, accurate for small part and for small
+    rest."""
     share = rest / whole
     near = np.abs(share) > 0.5
     return np.where(near, np.log(part / whole), np.log1p(-np.where(near, 0.0, share)))
@@ -29,10 +30,10 @@ def log_share(part: Array, whole: Array, rest: Array) -> Array:
 
 @dataclass(frozen=True)
 class Phase:
-    """The phase phi of panels ahead of the shear front (s, ..., n): a chord plus a rest.
+    """Phase phi of panels ahead of the shear front (s, ..., n): a chord plus a rest.
 
-    left, right, width are slownesses of their ends (s, ..., 1) and their distance, start and stop
-    phi there; `rest` is (phi - chord) dv/dy at the nodes.
+    left, right and width are the slownesses of the ends (s, ..., 1) and their distance, start and
+    stop the values of phi there; `rest` is (phi - chord) dv/dy at the nodes.
     """
 
     left: Array
@@ -43,18 +44,19 @@ class Phase:
     rest: Array
 
     def __getitem__(self, index: np.ndarray) -> Phase:
-        """Some of the panels."""
+        """Return the phase of some of the panels."""
         every = (self.left, self.right, self.width, self.start, self.stop, self.rest)
         return Phase(*(part[index] for part in every))
 
     def chord_integral(self, to_left: Array, to_right: Array) -> Array:
-        """Integral of chord(w) / (w - v); to_left = v - left, to_right = v - right.
+        """Return the integral of chord(w) / (w - v); to_left = v - left, to_right = v - right.
 
-        Accurate near the panels and far from them.
+        It is accurate near the panels and far from them.
         """
         share = self.width / to_left
         log = np.log(np.abs(to_right / to_left))
         linear = log / share + 1
+        # Far from a panel, log / share + 1 cancels: a series replaces it.
         small = np.abs(share) < 0.02
         if small.any():
             few = share[small]
@@ -85,12 +87,13 @@ class CanonicalFunction:
 
     @property
     def layout(self) -> Layout:
-        """Which panels there are."""
+        """Order and kinds of the panels."""
         return self.panels.layout
 
     @cached_property
     def impedance(self) -> tuple[Array, Array]:
-        """M at the nodes: real part (h, ..., n) ahead of the shear front, imaginary (p, ..., n)."""
+        """M at the nodes: real part (h, ..., n) ahead of the shear front, imaginary part (p, ...,
+        n)."""
         at, ahead = self.panels.at, self.layout.ahead
         imag = np.empty_like(at.v)
         real, imag[:ahead] = self.factors.impedance_ahead(at[:ahead])
@@ -104,11 +107,12 @@ class CanonicalFunction:
 
     @cached_property
     def _phase(self) -> Phase:
-        """Of all panels ahead of the shear front."""
+        """Phase phi on all panels ahead of the shear front, as chord and rest."""
         panels, ahead, (real, imag) = self.panels, self.layout.ahead, self.impedance
         ends = panels.ends[: ahead + 1]
         phi = self.factors.phase(ends)
         start, stop = phi[:-1], phi[1:]
+        # The rest vanishes at both ends, so that its Cauchy integrals have no logarithms there.
         chord = start + (stop - start) * panels.rule.share
         whole = np.arctan2(imag[:ahead], real)
         if self.factors.mode == "I":
@@ -118,8 +122,9 @@ class CanonicalFunction:
 
     @cached_property
     def _log_of_phase(self) -> Array:
-        """(p, ..., n): what the phase adds to ln X, (1/pi) int phi(w) / (w - v) dw."""
+        """Contribution of the phase to ln X, (1/pi) int phi(w) / (w - v) dw, (p, ..., n)."""
         panels, pairs = self.panels, self.layout.phase_pairs
+        # Antiplane shear has no phase phi.
         if not self.factors.has_rayleigh_wave:
             return np.zeros_like(panels.jacobian)
         phase, distances = self._phase[pairs.source], panels.from_ends
@@ -151,9 +156,9 @@ class CanonicalFunction:
 
     @cached_property
     def _turn(self) -> Phase:
-        """The phase of (M + eta) / M on panels that slip: chord and rest.
+        """Phase of (M + eta) / M on panels that slip, as chord and rest.
 
-        On the unbounded panel the chord is what falls like 1 / v from its start.
+        On the unbounded panel the chord is a function that decreases like 1 / v from its start.
         """
         panels, slip = self.panels, self.layout.slip
         _, turn = self.excess_impedance
@@ -166,13 +171,15 @@ class CanonicalFunction:
         bounded = slip[:-1] if unbounded else slip
         right[: len(bounded)], width[: len(bounded)] = ends[bounded + 1], widths[bounded]
         if unbounded:
+            # M ~ i kappa v far in, so that the phase of 1 + eta / M falls like 1 / v.
             stop[-1] = 0.0
             chord[-1] = start[-1] * left[-1] / panels.at.v[slip[-1]]
         return Phase(left, right, width, start, stop, (turn - chord) * panels.jacobian[slip])
 
     @cached_property
     def _log_of_resistance(self) -> Array:
-        """(p, ..., n): what resistance adds to ln X, the phase of (M + eta) / M over w - v."""
+        """Contribution of resistance to ln X, (p, ..., n): the phase of (M + eta) / M over w -
+        v."""
         panels, layout, turn = self.panels, self.layout, self._turn
         if not len(layout.slip):
             return np.zeros_like(panels.jacobian)
@@ -190,7 +197,7 @@ class CanonicalFunction:
         return total / np.pi
 
     def _resistance_integral_off_cut(self, k: Array) -> Array:
-        """The same at k >= 0 of shape (m,): (1/pi) times the phase over w + k, (..., m)."""
+        """Return (1/pi) times the integral of that phase over w + k, at k >= 0 (m,); (..., m)."""
         panels, slip, turn = self.panels, self.layout.slip, self._turn
         if not len(slip):
             return np.zeros((*panels.jacobian.shape[1:-1], len(k)))
@@ -208,7 +215,10 @@ class CanonicalFunction:
 
     @cached_property
     def _resistance_integral_at_c(self) -> Array:
-        """The same at c where an opening covers it, which slides freely, (..., 1)."""
+        """Contribution of resistance to ln X at c where an opening covers it, (..., 1).
+
+        The interface slides freely there.
+        """
         panels, turn = self.panels, self._turn
         from_c, ends = panels.at.from_c, panels.ends.from_c
         rest = turn.rest / from_c[self.layout.slip] @ panels.rule.weights
@@ -224,7 +234,7 @@ class CanonicalFunction:
         return np.asarray(total / np.pi)
 
     def _phase_integral_off_cut(self, sources: np.ndarray, k: Array) -> Array:
-        """(1/pi) int phi(w) / (w + k) dw over panels, at k >= 0 of shape (m,); (..., m)."""
+        """Return (1/pi) int phi(w) / (w + k) dw over panels, at k >= 0 of shape (m,); (..., m)."""
         if not self.factors.has_rayleigh_wave:
             return np.zeros((*self.panels.jacobian.shape[1:-1], len(k)))
         phase, w = self._phase[sources], self.panels.at.v[sources]
@@ -234,10 +244,14 @@ class CanonicalFunction:
 
     @cached_property
     def values(self) -> Array:
-        """(p, ..., n): X without the phase of M / (M + eta) on panels that slip, X / M_+ on panels
-        that stick: real."""
+        """X, without the phase of M / (M + eta), on panels that slip, and X / M_+ on panels that
+        stick.
+
+        Both are real, (p, ..., n).
+        """
         panels, layout, factors = self.panels, self.layout, self.factors
         from_root, from_c = np.abs(panels.at.parts[factors.root]), panels.at.from_c
+        # One square root of the product of all distances is cheaper than one for each.
         square = np.ones_like(from_root)  # of what has the exponent 1/2
         for end, exponent in layout.roots:
             distance = np.abs(panels.from_ends[end])
@@ -248,6 +262,7 @@ class CanonicalFunction:
         else:
             square[rooted] /= from_root[rooted]
         product = np.sqrt(square)
+        # M_+ has the factor c + k: X has it too, unless slip covers c.
         if layout.slips_at_c:
             product[layout.stick] /= -from_c[layout.stick]
         elif factors.has_rayleigh_wave:
@@ -303,7 +318,7 @@ class CanonicalFunction:
         return value
 
     def reciprocal_off_cut(self, k: Array) -> Array:
-        """X / M_+ at k >= 0, (m,), off the cut (one set of zones)."""
+        """Return X / M_+ at k >= 0, (m,), off the cut (one set of zones)."""
         factors = self.factors
         value = np.exp(self._phase_integral_off_cut(self.layout.slip_ahead, k))
         if self.resistance is not None:
@@ -318,7 +333,7 @@ class CanonicalFunction:
 
     @cached_property
     def log_growth(self) -> Array:
-        """(..., n): ln of X / M_+ over its limit at a stuck contact edge, last panel."""
+        """ln of X / M_+ over its limit at a stuck contact edge on the last panel, (..., n)."""
         panels, layout = self.panels, self.layout
         at, log = panels.at[-1], self._log_of_phase[-1]
         if layout.slips_at_c:

@@ -1,7 +1,7 @@
-"""Which panels a set of slip zones has, and which of them see one another.
+"""Determine which panels a set of slip zones has, and which of them interact.
 
-Panels are cut at zone edges, at the shear front and beside the hidden root of the Rayleigh
-function.  What follows from their order alone is worked out once per layout.
+Panels end at zone edges, at the shear front and beside the hidden root of the Rayleigh function.
+Everything that follows from their order alone is computed once per layout.
 """
 
 from __future__ import annotations
@@ -19,11 +19,12 @@ from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 
 @dataclass(frozen=True)
 class Zone:
-    """A slip zone in slowness: left < v < right, sense +1 or -1.
+    """Slip zone in slowness: left < v < right, sense +1 or -1.
 
-    left None: slip from the longitudinal front on, or ahead of all waves; right None: slip up to
-    the contact edge.  A zone may hold an opening; `inward` is then its sense behind that, 0 for the
-    same.  `held`: it ends where the opening closes.  It begins ahead of the opening, or with it.
+    left None: slip from the longitudinal front on, or ahead of all waves. right None: slip up to
+    the contact edge. A zone may hold an opening; it begins ahead of the opening, or with it, and
+    `inward` is its sense behind the opening, 0 for the same sense. If `held`, it ends where the
+    opening closes.
     """
 
     left: CutPoints | None
@@ -33,13 +34,13 @@ class Zone:
     held: bool = False
 
     def seen_by(self, see: Callable[[CutPoints], CutPoints]) -> Zone:
-        """The zone with its edges as a function of points gives them."""
+        """Return the zone with its edges mapped by a function of points."""
         left, right = (edge if edge is None else see(edge) for edge in (self.left, self.right))
         return replace(self, left=left, right=right)
 
     @property
     def last_sense(self) -> int:
-        """Its sense at its inner end."""
+        """Sense at the inner end."""
         return self.inward or self.sense
 
 
@@ -50,9 +51,12 @@ class Pairs:
     Attributes
     ----------
     source, target : (r,) arrays of panels
-    near : (r,) array, the panel end between the two
-    behind : int, how many sources lie behind (at larger slowness than) their target
-    onto : (p, r) array, weights with which pairs add up at every panel
+    near : (r,) array
+        Panel end between the two that is nearest to the source.
+    behind : int
+        Number of sources behind (at larger slowness than) their target.
+    onto : (p, r) array
+        Weights with which pairs add up at every panel.
     """
 
     source: np.ndarray
@@ -62,14 +66,14 @@ class Pairs:
     onto: Array
 
     def collect(self, values: Array) -> Array:
-        """Weighted sums at all panels, (p, ..., n), of what pairs give, (r, ..., n)."""
+        """Return weighted sums at all panels, (p, ..., n), of the values of pairs, (r, ..., n)."""
         shape = values.shape[1:]
         flat = values.reshape(len(values), int(np.prod(shape)))
         return (self.onto @ flat).reshape(-1, *shape)
 
 
 def _paired(count: int, weights: dict[tuple[int, int], float]) -> Pairs:
-    """Pairs of `count` panels from {(source, target): weight}."""
+    """Return pairs of `count` panels from {(source, target): weight}."""
     chosen = sorted(weights, key=lambda pair: (pair[0] < pair[1], *pair))
     source, target = np.array(chosen, dtype=int).reshape(-1, 2).T
     onto = np.zeros((count, len(chosen)))
@@ -80,21 +84,31 @@ def _paired(count: int, weights: dict[tuple[int, int], float]) -> Pairs:
 
 @dataclass(frozen=True)
 class Layout:
-    """Which panels there are, wherever exactly they end.
+    """Order and kinds of the panels, wherever exactly they end.
 
     Attributes
     ----------
-    sense : per panel, 0 where the interface sticks
-    zone : per panel, index of the slip zone, on stick of the one that follows inward
-    ahead : int, number of panels ahead of the shear front
-    behind_root : int, the first panel behind the root r of M_+
-    slips_at_root, slips_at_b, slips_at_c : bool, whether a zone covers that root, the shear front,
-        the Rayleigh front; the last is False where there is no Rayleigh wave
-    over_c : int, the panel that covers c; -1 if it is left out
-    gap : bool, whether that panel sticks between two zones
-    roots : (end, exponent) of the zone edges behind the root of M_+, with the exponent of X there
-    root_exponent : float, of r + k in M_+
-    open : per panel, whether the contact is open
+    sense : tuple of int
+        Per panel, 0 where the interface sticks.
+    zone : tuple of int
+        Per panel, index of the slip zone; on stick, of the zone that follows inward.
+    ahead : int
+        Number of panels ahead of the shear front.
+    behind_root : int
+        First panel behind the root r of M_+.
+    slips_at_root, slips_at_b, slips_at_c : bool
+        Whether a zone covers that root, the shear front, the Rayleigh front; the last is False
+        where there is no Rayleigh wave.
+    over_c : int
+        Panel that covers c; -1 if it is left out.
+    gap : bool
+        Whether that panel sticks between two zones.
+    roots : tuple of (end, exponent)
+        Zone edges behind the root of M_+, with the exponent of X there.
+    root_exponent : float
+        Exponent of r + k in M_+.
+    open : tuple of bool
+        Per panel, whether the contact is open.
     """
 
     sense: tuple[int, ...]
@@ -112,12 +126,15 @@ class Layout:
 
     @property
     def pole(self) -> int:
-        """The panel that slips across c, where dV/dv has a pole; -1 if there is none, as where
-        resistance to slip rate leaves none and the panels are cut at c."""
+        """Panel that slips across c, where dV/dv has a pole; -1 if there is none.
+
+        Under resistance to slip rate there is no pole, and the panels end at c.
+        """
         return self.over_c if self.slips_at_c else -1
 
     def begins(self, other: Layout) -> bool:
-        """Whether the panels of another layout begin with these: all, or those without a tail."""
+        """Return whether the panels of another layout begin with these: all, or those without a
+        tail."""
         count = len(self.sense)
         return (self.sense, self.zone, self.open, self.ahead) == (
             other.sense[:count],
@@ -128,7 +145,7 @@ class Layout:
 
     @cached_property
     def slipping(self) -> np.ndarray:
-        """(p,) whether a panel slips."""
+        """Whether each panel slips, (p,)."""
         return np.array(self.sense) != 0
 
     @cached_property
@@ -153,8 +170,10 @@ class Layout:
 
     @cached_property
     def clearance_ahead(self) -> Array:
-        """Of the panels ahead of the shear front: 1 on slip; 2 on stick, where singularities may
-        be half as far."""
+        """Factor by which singularities may be nearer to each panel ahead of the shear front.
+
+        It is 1 on slip and 2 on stick, where singularities may be at half the distance.
+        """
         return 2.0 - self.slipping[: self.ahead]
 
     @cached_property
@@ -164,10 +183,12 @@ class Layout:
 
     @cached_property
     def sign(self) -> Array:
-        """(p,) sign of X, from the square roots it is made of."""
+        """Sign of X on each panel, (p,), from the square roots in it."""
         panels = np.arange(len(self.sense))
         phase = np.zeros(len(panels))  # over pi
         for end, exponent in self.roots:
+            # (e + k)^(1/2) turns by pi / 2 across its edge e; the total phase of X (or X / M_+) is
+            # 0 or pi.
             phase += exponent * (panels >= end)
         exponent = self.root_exponent
         of_root = -exponent * ~self.slipping if self.slips_at_root else exponent * self.slipping
@@ -175,13 +196,15 @@ class Layout:
 
     @cached_property
     def phase_pairs(self) -> Pairs:
-        """From the panels ahead of the shear front to those that see their phase in ln X.
+        """Pairs from the panels ahead of the shear front to those that see their phase in ln X.
 
-        What slips ahead of the shear front or is joined to it by slip sees the phase of what
-        sticks, all else that of what slips.
+        Slip ahead of the shear front, or joined to it by slip, sees the phase of panels that stick.
+        All other panels see that of panels that slip.
         """
         count = len(self.sense)
         by_stick = self.slipping & ((np.arange(count) < self.ahead) | self.slips_at_b)
+        # The phases of stick and slip ahead of b add up to S_+, so that X can be written with
+        # either; the one without the phase of the target itself is chosen.
         weights = {
             (source, target): 1.0 if self.sense[source] else -1.0
             for source in range(self.ahead)
@@ -192,11 +215,11 @@ class Layout:
 
     @cached_property
     def pairs_from_slip(self) -> Pairs:
-        """From the panels that slip to all others."""
+        """Pairs from the panels that slip to all others."""
         return self.pairs_from(tuple(self.slip.tolist()))
 
     def pairs_from(self, sources: tuple[int, ...]) -> Pairs:
-        """From some panels to all others."""
+        """Return the pairs from given panels to all others."""
         return _pairs_from(len(self.sense), sources)
 
     @cached_property
@@ -206,7 +229,8 @@ class Layout:
 
     @cached_property
     def closed_regions(self) -> list[list[int]]:
-        """The same without what is open, of a zone on either side of that."""
+        """Panels of each stretch of stick and of each closed part of a zone, from the front
+        inward."""
         parts = self._grouped(zip(self.slipping, self.zone, self.open, strict=True))
         return [part for part in parts if not self.open[part[0]]]
 
@@ -236,9 +260,10 @@ def outline(
     cuts: tuple[CutPoints, ...] = (),
     opening: Zone | None = None,
 ) -> tuple[list[CutPoints], Layout]:
-    """Ends and layout of panels: cut at edges, at the shear front and beside the hidden root, at
-    more `cuts`, where the contact opens and closes, and on the way to what is far slower.
+    """Return the ends and the layout of panels.
 
+    Panels end at zone edges, at the shear front, beside the hidden root, at more `cuts`, where the
+    contact opens and closes, and at intermediate points of panels over a wide range of slowness.
     Without `tail` the unbounded panel after others is left out.
     """
     ends, stretches = [factors.front_a], []
@@ -263,6 +288,7 @@ def outline(
     senses, opens, owners = zip(*stretches, strict=True)
     before_b, before_c = (sum(end.first[front] < 0 for end in ends) for front in (2, 3))
     cut_at_c = any(end.first[3] == 0 for end in ends)
+    # The panel that begins with the last end ahead of c covers c, unless an end lies at c.
     over_c = before_c - 1 if before_c <= len(senses) and not cut_at_c else -1
     slips_at_b, slips_at_c = (
         any(lies_between(zone.left, front, zone.right) for zone in zones)
@@ -289,11 +315,10 @@ def outline(
 
 
 def _on_the_way(factors: RayleighFactors, left: CutPoints, right: CutPoints) -> list[CutPoints]:
-    """Points that part what is behind the shear front and far slower at its right end than at its
-    left one.
+    """Return points that divide an interval behind the shear front over a wide range of slowness.
 
-    Traction and slip grow like powers of slowness there, and a rule is as exact as what is largest
-    on a panel allows.  How many there are is judged on the first set.
+    Traction and slip grow like powers of slowness there, and the accuracy of a rule is relative to
+    the largest value on a panel. The number of points is determined from the first set.
     """
     ratio = right.first[0] / left.first[0]
     if left.first[2] < 0 or ratio < tuning.WIDE_PANEL:
@@ -305,7 +330,7 @@ def _on_the_way(factors: RayleighFactors, left: CutPoints, right: CutPoints) -> 
 
 
 def _state(zone: Zone | None, left: CutPoints, opening: Zone | None) -> tuple[int, bool]:
-    """Sense, and whether it is open, of what begins at `left` in a zone, or in stick (None)."""
+    """Return sense and openness of what begins at `left` in a zone, or in stick (None)."""
     if opening is None or opening.left is None or left.first_below(opening.left):
         return (zone.sense if zone else 0), False
     is_open = opening.right is None or left.first_below(opening.right)
@@ -313,8 +338,11 @@ def _state(zone: Zone | None, left: CutPoints, opening: Zone | None) -> tuple[in
 
 
 def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, Zone | None, int]]:
-    """Stretches of slip and stick from the front inward: where they end, their zone (None where
-    the interface sticks), and the number of that or, of stick, of the zone that follows."""
+    """Yield the stretches of slip and stick from the front inward.
+
+    Each is given by its end, its zone (None where the interface sticks), and the index of that zone
+    or, for stick, of the zone that follows.
+    """
     for index, zone in enumerate(zones):
         if zone.left is not None:
             yield zone.left, None, index
@@ -326,8 +354,11 @@ def _stretches(zones: tuple[Zone, ...]) -> Iterator[tuple[CutPoints | None, Zone
 def _roots(
     zones: tuple[Zone, ...], ends: list[CutPoints], root: int
 ) -> tuple[tuple[int, float], ...]:
-    """(end, exponent) of X at the zone edges behind the root of M_+: 1/2 where an edge opens ahead
-    of the Rayleigh front or heals behind it, -1/2 elsewhere."""
+    """Return (end, exponent) of X at the zone edges behind the root of M_+.
+
+    The exponent is 1/2 where an edge opens ahead of the Rayleigh front or heals behind it, and -1/2
+    elsewhere (docs/theory.md, "Where the edges are").
+    """
     place = {id(end): index for index, end in enumerate(ends)}
     roots = []
     for zone in zones:
@@ -339,7 +370,7 @@ def _roots(
 
 
 def lies_between(left: CutPoints | None, point: CutPoints, right: CutPoints | None) -> bool:
-    """Whether a point lies between two others (None: no bound), judged on the first set."""
+    """Return whether a point lies between two others (None: no bound), judged on the first set."""
     if left is not None and not left.first_below(point):
         return False
     return right is None or point.first_below(right)

@@ -1,4 +1,5 @@
-"""From a scene to the load of the solver: tractions in one unit of stress, and what is refused."""
+"""Convert a scene to the load of the solver: tractions in one unit of stress, and what is
+refused."""
 
 from __future__ import annotations
 
@@ -19,15 +20,20 @@ from semianalytic.scene.scene import Scene
 
 @dataclass(frozen=True)
 class Opened:
-    """Where a contact is open: the normal problem, solved.
+    """Open part of a contact, with the solution of the normal problem.
 
     Attributes
     ----------
-    zone : Zone, the open part, its sense 1; right None is the contact edge
-    closing : tuple of (edge, r), terms r / (k + edge) of the normal problem, where it closes
-    base, step : P_b, P_0 [stress unit]
-    pressure : function of points on the cut, any shape: the contact pressure there [stress unit]
-    known : (2, n) array, increasing slownesses and pressures there, dense enough to show its course
+    zone : Zone
+        Open part, with sense 1; right None is the contact edge.
+    closing : tuple of (edge, r)
+        Terms r / (k + edge) of the normal problem where the contact closes.
+    base, step : float
+        P_b, P_0 [stress unit].
+    pressure : function
+        Contact pressure [stress unit] at points on the cut, any shape.
+    known : (2, n) array
+        Increasing slownesses and the pressures there, dense enough for interpolation.
     """
 
     zone: Zone
@@ -38,20 +44,22 @@ class Opened:
     known: Array
 
     def near_pressure(self, v: Array) -> Array:
-        """About the contact pressure at slownesses v."""
+        """Return the approximate contact pressure at slownesses v, by linear interpolation."""
         return np.interp(v, *self.known)
 
 
 class LinearisedStrength(Protocol):
-    """Strength that depends on slip rate in any way, made linear about a slip rate."""
+    """Strength that depends on slip rate in any way, linearised about a slip rate."""
 
     def at(self, points: CutPoints, layout: Layout, jacobian: Array) -> tuple[Array, Array]:
-        """`resistance` and `given_slope` of a `Load` at the nodes (p, ..., n) of panels, of which
-        `jacobian` is dv/dy."""
+        """Return `resistance` and `given_slope` of a `Load` at the nodes (p, ..., n) of panels.
+
+        `jacobian` is dv/dy there.
+        """
         ...
 
     def carried(self, frictional: Array, speed: Array) -> Array:
-        """Strength itself [stress unit] under f p [stress unit] and one-sided |V|."""
+        """Return the strength itself [stress unit] under f p [stress unit] and one-sided |V|."""
         ...
 
 
@@ -100,24 +108,29 @@ class Load:
 
     @property
     def frictionless(self) -> bool:
-        """Whether nothing resists slip, or only what rounding takes from the step of shear."""
+        """Whether no friction resists slip, or only as much as rounding takes from the step of
+        shear."""
         strength = self.friction * max(self.base_pressure, self.load_pressure)
         return bool(strength == 0 or strength < tuning.NEGLIGIBLE_FRICTION * abs(self.load_shear))
 
     @property
     def slips_from_front(self) -> bool:
-        """Whether slip may begin at the first front, or ahead of all waves (one set): the base is
-        at friction, or nothing resists."""
+        """Whether slip may begin at the first front or ahead of all waves (one set).
+
+        This requires a base at friction, or no friction.
+        """
         return self.frictionless or self.critical or bool(self.far_slip_rate)
 
     @property
     def rests(self) -> bool:
-        """Whether nothing slips: the base may be at friction, the contact open (one set)."""
+        """Whether nothing slips (one set); the base may be at friction, and the contact open."""
+        # A step of pressure alone drives slip only if the base carries shear.
         drives = self.load_pressure if self.base_shear else 0.0
         return not (self.load_shear or drives or self.far_slip_rate)
 
     def pressure(self, factors: RayleighFactors, at: CutPoints) -> Array:
-        """Contact pressure at points on the cut, any shape [stress unit]; 0 where it is open."""
+        """Return the contact pressure at points on the cut, any shape [stress unit]; 0 where
+        open."""
         if self.opened is not None:
             return self.opened.pressure(at)
         result = np.full(at.v.shape, self.base_pressure)
@@ -127,25 +140,26 @@ class Load:
 
 
 def normal_load(base: float, step: float) -> Load:
-    """That of the normal problem: minus pressure for traction, and nothing that resists."""
+    """Return the load of the normal problem: minus pressure for traction, and no resistance."""
     return Load(0.0, 0.0, -base, 0.0, -step, 0.0)
 
 
 def per_set(value: float | Array) -> float | Array:
-    """A number, or a (k, 1) array as (k,)."""
+    """Return a number as it is, and a (k, 1) array as (k,)."""
     return np.asarray(value)[..., 0] if np.ndim(value) else value
 
 
 def scaled_load(scene: Scene) -> tuple[Load, float]:
-    """Load of a scene in units of its largest traction, and that unit [stress]."""
+    """Return the load of a scene in units of its largest traction, and that unit [stress]."""
     f, (base, load) = scene.friction, scene.superposition
     parts = (load.shear, f * load.pressure, base.shear, f * base.pressure)
+    # A scene without tractions has the unit 1.
     unit = max(abs(part) for part in parts) or 1.0
     return _in_unit(scene, f, scene.far_slip_rate, unit), unit
 
 
 def common_load(scenes: Sequence[Scene], unit: float) -> Load:
-    """Load of k scenes that differ in friction alone, in one unit of stress."""
+    """Return the load of k scenes that differ in friction alone, in one unit of stress."""
     friction = np.array([[scene.friction] for scene in scenes])
     far_slip_rate = np.array([[scene.far_slip_rate] for scene in scenes])
     return _in_unit(scenes[0], friction, far_slip_rate, unit)
@@ -163,6 +177,8 @@ def _in_unit(
         *(_at_friction(friction, *parts, far_slip_rate) if isinstance(friction, float) else parts),
         load.pressure / unit,
         load.shear / unit,
+        # From relative to one-sided slip rate, in units of stress / (rho c_t); for the same reason
+        # eta = 2 viscosity / (rho c_t).
         far_slip_rate * impedance / (2 * unit),
         2 * viscosity / impedance if viscosity else None,
     )
@@ -171,8 +187,10 @@ def _in_unit(
 def _at_friction(
     friction: float, pressure: float, shear: float, far_slip_rate: float | Array
 ) -> tuple[float, float]:
-    """Pressure and shear of a base, which is at friction exactly where it is but for rounding:
-    an edge that rounding keeps off a front has no place in double precision."""
+    """Return pressure and shear of a base, put exactly at friction if only rounding keeps it off.
+
+    An edge that rounding keeps off a front has no place in double precision.
+    """
     strength = friction * pressure
     if far_slip_rate or abs(abs(shear) - strength) > tuning.CRITICAL_BASE * strength:
         return pressure, shear
@@ -182,6 +200,7 @@ def _at_friction(
 def check_pressure(scene: Scene) -> None:
     """Raise TensionError where the contact of a scene would open all the way to infinity."""
     base, step = (part.pressure for part in scene.superposition)
+    # p* = 0 ahead of all waves, so that the base alone holds the contact together there.
     if base < 0 or (step != 0 and base <= max(tuning.LEAST_BASE * step, 0.0)):
         raise TensionError(
             f"scene: under a base pressure of {base:.4g} nothing holds the contact together far "
@@ -191,8 +210,11 @@ def check_pressure(scene: Scene) -> None:
 
 
 def contact_opens(scene: Scene) -> bool:
-    """Whether the contact opens: at its edge for P_0 < 0, else where a closed one would pull, at
-    the Rayleigh front first, P_b + P_0 p*(c) < 0."""
+    """Return whether the contact opens.
+
+    It opens at its edge for P_0 < 0. For P_0 > 0 it opens at the Rayleigh front first, if P_b + P_0
+    p*(c) < 0 (docs/separation.md, "The normal problem").
+    """
     base, step = (part.pressure for part in scene.superposition)
     stuck = stuck_traction(scene.material.poisson_ratio, "I")
     return step < -tuning.LEAST_BASE * base or base + step * stuck.at_rayleigh_front < 0

@@ -1,11 +1,11 @@
 """Panels of slowness between zone edges and wave fronts, with double-exponentially fine ends.
 
-On each panel v = left + width / (1 + rho exp(-y)) (or left + rho exp(y) on the last, unbounded
-one) and functions live on a uniform grid in y.  Whatever power or logarithm a field has at a
-panel end, it is analytic in a strip |Im y| < pi, so the trapezoidal rule and sinc
-interpolation converge geometrically in the spacing, uniformly down to the ends.
+On each panel v = left + width / (1 + rho exp(-y)), or left + rho exp(y) on an unbounded last one,
+and functions live on a uniform grid in y. Whatever power or logarithm a field has at a panel end,
+it is analytic in a strip |Im y| < pi. The trapezoidal rule and sinc interpolation therefore
+converge geometrically in the spacing, uniformly down to the ends (docs/solver.md, "Quadrature").
 
-`lay_panels` lays them.
+`lay_panels` constructs the panels of a set of zones.
 
 Shapes: a zone edge is a CutPoints of shape (1,), or (k, 1) for k neighbouring sets of zones at
 once; node arrays are then (p, n) or (p, k, n), panel first, node last.
@@ -54,47 +54,52 @@ class Panels:
     rule: Rule
 
     def seen_by(self, see: Callable[[CutPoints], CutPoints]) -> Panels:
-        """The panels with all points as a function of points gives them."""
+        """Return the panels with all points mapped by a function of points."""
         left = tuple(see(end) for end in self.left)
         right = tuple(end if end is None else see(end) for end in self.right)
         return replace(self, left=left, right=right, ends=see(self.ends), at=see(self.at))
 
     @property
     def sense(self) -> tuple[int, ...]:
-        """Per panel, 0 where the interface sticks."""
+        """Sense of slip per panel, 0 where the interface sticks."""
         return self.layout.sense
 
     @cached_property
     def _nearest(self) -> np.ndarray:
-        """(m,) fronts nearest to the ends."""
+        """Index of the front nearest to each end, (m,)."""
         right = self.right[-1]
         ends = self.left if right is None else (*self.left, right)
         return np.array([end.nearest for end in ends])
 
     @cached_property
     def from_ends(self) -> Array:
-        """(m, p, ..., n): v - end at all nodes, exact in the panels that end there."""
+        """Differences v - end at all nodes, (m, p, ..., n), exact in the panels that end there."""
         parts = self.ends.parts
+        # Each end is known best by its distance from its nearest front, so that differences are
+        # formed from distances from that front.
         own = parts[self._nearest, np.arange(len(self._nearest))]
         differences = self.at.parts[self._nearest] - own[:, None]
         panels = np.arange(len(self.left))
+        # In the panels that end there, the distances come from the map itself and lose no digits.
         differences[panels, panels] = self.from_left
         bounded = panels[: len(own) - 1]
         differences[bounded + 1, bounded] = -self.from_right[bounded]
         return differences
 
     def integrals(self, density: Array) -> Array:
-        """(p, ...) integrals over whole panels; principal values at a pole at c."""
+        """Return integrals over whole panels, (p, ...); principal values at a pole at c."""
         return np.einsum("...n,...n,n->...", density, self.jacobian, self.rule.weights)
 
     def panel_of(self, at: CutPoints) -> np.ndarray:
-        """(m,) panels that points of a single set of zones lie in, -1 ahead of all."""
+        """Return the panels (m,) that contain points, for a single set of zones; -1 ahead of
+        all."""
         return np.searchsorted([left.v[0] for left in self.left], at.v, "right") - 1
 
     def coordinate(self, panel: int, at: CutPoints) -> Array:
-        """The y of (m,) points inside a panel of a single set of zones."""
+        """Return the coordinate y of (m,) points inside a panel of a single set of zones."""
         left, right = self.left[panel], self.right[panel]
         from_left = np.maximum(at.minus(left), 0.0)
+        # Points at the ends have y = -inf and inf.
         with np.errstate(divide="ignore"):
             if right is None:
                 return np.log(from_left / self.skew[panel])
@@ -102,16 +107,17 @@ class Panels:
             return np.log(from_left) - np.log(to_right) + np.log(self.skew[panel])
 
     def inside(self, panel: int, y: Array) -> CutPoints:
-        """Points (m,) at given y inside a panel of a single set of zones."""
+        """Return points (m,) at given y inside a panel of a single set of zones."""
         skew, left = self.skew[panel], self.left[panel]
         if self.right[panel] is None:
             return CutPoints(left.parts + skew * np.exp(y))
         return CutPoints(left.parts + self.widths[panel] / (1 + skew * np.exp(-y)))
 
     def cauchy(self, pairs: Pairs, weights: Array) -> Array:
-        """Integrals of weights / (w - v) over the sources of pairs at the nodes v of the targets.
+        """Return integrals of weights / (w - v) over the sources of pairs at nodes v of the
+        targets.
 
-        `weights` (r, ..., n) contain the jacobian; (r, ..., n).
+        `weights` (r, ..., n) contain the Jacobian; the result is (r, ..., n).
         """
         source, behind = pairs.source, pairs.behind
         # Distances from the end between source and target add up: no digits are lost.
@@ -119,11 +125,13 @@ class Panels:
         own[:behind] = self.from_left[source[:behind]]
         own[behind:] = self.from_right[source[behind:]]
         weights = self.rule.weights * weights
+        # w - v is negative for sources ahead of their targets; distances are positive.
         weights[behind:] *= -1
         if own.shape[-1] < tuning.MANY_NODES:
             return _summed(weights, own, other)
         result, least = np.zeros_like(own), tuning.NEGLIGIBLE_WEIGHT * np.exp(-self.rule.reach / 2)
         for i, (sizes, target) in enumerate(zip(np.abs(weights) / own, pairs.target, strict=True)):
+            # Nodes whose contribution is negligible to every target are left out.
             bound = sizes.reshape(-1, own.shape[-1]).max(axis=0)
             matter = np.flatnonzero(bound > self.rule.spacing * least)
             if not len(matter):
@@ -134,34 +142,42 @@ class Panels:
                 weights[i, ..., near], own[i, ..., near], other[i, ..., to]
             )
             if target not in self._long:
+                # Beyond the inner nodes of the target the integral hardly changes.
                 result[i, ..., : to.start] = result[i, ..., to.start, None]
                 result[i, ..., to.stop :] = result[i, ..., to.stop - 1, None]
         return result
 
     @cached_property
     def _long(self) -> tuple[int, ...]:
-        """Panels on which fields vary out to where the rule ends, not only to its `reach`: those
-        around c and the unbounded one."""
+        """Panels on which fields vary out to the end of the rule, not only to its `reach`.
+
+        These are the panels around c and the unbounded one.
+        """
         over_c, last = self.layout.over_c, len(self.right) - 1
         unbounded = [i for i, right in enumerate(self.right) if right is None]
         if over_c < 0:
             return tuple(unbounded)
         # what slips beside a strip around c begins beyond the stick gaps on either side of it
+        # Slip beside a narrow zone around c begins beyond the stick gaps on either side of that
+        # zone.
         slips = 0 <= self.layout.pole < last
         near = 2 if slips and bool(np.all(self.widths[over_c] < tuning.NARROW_STRIP)) else 1
         return (*range(max(over_c - near, 0), min(over_c + near, last) + 1), *unbounded)
 
     def principal_values(self, sources: np.ndarray, weights: Array) -> Array:
-        """The same at the own nodes of panels (s,), as principal values (nodes of other parity).
+        """Return the Cauchy integrals at the nodes of the source panels (s,) themselves.
 
-        For every map of `lay_panels`, w - v = sqrt(jacobian(w) jacobian(v)) 2 sinh(dy / 2).
+        They are principal values, from the nodes of other parity. For every map of `lay_panels`, w
+        - v = sqrt(jacobian(w) jacobian(v)) 2 sinh(dy / 2).
         """
+        # One matrix of 1 / (2 sinh(dy / 2)) therefore serves all panels.
         root = np.sqrt(self.jacobian[sources])
         return self.rule.spacing / root * ((weights / root) @ self.rule.alternate)
 
 
 def _summed(weights: Array, own: Array, other: Array) -> Array:
-    """Sums of weights / (own + other) over the nodes of `own` (..., m), for `other` (..., n)."""
+    """Return sums of weights / (own + other) over the nodes of `own` (..., m), for `other` (...,
+    n)."""
     m, n = own.shape[-1], other.shape[-1]
     rows, sources, to = weights.reshape(-1, m, 1), own.reshape(-1, 1, m), other.reshape(-1, n, 1)
     result = np.empty((len(to), n, 1))
@@ -177,35 +193,39 @@ def _summed(weights: Array, own: Array, other: Array) -> Array:
 
 
 def _steps(parts: Array, nearest: np.ndarray) -> Array:
-    """Distances (m - 1, ..., 1) between consecutive ends (4, m, ..., 1)."""
+    """Return distances (m - 1, ..., 1) between consecutive ends (4, m, ..., 1)."""
+    # Measured from the front nearest to the left end, where narrow widths keep their digits.
     order, front = np.arange(len(nearest) - 1), nearest[:-1]
     return parts[front, order + 1] - parts[front, order]
 
 
 def _aligned(point: CutPoints, batch: tuple[int, ...]) -> Array:
-    """Parts of an edge, (4, 1) or (4, k, 1), as (4, ...) with the axes of `batch`."""
+    """Return the parts of an edge, (4, 1) or (4, k, 1), as (4, ...) with the axes of `batch`."""
     if point.v.shape == batch:
         return point.parts
     return point.parts.reshape(4, *[1] * (len(batch) + 1 - point.parts.ndim), *point.v.shape)
 
 
 def _fitted_rule(factors: RayleighFactors, layout: Layout, ends: Array, rule: Rule) -> Rule:
-    """A rule as fine and as long as the singularities near the panels demand.
+    """Return a rule as fine and as long as the singularities near the panels require.
 
-    Slip ahead of the shear front sees a pole at the hidden root; stick, where fields are only
-    integrated over whole panels, may come twice as near.  Beside a narrow stick gap around c,
-    dV/dv ~ 1/(v - c) over all scales down to the gap; a pole at c off the middle of its panel
-    sees one end nearer than the other.
+    Slip ahead of the shear front sees a pole at the hidden root. Stick, where fields are only
+    integrated over whole panels, may have it at half the distance. Beside a narrow stick gap around
+    c, dV/dv ~ 1/(v - c) over all scales down to the gap. A pole at c that is not in the middle of
+    its panel has one end nearer than the other.
     """
     strip, further, hidden = 1.0, 0.0, factors.hidden_root
     if np.any(hidden.imag) and layout.ahead:
         v = ends[0, : layout.ahead + 1]
+        # The hidden root lies at this |Im y|, which limits the strip of analyticity.
         angle = np.abs(np.angle((hidden - v[:-1]) / (v[1:] - hidden))).reshape(layout.ahead, -1)
         strip = min(1.0, float((angle.min(axis=1) * layout.clearance_ahead).min()) / np.pi)
     if layout.over_c >= 0:
         before, *after = np.abs(ends[3, layout.over_c : layout.over_c + 2])
         if layout.pole >= 0:
             other = after[0] if after else ends[0, layout.over_c]
+            # The map is skewed in y by the logarithm of the ratio of the distances of c from the
+            # two ends.
             further = float(np.abs(np.log(other / before)).max())
             if after:
                 further = max(further, -float(np.log((before + after[0]).min())))
@@ -225,11 +245,21 @@ def lay_panels(
     cuts: tuple[CutPoints, ...] = (),
     opening: Zone | None = None,
 ) -> Panels:
-    """Panels for a set of zones on a rule as fine and as long as they need.
+    """Return the panels for a set of zones on a rule as fine and as long as they need.
 
-    `sets` is (k, 1) if there are k sets of zones whatever the shape of their edges.  Without
-    `tail` an unbounded panel after others is left out.  `cuts` are more ends, such as c where
-    slip resists its rate; there are others where the contact opens and closes.
+    Parameters
+    ----------
+    factors : RayleighFactors
+    zones : tuple of Zone
+    rule : Rule
+    sets : tuple of int
+        (k, 1) if there are k sets of zones whatever the shape of their edges.
+    tail : bool
+        Whether an unbounded panel after others is included.
+    cuts : tuple of CutPoints
+        Additional ends, such as c where slip resists its rate.
+    opening : Zone or None
+        Open part of the contact; panels also end where it begins and ends.
     """
     points, layout = outline(factors, zones, tail, cuts, opening)
     ends = _aligned_ends(points, sets)
@@ -259,8 +289,10 @@ def lay_panels(
 
 @dataclass(frozen=True)
 class _Nodes:
-    """Nodes of panels while they are laid: v - left, right - v and dv/dy (p, ..., n), and the parts
-    of v (4, p, ..., n)."""
+    """Nodes of panels under construction.
+
+    The arrays are v - left, right - v and dv/dy (p, ..., n), and the parts of v (4, p, ..., n).
+    """
 
     from_left: Array
     from_right: Array
@@ -269,15 +301,17 @@ class _Nodes:
 
     @classmethod
     def unset(cls, shape: tuple[int, ...]) -> _Nodes:
-        """Arrays of a shape (p, ..., n) to be filled."""
+        """Return empty arrays of a shape (p, ..., n)."""
         return cls(np.empty(shape), np.empty(shape), np.empty(shape), np.empty((4, *shape)))
 
     def lay_bounded(self, ends: Array, widths: Array, rule: Rule) -> None:
-        """Panels between two ends, even about their middle."""
+        """Fill in the panels between two ends, symmetric about their middle."""
         bounded, middle = len(widths), len(rule.y) // 2
         np.multiply(widths, rule.share, out=self.from_left[:bounded])
         np.multiply(widths, rule.share[::-1], out=self.from_right[:bounded])
         np.multiply(widths, rule.bell, out=self.jacobian[:bounded])
+        # Each half counts from its own end, so that distances from fronts beyond that end stay
+        # exact.
         near_left = ends[:, :bounded] + self.from_left[:bounded, ..., :middle]
         near_right = ends[:, 1:] - self.from_right[:bounded, ..., middle:]
         self.parts[:, :bounded, ..., :middle] = near_left
@@ -286,7 +320,7 @@ class _Nodes:
     def lay_around_pole(
         self, ends: Array, widths: Array, skew: Array, rule: Rule, pole: int
     ) -> None:
-        """The panel that slips across c, skewed so that its nodes straddle c."""
+        """Fill in the panel that slips across c, skewed so that its nodes straddle c."""
         ratio = skew[pole] * rule.decay
         self.from_left[pole] = widths[pole] / (1 + ratio)
         self.from_right[pole] = ratio * self.from_left[pole]
@@ -296,29 +330,30 @@ class _Nodes:
         self.parts[:, pole] = np.where(ratio > 1, near_left, near_right)
 
     def lay_unbounded(self, ends: Array, skew: Array, rule: Rule) -> None:
-        """The panel that reaches the contact edge, v to infinity."""
+        """Fill in the panel that reaches the contact edge, v to infinity."""
         self.from_left[-1] = self.jacobian[-1] = skew[-1] / rule.decay
         self.from_right[-1] = np.inf
         self.parts[:, -1] = ends[:, -1] + self.from_left[-1]
 
 
 def _skews(layout: Layout, ends: Array, rule: Rule) -> Array:
-    """rho of the maps, (p, ..., 1): 1 but on the panel that slips across c and the unbounded one.
+    """Return rho of the maps, (p, ..., 1): 1 except where a panel slips across c or is unbounded.
 
-    A node grid that straddles c evenly has its principal values from the plain sum.
+    A node grid that straddles c evenly yields principal values by the plain sum.
     """
     bounded, pole = ends.shape[1] - 1, layout.pole
     skew = np.ones((len(layout.sense), *ends.shape[2:]))
     if len(layout.sense) > bounded:
         skew[-1] = ends[0, -1]
     if pole >= 0:
+        # c lies half a spacing from a node: y(c) = spacing / 2.
         before = -ends[3, pole] * np.exp(-rule.spacing / 2)
         skew[pole] = before if pole == bounded else ends[3, pole + 1] / before
     return skew
 
 
 def _aligned_ends(points: list[CutPoints], sets: tuple[int, ...]) -> Array:
-    """Parts of all ends, (4, m, 1), or (4, m, k, 1) if there are k sets of zones."""
+    """Return the parts of all ends, (4, m, 1), or (4, m, k, 1) if there are k sets of zones."""
     batch = max((sets, *(point.v.shape for point in points)), key=len)
     ends = np.empty((4, len(points), *batch))
     for i, point in enumerate(points):

@@ -1,4 +1,8 @@
-"""Slip rate, slip and shear traction of given zones as functions of slowness, b = mu = 1."""
+"""Slip rate, slip and shear traction of given zones as functions of slowness, b = mu = 1.
+
+They are the integrals of the slopes of `zones` from the longitudinal front inward (docs/theory.md,
+"Slip under a step, for given zones").
+"""
 
 from __future__ import annotations
 
@@ -22,10 +26,10 @@ _LAWFUL = -1.0
 
 @dataclass(frozen=True)
 class Profile:
-    """Integrated fields of `ZoneFields`; slip rates are one-sided, u = t/x >= 0 of shape (n,).
+    """Integrated fields of `ZoneFields`; slip rates are one-sided, u = t/x >= 0 has shape (n,).
 
-    For k sets of zones at once there are the fields at the nodes, (k, n), and what the contact
-    edge shows, (k,); fields at any u are for one set.
+    For k sets of zones at once there are the fields at the nodes, (k, n), and the values at the
+    contact edge, (k,). Fields at any u are for one set.
     """
 
     fields: ZoneFields
@@ -50,35 +54,44 @@ class Profile:
 
     @cached_property
     def edge_intensity(self) -> Array:
-        """K_II (K_III) over that of a unit shear step on a stuck interface, () or (k,); 0 if it
-        slips."""
+        """K_II (K_III) over that of a unit shear step on a stuck interface, () or (k,).
+
+        It is 0 if the edge slips.
+        """
         if self.edge_slips:
             return np.zeros(())
         return np.asarray(self.fields.stick_transform_at_edge * per_set(self._m_plus_at_zero))
 
     @cached_property
     def rate_integral(self) -> RunningIntegral:
-        """V on panels that slip, from its slope."""
+        """Running integral of V on panels that slip."""
         fields = self.fields
         tail = np.zeros(())
         if self.edge_slips:
+            # T tends to a constant at a slipping edge and M to i kappa v: dV/dv ~ T / (pi kappa
+            # v^2).
             tail = fields.transform_at_edge[..., 0] / (np.pi * per_set(fields.factors.kappa))
         return fields.rate_integral(tail)
 
     @property
     def infinite_rates(self) -> list[Power]:
-        """Those of `rate_integral` on closed panels that reach infinity, at their right ends: where
-        the contact opens more slowly than its sides radiate."""
+        """Powers of `rate_integral` that are infinite at the right ends of closed panels.
+
+        They occur under a film where the contact opens slowly (docs/rate.md, "A film that opens").
+        """
         powers = self.rate_integral.powers
         return [one for one in powers if not self._open[one.panel] and np.all(one.exponent < 0)]
 
     @cached_property
     def traction_integral(self) -> RunningIntegral:
-        """Traction on panels that stick, less what is unbounded at a stuck edge."""
+        """Running integral of traction on panels that stick, less the part unbounded at a stuck
+        edge."""
         slope = self.fields.traction_slope
         if not self.edge_slips:
             slope = slope.copy()
             unit = self._shear.slope(self.panels.at[-1]) * self._m_plus_at_zero
+            # The singular part is a multiple of q*, whose primitive is known: it is added by
+            # `_edge_traction`.
             slope[-1] = self.fields.stick_transform_excess * unit
         return RunningIntegral(self.panels, slope, self.fields.factors.c)
 
@@ -87,7 +100,7 @@ class Profile:
         return traction_of(self.fields.factors, self.fields.factors.mode)
 
     def _edge_traction(self, panel: int, v: Array) -> Array | float:
-        """The part of the traction that is unbounded at a stuck edge."""
+        """Return the part of the traction that is unbounded at a stuck edge."""
         if self.panels.right[panel] is not None:
             return 0.0
         gained = self._shear(v) - self._shear(self.panels.left[panel].v)
@@ -95,7 +108,7 @@ class Profile:
 
     @cached_property
     def starts(self) -> tuple[Array, Array]:
-        """At the left end of each panel, (p, ...): slip rate, and traction where it sticks."""
+        """Slip rate, and traction where it sticks, at the left end of each panel, (p, ...)."""
         panels, load = self.panels, self._load
         rate, traction = np.zeros((2, *panels.jacobian.shape[:-1]))
         rate[0] = per_set(load.far_slip_rate)
@@ -109,6 +122,7 @@ class Profile:
                 continue
             right = panels.right[i]
             assert right is not None
+            # At the end of a zone the traction is s f p: it starts from there in the stick behind.
             if self.normal is None:
                 strength = self.fields.strength(right)[..., 0]
             else:
@@ -129,17 +143,18 @@ class Profile:
                 assert right is not None
                 end = rate[i] + self.rate_integral.totals[i]
                 _, moment = self.rate_integral.with_moment(i, right)
+                # Slip / x is the integral of V over slowness, here by parts: [v V] - int v dV.
                 slip[i + 1] += end * right.v[0] - rate[i] * left.v[0] - moment[0]
         return slip
 
     @cached_property
     def slip_rate_at_nodes(self) -> Array:
-        """(p, ..., n): V at the nodes of all panels."""
+        """V at the nodes of all panels, (p, ..., n)."""
         return self.starts[0][..., None] + self.rate_integral.at_nodes
 
     @cached_property
     def traction_at_nodes(self) -> Array:
-        """(p, ..., n): tau at the nodes of panels that stick (meaningless elsewhere)."""
+        """tau at the nodes of panels that stick, (p, ..., n); meaningless elsewhere."""
         traction = self.starts[1][..., None] + self.traction_integral.at_nodes
         if not self.edge_slips:
             traction[-1] += self._edge_traction(len(traction) - 1, self.panels.at.v[-1])
@@ -147,12 +162,12 @@ class Profile:
 
     @cached_property
     def normal(self) -> Profile | None:
-        """The normal problem at the same nodes, gap for slip; None if the contact is closed."""
+        """Profile of the normal problem at the same nodes, gap for slip; None if all is closed."""
         return Profile(self.fields.normal) if self.fields.normal is not None else None
 
     @cached_property
     def strength_at_nodes(self) -> Array:
-        """(p, ..., n): friction bound f p at the nodes of all panels."""
+        """Strength f p at the nodes of all panels, (p, ..., n)."""
         if self.normal is None:
             return self._strength_at(self.panels.at)
         pressure = -self.normal.traction_at_nodes
@@ -161,12 +176,15 @@ class Profile:
 
     @cached_property
     def _open(self) -> np.ndarray:
-        """(p,) whether the contact is open."""
+        """Whether the contact is open on each panel, (p,)."""
         return np.array(self.panels.layout.open)
 
     def _excess(self, region: list[int], strength: Array, traction: Array) -> Array:
-        """|tau| - f p in a stretch of stick, relative to strength plus load, in a narrow gap plus
-        its share of the load; f p and tau of (p, ..., n)."""
+        """Return |tau| - f p in a stretch of stick, relative to strength plus load.
+
+        In a narrow gap it is relative to strength plus a share of the load. f p and tau have the
+        shape (p, ..., n).
+        """
         panels = self.panels
         right = panels.right[region[-1]]
         if right is None:
@@ -180,7 +198,8 @@ class Profile:
 
     @cached_property
     def largest_rate(self) -> Array:
-        """Largest |V| at the nodes, () or (k,), off borders of the opening where it is infinite."""
+        """Largest |V| at the nodes, () or (k,), away from borders of the opening where V is
+        infinite."""
         size = np.abs(self.slip_rate_at_nodes)
         for power in self.rate_integral.powers:
             beside = (power.exponent < 0) & (power.share(self.panels) < tuning.BESIDE_BORDER)
@@ -189,11 +208,12 @@ class Profile:
 
     @cached_property
     def wrong_at_nodes(self) -> Array:
-        """(p, ..., n): what Coulomb's law wants to be 0 or less.
+        """Amount by which Coulomb's law is violated at the nodes, (p, ..., n); the law requires <=
+        0.
 
-        Where it slips slip rate against the sense of the zone, over the largest; where it sticks
-        |tau| - f p, relative to strength plus load, in a narrow gap plus its share of the load.
-        Where the contact is open it wants nothing.
+        Where the interface slips it is the slip rate against the sense of the zone, over the
+        largest slip rate. Where it sticks it is |tau| - f p, relative to strength plus load, or in
+        a narrow gap plus a share of the load. Where the contact is open the law requires nothing.
         """
         panels, rate = self.panels, self.slip_rate_at_nodes
         sense = np.array(panels.sense).reshape(-1, *[1] * (rate.ndim - 1))
@@ -206,7 +226,11 @@ class Profile:
         return result
 
     def wrong(self, panel: int, at: CutPoints) -> Array:
-        """The same at points (m,) inside a panel, of one set of zones."""
+        """Return the violation of Coulomb's law at points (m,) inside a panel, like
+        `wrong_at_nodes`.
+
+        It is for one set of zones.
+        """
         sense = self.panels.sense[panel]
         if self._open[panel]:
             return np.full(at.v.shape, _LAWFUL)
@@ -219,11 +243,11 @@ class Profile:
         return self._excess(region, self._strength_at(at)[None], traction[None])[0]
 
     def residues(self, panel: int) -> Array:
-        """Coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
+        """Return the coefficient of ln |v - c| in V where a zone covers c, () or (k,)."""
         return np.asarray(self.rate_integral.residues[panel])
 
     def residue(self, panel: int) -> float:
-        """The same for one set of zones."""
+        """Return the coefficient of ln |v - c| for one set of zones."""
         return float(self.residues(panel))
 
     @cached_property
@@ -234,7 +258,8 @@ class Profile:
     def piecewise(
         self, u: Array, ahead: float | Array, inside: Callable[[int, CutPoints], Array]
     ) -> Array:
-        """A field at slownesses (m,): a value ahead of all waves, and inside each panel."""
+        """Return a field at slownesses (m,) from its value ahead of all waves and inside each
+        panel."""
         return self._piecewise_at(self.fields.factors.cut(u), ahead, inside)
 
     def _piecewise_at(
@@ -248,21 +273,21 @@ class Profile:
         return result
 
     def slip_rate_inside(self, panel: int, at: CutPoints) -> Array:
-        """V at points (m,) inside a panel."""
+        """Return V at points (m,) inside a panel."""
         if not self.panels.sense[panel]:
             return np.zeros(at.v.shape)
         return np.asarray(self.starts[0][panel] + self.rate_integral(panel, at))
 
     def slip_rate(self, u: Array) -> Array:
-        """V at slownesses u."""
+        """Return V at slownesses u."""
         return self.slip_rate_at(self.fields.factors.cut(u))
 
     def slip_rate_at(self, at: CutPoints) -> Array:
-        """V at points of exact distances from the fronts, also where those are minute."""
+        """Return V at points whose distances from the fronts are exact, however small."""
         return self._piecewise_at(at, self._load.far_slip_rate, self.slip_rate_inside)
 
     def slip_over_time(self, u: Array) -> Array:
-        """Slip / t at slownesses u: the mean of V over slownesses up to u."""
+        """Return slip / t at slownesses u: the mean of V over slownesses up to u."""
         rate, slip = self.starts[0], self._slip_starts
 
         def inside(i: int, at: CutPoints) -> Array:
@@ -275,22 +300,23 @@ class Profile:
         return self.piecewise(u, self._load.far_slip_rate, inside)
 
     def pressure_change(self, u: Array) -> Array:
-        """p - P_b at slownesses u."""
+        """Return p - P_b at slownesses u."""
         return self._pressure_at(self.fields.factors.cut(u)) - self._load.base_pressure
 
     def strength(self, u: Array) -> Array:
-        """Friction bound f p at slownesses u: all that a stuck interface can carry."""
+        """Return the strength f p at slownesses u, the largest traction that a stuck interface
+        carries."""
         return self._strength_at(self.fields.factors.cut(u))
 
     def _strength_at(self, at: CutPoints) -> Array:
-        """The same at points on the cut, any shape."""
+        """Return the strength f p at points on the cut, any shape."""
         return np.asarray(self._load.friction * self._pressure_at(at))
 
     def _pressure_at(self, at: CutPoints) -> Array:
-        """Contact pressure at points on the cut, any shape; 0 where it is open.
+        """Return the contact pressure at points on the cut, any shape; 0 where it is open.
 
-        That is small beside an opening, and is found on the panels of slip for it to be known
-        relative to itself there.
+        The pressure is small beside an opening. It is therefore computed on the panels of slip, so
+        that it is accurate relative to itself.
         """
         if self.normal is None:
             return self._load.pressure(self.fields.factors, at)
@@ -298,8 +324,11 @@ class Profile:
         return -self.normal.traction_at(seen).reshape(at.v.shape)
 
     def carried(self, v: Array, speed: Array, is_open: bool | np.ndarray = False) -> Array:
-        """Traction in the sense of slip at slownesses v, f p + eta V, 0 where the contact is open;
-        `speed` V in that sense."""
+        """Return the traction in the sense of slip at slownesses v, f p + eta V; 0 where it is
+        open.
+
+        `speed` is V in that sense.
+        """
         if self._load.linearised is not None:
             return self._load.linearised.carried(self.strength(v), speed)
         if self._load.resistance is None:
@@ -308,27 +337,31 @@ class Profile:
 
     @cached_property
     def carried_at_nodes(self) -> Array:
-        """(p, n): the same at the nodes of panels that slip (meaningless elsewhere)."""
+        """Traction in the sense of slip at the nodes of panels that slip, (p, n); meaningless
+        elsewhere."""
         sense = np.array(self.panels.sense)[:, None]
         return self.carried(self.panels.at.v, sense * self.slip_rate_at_nodes, self._open[:, None])
 
     def carried_inside(self, panel: int, v: Array, speed: Array) -> Array:
-        """The same at slownesses v inside a panel that slips."""
+        """Return the traction in the sense of slip at slownesses v inside a panel that slips."""
         return self.carried(v, speed, bool(self._open[panel]))
 
     def _speed(self, panel: int, at: CutPoints) -> Array:
-        """V in the sense of a panel that slips, at points inside it, where traction depends on it;
-        else 0."""
+        """Return V in the sense of a slipping panel at points inside it, where traction depends on
+        it.
+
+        It is 0 elsewhere.
+        """
         if not self._load.resists_rate:
             return np.zeros(at.v.shape)
         return np.asarray(self.panels.sense[panel] * self.slip_rate_inside(panel, at))
 
     def shear_change(self, u: Array) -> Array:
-        """tau - Q_b at slownesses u."""
+        """Return tau - Q_b at slownesses u."""
         return self.traction_at(self.fields.factors.cut(u)) - self._load.base_shear
 
     def traction_at(self, at: CutPoints) -> Array:
-        """tau at points (m,) of exact distances from the fronts."""
+        """Return tau at points (m,) whose distances from the fronts are exact."""
         load = self._load
 
         def inside(i: int, at: CutPoints) -> Array:
@@ -336,15 +369,17 @@ class Profile:
                 return sense * self.carried_inside(i, at.v, self._speed(i, at))
             return self.starts[1][i] + self.traction_integral(i, at) + self._edge_traction(i, at.v)
 
+        # Slip ahead of all waves radiates -mu b V(inf).
         return self._piecewise_at(at, load.base_shear - load.far_slip_rate, inside)
 
     def contact_integral(self, weight: Array) -> float:
-        """Integral of weight |V| over xi, of slip behind the longitudinal front; weight (p, n).
+        """Return the integral of weight |V| over xi, of slip behind the first front; weight (p, n).
 
-        By parts: V is unbounded at c, but its slope has a principal value there, which the rule
-        of the panels knows.
+        It is integrated by parts: V is unbounded at c, but its slope has a principal value there,
+        which the rule of the panels integrates (docs/solver.md, "Accuracy and cost").
         """
         panels, rate, total = self.panels, self.rate_integral, 0.0
+        # xi = 1 / v, so that |d xi| = dv / v^2.
         density = weight / np.square(panels.at.v)
         passed = panels.rule.running(density * panels.jacobian)
         whole, lost = panels.integrals(density), panels.integrals(passed * rate.density)
@@ -371,7 +406,7 @@ class Profile:
         return lay_panels(self.fields.factors.in_plane, (Zone(None, None, 1),), self.fields.rule)
 
     def _slot_transforms(self, k: Array) -> tuple[Array, Array]:
-        """Transforms of shear traction and of pressure at k > 0."""
+        """Return the transforms of shear traction and of pressure at k > 0."""
         factors = self.fields.factors
         shear = self.fields.stick_transform_off_cut(k) * factors.m_plus(k)
         if self.fields.normal is not None:
@@ -413,6 +448,7 @@ class Profile:
     def _slot_jumps(self) -> tuple[float, float]:
         """Jumps of v_x and v_y at the Rayleigh front of the slot, from the coupled response."""
         factors = self.fields.factors
+        # The simple pole of the response at c contributes a jump.
         c = np.array([factors.c])
         shear, pressure = self._slot_transforms(c)
         z = c * c
@@ -421,12 +457,14 @@ class Profile:
         return float((pressure * response)[0]), float((shear * response)[0])
 
     def slot_velocity(self, v: Array) -> tuple[Array, Array]:
-        """Tangential and normal velocity of the upper slot face at v = -t/x >= 0.
+        """Return the tangential and normal velocity of the upper slot face at v = -t/x >= 0.
 
-        Antiplane shear does not move it along the normal, nor pressure along z.
+        Antiplane shear does not move it along the normal, nor does pressure along z.
         """
         load, factors = self._load, self.fields.factors.in_plane
         coupled = self.fields.factors.mode != "III"
+        # Ahead of all diffracted waves the loads radiate plane waves into the half-plane, of
+        # impedance 1 (shear) and 1/a (pressure).
         plane_waves = (load.load_shear, -load.load_pressure * factors.a)
         lefts = [left.v[0] for left in self._slot_panels.left]
         panel = np.searchsorted(lefts, v, "right") - 1
@@ -447,6 +485,7 @@ class Profile:
 
 
 def _summed(values: Array, spacing: float) -> float:
-    """Trapezoidal sum of values (n,), that go on beyond the last like a geometric series."""
+    """Return the trapezoidal sum of values (n,) that continue beyond the last as a geometric
+    series."""
     ratio = values[-1] / values[-2] if values[-2] else 0.0
     return float(spacing * (values.sum() + values[-1] * ratio / (1 - ratio)))

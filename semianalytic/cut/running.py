@@ -1,7 +1,8 @@
-"""Integrals along panels: of densities at their nodes, of poles and of powers beside their ends.
+"""Integrals along panels: of densities at their nodes, of poles, and of powers beside their ends.
 
-A `RunningIntegral` gains slip rate from its slope, slip from slip rate, and traction along panels;
-a `Power` is the part of a density that is large beside an end of a panel.
+`RunningIntegral` computes slip rate from its slope, slip from slip rate, and traction along panels.
+`Power` is the part of a density that is large beside an end of a panel (docs/rate.md, "A film that
+opens").
 """
 
 from __future__ import annotations
@@ -18,19 +19,21 @@ from semianalytic.halfplane.rayleigh import Array, CutPoints
 
 @dataclass(frozen=True)
 class Power:
-    """A density with the integral amount s^exponent beside an end of a panel, of any exponent above
-    -1: s is the share of the panel up to there, 1 at its other end.
+    """Density with the integral amount s^exponent beside an end of a panel, exponent > -1.
 
-    A negative exponent counts with its finite part, as if the integral were 0 where s is.  The
-    derivative of such a density with respect to a parameter on which its exponent depends has the
-    integral (amount + of_log ln s) s^exponent.
+    s is the share of the panel between the end and a point, 1 at the other end. A negative exponent
+    stands for the finite part, as if the integral were 0 where s is 0. The derivative of such a
+    density with respect to a parameter on which its exponent depends has the integral (amount +
+    of_log ln s) s^exponent.
 
     Attributes
     ----------
     panel : int
-    at_left : bool, whether the end is its left one
+    at_left : bool
+        Whether the end is the left one.
     exponent, amount : (..., 1) arrays
-    of_log : (..., 1) array, or 0 where there is no logarithm
+    of_log : (..., 1) array
+        0 where there is no logarithm.
     """
 
     panel: int
@@ -40,7 +43,7 @@ class Power:
     of_log: Array | float = 0.0
 
     def share(self, panels: Panels) -> Array:
-        """s at the nodes, (..., n)."""
+        """Return s at the nodes, (..., n)."""
         distance = panels.from_left if self.at_left else panels.from_right
         return self._over_width(panels, distance[self.panel])
 
@@ -50,15 +53,19 @@ class Power:
         return np.asarray(distance / panels.widths[self.panel])
 
     def by_y(self, panels: Panels) -> Array:
-        """The density at the nodes times dv/dy, (..., n); like v^-3 on an unbounded panel."""
+        """Return the density at the nodes times dv/dy, (..., n); like v^-3 on an unbounded
+        panel."""
         share = self.share(panels)
         per_share = self._slope(panels, share)
+        # ds/dy = s (1 - s) for the map of a panel.
         return np.asarray((per_share if self.at_left else -per_share) * share * (1 - share))
 
     def _slope(self, panels: Panels, share: Array) -> Array:
-        """What its integral grows by per s."""
+        """Return the derivative of the integral with respect to s."""
         exponent = self.exponent
         rest, factor, by_exponent = np.ones_like(share), exponent, np.ones_like(exponent)
+        # On an unbounded panel the integral has the factor 1 + exponent (1 - s), so that its slope
+        # vanishes at infinity.
         if panels.right[self.panel] is None:
             rest = 1 - share
             factor, by_exponent = exponent * (1 + exponent), 1 + 2 * exponent
@@ -69,7 +76,7 @@ class Power:
         return np.asarray(slope)
 
     def _up_to(self, panels: Panels, share: Array) -> Array:
-        """Its integral from the left end of the panel."""
+        """Return the integral from the left end of the panel to given shares."""
         exponent, inside = self.exponent, np.where(share > 0, share, 1.0)
         factor, by_exponent = np.ones_like(share), np.zeros_like(share)
         if panels.right[self.panel] is None:
@@ -78,21 +85,24 @@ class Power:
         if np.any(self.of_log):
             power = power + self.of_log * (by_exponent + factor * np.log(inside))
         value = np.where(share > 0, power * inside**exponent, 0.0)
+        # Counted from the right end, the integral from the left end is less by that over the panel.
         return np.asarray(value if self.at_left else value - self.amount)
 
     def at_nodes(self, panels: Panels) -> Array:
-        """Its integrals from the left end of the panel to the nodes, (..., n)."""
+        """Return the integrals from the left end of the panel to the nodes, (..., n)."""
         return self._up_to(panels, self.share(panels))
 
     def inside(self, panels: Panels, at: CutPoints) -> Array:
-        """The same to points (m,) inside (one set of zones)."""
+        """Return the integrals to points (m,) inside the panel (one set of zones)."""
         left, right = panels.left[self.panel], panels.right[self.panel]
         distance = at.minus(left) if self.at_left or right is None else -at.minus(right)
         return self._up_to(panels, self._over_width(panels, np.maximum(distance, 0.0)))
 
     def slope(self, panels: Panels, at: CutPoints) -> Array:
-        """The density itself at points (m,) inside (one set of zones); infinite at an end where its
-        exponent is below 1."""
+        """Return the density itself at points (m,) inside the panel (one set of zones).
+
+        It is infinite at an end where the exponent is below 1.
+        """
         left, right = panels.left[self.panel], panels.right[self.panel]
         distance = at.minus(left) if self.at_left or right is None else -at.minus(right)
         share = self._over_width(panels, np.maximum(distance, 0.0))
@@ -105,33 +115,34 @@ class Power:
         return np.asarray(per_share * per_v)
 
     def moment_by_y(self, panels: Panels) -> Array:
-        """The density times v less the end, at the nodes, times dv/dy, (..., n)."""
+        """Return the density times the distance of v from the end, times dv/dy, at the nodes, (...,
+        n)."""
         from_end = panels.from_left if self.at_left else -panels.from_right
         return np.asarray(from_end[self.panel] * self.by_y(panels))
 
     def end(self, panels: Panels) -> Array:
-        """Where the end is, (..., 1)."""
+        """Return the slowness of the end, (..., 1)."""
         return np.asarray(panels.ends.v[self.end_index])
 
     @property
     def end_index(self) -> int:
-        """Which of the ends of all panels it is."""
+        """Index of this end among the ends of all panels."""
         return self.panel + (not self.at_left)
 
     @property
     def total(self) -> Array:
-        """Its integral over the panel, (...)."""
+        """Integral over the panel, (...)."""
         return np.asarray((self.amount if self.at_left else -self.amount)[..., 0])
 
 
 def split_power(
     panels: Panels, density: Array, panel: int, at_left: bool, exponent: Array
 ) -> Power:
-    """The power of an exponent that a density (p, ..., n) has beside an end of a panel; it is taken
-    out of the density.
+    """Return the power of an exponent that a density has beside an end of a panel.
 
-    Over that the density is g_0 + g_1 s + g_2 s ln s.  Three nodes tell these, of which the nearest
-    to the end is where rounding leaves as much of g_1 s as is left out.
+    It is subtracted from the density (p, ..., n) in place. Divided by the power, the density is g_0
+    + g_1 s + g_2 s ln s. Three nodes determine the coefficients. The nearest of them lies where
+    rounding equals the neglected part of g_1 s.
     """
     unit = Power(panel, at_left, exponent, np.ones_like(exponent))
     jacobian, shape, share = panels.jacobian[panel], unit.by_y(panels), unit.share(panels)
@@ -144,6 +155,7 @@ def split_power(
     fitted = np.linalg.solve(terms[..., three, :], over[..., None])
     power = replace(unit, amount=fitted[..., 0, :])
     density[panel] -= power.by_y(panels) / jacobian
+    # Nearer to the end the remainder follows from the fit: a difference would be rounding.
     left = (terms[..., near, 1:] @ fitted[..., 1:, :])[..., 0]
     density[panel][..., near] = left * shape[..., near] / jacobian[..., near]
     return power
@@ -153,18 +165,23 @@ def split_power(
 class RunningIntegral:
     """Integrals of a density g(v), and of v g, from the left end of each panel.
 
-    g may have a simple pole at c inside a panel, and decay like tail / v^2 on the unbounded
-    one.  Both are integrated in closed form, the rest by sinc indefinite integration.
+    g may have a simple pole at c inside a panel, and decay like tail / v^2 on the unbounded one.
+    Both are integrated in closed form, the rest by sinc indefinite integration.
 
     Attributes
     ----------
     panels : Panels
-    density : (p, ..., n) array, g at the nodes, without its powers
-    c : float, Rayleigh slowness
-    tail : float or (...) array, limit of v^2 g (needed for the moment v g only)
-    powers : tuple of Power, parts of g that are large beside ends of panels
-    residue : (...) array, that of g at c where it is known; None to interpolate it between nodes,
-        with half as many digits as integrals have
+    density : (p, ..., n) array
+        g at the nodes, without its powers.
+    c : float
+        Rayleigh slowness.
+    tail : float or (...) array
+        Limit of v^2 g (needed for the moment v g only).
+    powers : tuple of Power
+        Parts of g that are large beside ends of panels.
+    residue : (...) array or None
+        Residue of g at c where it is known; None to interpolate it between nodes, with half as
+        many digits as integrals have.
     """
 
     panels: Panels
@@ -176,7 +193,7 @@ class RunningIntegral:
 
     @cached_property
     def totals(self) -> Array:
-        """(p, ...) integrals of g over whole panels; principal values where g has a pole."""
+        """Integrals of g over whole panels, (p, ...); principal values where g has a pole."""
         result = self.panels.integrals(self.density)
         for power in self.powers:
             result[power.panel] += power.total
@@ -184,7 +201,7 @@ class RunningIntegral:
 
     @cached_property
     def halves(self) -> Array:
-        """(p, ...) integrals of g from the left end of each panel to the middle node."""
+        """Integrals of g from the left end of each panel to the middle node, (p, ...)."""
         panels = self.panels
         result = panels.rule.halved(self.density * panels.jacobian)
         for power in self.powers:
@@ -192,12 +209,12 @@ class RunningIntegral:
         return result
 
     def powers_on(self, panel: int) -> list[Power]:
-        """The powers beside ends of a panel."""
+        """Return the powers beside ends of a panel."""
         return [power for power in self.powers if power.panel == panel]
 
     @cached_property
     def residues(self) -> Array:
-        """(p, ...) residues of g at c, 0 on panels that do not cover it."""
+        """Residues of g at c, (p, ...), 0 on panels that do not cover it."""
         panels, rule, pole = self.panels, self.panels.rule, self.panels.layout.pole
         result = np.zeros(self.density.shape[:-1])
         if pole >= 0 and self.residue is not None:
@@ -207,13 +224,14 @@ class RunningIntegral:
             share = 1.0 if right is None else (right.from_c / right.minus(left))[..., 0]
             decaying = 1.0 if right is not None else np.square(self.c / panels.at.v[pole])
             numerator = self.density[pole] * panels.at.from_c[pole] * panels.jacobian[pole]
+            # c lies at y = spacing / 2, between two nodes; g (v - c) is interpolated there.
             kernel = np.sinc((rule.spacing / 2 - rule.y) / rule.spacing)
             result[pole] = (numerator * decaying) @ kernel / (-left.from_c[..., 0] * share)
         return result
 
     def level_at_c(self, panel: int) -> Array:
-        """Integral of g from the left end of the panel that covers c up to there, less the residue
-        times ln |v - c|; (...)."""
+        """Return the integral of g up to c, less residue times ln |v - c|, on the panel that covers
+        c."""
         rule, left = self.panels.rule, self.panels.left[panel]
         regular = rule.interpolate_running(np.array([rule.spacing / 2]), self._regular[panel])[0]
         log = -np.log(np.abs(left.from_c))
@@ -223,10 +241,12 @@ class RunningIntegral:
 
     @cached_property
     def _regular(self) -> Array:
-        """(p, ..., n): g without pole, times dv/dy."""
+        """g without its pole, times dv/dy, (p, ..., n)."""
         panels = self.panels
         rest, i = self.density * panels.jacobian, self._pole
         if i is not None:
+            # On the unbounded panel the pole is taken with the factor (c / v)^2, so that it decays
+            # like g.
             shape = 1.0 if panels.right[i] is not None else np.square(self.c / panels.at.v[i])
             pole = self.residues[i][..., None] * shape / panels.at.from_c[i]
             rest[i] = (self.density[i] - pole) * panels.jacobian[i]
@@ -234,12 +254,12 @@ class RunningIntegral:
 
     @cached_property
     def _pole(self) -> int | None:
-        """The panel on which g has a pole."""
+        """Panel on which g has a pole, or None."""
         pole = self.panels.layout.pole
         return pole if pole >= 0 and self.residues[pole].any() else None
 
     def _regular_moment(self, panel: int) -> Array:
-        """(n,): v g without pole and tail, times dv/dy."""
+        """Return v g without pole and tail, times dv/dy, (n,)."""
         panels = self.panels
         v, moment = panels.at.v[panel], panels.at.v[panel] * self._regular[panel]
         if panels.right[panel] is None:
@@ -250,19 +270,21 @@ class RunningIntegral:
         return moment
 
     def __call__(self, panel: int, at: CutPoints) -> Array:
-        """Integral of g from the panel's left end to points inside it (one set of zones)."""
+        """Return the integral of g from the panel's left end to points inside it (one set of
+        zones)."""
         y = self.panels.coordinate(panel, at)
         regular = self.panels.rule.interpolate_running(y, self._regular[panel])
         return regular + self._of_pole(panel, at) + self._of_powers(panel, at)
 
     def _of_powers(self, panel: int, at: CutPoints) -> Array | float:
-        """Closed form of the powers' part of the integral of g."""
+        """Return the closed form of the powers' part of the integral of g."""
         return sum(power.inside(self.panels, at) for power in self.powers_on(panel))
 
     def slope(self, panel: int, at: CutPoints) -> Array:
-        """What the integral grows by per v inside a panel, g between its nodes (one set of zones).
+        """Return g without its powers at points inside a panel (one set of zones).
 
-        To a share of the largest g dv/dy: near ends where that is small g itself is less exact.
+        It is accurate to a share of the largest g dv/dy: near ends where that is small, g itself is
+        less accurate.
         """
         left, right, v = self.panels.left[panel], self.panels.right[panel], at.v
         per_y = at.minus(left)
@@ -275,7 +297,7 @@ class RunningIntegral:
         return np.asarray(self.panels.rule.interpolate(y, self._regular[panel]) / per_y + pole)
 
     def slope_of_powers(self, panel: int, at: CutPoints) -> Array:
-        """What its powers grow by per v at points (m,) inside a panel (one set of zones)."""
+        """Return the density of the powers at points (m,) inside a panel (one set of zones)."""
         slope = np.zeros(at.v.shape)
         for power in self.powers_on(panel):
             slope += power.slope(self.panels, at)
@@ -283,7 +305,7 @@ class RunningIntegral:
 
     @cached_property
     def at_nodes(self) -> Array:
-        """(p, ..., n): integrals of g from the left end of each panel to its nodes."""
+        """Integrals of g from the left end of each panel to its nodes, (p, ..., n)."""
         result = self.panels.rule.running(self._regular)
         if self._pole is not None:
             result[self._pole] += self._of_pole(self._pole, self.panels.at[self._pole])
@@ -292,7 +314,7 @@ class RunningIntegral:
         return result
 
     def with_moment(self, panel: int, at: CutPoints) -> tuple[Array, Array]:
-        """Integrals of g and of v g from the panel's left end to points inside it."""
+        """Return integrals of g and of v g from the panel's left end to points inside it."""
         y = self.panels.coordinate(panel, at)
         both = np.stack([self._regular[panel], self._regular_moment(panel)])
         plain, moment = self.panels.rule.interpolate_running(y, both).T
@@ -301,6 +323,7 @@ class RunningIntegral:
         if residue:
             log = self._log(panel, at)
             if bounded:
+                # v / (v - c) = 1 + c / (v - c).
                 moment = moment + residue * (at.minus(left) + self.c * log)
             else:
                 moment = moment + residue * self.c * (log - np.log(at.v / left.v))
@@ -315,7 +338,7 @@ class RunningIntegral:
         return np.log(np.maximum(np.abs(at.from_c / self.panels.left[panel].from_c), 1e-16))
 
     def _of_pole(self, panel: int, at: CutPoints) -> Array | float:
-        """Closed form of the pole's part of the integral of g."""
+        """Return the closed form of the pole's part of the integral of g."""
         if panel != self._pole:
             return 0.0
         log, left = self._log(panel, at), self.panels.left[panel]

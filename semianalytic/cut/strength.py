@@ -1,14 +1,14 @@
-"""Strength on the panels of the cut: what pressure gives it, and where it misses its condition.
+"""Compute the strength on the panels of the cut, and where it does not satisfy its condition.
 
-On slip of sense s the shear traction follows a strength,
+On slip of sense s the shear traction follows the strength,
 
-    dtau/dv = s f dp/dv + eta d|V|/dv + dg/dv,
+    dtau/dv = s f dp/dv + eta d|V|/dv + dg/dv.
 
-of which pressure comes from the normal problem, eta and dg/dv are given on the panels.  The part
-A = s f P of the transform T, with P that of pressure and s the sense next to the contact edge, has
-the right imaginary part already where the interface slips in that sense, closed or open, and the
-right phase where it sticks behind the shear front.  What is left is for the Cauchy integral of
-`zones` to supply: its sources stand here.
+The pressure comes from the normal problem; eta and dg/dv are given on the panels. The part A = s f
+P of the transform T, with P the transform of pressure and s the sense next to the contact edge,
+already has the right imaginary part where the interface slips in that sense, closed or open, and
+the right phase where it sticks behind the shear front. The Cauchy integral C of `zones` supplies
+the remainder; its sources are computed here.
 """
 
 from __future__ import annotations
@@ -27,18 +27,21 @@ from semianalytic.halfplane.stuck import traction_of
 
 @dataclass(frozen=True)
 class PressurePart:
-    """The part s f P of the transform of slip zones, and where on the cut it misses its condition.
+    """The part s f P of the transform of slip zones, and where it does not satisfy its condition.
 
     Attributes
     ----------
     load : Load
     canonical : CanonicalFunction
-    sense : int, s, that of the zone next to the contact edge; 0 without zones
+    sense : int
+        s, the sense of the zone next to the contact edge; 0 without zones.
     opened : (p, ..., n) array or None
         P / M_+^I where the contact is closed, P where it is open (panels of the mask `open`), both
         real; None if it is closed everywhere, where P / M_+^I is P_0 / M_+^I(0).
-    open : (p,) mask of panels on which the contact is open
-    opened_at_edge : float or array, limit of P / M_+^I at the contact edge, with `opened`
+    open : (p,) array of bool
+        Whether the contact is open, per panel.
+    opened_at_edge : float or array
+        Limit of P / M_+^I at the contact edge, with `opened`.
     """
 
     load: Load
@@ -50,17 +53,17 @@ class PressurePart:
 
     @property
     def _weight(self) -> float | Array:
-        """s f."""
+        """The factor s f."""
         return self.sense * self.load.friction
 
     @cached_property
     def analytic(self) -> bool:
-        """Whether s f P is part of T: whether there is slip, and pressure changes."""
+        """Whether s f P is part of T, which requires slip and a change of pressure."""
         return bool(self.sense and self.load.load_pressure != 0)
 
     @cached_property
     def amount(self) -> float | Array:
-        """s f P / M_+^I on closed panels; a number (or (k, 1)) if the contact is closed."""
+        """s f P / M_+^I on closed panels; a number (or (k, 1)) if all of the contact is closed."""
         if not self.analytic:
             return 0.0
         if self.opened is not None:
@@ -70,27 +73,29 @@ class PressurePart:
 
     @property
     def amount_at_edge(self) -> float | Array:
-        """Its limit at a stuck contact edge."""
+        """Limit of `amount` at a stuck contact edge."""
         if self.opened is None or not self.analytic:
             return self.amount
         return self._weight * self.opened_at_edge
 
     def amount_on(self, panels: np.ndarray | slice | int) -> float | Array:
-        """The same on some panels."""
+        """Return `amount` on some panels."""
         if self.opened is None or not self.analytic:
             return self.amount
         return np.asarray(self.amount)[panels]
 
     @cached_property
     def mode_ratio(self) -> tuple[Array, Array]:
-        """M_+^I / M_+ at the nodes: its real part, and the imaginary one, 0 behind the shear front.
+        """M_+^I / M_+ at the nodes: real part, and imaginary part, which is 0 behind the shear
+        front.
 
-        In mode II -i sqrt((b - v) / (v - a)) ahead of the shear front, where the real part is left
-        out, and sqrt((v - b) / (v - a)) behind it.
+        In mode II it is -i sqrt((b - v) / (v - a)) ahead of the shear front, where the real part is
+        left out, and sqrt((v - b) / (v - a)) behind it.
         """
         canonical, ahead = self.canonical, self.canonical.layout.ahead
         at, factors = canonical.panels.at, canonical.factors
         if factors.mode == "II":
+            # M_+^I / M_+^II = sqrt((b + k) / (a + k)): all other factors are common to both modes.
             ratio = np.sqrt(np.abs(at.from_b / at.from_a))
             return ratio, -ratio[:ahead]
         normal = factors.in_plane
@@ -104,7 +109,8 @@ class PressurePart:
 
     @cached_property
     def log_ratio_at_edge(self) -> Array:
-        """(..., n): ln of M_+^I / M_+ on the last panel, 0 at the contact edge, without loss."""
+        """ln of M_+^I / M_+ on the last panel, (..., n), 0 at the contact edge, without loss of
+        digits."""
         at, factors = self.canonical.panels.at[-1], self.canonical.factors
         if factors.mode == "II":
             return 0.5 * log_share(at.from_b, at.from_a, np.array(1.0 - factors.a))
@@ -132,8 +138,10 @@ class PressurePart:
         return np.asarray(slope * np.where(self._per_panel(self.open), 0.0, self.opened))
 
     def on_stick(self, panels: slice | int) -> Array:
-        """A / M_+ at the nodes of panels that stick: behind the shear front, where it is real, or
-        the real part ahead of it."""
+        """Return A / M_+ at the nodes of panels that stick: the real part ahead of the shear front.
+
+        Behind the shear front it is real.
+        """
         return np.asarray(self.amount_on(panels) * self.mode_ratio[0][panels])
 
     @property
@@ -150,7 +158,7 @@ class PressurePart:
         return np.asarray(self.amount_on(slip) * unit)
 
     def _per_panel(self, values: np.ndarray) -> np.ndarray:
-        """(p,) values with the axes of nodes."""
+        """Return (p,) values with the axes of nodes."""
         return values.reshape(-1, *[1] * (self.canonical.panels.jacobian.ndim - 1))
 
     @cached_property
@@ -164,6 +172,7 @@ class PressurePart:
         ahead = layout.slip_ahead
         by_ratio = self.amount_on(ahead) * self.mode_ratio[1][ahead]
         result[ahead] = by_ratio / (canonical.factors.kappa * canonical.m_plus[ahead])
+        # P is real where the contact is open: Im (A / M) = -A Im M / |M|^2.
         for panel in np.flatnonzero(self.open & layout.slipping):
             square = np.square(imag[panel])
             if panel < layout.ahead:
@@ -175,8 +184,8 @@ class PressurePart:
     def sources(self) -> tuple[np.ndarray, Array]:
         """Panels on which C has an imaginary part, and Im C at all nodes, (p, ..., n).
 
-        Stick ahead of the shear front, zones of the other sense, and slip whose strength has parts
-        that A does not hold.
+        These are stick ahead of the shear front, zones of the other sense, and slip whose strength
+        has parts that A does not contain.
         """
         canonical, layout = self.canonical, self.canonical.layout
         imag = np.zeros_like(canonical.panels.jacobian)
@@ -184,18 +193,20 @@ class PressurePart:
         if self.analytic:
             stick = layout.stick_ahead
             by_ratio = self.amount_on(stick) * self.mode_ratio[1][stick]
+            # On stick Im (T / M_+) = 0: X C / M_+ cancels the imaginary part of A / M_+.
             imag[stick] = -by_ratio / canonical.values[stick]
         slip = self._missing_on
         if len(slip):
             imag[slip] = self._missing[slip] / canonical.values[slip]
             if canonical.resistance is not None:
                 modulus, _ = canonical.excess_impedance
+                # (1 + eta / M) X is real there; `values` hold |X| with its sign.
                 imag[slip] /= modulus[np.searchsorted(layout.slip, slip)]
         return np.append(stick, slip), imag
 
     @cached_property
     def _missing_on(self) -> np.ndarray:
-        """Panels that slip on which A misses the slope of strength."""
+        """Panels that slip and on which A does not have the slope of the strength."""
         layout, senses = self.canonical.layout, np.array(self.canonical.panels.sense)
         if self.load.given_slope is not None:
             return layout.slip
@@ -208,9 +219,11 @@ class PressurePart:
 
     @cached_property
     def _missing(self) -> Array:
-        """(p, ..., n): Im [(1 + eta / M)(T - A)] at the nodes of panels that slip."""
+        """Im [(1 + eta / M)(T - A)] at the nodes of panels that slip, (p, ..., n)."""
         canonical = self.canonical
         at, senses = canonical.panels.at, np.array(canonical.panels.sense)
+        # The strength of a zone of the other sense differs by twice f P, since A has the wrong
+        # sign.
         rest = senses - (self.sense if self.analytic else 0)
         missing = np.zeros_like(at.v)
         if self.load.load_pressure != 0:

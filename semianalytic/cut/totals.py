@@ -1,4 +1,4 @@
-"""Integrals of slip rate and of what friction takes over position and time, and largest slip."""
+"""Integrate slip rate and frictional power over position and time, and find the largest slip."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from semianalytic.halfplane.rules import Rule, finer_rule
 
 
 def largest_slip_over_time(profile: Profile) -> float:
-    """Largest |slip| / t, b = mu = 1 and one-sided, on the contact; the limit at a slipping edge.
+    """Return the largest |slip| / t on the contact, b = mu = 1 and one-sided.
 
-    The largest at the nodes of panels that slip, and at ever closer points around it; where it
-    sticks slip / t falls.
+    It is the largest value at the nodes of panels that slip and at ever closer points around it, or
+    the limit at a slipping edge. Where the interface sticks, slip / t decreases.
     """
     limits = [abs(float(profile.fields.load.far_slip_rate)), abs(profile.edge_slip_rate)]
     slipping = list(profile.panels.layout.slip)
@@ -35,15 +35,15 @@ def largest_slip_over_time(profile: Profile) -> float:
 
 
 def dissipation(profile: Profile, u: Array) -> Array:
-    """(2, m): `running_integrals` of what the contact takes, |tau V|."""
+    """Return `running_integrals` of the power |tau V| that the contact takes, (2, m)."""
     return running_integrals(profile, u, profile.carried_inside)
 
 
 def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) -> float:
-    """Integral of |V| over velocities, one-sided and b = mu = 1, of slip behind the first wave.
+    """Return the integral of |V| over velocities, one-sided and b = mu = 1, behind the first wave.
 
-    Zones are (inner, outer, sense), in velocities over c_t.  Without friction, or where the contact
-    is open, a profile slips in one sense by name, and its zones say where V is against it.
+    Zones are (inner, outer, sense), in velocities over c_t. Without friction, or where the contact
+    is open, the panels of a profile have a nominal sense, and its zones say where V is opposite.
     """
     unit = np.ones_like(profile.panels.at.v)
     total = profile.contact_integral(unit)
@@ -57,11 +57,15 @@ def slipped_rate(profile: Profile, zones: Iterable[tuple[float, float, int]]) ->
     if len(ends):
         inside = running_integrals(profile, 1 / ends, lambda _, v, __: np.ones_like(v))[0]
         beyond.update(zip(ends.tolist(), inside.tolist(), strict=True))
+    # Where V is opposite, its part of the total was counted with the wrong sign.
     return total - 2 * sum(beyond[inner] - beyond[outer] for inner, outer in against)
 
 
 def _named_sense(profile: Profile, inner: float, outer: float) -> int:
-    """The sense of the panel between two velocities over c_t; outer inf is ahead of all waves."""
+    """Return the nominal sense of the panel between two velocities over c_t.
+
+    outer inf is ahead of all waves.
+    """
     between = 0.5 / max(inner, tuning.EARLIEST) if np.isinf(outer) else 2 / (inner + outer)
     lefts = [left.v[0] for left in profile.panels.left]
     return profile.panels.sense[max(int(np.searchsorted(lefts, between)) - 1, 0)]
@@ -70,13 +74,13 @@ def _named_sense(profile: Profile, inner: float, outer: float) -> int:
 def running_integrals(
     profile: Profile, u: Array, weight: Callable[[int, Array, Array], Array]
 ) -> Array:
-    """(2, m): integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
+    """Return integrals of weight |V| over velocities from 1/u to c_l, and over slownesses up to u.
 
-    At u (m,), in units b = mu = 1, with the one-sided slip rate; weight is a function of panel,
-    slowness and |V|, which is V times the sense of its panel.  The first integral is negative where
-    the interface slips ahead of all waves and u is there.  The rule is finer than that of the
-    panels: beyond their ends the second integrand grows as slip rate does not, which shows between
-    nodes.
+    The result at u (m,) is (2, m), in units b = mu = 1, with the one-sided slip rate. `weight` is a
+    function of panel, slowness and |V|, which is V times the sense of its panel. The first integral
+    is negative where the interface slips ahead of all waves and u is there. The rule is finer than
+    that of the panels: beyond the ends of the panels the second
+    integrand grows in another way than the slip rate, which shows between nodes.
     """
     panels = profile.panels
     rule = finer_rule(panels.rule, tuning.TOTALS_STRIP, panels.rule.further)
@@ -104,8 +108,11 @@ def running_integrals(
 def _beside_opening(
     profile: Profile, rate: Power, at: CutPoints, weight: Callable[[int, Array, Array], Array]
 ) -> Array:
-    """(2, m): the same, gained on a closed panel at whose right end, an opening, slip rate is
-    infinite, and weight |V| a power as well, perhaps hardly an integrable one."""
+    """Return the same two integrals gained on a closed panel beside an opening, (2, m).
+
+    At its right end the slip rate is infinite, and weight |V| is a power as well, perhaps a barely
+    integrable one.
+    """
     panels, panel = profile.panels, rate.panel
     left, right, v = panels.left[panel], panels.right[panel], panels.at.v[panel]
     assert right is not None
@@ -113,6 +120,7 @@ def _beside_opening(
     power = weight(panel, v, speed) * speed * panels.jacobian[panel]
     density = np.stack([power / np.square(v), power])
     last = density[:, -2:]
+    # The last two nodes determine the power; its integral is taken in closed form.
     exponent = np.log(last[:, :1] / last[:, 1:]) / panels.rule.spacing
     unit = Power(panel, False, exponent, np.ones_like(exponent))
     unit = replace(unit, amount=last[:, 1:] / unit.by_y(panels)[:, -1:])
@@ -126,8 +134,11 @@ def _beside_opening(
 
 
 def _pieces(profile: Profile, panel: int, most: float) -> Iterator[tuple[CutPoints, CutPoints]]:
-    """Parts of a panel of which the slip rate is singular at ends only, to slowness `most` at
-    least: a panel that covers c is cut there."""
+    """Yield parts of a panel in which the slip rate is singular at ends only, up to slowness
+    `most`.
+
+    A panel that covers c is divided there.
+    """
     panels, factors = profile.panels, profile.fields.factors
     right = panels.right[panel]
     ends = [panels.left[panel]]
@@ -147,8 +158,11 @@ def _density(
     weight: Callable[[int, Array, Array], Array],
     rule: Rule,
 ) -> Array:
-    """(2, n): weight |V| / v^2 and weight |V| at the nodes of a rule between two points of a panel,
-    times dv/dy."""
+    """Return weight |V| / v^2 and weight |V| at the nodes of a rule between two points, times
+    dv/dy.
+
+    The result is (2, n).
+    """
     left, right = ends
     width = right.minus(left)
     at = CutPoints(
@@ -158,4 +172,5 @@ def _density(
     )
     speed = profile.panels.sense[panel] * profile.slip_rate_inside(panel, at)
     power = weight(panel, at.v, speed) * speed * width * rule.bell
+    # d xi = dv / v^2 turns an integral over velocities into one over slownesses.
     return np.stack([power / np.square(at.v), power])

@@ -1,4 +1,4 @@
-"""The numbers that tune the fields of given zones, each with what set it."""
+"""Numbers that tune the fields of given zones, each with the observation that determined it."""
 
 # Friction that does not count (load)
 

@@ -1,26 +1,29 @@
-"""Exact fields of given slip zones: the Riemann-Hilbert problem of section 4, solved.
+"""Compute the exact fields of given slip zones by solving a Riemann-Hilbert problem (section 4).
 
 On the cut k = -v + i0 the transform T of the shear traction satisfies Im T = known where the
-interface slips and Im (T / M_+) = 0 where it sticks.  With a canonical function X that is real
-on slip and has the phase of M_+ on stick,
+interface slips and Im (T / M_+) = 0 where it sticks. With a canonical function X that is real on
+slip and has the phase of M_+ on stick,
 
     T = s f P + X (C + R),   P = P_0 M_+^I / M_+^I(0),
 
-where C is a Cauchy integral over the parts of the cut on which s f P misses its condition and R
-is a constant fixed by T(0).  Where slip meets the resistance eta V, Im (1 + eta / M) T is known
-instead, and X has the phase of M / (M + eta) there.  Slip rate and traction follow from
+where C is a Cauchy integral over the parts of the cut on which s f P does not satisfy its
+condition, and R is a constant that follows from T(0).  Where slip meets the resistance eta V, Im (1
++ eta / M) T is known instead, and X has the phase of M / (M + eta) there.  Slip rate and traction
+follow from
 
     dV/dv = -Im(T / M_+) / (pi kappa v M_+(v)),    dtau/dv = Im T / (pi v).
 
-X carries the behaviour at each edge (`canonical`), strength the sources of C (`strength`).  The
-parts follow one another here: the transform and the slopes of slip rate and traction
-(`ZoneFields`); what is left at the edges (`ZoneFields.mismatch`), whose Jacobian Newton's method
-forms from neighbouring zones (`edges`).  b = mu = 1; V is one-sided.
+`canonical` supplies X, which determines the behaviour at each edge, and `strength` the sources of
+C. `ZoneFields` computes the transform and the slopes of slip rate and traction;
+`ZoneFields.mismatch` computes the mismatch at the edges, whose Jacobian Newton's method forms from
+neighbouring zones (`selfsimilar.edges`). Units are b = mu = 1; V is one-sided. See docs/theory.md,
+"Slip under a step, for given zones".
 
-The normal problem is the same in mode I, with opening for slip, no friction and minus the
-pressure for traction.  Where a gap closes behind its opening it does so smoothly, which one term
-more allows for each closing edge e, T = X (C + R + r / (k + e)).  So does slip that meets
-resistance where it borders on an opening: V, or its finite part, is 0 there (docs/rate.md).
+The normal problem is the same in mode I, with opening for slip, no friction, and minus the pressure
+for traction. A gap closes smoothly behind its opening, which requires one more term for each
+closing edge e, T = X (C + R + r / (k + e)) (docs/separation.md, "The normal problem"). Slip that
+meets resistance has the same term where it borders on an opening: V, or its finite part, is 0 there
+(docs/rate.md, "A film that opens").
 """
 
 from __future__ import annotations
@@ -50,10 +53,20 @@ from semianalytic.halfplane.rules import Rule, finer_rule
 class ZoneFields:
     """Fields of a load and a set of zones, whether or not the edges satisfy Coulomb's law.
 
-    `zones` run from the longitudinal front inward, in slowness; their edges may hold several
-    neighbouring sets at once (see `panels`).  Without `tail` the fields behind the last edge are
-    left out.  `closing` are terms (edge, r) of edges that close a gap.  `shared` are panels to be
-    used, with ends at all edges of these zones, laid for others.
+    Attributes
+    ----------
+    factors : RayleighFactors
+    load : Load
+    zones : tuple of Zone
+        From the longitudinal front inward, in slowness; their edges may hold several
+        neighbouring sets at once (see `panels`).
+    rule : Rule
+    tail : bool
+        Whether the fields behind the last edge are included.
+    closing : tuple of (edge, r)
+        Terms of edges that close a gap.
+    shared : Panels or None
+        Panels laid for other zones that are to be used, with ends at all edges of these zones.
     """
 
     factors: RayleighFactors
@@ -75,6 +88,8 @@ class ZoneFields:
             return replace(self.shared, layout=layout)
         sets, load = np.shape(self.load.friction), self.load
         by_slip = load.resists_rate or load.given_slope is not None
+        # Slip behind the last edge enters ln X through the phase of M / (M + eta), and C through a
+        # given slope: it cannot be left out then.
         tail = self.tail or by_slip  # then slip behind the last edge counts
         opening = load.opened.zone if load.opened else None
         rule = finer_rule(self.rule, *self._beside_resistance)
@@ -82,23 +97,28 @@ class ZoneFields:
 
     @property
     def _beside_resistance(self) -> tuple[float, float]:
-        """Strip of analyticity, over pi, that slip up to the contact edge has where strong
-        resistance meets it, and how much further it goes in y: M + eta vanishes at about
-        v = i eta / kappa."""
+        """Strip of analyticity, over pi, and additional length in y, of slip under strong
+        resistance.
+
+        They apply to slip up to the contact edge: M + eta vanishes at about v = i eta / kappa.
+        """
         edge = self.zones[-1].left if self.zones and self.zones[-1].right is None else None
         if edge is None or self.load.resistance is None:
             return 1.0, 0.0
+        # Modulus of that zero over the slowness of the edge.
         root = float(np.max(np.abs(self.load.resistance))) / self.factors.kappa / edge.first[0]
         return 1 - float(np.arctan(root)) / np.pi, float(np.log1p(root))
 
     @cached_property
     def _cuts(self) -> tuple[CutPoints, ...]:
-        """Where fields change character within zones."""
+        """Points within zones at which fields change their character."""
         factors, cuts, opened = self.factors, [], self.load.opened
         if opened is not None:  # as the normal problem has them
             cuts += [factors.of_in_plane(cut) for cut in factors.in_plane.cuts[:-1]]
         if self.load.resists_rate and factors.has_rayleigh_wave:
             front = factors.front_c
+            # At c_R the phase of M / (M + eta) jumps by pi, so that panels under resistance end
+            # there (docs/theory.md, "Other conditions on the same cut").
             resists = any(lies_between(one.left, front, one.right) for one in self.zones)
             if opened is not None:
                 resists &= not lies_between(opened.zone.left, front, opened.zone.right)
@@ -107,22 +127,23 @@ class ZoneFields:
 
     @property
     def layout(self) -> Layout:
-        """Which panels there are."""
+        """Order and kinds of the panels."""
         return self.panels.layout
 
     @cached_property
     def canonical(self) -> CanonicalFunction:
-        """X, real, on panels that slip; X / M_+, real, on panels that stick."""
+        """Canonical function: X, real, on panels that slip; X / M_+, real, on panels that stick."""
         resistance = self._resolved.resistance
         given = None if resistance is None else np.asarray(resistance)
         if given is not None and self.load.opened is not None:
+            # The film carries no traction where the contact is open.
             closed = ~np.array(self.layout.open).reshape(-1, *[1] * (self.panels.jacobian.ndim - 1))
             given = given * closed
         return CanonicalFunction(self.factors, self.panels, given)
 
     @cached_property
     def _resolved(self) -> Load:
-        """The load, linearised strength put on the panels."""
+        """The load, with linearised strength evaluated on the panels."""
         load, panels = self.load, self.panels
         if load.linearised is None:
             return load
@@ -136,6 +157,7 @@ class ZoneFields:
         if self.normal is None:
             return PressurePart(self._resolved, canonical, sense, None, np.zeros(count, dtype=bool))
         normal = self.normal
+        # The normal problem has minus the pressure for traction, hence the signs.
         opened, at_edge = -normal.stick_transform, -normal.constant
         return PressurePart(
             self._resolved, canonical, sense, opened, normal.layout.slipping, at_edge
@@ -143,8 +165,8 @@ class ZoneFields:
 
     @cached_property
     def normal(self) -> ZoneFields | None:
-        """The normal problem on these panels, minus pressure for traction; None if the contact
-        is closed."""
+        """The normal problem on these panels, minus pressure for traction; None if all is
+        closed."""
         opened = self.load.opened
         if opened is None:
             return None
@@ -170,23 +192,28 @@ class ZoneFields:
         """R without the terms of closing edges, from T(0) = Q_0 - mu b V(inf), (1,) or (k, 1)."""
         load, panels = self.load, self.panels
         at_zero = load.load_shear - load.far_slip_rate
+        # P(0) = P_0: the part s f P of T(0) is subtracted before the division by X(0).
         at_zero -= self._pressure.sense * load.friction * load.load_pressure
         value = at_zero / self.canonical.at_zero
         sources, imag = self._pressure.sources
         if len(sources):
             integrals = panels.integrals(imag / panels.at.v)
+            # C(0) = -(1 / pi) int Im C / w dw is subtracted.
             value = value + integrals[sources].sum(axis=0)[..., None] / np.pi
         return value
 
     @cached_property
     def constant(self) -> Array:
-        """R, (1,) or (k, 1)."""
+        """R with the terms of closing edges, (1,) or (k, 1)."""
+        # Terms are formed as r (1 / (k + e) - 1 / e), which leaves T(0) unchanged.
         return self._first_constant - sum(amount / edge.v for edge, amount in self._terms)
 
     @cached_property
     def transform_at_edge(self) -> Array:
-        """Limit of T at a contact edge that slips, (1,) or (k, 1); what pressure adds only where
-        the contact is open there."""
+        """Limit of T at a contact edge that slips, (1,) or (k, 1).
+
+        The pressure contributes only where the contact is open there.
+        """
         value = np.sign(self.canonical.values[-1, ..., -1:]) * self.constant
         if self.normal is not None and self.layout.open[-1]:
             weight = self._pressure.sense * self.load.friction
@@ -195,8 +222,10 @@ class ZoneFields:
 
     @cached_property
     def borders(self) -> tuple[tuple[int, Array], ...]:
-        """(panel, exponent of X, (..., 1)) of each panel at whose right end slip that meets
-        resistance borders on the opening."""
+        """Pairs (panel, exponent of X, (..., 1)) for each border of the opening under resistance.
+
+        The border is the right end of the panel.
+        """
         canonical, layout = self.canonical, self.layout
         if canonical.resistance is None or self.load.opened is None:
             return ()
@@ -204,6 +233,8 @@ class ZoneFields:
         borders, row = [], {panel: i for i, panel in enumerate(layout.slip)}
         for panel in range(len(layout.sense) - 1):
             if panel in row and panel + 1 in row and layout.open[panel] != layout.open[panel + 1]:
+                # theta is the phase of (M + eta) / M on the closed side; X ~ d^(+-theta / pi), with
+                # the sign of the side (docs/rate.md, "A film that opens").
                 if layout.open[panel]:
                     borders.append((panel, -turn[row[panel + 1], ..., :1] / np.pi))
                 else:
@@ -212,8 +243,10 @@ class ZoneFields:
 
     @cached_property
     def _vanishing(self) -> tuple[tuple[int, CutPoints], ...]:
-        """(panel, its right end) where slip rate vanishes by a term: at borders of the opening, and
-        where a zone ends as the opening closes."""
+        """Pairs (panel, its right end) at which an additional term makes the slip rate vanish.
+
+        These are the borders of the opening, and ends of zones where the opening closes.
+        """
         panels, zone = self.panels, np.array(self.layout.zone)
         held = [
             int(np.flatnonzero(self.layout.slipping & (zone == index))[-1])
@@ -225,7 +258,8 @@ class ZoneFields:
 
     @cached_property
     def _sharp(self) -> tuple[RunningIntegral, ...]:
-        """Slip rate of a unit term of each edge at which it vanishes."""
+        """Slip rates of unit terms r / (k + e), one for each edge at which the slip rate
+        vanishes."""
         panels, exponents = self.panels, dict(self.borders)
         result = []
         for panel, edge in self._vanishing:
@@ -235,6 +269,8 @@ class ZoneFields:
             if self._jumps_at(panel):
                 _, jump = self._jump(panel, edge)
                 powers.append(Power(panel + 1, True, exponents[panel], jump))
+            # Beside the border the slope is d^(eps - 1) on both sides, which no rule resolves for
+            # small eps: its integral is taken in closed form.
             elif panel in exponents:
                 for one, at_left in ((panel, False), (panel + 1, True)):
                     powers.append(split_power(panels, slope, one, at_left, exponents[panel]))
@@ -242,27 +278,32 @@ class ZoneFields:
         return tuple(result)
 
     def _jumps_at(self, panel: int) -> bool:
-        """Whether slip rate and traction jump at a border: ahead of all waves M is real."""
+        """Return whether slip rate and traction jump at a border, which requires a real impedance.
+
+        M is real ahead of the shear front in antiplane shear.
+        """
         ahead = panel + 1 < self.layout.ahead and not self.factors.has_rayleigh_wave
         return ahead and panel in dict(self.borders)
 
     def _jump(self, panel: int, edge: CutPoints) -> tuple[Array, Array]:
-        """Slip rate ahead of a border where it jumps, and how much, per term r, (..., 1): traction
-        falls from eta V to 0."""
+        """Return the slip rate ahead of a border and its jump, per term r, (..., 1).
+
+        The traction falls from eta V to 0 there.
+        """
         canonical, row = self.canonical, int(np.searchsorted(self.layout.slip, panel))
         fall = canonical.values[panel, ..., -1:] / edge.v
         return fall / canonical.eta[row, ..., -1:], fall / canonical.impedance[0][panel, ..., -1:]
 
     @cached_property
     def _terms(self) -> tuple[tuple[CutPoints, float | Array], ...]:
-        """All terms (edge, r): those given, and those by which slip rate vanishes."""
+        """All terms (edge, r): those given, and those that make the slip rate vanish."""
         amounts = self._amounts
         edges = [edge for _, edge in self._vanishing]
         return (*self.closing, *zip(edges, amounts, strict=True))
 
     @cached_property
     def _amounts(self) -> tuple[Array, ...]:
-        """r by which slip rate vanishes where it is to, (1,) or (k, 1) each."""
+        """Amounts r that make the slip rate vanish where it must, (1,) or (k, 1) each."""
         if not self._vanishing:
             return ()
         values, zone = self.canonical.values, np.array(self.layout.zone)
@@ -271,6 +312,8 @@ class ZoneFields:
         totals = np.stack(
             [self.panels.integrals(plain), *(sharp.totals for sharp in self._sharp)], axis=-1
         )
+        # One equation per such edge: V gained from the beginning of its zone is zero there; V is
+        # linear in the amounts.
         rows = []
         for index, (panel, edge) in enumerate(self._vanishing):
             here = np.flatnonzero(self.layout.slipping & (zone == zone[panel]))
@@ -284,29 +327,32 @@ class ZoneFields:
         return tuple(np.moveaxis(_solved(both[..., 1:], -both[..., 0])[..., None], -2, 0))
 
     def _share(self, edge: CutPoints) -> Array:
-        """(p, ..., n): 1 / (k + e) - 1 / e at k = -v, of a closing edge e that ends a panel."""
+        """Return 1 / (k + e) - 1 / e at k = -v, (p, ..., n), for a closing edge e that ends a
+        panel."""
         return self.panels.at.v / edge.v * self._pole(edge)
 
     def _pole(self, edge: CutPoints) -> Array:
-        """(p, ..., n): 1 / (k + e) at k = -v."""
+        """Return 1 / (k + e) at k = -v, (p, ..., n)."""
         ends = (*self.panels.left, self.panels.right[-1])
         index = next(i for i, end in enumerate(ends) if end and end.first == edge.first)
+        # k + e = e - v, whose digits are exact in the panels that end at e.
         return -1 / self.panels.from_ends[index]
 
     @cached_property
     def _cauchy(self) -> Array:
-        """(p, ..., n): Re C(-v + i0) at the nodes."""
+        """Re C(-v + i0) at the nodes, (p, ..., n)."""
         panels, (sources, imag) = self.panels, self._pressure.sources
         if not len(sources):
             return imag
         pairs, weights = self.layout.pairs_from(tuple(sources.tolist())), panels.jacobian * imag
         total = pairs.collect(panels.cauchy(pairs, weights[pairs.source]))
+        # A principal value where source and target are the same panel.
         total[sources] += panels.principal_values(sources, weights[sources])
         return total / -np.pi
 
     @cached_property
     def _reduced(self) -> Array:
-        """(p, ..., n): X (Re C + R); over M_+ on panels that stick."""
+        """X (Re C + R) at the nodes, (p, ..., n); divided by M_+ on panels that stick."""
         driven = self._cauchy + self._first_constant
         for edge, amount in self._terms:
             driven = driven + amount * self._share(edge)
@@ -314,16 +360,18 @@ class ZoneFields:
 
     @cached_property
     def stick_transform(self) -> Array:
-        """(p, ..., n): T / M_+ where the interface sticks; T itself where it slips freely."""
+        """T / M_+ where the interface sticks, T itself where it slips freely, (p, ..., n)."""
         result, pressure = self._reduced.copy(), self._pressure
         if pressure.analytic:
+            # In mode II M_+^I / M_+ is imaginary ahead of the shear front, so that s f P has no
+            # real part to add there.
             first = self.layout.ahead if self.factors.mode == "II" else 0
             result[first:] += pressure.on_stick(slice(first, None))
         return result
 
     @cached_property
     def transform(self) -> NDArray[np.complex128]:
-        """(p, ..., n): T(-v + i0) itself at the nodes of all panels."""
+        """T(-v + i0) itself at the nodes of all panels, (p, ..., n)."""
         canonical, panels = self.canonical, self.panels
         own = self.factors.impedance_on_cut(panels.at) / (self.factors.kappa * canonical.m_plus)
         result = own * self.stick_transform
@@ -332,13 +380,14 @@ class ZoneFields:
             return result
         _, missed = pressure.sources
         parts = self._reduced[slip] + 1j * (canonical.values * missed)[slip]
+        # `values` leave out the phase of M / (M + eta), which is restored here.
         if canonical.resistance is not None:
             parts = parts * np.exp(-1j * canonical.excess_impedance[1])
         result[slip] = parts + pressure.on_slip
         return result
 
     def stick_transform_off_cut(self, k: Array) -> Array:
-        """T / M_+ at k > 0, any shape: what drives the slot faces (one set of zones)."""
+        """Return T / M_+ at k > 0, any shape, which drives the slot faces (one set of zones)."""
         panels, flat = self.panels, np.ravel(k)
         cauchy = np.full_like(flat, self.constant[0])
         sources, imag = self._pressure.sources
@@ -360,23 +409,22 @@ class ZoneFields:
 
     @cached_property
     def stick_transform_at_edge(self) -> Array:
-        """Limit of T / M_+ at the contact edge when it sticks: K_II / (M_+(0) K_II of Q_0 = 1).
-
-        () or (k,).
-        """
+        """Limit of T / M_+ at a stuck contact edge: K_II / (M_+(0) K_II of Q_0 = 1), () or (k,)."""
         return np.asarray((self.constant + self._pressure.amount_at_edge)[..., 0])
 
     @property
     def held_at_edge(self) -> float | Array:
-        """The part of that which friction holds, a number or (k,)."""
+        """Part of `stick_transform_at_edge` that friction holds, a number or (k,)."""
         return per_set(self._pressure.amount_at_edge)
 
     @cached_property
     def stick_transform_excess(self) -> Array:
-        """(..., n): T / M_+ less its limit at a stuck contact edge, last panel, without loss."""
+        """T / M_+ less its limit at a stuck contact edge on the last panel, (..., n), without
+        loss."""
         cauchy, growth = self._cauchy[-1], np.expm1(self.canonical.log_growth)
         for edge, amount in self._terms:
             cauchy = cauchy + amount * self._pole(edge)[-1]
+        # (1 + growth)(R + C) - R, rearranged so that no digits cancel.
         excess = growth * (cauchy + self.constant) + cauchy
         pressure = self._pressure
         if not pressure.analytic:
@@ -389,8 +437,10 @@ class ZoneFields:
 
     @cached_property
     def slip_rate_slope(self) -> Array:
-        """(p, ..., n): dV/dv on panels that slip, 0 on panels that stick; without the powers of
-        `rate_integral`."""
+        """dV/dv on panels that slip, (p, ..., n), 0 on panels that stick.
+
+        The powers of `rate_integral` are not included.
+        """
         if not self.borders:
             return self._slope_of(self._reduced)
         slope = self._slope_of(self.canonical.values * (self._cauchy + self._first_constant))
@@ -399,7 +449,7 @@ class ZoneFields:
         return slope
 
     def rate_integral(self, tail: float | Array = 0.0) -> RunningIntegral:
-        """V on panels that slip; `tail` as of `RunningIntegral`."""
+        """Return V on panels that slip as a running integral; `tail` as of `RunningIntegral`."""
         residue = self.residue if self.layout.pole >= 0 else None
         return RunningIntegral(
             self.panels, self.slip_rate_slope, self.factors.c, tail, self._powers, residue
@@ -418,7 +468,8 @@ class ZoneFields:
     def _reduced_at_c(self) -> Array:
         """X (Re C + R) at the Rayleigh front where slip covers it, (1,) or (k, 1).
 
-        Nodes straddle c evenly: a sum over them is a principal value.
+        The nodes straddle c evenly, so that a sum over them is a principal value (docs/solver.md,
+        "Quadrature").
         """
         panels, (sources, imag) = self.panels, self._pressure.sources
         driven = self._first_constant
@@ -435,16 +486,18 @@ class ZoneFields:
         driven, pressure = self._reduced_at_c, self._pressure
         if self.normal is not None and pressure.analytic and self.layout.open[self.layout.pole]:
             driven = driven - pressure.sense * self.load.friction * self.normal._reduced_at_c
+        # dV/dv = X (C + R) / (pi v m) beside c, with m = m'(c) (v - c).
         slope = np.pi * self.factors.c * self.factors.impedance_slope_at_c
         return np.asarray((driven / slope)[..., 0])
 
     def _slope_of(self, reduced: Array) -> Array:
-        """The same from X (Re C + R)."""
+        """Return dV/dv on panels that slip from X (Re C + R), (p, ..., n)."""
         canonical, layout, pressure = self.canonical, self.layout, self._pressure
         real, imag = canonical.impedance
         ahead, slip = layout.slip_ahead, layout.slip
         sources, missed = pressure.sources
         slope = self._by_impedance(reduced)
+        # Ahead of the shear front M has a real part, which multiplies Im C.
         if len(ahead) and len(sources):
             product = canonical.values[ahead] * missed[ahead] * real[ahead]
             size = np.square(real[ahead]) + np.square(imag[ahead])
@@ -454,6 +507,7 @@ class ZoneFields:
             size[: len(ahead)] = np.hypot(real[ahead], imag[ahead])
             product = canonical.values[slip] * missed[slip] * canonical.eta
             slope[slip] -= product / (np.square(size) * self._modulus)
+        # The part A = s f P of T contributes -Im (A / M).
         if pressure.analytic:
             slope[slip] -= pressure.over_impedance[slip]
         return slope / (np.pi * self.panels.at.v)
@@ -466,10 +520,11 @@ class ZoneFields:
         return self.canonical.excess_impedance[0]
 
     def _by_impedance(self, reduced: Array) -> Array:
-        """(p, ..., n): -Im (reduced / M) on panels that slip, 0 on panels that stick."""
+        """Return -Im (reduced / M) on panels that slip, (p, ..., n), 0 on panels that stick."""
         layout, (real, imag) = self.layout, self.canonical.impedance
         slope = np.zeros_like(imag)
         behind, ahead = layout.slip_behind, layout.slip_ahead
+        # M = i m behind the shear front, so that -Im (1 / M) = 1 / m.
         slope[behind] = reduced[behind] / imag[behind]
         if len(ahead):
             size = np.square(real[ahead]) + np.square(imag[ahead])
@@ -480,7 +535,8 @@ class ZoneFields:
 
     @cached_property
     def traction_slope(self) -> Array:
-        """(p, ..., n): dtau/dv on panels that stick, 0 on panels that slip."""
+        """dtau/dv on panels that stick, (p, ..., n), 0 on panels that slip."""
+        # Im T / (pi v), with T / M_+ real and M_+(-v + i0) = M / (kappa M_+(v)).
         unit = self.canonical.impedance[1] / (self.canonical.m_plus * self.panels.at.v)
         slope = unit * self.stick_transform / (np.pi * self.factors.kappa)
         slope[self.layout.slip] = 0.0
@@ -490,9 +546,9 @@ class ZoneFields:
     def base_traction(self) -> float | Array:
         """Traction ahead of all waves, a number or (k,).
 
-        In the normal problem that under which, on these panels exactly, pressure falls to zero
-        where the contact opens: beside it pressure is small against the base, and so is what
-        strength it leaves to slip that ends there.
+        In the normal problem it is chosen such that, on these panels, the pressure falls to zero
+        exactly where the contact opens. Beside that edge the pressure is small compared with the
+        base, and so is the strength of slip that ends there.
         """
         if self.factors.mode != "I":
             return self.load.base_shear - per_set(self.load.far_slip_rate)
@@ -500,12 +556,13 @@ class ZoneFields:
         return np.asarray(-ahead.sum(axis=0))
 
     def strength(self, edge: CutPoints) -> Array:
-        """Friction bound f p at an edge."""
+        """Return the strength f p at an edge."""
         return self.load.friction * self.load.pressure(self.factors, edge)
 
     @cached_property
     def _excess_slope(self) -> Array:
-        """(p, ..., n): slope of traction less the following zone's sense times strength."""
+        """Slope of traction less that of strength in the sense of the following zone, (p, ...,
+        n)."""
         load, slope = self.load, self.traction_slope
         if load.load_pressure == 0 or not self.zones:
             return slope
@@ -515,15 +572,18 @@ class ZoneFields:
         return slope - factor * load.friction * self._pressure.slope
 
     def mismatch(self) -> Array:
-        """What the edges leave unfulfilled: one row per edge, (e,) or (e, k).
+        """Return the mismatch of the conditions at the edges, one row per edge, (e,) or (e, k).
 
-        For each zone: traction less sense times strength where it opens (over the width of the
-        stick gap before it when that is narrow), and the slip rate left where it heals.
+        For each zone it is the traction less sense times strength where the zone opens (divided by
+        the width of the stick gap ahead of it if that is narrow), and the slip rate that is left
+        where it heals. See docs/theory.md, "Where the edges are".
         """
         load, layout = self.load, self.layout
         integrals = self.panels.integrals(self._excess_slope + self.slip_rate_slope)
         for power in self._powers:
             integrals[power.panel] += power.total
+        # Stretches of stick and slip alternate: a stretch of stick gains traction, a zone slip
+        # rate.
         gains = iter(np.add.reduceat(integrals, [part[0] for part in layout.regions], axis=0))
         rows: list[Array] = []
         outward: Zone | None = None
@@ -537,13 +597,17 @@ class ZoneFields:
             if zone.right is not None:
                 ahead = per_set(load.far_slip_rate) if zone.left is None else 0.0
                 rate = next(gains) + ahead
+                # A zone that ends with the opening has slip rate 0 there by its additional term.
                 rows.append(np.zeros_like(rate) if zone.held else rate)
             outward = zone
         return np.stack(rows) if rows else np.zeros(0)
 
     def _excess_at_opening(self, zone: Zone, outward: Zone | None, gain: Array) -> Array:
-        """Traction less sense times strength where a zone opens, () or (k,), from what it gains on
-        the stick before it, over the width of a narrow gap to the zone outward of it."""
+        """Return traction less sense times strength where a zone opens, () or (k,).
+
+        It follows from the traction gained on the stick before the zone, and is divided by the
+        width of a narrow gap to the zone outward of it.
+        """
         load = self.load
         if outward is None:
             strength = per_set(load.friction) * load.base_pressure
@@ -558,13 +622,15 @@ class ZoneFields:
             return np.asarray(excess + zone.sense * per_set(load.friction) * rest)
         if zone.left is None or outward.right is None:
             return gain
+        # Between zones of opposite sense the traction must go from one bound of friction to the
+        # other.
         if outward.last_sense != zone.sense:
             gain = gain + (outward.last_sense - zone.sense) * self.strength(outward.right)[..., 0]
         return np.asarray(gain / np.minimum(1.0, zone.left.minus(outward.right)[..., 0]))
 
 
 def _solved(matrix: Array, right: Array) -> Array:
-    """x of matrix (..., m, m) x = right (..., m)."""
+    """Return x of matrix (..., m, m) x = right (..., m)."""
     if matrix.shape[-1] == 1:
         return np.asarray(right / matrix[..., 0])
     return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])

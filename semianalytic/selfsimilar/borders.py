@@ -1,4 +1,4 @@
-"""Where zones are about to change, so that derivatives hold to one side only."""
+"""Detect where zones are about to change, so that derivatives hold to one side only."""
 
 from __future__ import annotations
 
@@ -15,11 +15,15 @@ from semianalytic.selfsimilar.coulomb import doubtful, excess_intensity
 
 
 def border(scene: Scene, profile: Profile, name: str) -> str:
-    """A sentence on what changes beside a solution when a parameter does; "" if nothing does."""
+    """Return a sentence on what changes beside a solution with a parameter; "" if nothing does.
+
+    See docs/derivatives.md, "Where the set of zones changes".
+    """
     load = profile.fields.load
     if name == "load_pressure" and not scene.superposition.taken_off.pressure:
         return "one-sided: a negative step of pressure would open the contact at its edge"
     if name in ("base_pressure", "load_pressure", "poisson_ratio") and load.load_pressure > 0:
+        # The contact opens at the Rayleigh front first, where p* has its minimum.
         stuck = stuck_traction(profile.fields.factors.poisson_ratio, "I").at_rayleigh_front
         if abs(load.base_pressure / load.load_pressure + stuck) < tuning.AT_BORDER:
             return "one-sided: the contact is about to open, or to close, at the Rayleigh front"
@@ -31,6 +35,7 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
         return "one-sided: with any shear the interface moves where it is open, and slips beside it"
     if load.frictionless:
         return ""
+    # How much the base lacks of friction, in the unit of stress of the profile.
     margin = abs(float(load.friction) * load.base_pressure - abs(load.base_shear))
     moved = superposed_by(scene, name)
     of_base = name == "friction" or "base_pressure" in moved or "base_shear" in moved
@@ -43,6 +48,7 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
         if min(width, peak) < tuning.AT_BORDER:
             return f"one-sided: the zone at {zone:.6g} c_t is about to vanish"
     wrong = profile.wrong_at_nodes[..., 1:-1]
+    # A nearly violated inequality at a node or between nodes.
     near = np.argwhere(doubtful(profile) & (wrong > -tuning.AT_BORDER))
     for panel, node in near:
         xi = 1 / profile.panels.at.v[panel, node + 1]
@@ -52,15 +58,18 @@ def border(scene: Scene, profile: Profile, name: str) -> str:
 
 
 def starts_at_front(profile: Profile) -> bool:
-    """Whether slip begins ahead of all waves, or right at the front of a base at friction."""
+    """Return whether slip begins ahead of all waves, or at the front of a base at friction."""
     zones = profile.fields.zones
     return bool(zones) and zones[0].left is None
 
 
 def at_the_front(profile: Profile) -> Profile:
-    """The profile of a base at friction instead of one that lacks so little that differences do not
-    see the strip that sticks behind the longitudinal front: derivatives are those of slip that
-    starts at the front, but for the square of what is lacking."""
+    """Return a profile with the base exactly at friction if it lacks so little that it does not
+    matter.
+
+    Differences do not resolve the strip that sticks behind the longitudinal front then. Derivatives
+    are those of slip that starts at the front, up to the square of what is lacking.
+    """
     fields = profile.fields
     zones, load = fields.zones, fields.load
     left = zones[0].left if zones else None
@@ -70,12 +79,13 @@ def at_the_front(profile: Profile) -> Profile:
         return profile
     if left.from_a[0] > tuning.UNSEEN_STRIP or zones[0].sense * load.base_shear < 0:
         return profile
+    # Put the base exactly at friction, and let the first zone begin at the front.
     load = replace(load, base_shear=float(np.copysign(strength, load.base_shear)))
     return Profile(replace(fields, load=load, zones=(replace(zones[0], left=None), *zones[1:])))
 
 
 def _sizes(profile: Profile) -> list[tuple[float, float, float]]:
-    """Of every zone: its velocity [c_t], its width over it, its slip rate over the largest."""
+    """Return velocity [c_t], relative width and relative slip rate of every zone."""
     panels, layout = profile.panels, profile.panels.layout
     rate, owners = np.abs(profile.slip_rate_at_nodes), np.array(layout.zone)
     result = []
@@ -83,6 +93,7 @@ def _sizes(profile: Profile) -> list[tuple[float, float, float]]:
         here = layout.slipping & (owners == index)
         outer = 1 / (panels.left[int(np.flatnonzero(here)[0])].v[0])
         inner = 0.0 if zone.right is None else 1 / zone.right.v[0]
+        # The width of a zone at the contact edge is its velocity; other widths are relative.
         width = float(outer - inner if inner == 0 else 1 - inner / outer)
         result.append((float(outer), width, float(rate[here].max() / profile.largest_rate)))
     return result

@@ -1,12 +1,13 @@
 """First stage: slip rate piecewise linear in xi = x/t, Coulomb's law as complementarity.
 
-The corrective traction of a slip rate V(xi) with the slot faces free (Wiener-Hopf) is
+The corrective traction of a slip rate V(xi) with free slot faces (docs/theory.md, "Slip under a
+step, for given zones") is
 
     dtau/dxi = -(Im M(-v) / (pi n(xi))) [ PV int n V' dxi0 / (xi0 - xi) - M_-(0) V(inf) ]
                - Re M(-v) V'(xi),          v = 1/xi,  n(xi) = xi M_+(1/xi),
 
-integrated inward from the longitudinal front.  It is tested with the same hat functions that
-carry V (Galerkin), which leaves no odd-even mode, and solved by Lemke's pivoting.  b = mu = 1 and
+integrated inward from the longitudinal front.  It is tested with the same hat functions that carry
+V (Galerkin), which leaves no odd-even mode, and solved by Lemke's pivoting.  b = mu = 1 and
 one-sided slip rates throughout.
 """
 
@@ -67,7 +68,7 @@ class GridSlip:
 
 @lru_cache(maxsize=32)
 def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
-    """Grid of about `size` nodes and the operator on it, kept for recent Poisson ratios."""
+    """Return a grid of about `size` nodes with its operator; recent Poisson ratios are cached."""
     factors = rayleigh_factors(poisson_ratio, mode)
     ends, shares = np.array([0.0, 1.0, 1 / factors.a]), np.array([0.65, 0.35])
     if factors.has_rayleigh_wave:
@@ -77,6 +78,7 @@ def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
     nodes, points, weights = [np.zeros(1)], [], []
     for left, right, count in zip(ends[:-1], ends[1:], counts, strict=True):
         s = np.arange(count + 1) / count
+        # Sine-squared spacing clusters the nodes at both ends, where fields are not smooth.
         nodes.append(left + (right - left) * np.sin(np.pi / 2 * s[1:]) ** 2)
         sub = (s[:-1, None] + t / count) * np.pi / 2
         points.append(left + (right - left) * np.sin(sub) ** 2)
@@ -90,12 +92,15 @@ def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
     v = 1 / point.ravel()
     impedance = factors.impedance_on_cut(factors.cut(v))
     density = point.ravel() * factors.m_plus(v)
+    # n(xi) tends to 0 at the contact edge.
     node_density = np.zeros(n + 1)
     node_density[1:] = xi[1:] * factors.m_plus(1 / xi[1:])
     slope = np.diff(node_density) / width
     offset = xi[None, :] - point.ravel()[:, None]
     log = np.diff(np.log(np.abs(offset)), axis=1)
     at_point = node_density[:-1] - slope * offset[:, :-1]
+    # Integral of a linear function over an element divided by xi0 - xi: a logarithm plus a
+    # constant.
     cauchy = at_point * log + slope * width
     gradient = -(impedance.imag / (np.pi * density))[:, None] * cauchy
     own = np.repeat(np.arange(n), tuning.GAUSS_PER_ELEMENT)
@@ -104,6 +109,7 @@ def slip_grid(poisson_ratio: float, size: int, mode: Mode = "II") -> SlipGrid:
     by_node = np.zeros((len(own), n + 1))
     by_node[:, 1:] += gradient / width
     by_node[:, :-1] -= gradient / width
+    # Slip at the last node and beyond also radiates far ahead: the term with M_-(0) V(inf).
     far = by_node[:, -1] + impedance.imag / (np.pi * density) * factors.m_plus_at_zero[mode]
 
     # Test with hats: int hat tau dxi = tau(c_l) int hat - int (dtau/dxi) (int_0^xi hat) dxi.
@@ -158,6 +164,8 @@ def slip_on_grid(
         eta = np.full(len(stiffness), load.resistance)
         if load.opened is not None:
             eta[is_open(load.opened.zone, grid.xi[:-1])] = 0.0
+        # Beside an opening the matrix is lumped: the film of a closed node then depends on V at
+        # that node alone.
         gram = grid.gram if load.opened is None else np.eye(*grid.gram.shape) * grid.weight[:, None]
         stiffness = stiffness + eta[:, None] * gram[:, :-1]
         stuck -= eta * far_slip_rate * gram[:, -1]
@@ -170,7 +178,7 @@ def slip_on_grid(
 
 
 def is_open(opening: Zone, xi: Array) -> np.ndarray:
-    """Which velocities xi >= 0 [c_t] an opening covers, (n,)."""
+    """Return which velocities xi >= 0 [c_t] an opening covers, (n,)."""
     assert opening.left is not None
     inner = 0.0 if opening.right is None else 1 / opening.right.v[0]
     return (xi < 1 / opening.left.v[0]) & ((xi > inner) | (inner == 0))
@@ -179,9 +187,10 @@ def is_open(opening: Zone, xi: Array) -> np.ndarray:
 def _slip_beside(
     opening: Zone, xi: Array, stuck: Array, strength: Array, stiffness: Array
 ) -> tuple[Array, int]:
-    """Slip rates of all nodes, and the pivots it took, where those of an opening move freely."""
+    """Return the slip rates of all nodes and the pivots, with those of an opening moving freely."""
     free = is_open(opening, xi)
     bound = ~free
+    # tau = 0 at the free nodes eliminates them (Schur complement).
     inner = np.linalg.solve(
         stiffness[np.ix_(free, free)],
         np.column_stack([stiffness[np.ix_(free, bound)], stuck[free]]),
@@ -197,7 +206,7 @@ def _slip_beside(
 
 
 def _complementary(stuck: Array, strength: Array, stiffness: Array) -> tuple[Array, int]:
-    """Slip rates by which |stuck - stiffness rate| <= strength, and the pivots it took."""
+    """Return slip rates for which |stuck - stiffness rate| <= strength, and the pivots."""
     # Most scenes slip one way only: half the unknowns, if the other inequality then holds.
     sense = float(np.sign(stuck[np.argmax(np.abs(stuck) - strength)])) or 1.0
     one_way = lemke(stiffness, strength - sense * stuck)
@@ -213,7 +222,7 @@ def _complementary(stuck: Array, strength: Array, stiffness: Array) -> tuple[Arr
 
 @dataclass(frozen=True)
 class Complementary:
-    """Solution z of w = q + M z, w >= 0, z >= 0, w z = 0, and the pivots it took."""
+    """Solution z of w = q + M z, w >= 0, z >= 0, w z = 0, and the number of pivots."""
 
     z: Array
     pivots: int
@@ -241,6 +250,7 @@ def lemke(matrix: Array, q: Array, most_pivots: int | None = None) -> Complement
     tableau = np.hstack([np.eye(n), -matrix, -np.ones((n, 1)), q[:, None]])
     basis = np.arange(n)
     scale = np.abs(matrix).max()
+    # z0 enters first, in the row that is most negative.
     row, entering = int(np.argmin(q)), 2 * n
     for pivot in range(1, (most_pivots or 20 * n) + 1):
         leaving = basis[row]
@@ -249,10 +259,12 @@ def lemke(matrix: Array, q: Array, most_pivots: int | None = None) -> Complement
         column = tableau[:, entering].copy()
         column[row] = 0.0
         tableau -= np.outer(column, tableau[row])
+        # z0 has left: the basis is a solution.
         if leaving == 2 * n:
             z = np.zeros(2 * n)
             z[basis] = np.maximum(tableau[:, -1], 0.0)
             return Complementary(z[n:], pivot)
+        # The complement of the variable that left enters, so that w z = 0 holds throughout.
         entering = leaving + n if leaving < n else leaving - n
         column = tableau[:, entering]
         allowed = column > 1e-12 * scale
@@ -265,6 +277,7 @@ def lemke(matrix: Array, q: Array, most_pivots: int | None = None) -> Complement
         ratio[allowed] = tableau[allowed, -1] / column[allowed]
         row = int(np.argmin(ratio))
         tied = np.flatnonzero(ratio <= ratio[row] + 1e-14)
+        # Among tied rows prefer that of z0, which ends the path.
         if 2 * n in basis[tied]:
             row = int(tied[np.flatnonzero(basis[tied] == 2 * n)[0]])
     raise ComputationError(

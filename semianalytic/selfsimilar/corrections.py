@@ -1,4 +1,4 @@
-"""Which zones to try next: after Newton's method failed, and where Coulomb's law does.
+"""Propose the next set of zones where Newton's method failed or Coulomb's law does not hold.
 
 Zones are in slowness, from the longitudinal front inward.
 """
@@ -21,12 +21,13 @@ from semianalytic.selfsimilar.coulomb import Violation
 def rearranged(
     factors: RayleighFactors, zones: Sequence[Zone], load: Load, may_turn: bool = True
 ) -> list[Zone] | None:
-    """What to try where Newton's method did not place the edges of zones; None if nothing.
+    """Return other zones where Newton's method did not place the edges; None if there are none.
 
-    `may_turn`: slip ahead of an opening may be tried in the other sense; it is not to be turned
-    back and forth.
+    If `may_turn`, slip ahead of an opening may be tried in the other sense. The caller allows this
+    once, so that the sense does not alternate.
     """
     opening = load.opened.zone if load.opened else None
+    # The order matters: the mildest change that applies is tried first.
     other = _across_shear_front(factors, zones, opening)
     if other is None:
         other = _without_vanished(zones)
@@ -40,8 +41,11 @@ def rearranged(
 def _across_shear_front(
     factors: RayleighFactors, zones: Sequence[Zone], opening: Zone | None
 ) -> list[Zone] | None:
-    """The same zones with edges that ran into the shear front started on its other side: not as
-    far as the Rayleigh front, or out of the plane as 1/2 c_t, nor as an opening behind."""
+    """Return the zones with edges that ran into the shear front restarted on its other side.
+
+    The new place is short of the Rayleigh front (1/2 c_t in antiplane shear) and of an opening
+    behind. The result is None if no edge is at the front.
+    """
     segment = factors.c - 1 if factors.has_rayleigh_wave else 1.0
     if opening is not None and opening.left is not None and opening.left.from_b[0] > 0:
         segment = min(segment, float(opening.left.from_b[0]))
@@ -67,8 +71,11 @@ def _across_shear_front(
 
 
 def _turned_at_opening(zones: Sequence[Zone], opening: Zone, may_turn: bool) -> list[Zone] | None:
-    """The zones, of which that with the opening ends where it closes if it ended near by, or else
-    slips the other way ahead of it if it began near by and may turn; None if neither."""
+    """Return the zones with the zone around the opening changed; None if neither change applies.
+
+    If that zone ended near the closing edge, it ends there now. Otherwise, if it began near the
+    opening edge and may turn, it slips in the other sense ahead of the opening.
+    """
     result = list(zones)
     for index, zone in enumerate(zones):
         if not _holds(zone, opening):
@@ -84,23 +91,24 @@ def _turned_at_opening(zones: Sequence[Zone], opening: Zone, may_turn: bool) -> 
 
 
 def _near(outward: CutPoints | None, inward: CutPoints | None) -> bool:
-    """Whether one point lies not far inward of another."""
+    """Return whether one point lies slightly inward of another."""
     if outward is None or inward is None:
         return False
     return bool(inward.minus(outward)[0] < tuning.NEAR_OPENING * outward.v[0])
 
 
 def _holds(zone: Zone, opening: Zone) -> bool:
-    """Whether an opening lies in a zone."""
+    """Return whether an opening lies in a zone."""
     assert opening.left is not None
     starts = zone.left is None or not opening.left.first_below(zone.left)
     return starts and (zone.right is None or opening.left.first_below(zone.right))
 
 
 def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
-    """The zones without those that Newton's method has all but closed; None if there are none.
+    """Return the zones without those that Newton's method has nearly closed; None if there are
+    none.
 
-    Where slip that ended with an opening had such a zone next behind it goes on to there instead.
+    If slip ended with an opening and such a zone was next behind, slip continues to that zone.
     """
     kept: list[Zone] = []
     for zone in zones:
@@ -113,11 +121,10 @@ def _without_vanished(zones: Sequence[Zone]) -> list[Zone] | None:
 
 
 def _joined(zones: Sequence[Zone], load: Load) -> list[Zone] | None:
-    """The zones with those two made one that slip alike on both sides of the narrowest stick gap;
-    None if no gap is narrow that may close.
+    """Return the zones with the two on either side of the narrowest stick gap joined, or None.
 
-    Newton's method closes a gap where the zones have just met.  One around c stays open, for there
-    V has a logarithm, unless slip meets resistance.
+    Newton's method closes a gap where the zones have just met. A gap around c stays open, because V
+    has a logarithm there, unless slip meets resistance.
     """
     gaps = {}
     for i, (outer, inner) in enumerate(pairwise(zones)):
@@ -134,9 +141,19 @@ def _joined(zones: Sequence[Zone], load: Load) -> list[Zone] | None:
 
 
 def corrected(zones: Sequence[Zone], violations: list[Violation], load: Load) -> list[Zone]:
-    """Zones without the intervals that slip the wrong way, and with those that must slip.
+    """Return zones without intervals that slip the wrong way, and with intervals that must slip.
 
-    New zones are made only when the present ones are sound.
+    Parameters
+    ----------
+    zones : sequence of Zone
+    violations : list of Violation
+        Violations of Coulomb's law in these zones.
+    load : Load
+
+    Returns
+    -------
+    list of Zone
+        New zones are added only if the present ones are sound.
     """
     if load.opened is not None:
         return _corrected_beside(load.opened.zone, zones, violations, load)
@@ -149,8 +166,9 @@ def corrected(zones: Sequence[Zone], violations: list[Violation], load: Load) ->
 def _corrected_beside(
     opening: Zone, zones: Sequence[Zone], violations: list[Violation], load: Load
 ) -> list[Zone]:
-    """The same where the contact is open: its closed parts are corrected as zones of their own."""
+    """Return corrected zones where the contact is open, treating its closed parts as zones."""
     parts: list[Zone] = []
+    # Index in `parts` of the first part of each zone.
     first = {}  # of the parts of each zone
     for index, zone in enumerate(zones):
         first[index] = len(parts)
@@ -161,7 +179,7 @@ def _corrected_beside(
 
 
 def _closed_parts(zone: Zone, opening: Zone) -> list[Zone]:
-    """The closed parts of a zone ahead of an opening and behind it."""
+    """Return the closed parts of a zone ahead of an opening and behind it."""
     parts = [replace(zone, right=opening.left, inward=0, held=False)]
     if opening.right is not None and not zone.held:
         parts.append(Zone(opening.right, zone.right, zone.last_sense))
@@ -169,7 +187,7 @@ def _closed_parts(zone: Zone, opening: Zone) -> list[Zone]:
 
 
 def _part_of(violation: Violation, parts: list[Zone], first: int) -> int:
-    """The closed part that a violation in a zone lies in, from the first part of that zone on."""
+    """Return the closed part that contains a violation of a zone; -1 for a violation in stick."""
     if first < 0:
         return -1
     right = parts[first].right
@@ -179,7 +197,7 @@ def _part_of(violation: Violation, parts: list[Zone], first: int) -> int:
 
 
 def _joined_across(parts: list[Zone], opening: Zone) -> list[Zone]:
-    """Zones of closed parts: those that reach the opening from either side are one with it."""
+    """Return zones from closed parts, joining those that reach the opening from either side."""
     ahead, closing = opening.left, opening.right
     assert ahead is not None
     before = [one for one in parts if one.left is None or one.left.first_below(ahead)]
@@ -187,6 +205,8 @@ def _joined_across(parts: list[Zone], opening: Zone) -> list[Zone]:
     last = before[-1] if before else None
     if last is not None and last.right is not None and last.right.first_below(ahead):
         last = None
+    # Slip always extends further than the opening at its outer edge, because the strength falls to
+    # zero there and the traction does not. If no part reaches the opening, a narrow zone is added.
     if last is None:
         sense = -before[-1].sense if before else (behind[0].sense if behind else 1)
         start = ahead.parts - tuning.NEAR_OPENING / 2 * ahead.v
@@ -203,8 +223,10 @@ def _joined_across(parts: list[Zone], opening: Zone) -> list[Zone]:
 
 
 def _begins_at(closing: CutPoints, behind: Zone) -> bool:
-    """Whether slip behind an opening begins where that closes: next to it, or as near as nodes
-    show that slips a little further in."""
+    """Return whether slip behind an opening begins where the opening closes.
+
+    It may lie slightly further in, because nodes represent it that way.
+    """
     if behind.left is None:
         return False
     least = tuning.AT_OPENING * float(closing.v[0])
@@ -214,8 +236,9 @@ def _begins_at(closing: CutPoints, behind: Zone) -> bool:
 
 
 def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> list[Zone]:
-    """Zones cut where they slip against their sense: at one end, or in two."""
+    """Return zones cut where they slip against their sense: at one end, or in two."""
     result = list(zones)
+    # From the contact edge outward, so that the indices of zones still to be cut stay valid.
     for one in reversed(sorted(violations, key=lambda one: float(one.left.v[0]))):
         zone = result[one.zone]
         to_end = one.touches_right or _reaches(one.right, zone.right)
@@ -233,21 +256,22 @@ def _without_wrong_slip(zones: Sequence[Zone], violations: list[Violation]) -> l
 
 
 def _reaches(outward: CutPoints | None, inward: CutPoints | None) -> bool:
-    """Whether the first of two points comes up to the other: between nodes rounding decides."""
+    """Return whether the first of two points comes up to the other; between nodes rounding
+    decides."""
     return outward is not None and inward is not None and not outward.first_below(inward)
 
 
 def _with_missing_slip(
     zones: list[Zone], violations: list[Violation], load: Load, sound: bool
 ) -> list[Zone]:
-    """Zones widened to where traction exceeds friction beside them, and new ones elsewhere if the
-    present ones are sound.
+    """Return zones widened where traction exceeds friction beside them, and new ones elsewhere.
 
-    With a critical base the first one starts at the longitudinal front if it slips as the base
-    would.
+    New ones are added only if the present ones are sound. If the base is critical, the first one
+    starts at the longitudinal front if it slips in the direction of the base.
     """
     result = list(zones)
     for one in violations:
+        # Index of the first zone inward of the violation.
         after = sum(zone.left is None or bool(zone.left.v < one.left.v) for zone in result)
         if one.touches_right and after < len(result) and result[after].sense == one.sense:
             result[after] = replace(result[after], left=one.left)

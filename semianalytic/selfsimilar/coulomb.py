@@ -1,9 +1,9 @@
-"""Coulomb's inequalities on solved zones: where they fail, at the nodes of a rule and between them.
+"""Find where solved zones violate Coulomb's inequalities, at the nodes of a rule and between them.
 
-Between nodes a narrow zone may hide.  What the law forbids is followed there as one number:
-traction over friction where the interface sticks, slip rate against the sense of its zone where it
-slips.  Where a parabola through three nodes comes near to what is allowed, the number is evaluated
-more and more closely around its peak.
+A narrow violation may lie between nodes. One number measures it there: traction over friction where
+the interface sticks, slip rate against the sense of its zone where it slips. If a parabola through
+three nodes comes close to the limit, the number is evaluated at ever closer points around its peak.
+See docs/solver.md, "Which zones".
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ _APART = (False, False)
 
 @dataclass(frozen=True)
 class Violation:
-    """An interval of slowness where Coulomb's law fails, in a slip zone or (zone -1) in stick.
+    """Interval of slowness in which Coulomb's law fails, in a slip zone or, with zone -1, in stick.
 
-    right None: up to the contact edge.
+    `right` is None if the interval extends to the contact edge. The last two attributes say whether
+    it touches the ends of its zone or stretch of stick.
     """
 
     zone: int
@@ -37,22 +38,26 @@ class Violation:
 
 
 def largest_excess(profile: Profile) -> Array:
-    """Largest traction over friction on stick, as `violations` see it, 0 or more; () or (k,).
+    """Return the largest traction over friction on stick, as `violations` measure it; () or (k,).
 
-    Ahead of the shear front as much more as there slips more than elsewhere: by the impedance.
+    Ahead of the shear front it is divided by the impedance, because slip responds more strongly
+    there than elsewhere.
     """
     panels, layout = profile.panels, profile.panels.layout
     excess = profile.wrong_at_nodes[layout.stick]
     ahead = layout.stick_ahead
     real, imag = profile.fields.factors.impedance_ahead(panels.at[ahead])
+    # The bound from below keeps an impedance near zero from making any rounding count.
     impedance = tuning.SLIP_PER_EXCESS * np.hypot(real, imag)
     excess[: len(ahead)] /= np.clip(impedance, tuning.LEAST_IMPEDANCE, 1.0)
     return np.asarray(excess.max(axis=(0, -1), initial=0.0))
 
 
 def _misses(profile: Profile, tolerance: float) -> Array:
-    """(p, ..., n): at the nodes, the sense in which Coulomb's law is missed: of V in a zone, of the
-    traction where it sticks; 0 where it is kept."""
+    """Return the sense in which Coulomb's law is violated at the nodes, (p, ..., n); 0 elsewhere.
+
+    It is the sense of V in a zone and of the traction in stick.
+    """
     stick, wrong = profile.panels.layout.stick, profile.wrong_at_nodes
     misses = np.sign(profile.slip_rate_at_nodes) * (wrong > tolerance)
     misses[stick] = np.sign(profile.traction_at_nodes[stick]) * (wrong[stick] > tolerance)
@@ -60,29 +65,33 @@ def _misses(profile: Profile, tolerance: float) -> Array:
 
 
 def admissible(profile: Profile, tolerance: float) -> np.ndarray:
-    """Whether Coulomb's law holds for sets of zones, (k,): whether there are no `violations`.
+    """Return whether Coulomb's law holds for each of k sets of zones, (k,), without `violations`.
 
-    Nor may a stick gap around c_R be narrower than those that are left out.
+    A stick gap around c_R must also be wider than the gaps that are left out.
     """
     panels = profile.panels
     sound = np.asarray(~_misses(profile, tolerance).any(axis=(0, -1)))
     for inward, outward in zip(profile.fields.zones[1:], profile.fields.zones[:-1], strict=True):
         if inward.left is not None and outward.right is not None:
             width = inward.left.minus(outward.right)[..., 0]
+            # The minimum width does not apply to gaps that end ahead of c_R.
             sound &= (width > 4 * tuning.NARROWEST_GAP) | (inward.left.from_c.flat[0] < 0)
     if not profile.edge_slips:
         sound &= excess_intensity(profile) <= _intensity_tolerance(profile, tolerance)
     if (pole := panels.layout.pole) >= 0:
+        # V = A + r ln|v - c| reverses beside c if r has the sign of the zone (docs/theory.md,
+        # "Where the edges are").
         reverses = panels.sense[pole] * profile.residues(pole) > 0
         if reverses.any() and not panels.layout.open[pole]:
             sound &= ~reverses | (reversal_at_rayleigh_front(profile, pole) <= tuning.NARROWEST_GAP)
+    # Only doubtful sets need the closer look between nodes, which works on one set at a time.
     for j in np.flatnonzero(sound & doubtful(profile).any(axis=(0, -1))):
         sound[j] = not hidden(_one_of(profile, int(j)), tolerance)
     return sound
 
 
 def _one_of(profile: Profile, j: int) -> Profile:
-    """The profile of one of k sets of zones."""
+    """Return the profile of one of k sets of zones."""
     fields, load = profile.fields, profile.fields.load
 
     def edge(points: CutPoints | None) -> CutPoints | None:
@@ -96,12 +105,23 @@ def _one_of(profile: Profile, j: int) -> Profile:
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # answered by None
 def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
-    """Where the slip rate of one set of zones has the wrong sign or the traction exceeds friction.
+    """Return where Coulomb's law fails for one set of zones; None if the fields are not numbers.
 
-    None where the fields are not numbers, as in zones that have shrunk to nothing.
+    Either the slip rate has the wrong sign or the traction exceeds friction. Fields are not numbers
+    in zones that have shrunk to nothing.
 
-    tolerance is relative to the largest slip rate, and for tractions to strength plus the load,
-    in a narrow stick gap plus its share of the load.
+    Parameters
+    ----------
+    profile : Profile
+        One set of zones.
+    tolerance : float
+        Relative to the largest slip rate; for tractions, to strength plus load, and in a narrow
+        stick gap to strength plus its share of the load.
+
+    Returns
+    -------
+    list of Violation or None
+        Empty where the law holds.
     """
     if profile.fields.load.frictionless:
         return []  # free slip may have either sense
@@ -113,15 +133,19 @@ def violations(profile: Profile, tolerance: float) -> list[Violation] | None:
         broken += _at_nodes(profile, region, misses[region].ravel(), tolerance)
         broken += _at_contact_edge(profile, region, misses, tolerance)
         broken += _at_rayleigh_front(profile, region, misses)
+    # Between nodes only where the nodes show nothing: corrected zones are checked again anyway.
     return broken or _hidden_violations(profile, tolerance)
 
 
 def _at_nodes(
     profile: Profile, region: list[int], misses: Array, tolerance: float
 ) -> list[Violation]:
-    """Violations at the nodes of a zone or a stretch of stick, `misses` (m,) of them all in a row;
-    those two nodes apart are one.  What slips the wrong way, and hardly at all at the nodes before,
-    does so from the outer end of its zone on."""
+    """Return the violations at the nodes of a zone or a stretch of stick.
+
+    `misses` (m,) holds the senses at all these nodes in a row. Two violations that are two nodes
+    apart count as one. If a zone slips the wrong way, and hardly slips at all at the nodes before,
+    the violation begins at the outer end of the zone.
+    """
     wrong = misses != 0
     if not wrong.any():
         return []
@@ -132,10 +156,13 @@ def _at_nodes(
         wrong[:first] = np.all(profile.wrong_at_nodes[region].ravel()[:first] > -tolerance)
     zone = panels.layout.zone[region[0]] if sense else -1
     at = CutPoints(panels.at.parts[:, region].reshape(4, -1))
+    # Close a single sound node between two wrong ones.
     wrong[1:-1] |= wrong[:-2] & wrong[2:]
+    # Differences of 0 and 1 are nonzero where a run starts and just behind where it stops.
     bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
     for start, stop in zip(bounds[::2], bounds[1::2], strict=True):
         to_edge = bool(stop > last) and unbounded
+        # The interval extends to the neighbouring nodes, which are sound.
         left = at[[max(start - 1, 0)]]
         right = None if to_edge else at[[min(stop, last)]]
         touches = (bool(start == 0), bool(stop > last) and not unbounded)
@@ -146,9 +173,10 @@ def _at_nodes(
 def _at_contact_edge(
     profile: Profile, region: list[int], misses: Array, tolerance: float
 ) -> list[Violation]:
-    """A stuck contact edge that must slip, though at no node the traction shows it yet."""
+    """Return a stuck contact edge that must slip, though no node shows excess traction yet."""
     if profile.panels.sense[region[0]] or profile.panels.right[region[-1]] is not None:
         return []
+    # K_II > f K_I: sufficiently close to the edge the traction exceeds friction.
     excess = float(excess_intensity(profile))
     if misses[region[-1], ..., -1] or not excess > _intensity_tolerance(profile, tolerance):
         return []
@@ -159,8 +187,10 @@ def _at_contact_edge(
 
 
 def _first_edge_zone(profile: Profile, excess: float) -> CutPoints | None:
-    """Where slip at a stuck contact edge may begin: where traction exceeds strength, beyond all
-    nodes; None if that is nowhere in reach."""
+    """Return where slip at a stuck contact edge may begin, where traction exceeds strength.
+
+    This place lies beyond all nodes; None if it is too far away to be reached.
+    """
     factors, start = profile.fields.factors, float(profile.panels.left[-1].v[0])
     widest = 4 * min(excess, tuning.WIDEST_FIRST_EDGE_ZONE)
     at = factors.cut(np.geomspace(max(2 * start, 1 / widest), tuning.SLOWEST_EDGE, 400))
@@ -169,12 +199,13 @@ def _first_edge_zone(profile: Profile, excess: float) -> CutPoints | None:
 
 
 def _at_rayleigh_front(profile: Profile, region: list[int], misses: Array) -> list[Violation]:
-    """The strip around c in which the logarithm in V reverses slip, where no node shows it."""
+    """Return the strip around c in which the logarithm in V reverses slip, if no node shows it."""
     panels, pole = profile.panels, profile.panels.layout.pole
     sense = panels.sense[region[0]]
     if pole not in region or misses[region].any() or not sense * profile.residue(pole) > 0:
         return []
     width = float(reversal_at_rayleigh_front(profile, pole))
+    # A strip narrower than the narrowest gap is left out.
     if not width > tuning.NARROWEST_GAP:
         return []
     ends = profile.fields.factors.beside("c", [-width, width])
@@ -182,7 +213,7 @@ def _at_rayleigh_front(profile: Profile, region: list[int], misses: Array) -> li
 
 
 def _hidden_violations(profile: Profile, tolerance: float) -> list[Violation]:
-    """Violations between nodes, where there are none at them."""
+    """Return violations between nodes, for profiles without violations at nodes."""
     result, panels = [], profile.panels
     for one in hidden(profile, tolerance):
         sense, zone = panels.sense[one.panel], panels.layout.zone[one.panel]
@@ -194,12 +225,15 @@ def _hidden_violations(profile: Profile, tolerance: float) -> list[Violation]:
 
 
 def _intensity_tolerance(profile: Profile, tolerance: float) -> float:
+    # Without any zone the traction is exact, so that the tolerance may be that of rounding.
     return tolerance if profile.fields.zones else tuning.UNDRIVEN_EXCESS
 
 
 def excess_intensity(profile: Profile) -> Array:
-    """K_II / (f K_I) - 1, or with K_III, at a stuck contact edge, () or (k,); where positive, it
-    must slip."""
+    """Return K_II / (f K_I) - 1 (or with K_III) at a stuck contact edge, () or (k,).
+
+    The edge must slip where this is positive (docs/theory.md, "Stuck tractions").
+    """
     load, factors = profile.fields.load, profile.fields.factors
     strength = np.asarray(per_set(load.friction) * load.load_pressure)
     if profile.normal is not None:
@@ -213,18 +247,20 @@ def excess_intensity(profile: Profile) -> Array:
 
 
 def reversal_at_rayleigh_front(profile: Profile, panel: int) -> Array:
-    """Half-width in slowness of the strip around c where the logarithm in V reverses it.
+    """Return the half-width in slowness of the strip around c in which the logarithm reverses V.
 
-    () or (k,); meant where V falls towards c in the sense of its zone.
+    The result is () or (k,); it has a meaning where V falls towards c in the sense of its zone.
     """
     residue = profile.residues(panel)
     level = profile.starts[0][panel] + profile.rate_integral.level_at_c(panel)
+    # V = level + residue ln|v - c| vanishes there; the bounds keep the exponential within double
+    # precision.
     return np.exp(np.clip(-level / residue, -690.0, 690.0))
 
 
 @dataclass(frozen=True)
 class Hidden:
-    """An interval of slowness between nodes of a panel where Coulomb's law fails."""
+    """Interval of slowness between nodes of a panel in which Coulomb's law fails."""
 
     panel: int
     left: CutPoints
@@ -232,9 +268,11 @@ class Hidden:
 
 
 def doubtful(profile: Profile) -> np.ndarray:
-    """(p, ..., n - 2): inner nodes beside which the law may fail though it holds at all nodes."""
+    """Return the inner nodes (p, ..., n - 2) beside which the law may fail though it holds at
+    nodes."""
     value, y = profile.wrong_at_nodes, profile.panels.rule.y
     before, middle, after = value[..., :-2], value[..., 1:-1], value[..., 2:]
+    # The parabola through three nodes has its maximum at `top`.
     bend = 2 * middle - before - after
     top = middle + np.square(after - before) / (8 * np.where(bend > 0, bend, np.inf))
     result = (middle >= before) & (middle > after) & (top > -tuning.PARABOLA_ERROR)
@@ -245,11 +283,12 @@ def doubtful(profile: Profile) -> np.ndarray:
 
 
 def hidden(profile: Profile, tolerance: float) -> list[Hidden]:
-    """Where the law of one set of zones fails between nodes by more than a tolerance."""
+    """Return where the law of one set of zones fails between nodes by more than a tolerance."""
     panels, result = profile.panels, []
     steps = np.linspace(-1, 1, 2 * tuning.CLOSER_POINTS + 1)
     for panel, node in np.argwhere(doubtful(profile)):
         centre, step = panels.rule.y[node + 1], panels.rule.spacing
+        # Two rounds of closer points, each around the highest point of the one before.
         for _ in range(2):
             y = centre + step * steps
             value = profile.wrong(panel, panels.inside(panel, y))
@@ -258,6 +297,7 @@ def hidden(profile: Profile, tolerance: float) -> list[Hidden]:
         before, top, after = value[best - 1 : best + 2]
         bend = 2 * top - before - after
         if bend > 0 and (top := top + (after - before) ** 2 / (8 * bend)) > tolerance:
+            # The parabola falls to zero this far on either side of its peak.
             half = step * np.sqrt(2 * top / bend)
             ends = panels.inside(panel, centre + np.array([-half, half]))
             result.append(Hidden(int(panel), ends[[0]], ends[[1]]))

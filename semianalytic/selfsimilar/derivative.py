@@ -1,4 +1,4 @@
-"""How a solution changes with a parameter of its scene: everything on the interface."""
+"""Derivatives of a solution with respect to a parameter of its scene (docs/derivatives.md)."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ PARAMETERS = (
     "load_shear",
     "viscosity",
 )
-"""Of a scene, with respect to which there are derivatives."""
+"""Parameters of a scene with respect to which there are derivatives."""
 
 
 @dataclass(frozen=True)
 class ZoneDerivative:
-    """How fast the edges of a slip zone change with a parameter.
+    """Derivatives of the edge velocities of a slip zone with respect to a parameter.
 
     Attributes
     ----------
@@ -43,7 +43,19 @@ class ZoneDerivative:
         Derivatives of the velocities of its edges [length / time per unit of the parameter]; 0 at
         the contact edge and ahead of all waves.
     sense : int
-        That of the zone.
+        Sense of slip in the zone.
+
+    Examples
+    --------
+    The edge velocity c_t / ((1 - nu) (1 + chi_b)^2) has the derivative -0.375 with respect to
+    friction here:
+
+    >>> from semianalytic import Material, Scene, Tractions, solve
+    >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
+    >>> solution = solve(Scene(Material(1.0, 1.0, 1 / 3), 1.0, base, load))
+    >>> (zone,) = solution.derivative("friction").zones
+    >>> round(zone.outer, 6), zone.sense
+    (-0.375, 1)
     """
 
     inner: float
@@ -53,13 +65,22 @@ class ZoneDerivative:
 
 @dataclass(frozen=True)
 class OpenDerivative:
-    """How fast the edges of an opening change with a parameter.
+    """Derivatives of the edge velocities of an opening with respect to a parameter.
 
     Attributes
     ----------
     inner, outer : float
         Derivatives of the velocities of its edges [length / time per unit of the parameter]; 0 at
         the contact edge.
+
+    Examples
+    --------
+    >>> from semianalytic import Material, Scene, Tractions, solve
+    >>> base, load = Tractions(1.0, 0.0), Tractions(-1.0, 0.5)
+    >>> solution = solve(Scene(Material(1.0, 1.0, 1 / 3), 0.3, base, load))
+    >>> (opening,) = solution.derivative("base_pressure").openings
+    >>> round(opening.outer, 6)
+    -0.1875
     """
 
     inner: float
@@ -68,19 +89,21 @@ class OpenDerivative:
 
 @dataclass(frozen=True, eq=False)
 class Derivative:
-    """Derivatives of a solution with respect to one parameter of its scene, all else held.
+    """Derivatives of a solution with respect to one parameter of its scene, all others held.
 
     Fields broadcast over positions x > 0 [length] and times t [time], in units of the field per
-    unit of the parameter.  They belong to the other fields of the solution as it is: zones that
-    stay, edges that move.
+    unit of the parameter. They hold for the present set of zones, whose edges move.
 
     Attributes
     ----------
     scene : Scene
-    name : str, the parameter: one of "friction", "poisson_ratio", "base_pressure", "base_shear",
-        "load_pressure", "load_shear" and "viscosity"
-    zones : tuple of ZoneDerivative, from the contact edge outward, as `Solution.zones`
-    openings : tuple of OpenDerivative, likewise
+    name : str
+        The parameter: one of "friction", "poisson_ratio", "base_pressure", "base_shear",
+        "load_pressure", "load_shear" and "viscosity".
+    zones : tuple of ZoneDerivative
+        From the contact edge outward, like `Solution.zones`.
+    openings : tuple of OpenDerivative
+        From the contact edge outward, like `Solution.openings`.
     status : str
         "converged"; a sentence where zones are about to change, so that the derivative holds to
         one side only, or what to distrust in the solution.
@@ -89,7 +112,18 @@ class Derivative:
     stress : float
         Unit of stress of `varied`.
     surroundings : Surroundings
-        Of the zones of the solution.
+        Neighbouring sets of zones of the solution.
+
+    Examples
+    --------
+    >>> from semianalytic import Material, Scene, Tractions, solve
+    >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
+    >>> solution = solve(Scene(Material(1.0, 1.0, 1 / 3), 1.0, base, load))
+    >>> by_friction = solution.derivative("friction")
+    >>> by_friction.status
+    'converged'
+    >>> round(float(by_friction.slip_rate(0.2, 1.0)), 6)
+    -0.392153
     """
 
     scene: Scene
@@ -102,13 +136,13 @@ class Derivative:
 
     @cached_property
     def error_estimate(self) -> float:
-        """Of edges, slip rate, slip and tractions, for zones as they are.
+        """Error estimate of edges, slip rate, slip and tractions, for the present set of zones.
 
-        Relative to their largest derivative or, where that is less, to c_t and the largest values
-        of the fields over that of the parameter (over 1, or the unit of stress, where that is 0);
-        at points further than 0.03 c_t from zone edges and from wave fronts: nearer they are
-        infinite or nearly so.  It takes a second, coarser derivative, and is formed when it is
-        asked for.
+        It is relative to their largest derivative. If that is smaller, it is relative to c_t and
+        the largest values of the fields, over the value of the parameter (over 1, or the unit of
+        stress, if that is 0). It applies to points further than 0.03 c_t from zone edges and from
+        wave fronts, where derivatives are infinite or nearly so. It requires a second, coarser
+        derivative, which is computed on first access.
         """
         fine, profile = self.varied, self.varied.profile
         coarse = VariedProfile(
@@ -124,6 +158,8 @@ class Derivative:
         ]
         if profile.normal and fine.normal and coarse.normal:
             near, far, normal = fine.normal, coarse.normal, profile.normal
+            # In antiplane shear the panels have no nodes on either side of c_R, so that the gap is
+            # left out.
             if profile.fields.factors.has_rayleigh_wave:
                 compared.append((near.slip_rate(u), far.slip_rate(u), normal.slip_rate(u)))
             compared.append((near.traction(u), far.traction(u), normal.shear_change(u)))
@@ -133,7 +169,7 @@ class Derivative:
 
     @property
     def _size(self) -> float:
-        """The parameter in the units of `varied`; 1 if it is 0."""
+        """Value of the parameter in the units of `varied`; 1 if it is 0."""
         size = abs(parameter(self.scene, self.name))
         is_traction = self.name.startswith(("base_", "load_"))
         return (size / self.stress if is_traction else size) or 1.0
@@ -151,9 +187,11 @@ class Derivative:
         return 2 * self.stress / self.scene.material.shear_impedance
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Of the relative slip rate [length / time per unit of the parameter].
+        """Return the derivative of the relative slip rate [length / time per unit of the
+        parameter].
 
-        Plus or minus infinity at edges where the slip rate has a square root.
+        It is plus or minus infinity at edges where the slip rate has a square root
+        (docs/derivatives.md, "Fields").
 
         Raises
         ------
@@ -163,14 +201,18 @@ class Derivative:
         return self._rate_unit * self._evaluate(x, t, self.varied.slip_rate)
 
     def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Of the relative slip [length per unit of the parameter]; raises as `slip_rate`."""
+        """Return the derivative of the relative slip [length per unit of the parameter].
+
+        Raises what `slip_rate` raises.
+        """
         time = np.asarray(t, dtype=float)
         return self._rate_unit * time * self._evaluate(x, t, self.varied.slip_over_time)
 
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Of the total shear traction [stress per unit of the parameter]; raises as `slip_rate`.
+        """Return the derivative of the total shear traction [stress per unit of the parameter].
 
-        Plus or minus infinity at edges beside which it has a square root.
+        It is plus or minus infinity at edges beside which the traction has a square root. Raises
+        what `slip_rate` raises.
         """
         ahead = self._ahead("shear", t)
         held = self.varied.variation.rates.base_shear
@@ -178,21 +220,28 @@ class Derivative:
         return ahead + self.stress * change
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Of the contact pressure [stress per unit of the parameter]; raises as `slip_rate`."""
+        """Return the derivative of the contact pressure [stress per unit of the parameter].
+
+        Raises what `slip_rate` raises.
+        """
         ahead = self._ahead("pressure", t)
+        # The profile counts the base as in place; before t = 0 a remote load is not.
         held = self.varied.variation.rates.base_pressure
         change = self._evaluate(x, t, lambda u: self.varied.pressure(u) - held)
         return ahead + self.stress * change
 
     def _ahead(self, kind: str, t: ArrayLike) -> Array:
-        """Of a traction where no wave from the slot has come: before t = 0 only the base counts."""
+        """Return the derivative of a traction where no wave from the slot has arrived.
+
+        Before t = 0 only the base counts.
+        """
         moved = superposed_by(self.scene, self.name)
         before, after = self.name == f"base_{kind}", f"base_{kind}" in moved
         return np.where(np.asarray(t, dtype=float) < 0, float(before), float(after))
 
     @property
     def openings(self) -> tuple[OpenDerivative, ...]:
-        """Of where the contact is open, from the contact edge outward."""
+        """Derivatives of the open parts of the contact, from the contact edge outward."""
         opened = self.varied.profile.fields.load.opened
         if opened is None:
             return ()
@@ -201,21 +250,23 @@ class Derivative:
         return (OpenDerivative(inner, outer),)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Of the gap [length per unit of the parameter], 0 where closed.
+        """Return the derivative of the gap [length per unit of the parameter], 0 where closed.
 
         Raises
         ------
         SceneError
-            As `slip_rate`, and out of the plane, where the panels of shear have no nodes on either
-            side of the Rayleigh front: the gap is that of the same scene in the plane.
+            If a position is not positive, or x or t is not finite; and in antiplane shear, where
+            the panels have no nodes on either side of the Rayleigh front: the gap is that of the
+            same scene in plane strain.
         """
         time = np.asarray(t, dtype=float)
         return self._rate_unit * time * self._of_gap(x, t, VariedProfile.slip_over_time)
 
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Of its rate [length / time per unit of the parameter]; raises as `gap`.
+        """Return the derivative of the rate of the gap [length / time per unit of the parameter].
 
-        Plus or minus infinity at edges where the rate has a square root.
+        It is plus or minus infinity at edges where the rate has a square root. Raises what `gap`
+        raises.
         """
         return self._rate_unit * self._of_gap(x, t, VariedProfile.slip_rate)
 
@@ -240,13 +291,14 @@ class Derivative:
 
     @property
     def edge_slip_rate(self) -> float:
-        """Of the relative slip rate at the contact edge, x -> 0+ [length / time per unit]."""
+        """Derivative of the relative slip rate at the contact edge, x -> 0+ [length / time per
+        unit]."""
         return self._rate_unit * self.varied.edge_slip_rate
 
 
 @dataclass(frozen=True)
 class Known:
-    """Of a solution: its zones as (inner, outer, sense), and its status."""
+    """Zones of a solution as (inner, outer, sense), and its status."""
 
     zones: tuple[tuple[float, float, int], ...]
     status: str
@@ -259,8 +311,19 @@ def differentiated(
     known: Known,
     name: str,
 ) -> Derivative:
-    """Derivative of a solved scene: surroundings of its zones in a unit of stress, and what is
-    known of the solution.
+    """Return the derivative of a solved scene with respect to one of its parameters.
+
+    Parameters
+    ----------
+    scene : Scene
+    surroundings : Surroundings
+        Neighbouring sets of the zones of the solution.
+    stress : float
+        Unit of stress of the surroundings.
+    known : Known
+        Zones and status of the solution.
+    name : str
+        One of `PARAMETERS`.
 
     Raises
     ------
@@ -287,7 +350,7 @@ def differentiated(
 
 
 def parameter(scene: Scene, name: str) -> float:
-    """The value of one of `PARAMETERS` in a scene."""
+    """Return the value of one of `PARAMETERS` in a scene."""
     if name == "friction":
         return scene.friction
     if name == "poisson_ratio":
@@ -300,7 +363,7 @@ def parameter(scene: Scene, name: str) -> float:
 
 
 def _compared(profile: Profile) -> Array:
-    """Slownesses at which a derivative is compared: away from zone edges and wave fronts."""
+    """Return slownesses at which a derivative is compared, away from zone edges and wave fronts."""
     factors = profile.fields.factors
     marks = np.array([edge.v[0] for edge in _edges(profile)] + [factors.a, 1.0, factors.c])
     xi = np.geomspace(tuning.CLEAR_OF_EDGES, 1 / factors.a, tuning.COMPARED_POINTS)
@@ -308,7 +371,8 @@ def _compared(profile: Profile) -> Array:
 
 
 def _edges(profile: Profile) -> list[CutPoints]:
-    """Edges of the slip zones, from the longitudinal front inward, and of what is open."""
+    """Return the edges of the slip zones, from the longitudinal front inward, and of the
+    opening."""
     zones, opened = profile.fields.zones, profile.fields.load.opened
     if opened is not None:
         zones = (*zones, opened.zone)
@@ -316,24 +380,30 @@ def _edges(profile: Profile) -> list[CutPoints]:
 
 
 def _edges_moved(varied: VariedProfile) -> Array:
-    """(e,) derivatives of the velocities of these edges [c_t]."""
+    """Return the derivatives (e,) of the velocities of these edges [c_t]."""
     edges = _edges(varied.profile)
     return np.array([_moved(varied, edge) for edge in edges])
 
 
 def _moved(varied: VariedProfile, edge: CutPoints) -> float:
-    """Derivative of the velocity [c_t] of a zone edge or front at which a panel begins."""
+    """Return the derivative of the velocity [c_t] of a zone edge or front at which a panel
+    begins."""
+    # The velocity is 1 / v, so that d(1/v) = -dv / v^2.
     return float(-varied.moved(edge)[0] / edge.v[0] ** 2)
 
 
 def _share(one: Array, other: Array, least: float) -> float:
-    """Largest difference of derivatives over the largest of them, or what they count at least."""
+    """Return the largest difference of derivatives over the largest of them, or over a lower
+    bound."""
     away, size = np.abs(one - other).max(initial=0.0), np.abs(one).max(initial=0.0)
     return float(away / max(size, least)) if away else 0.0
 
 
 def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
-    """What a parameter changes of the load of a scene; of a base at friction while it sticks."""
+    """Return the change of the load with a parameter, and refuse what has no derivative.
+
+    For a base at friction it is that on the side on which the base sticks.
+    """
     load = profile.fields.load
     if name not in PARAMETERS:
         raise SceneError(f"derivative: name must be one of {', '.join(PARAMETERS)}, got {name!r}.")
@@ -368,7 +438,9 @@ def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
         return rates
     sense, far = profile.fields.zones[0].sense, load.far_slip_rate
     strength = rates.friction * load.base_pressure + load.friction * rates.base_pressure
+    # How fast the base moves relative to the friction limit, E in docs/derivatives.md.
     excess = float(rates.base_shear - sense * strength - rates.resistance * far)
+    # Slip far ahead balances it: excess = (1 + eta) dV(inf) in units of rho c_t.
     if far:
         return replace(rates, far_slip_rate=float(excess / (1 + (load.resistance or 0.0))))
     if excess and profile.fields.factors.mode == "III" and not load.load_pressure:
@@ -382,7 +454,7 @@ def _rates(scene: Scene, profile: Profile, stress: float, name: str) -> Rates:
 def _zones(
     scene: Scene, varied: VariedProfile, speeds: Sequence[tuple[float, float, int]]
 ) -> tuple[ZoneDerivative, ...]:
-    """How the edges of zones (inner, outer, sense) move, from the contact edge outward."""
+    """Return the derivatives of zones (inner, outer, sense), from the contact edge outward."""
     fields, unit = varied.profile.fields, scene.material.shear_speed
     speeds_of = [float(unit / edge.v[0]) for edge in _edges(varied.profile)]
     known = dict(zip(speeds_of, _edges_moved(varied).tolist(), strict=True))
@@ -391,6 +463,8 @@ def _zones(
         known |= {outer: 0.0 for _, outer, _ in speeds[-1:]}
     if scene.fastest_speed > unit:
         known[scene.fastest_speed] = _moved(varied, fields.factors.front_a)
+    # The strip that sticks behind the front has a width like the 2/3 power of the excess; under a
+    # step of pressure like its square.
     excess = varied.variation.rates.front_excess
     if excess and not fields.load.load_pressure:  # as the 2/3 power; under a step of pressure, 2
         known[scene.fastest_speed] = float(np.copysign(np.inf, excess * fields.zones[0].sense))

@@ -1,4 +1,4 @@
-"""Zone edges as unknowns, and Newton's method for them."""
+"""Zone edges as unknowns, and Newton's method for them (docs/theory.md, "Where the edges are")."""
 
 from __future__ import annotations
 
@@ -19,18 +19,24 @@ from semianalytic.selfsimilar import tuning
 
 @dataclass(frozen=True)
 class Edges:
-    """Which unknown is which zone edge.
+    """Assignment of unknowns to zone edges.
 
     Attributes
     ----------
     factors : RayleighFactors
-    kinds : tuple of Zone, from the longitudinal front inward, whatever their edges
-    open_ends : (bool, bool), whether the first zone starts ahead of all waves and whether the
-        last one reaches the contact edge
-    segments : tuple of int, per edge: 0 for (a, b), 1 for (b, c), 2 for (c, inf)
-    opening : Zone or None, where the contact is open: edges stay on their side of it
-    sides : tuple of int, per edge: -1 ahead of the opening, 1 behind it, 0 held at an end of it
-    held_at : tuple of float, the unknowns of edges that are held
+    kinds : tuple of Zone
+        Zones from the longitudinal front inward, without their edges.
+    open_ends : (bool, bool)
+        Whether the first zone starts ahead of all waves, and whether the last one reaches the
+        contact edge.
+    segments : tuple of int
+        Per edge: 0 for a slowness in (a, b), 1 for (b, c), 2 for (c, inf).
+    opening : Zone or None
+        Open part of the contact; edges stay on their side of it.
+    sides : tuple of int
+        Per edge: -1 ahead of the opening, 1 behind it, 0 held at an end of it.
+    held_at : tuple of float
+        Unknowns of the edges that are held.
     """
 
     factors: RayleighFactors
@@ -43,14 +49,17 @@ class Edges:
 
     @cached_property
     def _bounded(self) -> np.ndarray:
-        """Edges in bounded segments."""
+        """Indices of the edges in bounded segments."""
         return np.flatnonzero(np.array(self.segments) < 2)
 
     @cached_property
     def _segments(self) -> tuple[Array, Array, Array]:
-        """Per edge: the front its segment starts from less every front (4, e), the width of the
-        segment (1 beyond c), and 1 where it is bounded (0 beyond c); (..., k) in a family of k
-        Poisson ratios."""
+        """Front, width and kind of the segment of each edge.
+
+        The first array is the front at which the segment starts less every front (4, e), the second
+        the width of the segment (1 beyond c), the third 1 where it is bounded (0 beyond c); (...,
+        k) in a family of k Poisson ratios.
+        """
         a, c = per_set(self.factors.a), per_set(self.factors.c)
         fronts = np.zeros((4, *np.shape(a)))
         fronts[1], fronts[2], fronts[3] = a, 1.0, c
@@ -61,15 +70,16 @@ class Edges:
         return shift, width, bend
 
     def parts(self, unknowns: Array) -> Array:
-        """Slowness of the edges and their distances from a, b and c, as in `CutPoints`.
+        """Return the slowness of the edges and their distances from a, b and c, as in `CutPoints`.
 
-        The unknown is a logit in a bounded segment, a logarithm beyond c; that of an edge which
-        closes a stick gap within a segment counts from the edge that opens the gap, so that gaps
-        may be as narrow as they like.  (4, e) or (4, e, k) for `unknowns` (e,) or (e, k).
+        The unknown is a logit in a bounded segment and a logarithm beyond c. For an edge that
+        closes a stick gap within a segment it counts from the edge that opens the gap, so that gaps
+        may be arbitrarily narrow. The result is (4, e) or (4, e, k) for `unknowns` (e,) or (e, k).
         """
         shift, width, bend = self._segments
         axes = (..., *[None] * (unknowns.ndim - width.ndim))
         shift, width, bend = shift[axes], width[axes], bend[axes]
+        # With s = e^unknown the distance from the front is width s / (1 + s), or s beyond c.
         size = np.exp(unknowns)
         parts = np.asarray(shift + width * size / (1 + bend * size))
         for edge, (segment, behind_gap) in enumerate(zip(self.segments, self._gaps, strict=True)):
@@ -78,17 +88,20 @@ class Edges:
                 rest = np.abs(parts[_far_front(segment), edge - 1])
                 gap = rest * size[edge] / (1 + bend[edge] * size[edge])
                 parts[:, edge] = parts[:, edge - 1] + gap
+            # The distance from the far front is computed by itself: a difference would lose its
+            # digits.
             if segment < 2:
                 parts[2 + segment, edge] = -rest / (1 + size[edge])
         return parts
 
     @cached_property
     def _gaps(self) -> tuple[bool, ...]:
-        """Per edge, whether it closes a stick gap that lies within its segment."""
+        """Whether each edge closes a stick gap that lies within its segment."""
         return _closing_gaps(self.segments, self.open_ends[0])
 
     def points(self, unknowns: Array) -> list[CutPoints]:
-        """Edges in slowness; `unknowns` (e,) give points of shape (1,), (e, k) give (k, 1)."""
+        """Return the edges in slowness; `unknowns` (e,) give points of shape (1,), (e, k) give (k,
+        1)."""
         parts = self.parts(unknowns)[..., None]
         points = [CutPoints(parts[:, edge]) for edge in range(len(self.segments))]
         for edge, side in enumerate(self.sides):
@@ -97,13 +110,15 @@ class Edges:
         return points
 
     def _held_end(self, edge: int) -> CutPoints | None:
-        """The end of the opening at which an edge is held: its zone begins or ends there."""
+        """Return the end of the opening at which the zone of a held edge begins or ends."""
         assert self.opening is not None
+        # Edges alternate between beginnings and ends of zones, from a beginning unless the first
+        # zone has no left edge.
         begins = (edge % 2 == 0) != self.open_ends[0]
         return self.opening.left if begins else self.opening.right
 
     def zones(self, unknowns: Array) -> tuple[Zone, ...]:
-        """The zones of given unknowns."""
+        """Return the zones for given unknowns."""
         points: list[CutPoints | None] = list(self.points(unknowns))
         if self.open_ends[0]:
             points.insert(0, None)
@@ -115,9 +130,9 @@ class Edges:
         )
 
     def admits(self, unknowns: Array) -> np.ndarray:
-        """Whether edges keep their order, zones a width, and all stay off the ends of the cut.
+        """Return whether edges are in order, zones have a width, and none is at an end of the cut.
 
-        () or (k,).
+        The result is () or (k,).
         """
         near = np.abs(unknowns).max(axis=0) < tuning.FARTHEST
         opens = self.open_ends[0]
@@ -128,11 +143,11 @@ class Edges:
         return near & self._keeps_off_opening(np.where(near, unknowns, 0.0))
 
     def ordered(self, unknowns: Array) -> bool:
-        """Whether edges (e,) follow one another."""
+        """Return whether edges (e,) are in order."""
         return all(p.first_below(q) for p, q in pairwise(self.points(unknowns)))
 
     def _keeps_off_opening(self, unknowns: Array) -> Array | bool:
-        """Whether edges stay on their side of the opening, () or (k,)."""
+        """Return whether edges stay on their side of the opening, () or (k,)."""
         if self.opening is None:
             return True
         keeps = np.ones(unknowns.shape[1:], dtype=bool)
@@ -143,10 +158,10 @@ class Edges:
         return keeps
 
     def nudges(self, unknowns: Array) -> Array:
-        """Changes of the unknowns, (e,) or (e, k), that show how the mismatch depends on them.
+        """Return the changes of the unknowns, (e,) or (e, k), for differencing the mismatch.
 
-        A narrow stick gap is the difference of two distances from a front: a nudge has to change
-        it by more than their rounding.
+        A narrow stick gap is the difference of two distances from a front, so that a nudge must
+        change it by more than their rounding.
         """
         result = np.full(unknowns.shape, tuning.NUDGE)
         points = self.points(unknowns)
@@ -158,18 +173,20 @@ class Edges:
         return result
 
     def chosen(self, which: np.ndarray) -> Edges:
-        """Those of some of many sets of zones."""
+        """Return the edges for some of many sets of zones."""
         factors = self.factors.chosen(which)
         return self if factors is self.factors else replace(self, factors=factors)
 
     def mismatch(self, unknowns: Array, load: Load, rule: Rule) -> Array:
-        """What the edges leave unfulfilled, (e,) or (e, k) as `unknowns`."""
+        """Return the mismatch of the conditions at the edges, (e,) or (e, k) like `unknowns`."""
+        # Without the tail behind the last edge, which does not enter the conditions.
         return self.left_by(
             ZoneFields(self.factors, load, self.zones(unknowns), rule, False), unknowns
         )
 
     def left_by(self, fields: ZoneFields, unknowns: Array) -> Array:
-        """The same of fields of these edges; that of a held one is how far it is off."""
+        """Return the mismatch of fields with these edges; for a held edge, its distance from its
+        place."""
         result = fields.mismatch()
         if result.ndim < unknowns.ndim:  # no edge is free
             result = np.repeat(result[:, None], unknowns.shape[1], axis=1)
@@ -182,7 +199,7 @@ class Edges:
 def edges_of(
     factors: RayleighFactors, zones: Sequence[Zone], opening: Zone | None = None
 ) -> tuple[Edges, Array]:
-    """Edges and unknowns of given zones, from the longitudinal front inward."""
+    """Return the edges and unknowns of given zones, from the longitudinal front inward."""
     points = [p for zone in zones for p in (zone.left, zone.right) if p is not None]
     open_ends = (bool(zones) and zones[0].left is None, bool(zones) and zones[-1].right is None)
     segments = tuple(int(p.parts[3, 0] > 0) + int(p.parts[2, 0] > 0) for p in points)
@@ -192,6 +209,7 @@ def edges_of(
         start, end = p.parts[1 + segment], p.parts[_far_front(segment)]
         if behind_gap:
             start = p.minus(points[edge - 1])
+        # The inverse of the map in `Edges.parts`.
         size = start / -end if segment < 2 else start
         if behind_gap and segment == 2:
             size = start / points[edge - 1].from_c
@@ -205,7 +223,7 @@ def edges_of(
 
 
 def _side(point: CutPoints, opening: Zone) -> int:
-    """-1 ahead of where the contact opens, 1 behind, 0 at an end of the opening itself."""
+    """Return -1 ahead of the opening, 1 behind it, and 0 at one of its ends."""
     assert opening.left is not None
     if point is opening.left or point is opening.right:
         return 0
@@ -213,12 +231,12 @@ def _side(point: CutPoints, opening: Zone) -> int:
 
 
 def _far_front(segment: int) -> int:
-    """The front, as a part of `CutPoints`, that bounds a segment inward, or c beyond it."""
+    """Return the front, as a part of `CutPoints`, that bounds a segment inward, or c beyond it."""
     return min(2 + segment, 3)
 
 
 def _closing_gaps(segments: Sequence[int], opens: bool) -> tuple[bool, ...]:
-    """Per edge, whether it closes a stick gap that lies within its segment.
+    """Return for each edge whether it closes a stick gap that lies within its segment.
 
     `opens`: the first zone starts ahead of all waves, so that the first edge ends it.
     """
@@ -229,33 +247,39 @@ def _closing_gaps(segments: Sequence[int], opens: bool) -> tuple[bool, ...]:
 
 
 def moves(inverse: Array, values: Array) -> Array:
-    """Products of (e, e) or (k, e, e) matrices and (e,) or (e, k) vectors."""
+    """Return products of (e, e) or (k, e, e) matrices and (e,) or (e, k) vectors."""
     return (inverse @ values.T[..., None])[..., 0].T
 
 
 def broyden(inverse: Array, move: Array, change: Array) -> Array:
-    """Inverse Jacobians (e, e) or (k, e, e) after moves (e,) or (e, k) that changed the mismatch by
-    as much as `change`."""
+    """Update inverse Jacobians (e, e) or (k, e, e) by Broyden's formula.
+
+    The moves (e,) or (e, k) have changed the mismatch by `change`.
+    """
     image = moves(inverse, change)
     denominator = (move * image).sum(axis=0)
+    # Sherman-Morrison form; a move of zero leaves the matrix as it is.
     rows = moves(np.swapaxes(inverse, -1, -2), move) / np.where(denominator, denominator, np.inf)
     return np.asarray(inverse + (move - image).T[..., :, None] * rows.T[..., None, :])
 
 
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")  # edges moved onto a front
 def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
-    """Largest shift of edges over the lesser of themselves and c_t, () or (k,).
+    """Return the largest shift of edges over the lesser of themselves and c_t, () or (k,).
 
-    Of those slower than c_t at least a tenth of what the logarithms of their distances from c
-    change: the slip rate beside a narrow stick gap follows that of its width.  Of those faster at
-    least what the roots of their distances from the longitudinal front change: pressure falls like
-    that root behind it, and so does what a strip that sticks there keeps of it.
+    For edges slower than c_t it counts at least a tenth of the change of the logarithm of their
+    distance from c: the slip rate beside a narrow stick gap follows that of the width of the gap.
+    For faster edges it counts at least the change of the square root of their distance from the
+    longitudinal front: the pressure falls like that root behind the front, and so does the stress
+    that a stuck strip holds there.
 
     Parameters
     ----------
     unknowns, moved : (e,) or (e, k) arrays
     """
     before, after = edges.parts(unknowns), edges.parts(moved)
+    # The first factor is the relative change of the velocity 1/v; times max(1, 1/v) it is the
+    # change over the lesser of the velocity and c_t = 1.
     shifts = np.abs(before[0] / after[0] - 1) * np.maximum(1.0, 1 / before[0])
     scales = np.abs(np.log(after[3] / before[3]))
     faster = np.flatnonzero(np.array(edges.segments) == 0)
@@ -268,15 +292,17 @@ def edge_shift(edges: Edges, unknowns: Array, moved: Array) -> Array:
 
 @dataclass(frozen=True)
 class Placement:
-    """Where Newton's method has put the edges of zones.
+    """Positions at which Newton's method has put the edges of zones.
 
     Attributes
     ----------
     edges : Edges
     unknowns : (e,) array
-    inverse : (e, e) array, inverse Jacobian of the mismatch
+    inverse : (e, e) array
+        Inverse Jacobian of the mismatch.
     converged : bool
-    steps : int, taken
+    steps : int
+        Number of steps that were taken.
     """
 
     edges: Edges
@@ -287,12 +313,12 @@ class Placement:
 
     @property
     def zones(self) -> tuple[Zone, ...]:
-        """The zones between these edges, from the longitudinal front inward."""
+        """Zones between these edges, from the longitudinal front inward."""
         return self.edges.zones(self.unknowns)
 
 
 def placement_of(factors: RayleighFactors, zones: Sequence[Zone], load: Load) -> Placement:
-    """Zones as they are, before any step."""
+    """Return the placement of zones before any step."""
     edges, unknowns = edges_of(factors, zones, load.opened.zone if load.opened else None)
     return Placement(edges, unknowns, np.zeros((len(unknowns), len(unknowns))))
 
@@ -305,10 +331,25 @@ def locate_edges(
     tolerance: float,
     most_steps: int = tuning.MOST_NEWTON_STEPS,
 ) -> Placement:
-    """Newton's method for the edges, damped by natural monotonicity, until the next move would
-    shift them by less than a tolerance [c_t].
+    """Locate the edges of zones by Newton's method, damped by natural monotonicity.
 
-    The Jacobian is formed from neighbouring sets of zones in one sweep with the first set.
+    The Jacobian is formed from neighbouring sets of zones in one sweep with the zones themselves
+    (docs/solver.md, "Which zones").
+
+    Parameters
+    ----------
+    zones : sequence of Zone
+        The guess, from the longitudinal front inward.
+    rule : Rule
+        Quadrature rule of the mismatch.
+    tolerance : float
+        The steps end once the next one would shift the edges by less than this [c_t].
+    most_steps : int
+
+    Returns
+    -------
+    Placement
+        With `converged` False if zones overlap, the Jacobian is singular or steps fail.
     """
     start = placement_of(factors, zones, load)
     edges, unknowns, inverse = start.edges, start.unknowns, start.inverse
@@ -328,6 +369,8 @@ def locate_edges(
             break
         last = _moved(unknowns, move, rooted)
         # the next move is smaller by a factor of this one
+        # Newton's method converges quadratically, so that the error after this move is about its
+        # square.
         if largest < 1 and largest * edge_shift(edges, unknowns, last) < 2 * tolerance:
             if not edges.admits(last):
                 return Placement(edges, unknowns, inverse, False, step)
@@ -341,10 +384,10 @@ def locate_edges(
 
 
 def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[Array, Array]:
-    """Mismatch (e,) and its Jacobian (e, e) at unknowns (e,).
+    """Return the mismatch (e,) and its Jacobian (e, e) at unknowns (e,).
 
-    Nudges that do not show above rounding, as of an edge next to a front, where the mismatch
-    follows the root of their distance or its cube, are made larger until they do.
+    Nudges whose effect is below rounding are enlarged until it shows. This happens for an edge next
+    to a front, where the mismatch follows the square root of their distance or its cube.
     """
     nudges = edges.nudges(unknowns)
     while True:
@@ -359,8 +402,12 @@ def linearised(edges: Edges, unknowns: Array, load: Load, rule: Rule) -> tuple[A
 
 
 def _rooted(edges: Edges, unknowns: Array, load: Load) -> np.ndarray:
-    """(e,) edges so close to the longitudinal front that the mismatch follows the root of their
-    distance from it: behind the front pressure falls like that, and traction like its cube."""
+    """Return which edges (e,) are so close to the longitudinal front that the mismatch follows a
+    root.
+
+    Behind the front the pressure falls like the root of the distance, and the traction rises like
+    its cube.
+    """
     if not load.load_pressure:
         return np.zeros(len(unknowns), dtype=bool)
     near = edges.parts(unknowns)[1] < tuning.NEAR_ROOT
@@ -368,30 +415,39 @@ def _rooted(edges: Edges, unknowns: Array, load: Load) -> np.ndarray:
 
 
 def _moved(unknowns: Array, move: Array, rooted: np.ndarray) -> Array:
-    """Unknowns after a move by a linear model: of some edges in the root of their distance from a
-    front, of which the unknown is twice the logarithm."""
+    """Return unknowns after a move by a linear model.
+
+    For `rooted` edges the model is linear in the root of their distance from the front; the unknown
+    is twice the logarithm of this root.
+    """
     moved = unknowns + move
+    # The root must remain positive, so that its relative decrease is bounded.
     bend = np.maximum(move[rooted] / 2, tuning.SHORTEST_ROOT - 1)
     moved[rooted] = unknowns[rooted] + 2 * np.log1p(bend)
     return moved
 
 
 def _scale_of_roots(unknowns: Array, moved: Array, rooted: np.ndarray) -> Array:
-    """(e,) by how much an unknown changes more with the mismatch at its new place."""
+    """Return (e,) the ratio by which an unknown changes faster with the mismatch at its new
+    place."""
+    # d(unknown) = 2 d(root) / root, and the root changes by exp((moved - unknowns) / 2).
     return np.where(rooted, np.exp((unknowns - moved) / 2), 1.0)
 
 
 def _damped(
     edges: Edges, unknowns: Array, move: Array, inverse: Array, load: Load, rule: Rule
 ) -> Array | None:
-    """Unknowns after a move, or a fraction of it, that keeps edges in order and, if it is long,
-    leads to a shorter one; None if there is none."""
+    """Return unknowns after a move or a fraction of it; None if no fraction is accepted.
+
+    The edges must stay in order, and a long move must lead to a shorter one.
+    """
     largest, rooted = float(np.abs(move).max()), _rooted(edges, unknowns, load)
     cautious = largest > tuning.CAUTIOUS_MOVE
     longest = float(np.abs(move[~rooted]).max(initial=0.0))
     move = move * min(1.0, tuning.LONGEST_MOVE / longest if longest else 1.0)
     for _ in range(tuning.MOST_HALVINGS):
         trial = _moved(unknowns, move, rooted)
+        # Natural monotonicity: the next move, with the present inverse, must not be longer.
         if edges.admits(trial) and not (
             cautious and np.abs(inverse @ edges.mismatch(trial, load, rule)).max() > largest
         ):
@@ -403,11 +459,16 @@ def _damped(
 def polish_edges(
     placement: Placement, fields: ZoneFields, rule: Rule, target: float
 ) -> tuple[Placement, ZoneFields, float]:
-    """Broyden steps on a rule, until the next would shift edges by less than a target [c_t].
+    """Improve edges by Broyden steps on a rule.
 
     Parameters
     ----------
-    fields : ZoneFields of the placement, on whatever rule
+    placement : Placement
+    fields : ZoneFields
+        Fields of the placement, on any rule.
+    rule : Rule
+    target : float
+        The steps end once the next one would shift the edges by less than this [c_t].
 
     Returns
     -------
@@ -425,6 +486,8 @@ def polish_edges(
             inverse = broyden(inverse, move, value - before)
         move, rooted = -inverse @ value, _rooted(edges, unknowns, load)
         moved = _moved(unknowns, move, rooted)
+        # The first mismatch may come from another rule; its step only brings the fields to this
+        # one, and Broyden's update needs two values of the same rule.
         if fields.rule is rule:
             before, shift = value, float(edge_shift(edges, unknowns, moved))
         settled = shift <= target or steps == tuning.MOST_BROYDEN_STEPS

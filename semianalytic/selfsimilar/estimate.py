@@ -1,4 +1,7 @@
-"""How far a solution may be off: two rules compared, shifts that are left, slip that is missed."""
+"""Estimate the error of a solution: two rules compared, remaining shifts, and missed slip.
+
+See docs/solver.md, "Accuracy and cost".
+"""
 
 from __future__ import annotations
 
@@ -15,20 +18,23 @@ from semianalytic.selfsimilar.edges import Edges, Placement, edge_shift, moves
 
 
 def loose_tolerance(rtol: float) -> float:
-    """Tolerance of the rule on which zones are looked for."""
+    """Return the tolerance of the rule on which zones are searched for."""
     return max(rtol / tuning.RULE_SHARE, tuning.LOOSEST_RULE)
 
 
 def narrowness(edges: Edges, unknowns: Array) -> float:
-    """Shift that may be left of edges over that of most zones: where slip ahead of an opening is
-    narrow its edge is to be known over that width."""
+    """Return the factor by which the remaining shift of edges must be smaller than for most zones.
+
+    Where slip ahead of an opening is narrow, its edge must be accurate relative to that width.
+    """
     if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
         return 1.0
     return min(1.0, tuning.LEFT_AHEAD * float(_width_ahead(edges, unknowns)))
 
 
 def _width_ahead(edges: Edges, unknowns: Array) -> Array:
-    """Width in slowness of slip from its edge to the opening it begins ahead of, () or (k,)."""
+    """Return the width in slowness from the edge of slip to the opening it begins ahead of, () or
+    (k,)."""
     assert edges.opening is not None
     assert edges.opening.left is not None
     point = edges.points(unknowns)[_edge_ahead(edges)]
@@ -36,35 +42,46 @@ def _width_ahead(edges: Edges, unknowns: Array) -> Array:
 
 
 def _edge_ahead(edges: Edges) -> int:
-    """The last edge ahead of an opening."""
+    """Return the index of the last edge ahead of an opening."""
     return len(edges.sides) - 1 - edges.sides[::-1].index(-1)
 
 
 def numerical_error(
     placement: Placement, fields: ZoneFields, tolerance: float, left: float
 ) -> float:
-    """Error estimate of placed edges and their fields on the rule of a tolerance, without slip
-    that is missed; `left` is the shift that another step would bring.
+    """Return the error estimate of placed edges and their fields, without slip that is missed.
 
-    From a coarser companion: fields of the same zones, and edges moved to where it wants them.
+    The coarser companion has the fields of the same zones on a coarser rule, and edges moved to
+    where that rule wants them.
+
+    Parameters
+    ----------
+    placement : Placement
+    fields : ZoneFields
+        Fields of the placement on the rule of the tolerance.
+    tolerance : float
+    left : float
+        Shift that another step would cause.
     """
     rule = rule_for(tuning.COARSER_COMPANION * tolerance)
     coarse = ZoneFields(fields.factors, fields.load, fields.zones, rule)
     unknowns = moved = placement.unknowns
     if len(unknowns):
+        # The edges that the coarse rule requires, to first order.
         moved = unknowns - moves(placement.inverse, placement.edges.left_by(coarse, unknowns))
     error = float(difference(placement.edges, unknowns, moved, fields, coarse))
     return error + tuning.LEFT_SAFETY * tuning.SAFETY * left
 
 
 def missed_slip(profile: Profile) -> Array:
-    """About how much slip is missed, over the largest slip rate, where traction exceeds friction by
-    no more than is tolerated; () or (k,).
+    """Return about how much slip is missed, over the largest slip rate; () or (k,).
 
-    What edges leave unfulfilled shows as traction beside them; it is counted with their shift.
+    Slip that is missed appears as traction that exceeds friction within the tolerance. The mismatch
+    of the edges appears as traction beside them too; it is counted with their shift.
     """
     largest = profile.largest_rate
     mismatch = np.abs(profile.fields.mismatch()).max(axis=0, initial=0.0)
+    # Excess that rounding or the edges explain is not slip that is missed.
     known = tuning.TRACTION_ROUNDING + mismatch
     excess = np.maximum(largest_excess(profile) - known, 0.0)
     return tuning.SLIP_PER_EXCESS * excess / np.where(largest > 0, largest, np.inf)
@@ -73,22 +90,26 @@ def missed_slip(profile: Profile) -> Array:
 def difference(
     edges: Edges, unknowns: Array, moved: Array, fine: ZoneFields, coarse: ZoneFields
 ) -> Array:
-    """Error estimate from the difference of two rules, () or (k,).
+    """Return the error estimate from the difference of two rules, () or (k,).
 
-    Of edges over the lesser of themselves and c_t, and of slip rates over the largest, which move
-    with them: compared in the middle and at the end of every panel, by their residues, and by the
-    widths of zones; and of stress intensity.  Against a resistance also over the largest off the
-    contact edge, but there.
+    It compares edges, relative to the lesser of themselves and c_t; slip rates in the middle and at
+    the end of every panel, residues, and widths of zones, relative to the largest slip rate; and
+    stress intensity. Under a resistance, slip rates away from the
+    contact edge are also compared with the largest of these alone.
 
     Parameters
     ----------
-    unknowns, moved : (e,) or (e, k) arrays, edges that are right on the fine and the coarse rule
-    fine, coarse : ZoneFields of the same zones on two rules
+    edges : Edges
+    unknowns, moved : (e,) or (e, k) arrays
+        Edges that are right on the fine and on the coarse rule.
+    fine, coarse : ZoneFields
+        Fields of the same zones on two rules.
     """
     compared, scale, peaks, inner = [], np.ones(()), np.zeros(()), np.ones(())
     for fields in (coarse, fine):
         rate = fields.rate_integral()
         halves = rate.halves
+        # V at the right end of each panel, and below in its middle.
         ends = np.cumsum(rate.totals, axis=0) + per_set(fields.load.far_slip_rate)
         middles = np.abs(ends - rate.totals + halves)
         peaks = np.maximum(np.abs(ends), middles)
@@ -103,6 +124,7 @@ def difference(
         rates = np.maximum(rates, change[:-1].max(axis=0) / np.where(inner > 0, inner, scale))
     covers_c = fine.layout.pole >= 0
     share = tuning.BETWEEN_NODES_AT_POLE if covers_c else tuning.BETWEEN_NODES
+    # The third part of the estimate: points between nodes.
     least = share * fine.rule.tolerance
     if len(unknowns):
         by_width = _share_of_width(edges, unknowns, moved, fine, peaks) / scale
@@ -113,8 +135,11 @@ def difference(
 
 
 def _share_of_intensity(fine: ZoneFields, coarse: ZoneFields) -> Array:
-    """How much two rules differ in the stress intensity at a stuck contact edge, over itself and a
-    little of what friction holds there, () or (k,)."""
+    """Return the difference of stress intensity between two rules at a stuck contact edge, () or
+    (k,).
+
+    It is relative to the intensity plus a small part of what friction holds there.
+    """
     if fine.layout.sense[-1]:
         return np.zeros(())
     known, other = fine.stick_transform_at_edge, coarse.stick_transform_at_edge
@@ -123,8 +148,11 @@ def _share_of_intensity(fine: ZoneFields, coarse: ZoneFields) -> Array:
 
 
 def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:
-    """How much of what friction takes ahead of an opening changes with the edge of that slip, ()
-    or (k,): pressure and slip rate rise with the distance from it."""
+    """Return the relative change of frictional work ahead of an opening with the edge of slip
+    there.
+
+    Pressure and slip rate rise with the distance from that edge; () or (k,).
+    """
     worst = np.zeros(unknowns.shape[1:])
     if edges.opening is None or edges.opening.left is None or -1 not in edges.sides:
         return worst
@@ -134,8 +162,11 @@ def _share_beside_opening(edges: Edges, unknowns: Array, moved: Array) -> Array:
 
 
 def shift_error(edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields) -> Array:
-    """What a shift of edges alone changes, over the lesser of themselves and c_t, and of slip rates
-    over the largest, () or (k,); `fields` are those of either."""
+    """Return the change of edges and slip rates by a shift of edges alone, () or (k,).
+
+    Edges count relative to the lesser of themselves and c_t, slip rates relative to the largest;
+    `fields` are those before or after the shift.
+    """
     rate = fields.rate_integral()
     ends = np.cumsum(rate.totals, axis=0) + per_set(fields.load.far_slip_rate)
     peaks = np.maximum(np.abs(ends), np.abs(ends - rate.totals + rate.halves))
@@ -149,7 +180,7 @@ def shift_error(edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields)
 def _share_of_width(
     edges: Edges, unknowns: Array, moved: Array, fields: ZoneFields, peaks: Array
 ) -> Array:
-    """How much slip rates change with the width of zones that end on both sides, () or (k,).
+    """Return the change of slip rates with the width of zones that end on both sides, () or (k,).
 
     `peaks` (p, ...) are the largest slip rates in panels.
     """
@@ -160,6 +191,7 @@ def _share_of_width(
         ends = (zone.left is not None) + (zone.right is not None)
         if ends == 2:
             here = slipping & (np.array(fields.layout.zone) == index)
+            # Twice the relative change of the width.
             share = 2 * (change[edge] + change[edge + 1]) / (v[edge + 1] - v[edge])
             worst = np.maximum(worst, peaks[here].max(axis=0) * share)
         edge += ends

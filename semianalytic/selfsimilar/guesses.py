@@ -1,19 +1,20 @@
-"""Which zones to begin with: those of weak friction, and those seen on a grid.
+"""First guesses of the slip zones: those of weak friction, and those seen on a grid.
 
-Where friction is small against the load, the interface slips behind the longitudinal front at
-nearly the rate V of a frictionless one, and a stick gap opens where V changes sense: across it the
-traction goes from one bound of friction to the other.  Behind the shear front the impedance is
-i m, and around a gap between slownesses l and r
+If friction is small compared with the load, the interface slips behind the longitudinal front at
+nearly the rate V of a frictionless interface, and a stick gap opens where V changes sense. Across
+the gap the traction goes from one bound of friction to the other. Behind the shear front the
+impedance is i m, and around a gap between slownesses l and r
 
     T = pi v m V' ((v - l) / (v - r))^(1/2),    r - l = 4 f p / (pi m |V'|),
 
-for Im T / (pi v), integrated over the gap, is 2 f p.  Gaps of the order of friction are seen by no
-grid; as a start for Newton's method this is good to the order of their width.
+because the integral of Im T / (pi v) over the gap is 2 f p.  No grid resolves gaps of the order of
+friction; as a start for Newton's method this is accurate to the order of their width
+(docs/solver.md, "Weak friction and thresholds").
 
-Just behind the longitudinal front zones may be narrower than any grid sees.  There q* falls behind
-p*: behind c_l the pressure falls like (v - a)^(1/2), shear rises like (v - a)^(3/2).  A base at
-friction against the step therefore slips from the front itself as soon as pressure falls at all,
-until the step of shear has the upper hand.
+Just behind the longitudinal front zones may be narrower than any grid resolves. Behind c_l the
+pressure falls like (v - a)^(1/2), and the shear traction rises like (v - a)^(3/2). If the base is
+at friction and the step of shear opposes it, the interface therefore slips from the front itself as
+soon as the pressure falls at all, until the step of shear prevails.
 """
 
 from __future__ import annotations
@@ -43,8 +44,10 @@ class Guess:
     Attributes
     ----------
     zones : sequence of Zone
-    pivots : int, of complementary pivoting that it took
-    doubtful : bool, whether guesses before it have failed on a coarser grid
+    pivots : int
+        Pivots of the complementarity problem that were needed.
+    doubtful : bool
+        Whether guesses on a coarser grid have failed before.
     """
 
     zones: Sequence[Zone]
@@ -53,8 +56,10 @@ class Guess:
 
 
 def guesses(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
-    """Zones of weak friction where it is weak, then those seen on finer and finer grids."""
+    """Yield the zones of weak friction where it is weak, then those seen on finer and finer
+    grids."""
     if load.frictionless:
+        # Without friction the whole interface slips; its sense is free, +1 by convention.
         yield Guess((Zone(None, None, 1),))
     elif load.rests:
         yield Guess(())
@@ -64,7 +69,7 @@ def guesses(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
 
 
 def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
-    """Guesses that do not look for narrow zones at the longitudinal front."""
+    """Yield guesses that do not include narrow zones at the longitudinal front."""
     if factors.mode == "III" and load.opened is None:
         zones = antiplane_zones(factors, load)
         if zones is not None:
@@ -85,10 +90,11 @@ def _behind_all_fronts(factors: RayleighFactors, load: Load) -> Iterator[Guess]:
 
 
 def antiplane_zones(factors: RayleighFactors, load: Load) -> list[Zone] | None:
-    """The zone of antiplane shear under constant strength, u_s = b (1 + chi_b)^2; from the shear
-    front, or everywhere, where the base is at friction.
+    """Return the zone of antiplane shear under constant strength, u_s = b (1 + chi_b)^2, or None.
 
-    Where pressure changes that of the strength at the shear front, if friction is weak; else None.
+    If the base is at friction, the zone begins at the shear front, or everywhere. If the pressure
+    changes, the strength at the shear front is used, provided that friction is weak; otherwise the
+    result is None.
     """
     sense, pressure = int(np.sign(load.far_slip_rate or load.load_shear)), load.base_pressure
     if load.load_pressure:
@@ -99,15 +105,16 @@ def antiplane_zones(factors: RayleighFactors, load: Load) -> list[Zone] | None:
             return None
     elif load.far_slip_rate or strength <= 0:
         return [Zone(None, None, sense)]
+    # u_s - b = b ((1 + chi)^2 - 1) = b chi (2 + chi), exact also for tiny chi.
     ratio = strength / abs(load.load_shear)
     return [Zone(factors.beside("b", [ratio * (2 + ratio)]), None, sense)]
 
 
 def zones_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> list[Zone]:
-    """Zones seen by the first stage, edges placed by the two outermost values of V there.
+    """Return the zones of the first stage, with edges from the two outermost values of V in each.
 
-    With a critical base, shear traction equal to friction ahead of all waves, slip starts at the
-    longitudinal front itself if it starts there at all.
+    If the base is critical, that is, its shear traction equals friction ahead of all waves, slip
+    that starts at the first node starts at the longitudinal front itself.
     """
     xi, rate = grid.xi[::-1], grid.slip_rate[::-1]  # from the longitudinal front inward
     sense = np.sign(rate).astype(int)
@@ -131,6 +138,9 @@ def zones_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> l
                 most = tuning.SHARE_BEFORE_NODE
             seen = start <= inner < stop and rate[inner]
             ratio = abs(rate[node] / rate[inner]) if seen else tuning.EDGE_SHARE_UNKNOWN
+            # An edge between two nodes leaves the same pattern wherever it lies: from the ratio of
+            # the outermost slip rate to the next one follows its place (docs/solver.md, "Which
+            # zones").
             share = float(min(tuning.EDGE_SHARE + tuning.EDGE_SHARE_SLOPE * ratio, most))
             place = xi[node] + share * (xi[outside] - xi[node])
             if xi[outside] == 1:  # a zone that comes this near to the shear front crosses it
@@ -141,10 +151,11 @@ def zones_on_grid(factors: RayleighFactors, grid: GridSlip, critical: bool) -> l
 
 
 def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -> list[Zone]:
-    """Zones seen by the first stage where the contact is open; one holds the opening.
+    """Return the zones of the first stage where the contact is open; one of them holds the opening.
 
-    That begins ahead of the opening, where strength falls to nothing and traction does not.  It
-    ends behind it where slip is seen, else where the opening closes, or at the contact edge.
+    This zone begins ahead of the opening, where the strength falls to zero and the traction does
+    not. It ends behind the opening where slip is seen, or else where the opening closes, or at the
+    contact edge (docs/separation.md, "Shear beside an opening").
     """
     assert load.opened is not None
     opening = load.opened.zone
@@ -165,9 +176,12 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
         held = replace(held, right=None)
     elif not inward:
         held = replace(held, right=opening.right, held=True)
+    # Behind the opening the step acts, ahead of it the base is released: the closed parts may slip
+    # in opposite senses.
     elif inward == -held.sense:
         behind = zones.pop(index + 1)
         held = replace(held, right=behind.right, inward=inward)
+    # In antiplane shear without base shear, no traction arrives ahead of the shear front.
     undriven = not factors.has_rayleigh_wave and not (load.base_shear or load.far_slip_rate)
     if undriven and opening.left is not None and opening.left.from_b[0] < 0:
         zones[index] = replace(held, left=opening.left)  # nothing has arrived there
@@ -179,8 +193,10 @@ def zones_beside_opening(factors: RayleighFactors, grid: GridSlip, load: Load) -
 def _around(
     factors: RayleighFactors, zone: Zone, opening: Zone, xi: Array, nodes: tuple[int, int]
 ) -> Zone:
-    """A zone with edges that stay on their sides of the opening it holds; `nodes` are the last and
-    the first of the grid that are open."""
+    """Return a zone whose edges stay on their sides of the opening that it holds.
+
+    `nodes` are the last and the first node of the grid that are open.
+    """
     share, (last, first) = tuning.BESIDE_OPENING, nodes
     assert opening.left is not None
     if zone.left is not None and not zone.left.first_below(opening.left):
@@ -194,13 +210,15 @@ def _around(
 
 
 def frictionless_profile(factors: RayleighFactors, load: Load, rule: Rule) -> Profile:
-    """Slip everywhere, without friction."""
+    """Return the profile of slip everywhere without friction."""
     return Profile(ZoneFields(factors, load, (Zone(None, None, 1),), rule))
 
 
 def slip_senses(profile: Profile) -> tuple[list[int], list[CutPoints]]:
-    """Senses of slip of a profile without friction, from the longitudinal front inward, and where
-    they change; none where it does not slip."""
+    """Return the senses of slip without friction, from the longitudinal front inward.
+
+    The second list holds the points at which they change; both are empty if nothing slips.
+    """
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
     factors = profile.fields.factors
@@ -214,6 +232,8 @@ def slip_senses(profile: Profile) -> tuple[list[int], list[CutPoints]]:
             at = factors.beside("c", [side * np.exp(log)])
             return float(profile.slip_rate_at(at)[0])
 
+        # Points even in the logarithm of the distance from c resolve the strip of reverse slip,
+        # however narrow it is.
         logs = np.linspace(high, low, int(tuning.POINTS_PER_E * (high - low)))[::-side]
         rates = profile.slip_rate_at(factors.beside("c", side * np.exp(logs)))
         before = None
@@ -224,6 +244,7 @@ def slip_senses(profile: Profile) -> tuple[list[int], list[CutPoints]]:
                 if senses and before is not None:
                     root = brentq(rate, before, log, xtol=1e-14)
                     changes.append(factors.beside("c", [side * np.exp(root)]))
+                # The sense changes between the last point ahead of c and the first one behind it.
                 elif senses:
                     changes.append(factors.front_c)
                 senses.append(int(sense))
@@ -232,9 +253,10 @@ def slip_senses(profile: Profile) -> tuple[list[int], list[CutPoints]]:
 
 
 def weak_friction_zones(factors: RayleighFactors, load: Load) -> list[Zone] | None:
-    """Zones under friction that is weak against the step of shear traction.
+    """Return the zones for friction that is weak compared with the step of shear traction.
 
-    None where it is not weak, or its gaps would be wide or ahead of the shear front.
+    The result is None if friction is not weak, or if gaps would be wide or ahead of the shear
+    front.
     """
     friction, far = float(load.friction), float(load.far_slip_rate)
     strongest = friction * max(load.base_pressure, load.load_pressure)
@@ -244,6 +266,7 @@ def weak_friction_zones(factors: RayleighFactors, load: Load) -> list[Zone] | No
     profile = frictionless_profile(factors, without, rule_for(tuning.FRICTIONLESS_RULE))
     senses, changes = slip_senses(profile)
     first = int(np.sign(far or load.load_shear))
+    # Ahead of the shear front M is complex and the formula for the gaps does not hold.
     if senses[:1] != [first] or any(change.from_b[0] <= 0 for change in changes):
         return None
     left = None
@@ -261,10 +284,10 @@ def weak_friction_zones(factors: RayleighFactors, load: Load) -> list[Zone] | No
 def _gaps(
     profile: Profile, load: Load, senses: list[int], changes: list[CutPoints]
 ) -> list[tuple[CutPoints, CutPoints, int]]:
-    """Stick gaps where V changes sense, with the sense of the zone ahead of each.
+    """Return stick gaps where V changes sense, each with the sense of the zone ahead of it.
 
-    Too wide for the strip around c that slips the other way they join to a single one, which is
-    twice as wide as the strip would be.
+    If they are too wide for the strip around c that slips backward, they join to a single gap,
+    which is twice as wide as the strip would be (docs/solver.md, "Weak friction and thresholds").
     """
     widths = [_gap_width(profile, load, change) for change in changes]
     if len(changes) == 2 and widths[0] > tuning.WIDEST_GAP * abs(changes[0].from_c[0]):
@@ -281,7 +304,7 @@ def _gaps(
 
 
 def _gap_width(profile: Profile, load: Load, change: CutPoints) -> float:
-    """Width in slowness of the stick gap that friction opens where V changes sense."""
+    """Return the width in slowness of the stick gap that friction opens where V changes sense."""
     fields, from_c = profile.fields, change.from_c
     step = tuning.GAP_SLOPE_STEP * from_c
     beside = fields.factors.beside("c", np.concatenate([from_c - step, from_c + step]))
@@ -289,24 +312,26 @@ def _gap_width(profile: Profile, load: Load, change: CutPoints) -> float:
     slope = abs((after - before) / (2 * step[0]))
     strength = replace(fields, load=load).strength(change)[0]
     impedance = abs(fields.factors.impedance_behind(change)[0])
+    # r - l = 4 f p / (pi m |V'|), with M = i m behind the shear front.
     return float(4 * strength / (np.pi * impedance * slope))
 
 
 def _behind_front(factors: RayleighFactors) -> CutPoints:
-    """Points from the longitudinal front to the shear front, even in the logarithm of their
-    distance from the first."""
+    """Return points from the longitudinal to the shear front, even in the logarithm of their
+    distance."""
     nearest, farthest = np.log(tuning.NEAREST_TO_FRONT), np.log(1 - factors.a)
     return factors.beside("a", np.exp(np.arange(nearest, farthest, tuning.FRONT_STEP)))
 
 
 def _opening_behind_front(factors: RayleighFactors, load: Load, sense: int) -> CutPoints | None:
-    """Where a zone opens that slips behind the longitudinal front nearly as without friction.
+    """Return where a zone opens that slips behind the longitudinal front nearly without friction.
 
-    There T = Q_0, turned by the phase of the impedance, has raised the traction to friction; None
-    if that is nowhere ahead of the shear front.
+    There T = Q_0, turned by the phase of the impedance, has raised the traction to friction. The
+    result is None if that happens nowhere ahead of the shear front.
     """
     at = _behind_front(factors)
     slope = load.load_shear * np.sin(factors.phase(at)) / (np.pi * at.v) * at.from_a
+    # Trapezoidal sum of dtau/dv = Im T / (pi v) in the logarithm of v - a.
     gained = np.cumsum((slope[1:] + slope[:-1]) / 2 * tuning.FRONT_STEP)
     mode_one = stuck_traction(factors.poisson_ratio, "I")
     strength = load.friction * (load.base_pressure + load.load_pressure * mode_one.at(at[1:]))
@@ -317,9 +342,9 @@ def _opening_behind_front(factors: RayleighFactors, load: Load, sense: int) -> C
 def with_slip_at_front(
     factors: RayleighFactors, zones: Sequence[Zone], load: Load
 ) -> Sequence[Zone]:
-    """The zones, and ahead of them that of a base at friction which pressure lets go at the front.
+    """Return the zones with one ahead of them if a base at friction is released at the first front.
 
-    It ends about where the stuck interface would keep Coulomb's law again.
+    This zone ends approximately where the stuck interface would satisfy Coulomb's law again.
     """
     sense = int(np.sign(load.base_shear))
     held = not (load.critical and sense and load.load_pressure) or bool(load.far_slip_rate)
@@ -334,6 +359,8 @@ def with_slip_at_front(
         pressure = load.friction * load.load_pressure * stuck_traction(nu, "I").at(at)
     else:
         pressure = load.friction * (load.pressure(factors, at) - load.base_pressure)
+    # Stuck traction less strength, both less their value ahead, where the base is exactly at
+    # friction.
     excess = sense * load.load_shear * stuck_traction(nu, factors.mode).at(at) - pressure
     kept = np.flatnonzero(excess <= 0)
     if not len(kept) or not kept[0]:  # at nu = 0 pressure falls too late

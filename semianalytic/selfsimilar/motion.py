@@ -1,4 +1,4 @@
-"""Where the sides of the interface move along one another, and where they do so in contact."""
+"""Parts of the interface where the sides move along one another, and those in contact."""
 
 from __future__ import annotations
 
@@ -29,6 +29,13 @@ class SlipZone:
         ahead of all waves.
     sense : int
         +1 where the upper side slips towards +x, -1 towards -x.
+
+    Examples
+    --------
+    >>> from semianalytic import SlipZone
+    >>> zone = SlipZone(inner=0.0, outer=0.375, sense=1)
+    >>> zone.outer * 2.0
+    0.75
     """
 
     inner: float
@@ -44,6 +51,14 @@ class OpenZone:
     ----------
     inner, outer : float
         Velocities of the edges [length / time]; inner 0 is the contact edge.
+
+    Examples
+    --------
+    >>> from semianalytic import Material, Scene, Tractions, solve
+    >>> base, load = Tractions(1.0, 0.0), Tractions(-1.0, 0.5)
+    >>> solution = solve(Scene(Material(1.0, 1.0, 1 / 3), 0.3, base, load))
+    >>> round(solution.openings[0].outer, 6)
+    0.1875
     """
 
     inner: float
@@ -51,8 +66,11 @@ class OpenZone:
 
 
 def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
-    """Zones of slip in contact, in velocity [length / time], from the contact edge outward; without
-    friction cut by sense of slip."""
+    """Return the zones of slip in contact, in velocity [length / time], from the contact edge
+    outward.
+
+    Without friction they are divided by the sense of slip.
+    """
     fields = profile.fields
     opening = fields.load.opened.zone if fields.load.opened else None
     if fields.load.frictionless:
@@ -62,6 +80,7 @@ def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
     if opening is not None:
         parts = [part for zone in parts for part in _in_contact(zone, opening)]
     zones = (_in_velocity(zone, profile, material) for zone in reversed(parts))
+    # Parts beside an opening that only rounding leaves are no zones.
     least = 0.0 if opening is None else tuning.NO_ZONE * material.shear_speed
     return tuple(one for one in zones if one.outer - one.inner > least)
 
@@ -69,13 +88,15 @@ def slip_zones(profile: Profile, material: Material) -> tuple[SlipZone, ...]:
 def motion(
     profile: Profile, zones: Sequence[SlipZone], opening: OpenZone, speed: float
 ) -> tuple[SlipZone, ...]:
-    """The zones of slip in contact, and the parts of an opening by sense of motion in it."""
+    """Return the slip zones in contact, and the parts of an opening by sense of motion in it."""
     return tuple(sorted((*zones, *_in_opening(profile, opening, speed)), key=lambda z: z.inner))
 
 
 def _in_velocity(zone: Zone, profile: Profile, material: Material) -> SlipZone:
+    """Return a zone in velocity [length / time], with its inner edge first."""
     load, speed = profile.fields.load, material.shear_speed
     mode = profile.fields.factors.mode
+    # In antiplane shear under constant pressure nothing happens ahead of the shear front.
     sheared = mode == "III" and (load.frictionless or not load.load_pressure)
     front = speed if sheared else material.longitudinal_speed
     ahead = np.inf if load.far_slip_rate else front
@@ -87,7 +108,8 @@ def _in_velocity(zone: Zone, profile: Profile, material: Material) -> SlipZone:
 
 
 def _by_sense(profile: Profile) -> list[Zone]:
-    """Zones of a frictionless interface: it slips behind the first front of shear, either way."""
+    """Return the zones of a frictionless interface, which slips in either sense behind the first
+    front."""
     senses, changes = slip_senses(profile)
     return [
         Zone(left, right, sense)
@@ -96,7 +118,7 @@ def _by_sense(profile: Profile) -> list[Zone]:
 
 
 def _in_contact(zone: Zone, opening: Zone) -> list[Zone]:
-    """The parts of a zone ahead of an opening and behind it."""
+    """Return the parts of a zone ahead of an opening and behind it."""
     start, end = opening.left, opening.right
     assert start is not None
     parts = []
@@ -110,7 +132,7 @@ def _in_contact(zone: Zone, opening: Zone) -> list[Zone]:
 
 
 def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZone]:
-    """Parts of an opening by sense of tangential motion, none where there is no motion."""
+    """Return the parts of an opening by sense of tangential motion; none where nothing moves."""
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
     points = _points_in_opening(profile)
@@ -122,6 +144,7 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
     for i in np.flatnonzero(sense[1:] != sense[:-1]):
         start, step = points.parts[:, [i]], points.parts[:, [i + 1]] - points.parts[:, [i]]
 
+        # The root is sought along the chord between two points, in all distances from the fronts.
         def signed(share: float, start: Array = start, step: Array = step) -> float:
             return float(profile.slip_rate_at(CutPoints(start + share * step))[0])
 
@@ -132,8 +155,11 @@ def _in_opening(profile: Profile, opening: OpenZone, speed: float) -> list[SlipZ
 
 
 def _points_in_opening(profile: Profile) -> CutPoints:
-    """Nodes of the panels that are open, and points ever closer to c where that is open, in order
-    of slowness; where slip rate is a power beside an end none that rounding puts there."""
+    """Return points in the opening in order of slowness: nodes of its panels, and more near c.
+
+    Where the slip rate is a power beside an end, points that only rounding separates from the end
+    are left out.
+    """
     panels, factors = profile.panels, profile.fields.factors
     open_panels = np.flatnonzero(panels.layout.open)
     off_ends = np.ones(panels.jacobian[open_panels].shape, dtype=bool)
@@ -148,6 +174,7 @@ def _points_in_opening(profile: Profile) -> CutPoints:
         )
         right = panels.right[panels.layout.over_c]
         beyond = near if right is None else near[near < right.from_c[0]]
+        # V has a logarithm at c where the contact is open: its sense may change very close to c.
         parts += [factors.beside("c", -near).parts, factors.beside("c", beyond).parts]
     every = np.concatenate(parts, axis=1)
     return CutPoints(every[:, np.argsort(every[3], kind="stable")])
@@ -156,7 +183,9 @@ def _points_in_opening(profile: Profile) -> CutPoints:
 def over_slowness(
     shear_speed: float, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]
 ) -> Array:
-    """A field over slowness (m,), or several (k, m), at positions and times; 0 before t = 0.
+    """Evaluate a field over slowness, (m,) or several (k, m), at positions and times.
+
+    It is 0 before t = 0.
 
     Raises
     ------

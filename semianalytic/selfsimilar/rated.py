@@ -1,13 +1,14 @@
-"""Strength that depends on slip rate in any smooth way, S(f p, |V|): Newton's method.
+"""Newton's method for strength that depends on slip rate in any smooth way, S(f p, |V|).
 
-About a slip rate V_k strength is S + S' (|V| - |V_k|), so that on slip of sense s
+About a slip rate V_k the strength is S + S' (|V| - |V_k|), so that on slip of sense s
 
     dtau/dv = s f dp/dv + eta dV/dv + dg/dv,    eta = S',
-    dg/dv = s (dS/d(f p) - 1) f dp/dv + (d eta/dv) (V - V_k):
+    dg/dv = s (dS/d(f p) - 1) f dp/dv + (d eta/dv) (V - V_k).
 
-a viscous problem with eta(v) and a given slope of strength, solved exactly (`cut`).  The last term
-holds the new V; it is iterated, while the edges are moved to where the linear problem wants them.
-V_k is kept at the nodes of panels and moves with them, on a held rule.
+This is a viscous problem with eta(v) and a given slope of strength, which `cut` solves exactly. The
+last term contains the new V; it is iterated while the edges are moved to the positions required by
+the linear problem. V_k is stored at the nodes of panels, which move with the edges, on a held rule.
+See docs/rate.md, "Newton's method for any smooth law".
 """
 
 from __future__ import annotations
@@ -40,9 +41,10 @@ _LOCATED, _LEFT = 1e-7, 1e-13  # shifts of edges at which Newton's method and Br
 
 @dataclass(frozen=True)
 class UnitLaw:
-    """A law in units of stress and of the one-sided slip rate, b = mu = 1.
+    """Friction law in units of stress and of the one-sided slip rate, b = mu = 1.
 
-    Of what it makes of constant friction only a `share`, on the way there.
+    `share` is the part of the change of constant friction that is applied, for steps towards the
+    law.
     """
 
     law: RateFriction
@@ -51,14 +53,15 @@ class UnitLaw:
     share: float = 1.0
 
     def strength(self, frictional: Array, speed: Array) -> Array:
-        """S(f p, |V|)."""
+        """Return the strength S(f p, |V|)."""
         whole = self.law.strength(self.stress * frictional, self.rate * speed, 0.0)
         return np.asarray((1 - self.share) * frictional + self.share / self.stress * whole)
 
     def slopes(self, frictional: Array, speed: Array) -> tuple[Array, Array, Array, Array]:
-        """Derivatives by f p, |V|, both, and |V| twice."""
+        """Return the derivatives with respect to f p, to |V|, to both, and to |V| twice."""
         given = self.law.rate_slopes(self.stress * frictional, self.rate * speed)
         by_friction, by_rate, mixed, twice = (self.share * one for one in given)
+        # Chain rule for the units of slip rate and of stress.
         unit = self.rate / self.stress
         by_friction = by_friction + (1 - self.share)
         return by_friction, unit * by_rate, self.rate * mixed, unit * self.rate * twice
@@ -66,14 +69,17 @@ class UnitLaw:
 
 @dataclass(frozen=True)
 class SlipRate:
-    """The slip rate of a profile as a function of slowness, without what it came from.
+    """Slip rate of a profile as a function of slowness, independent of the profile.
 
     Attributes
     ----------
     panels : Panels
-    integral : RunningIntegral, V from the left end of each panel
-    starts : (p,) array, V there
-    ahead : float, V(inf)
+    integral : RunningIntegral
+        V from the left end of each panel.
+    starts : (p,) array
+        V at the left ends.
+    ahead : float
+        V(inf).
     """
 
     panels: Panels
@@ -83,12 +89,12 @@ class SlipRate:
 
     @classmethod
     def of(cls, profile: Profile) -> SlipRate:
-        """That of a profile of one set of zones."""
+        """Return the slip rate of a profile of one set of zones."""
         ahead = float(profile.fields.load.far_slip_rate)
         return cls(profile.panels, profile.rate_integral, profile.starts[0], ahead)
 
     def __call__(self, at: CutPoints) -> Array:
-        """V at points of any shape."""
+        """Return V at points of any shape."""
         flat, senses = CutPoints(at.parts.reshape(4, -1)), self.panels.sense
         rate = np.full(flat.v.shape, self.ahead)
         panel = self.panels.panel_of(flat)
@@ -100,17 +106,22 @@ class SlipRate:
 
 @dataclass(frozen=True)
 class RateStep:
-    """Strength linear about V_k, its term in the new V from the last iterate.
+    """Strength linearised about V_k, with its term in the new V from the last iterate.
 
     Attributes
     ----------
     law : UnitLaw
-    load : Load, without strength that depends on slip rate
+    load : Load
+        Load without strength that depends on slip rate.
     factors : RayleighFactors
-    rate : SlipRate, V_k
-    layout : Layout, of the panels with which V_k moves
-    before, density : (p, n) arrays, V_k and dV_k/dy at their nodes
-    last : (p, n) array, the last iterate of V
+    rate : SlipRate
+        V_k as a function of slowness.
+    layout : Layout
+        Layout of the panels with which V_k moves.
+    before, density : (p, n) arrays
+        V_k and dV_k/dy at their nodes.
+    last : (p, n) array
+        Last iterate of V.
     """
 
     law: UnitLaw
@@ -124,7 +135,7 @@ class RateStep:
 
     @classmethod
     def about(cls, law: UnitLaw, fields: ZoneFields, rate: SlipRate) -> RateStep:
-        """About a slip rate as it is on the panels of some fields, whatever its slope."""
+        """Return a step about a slip rate on the panels of some fields, without its slope."""
         panels, load = fields.panels, replace(fields.load, linearised=None)
         none = np.zeros_like(panels.jacobian)
         step = cls(law, load, fields.factors, rate, panels.layout, none, none, none)
@@ -132,16 +143,18 @@ class RateStep:
         return replace(step, before=known, last=known)
 
     def follows(self, fields: ZoneFields) -> bool:
-        """Whether V_k is known at the nodes of fields."""
+        """Return whether V_k is known at the nodes of fields."""
         return fields.layout == self.layout and fields.panels.jacobian.shape == self.before.shape
 
     def carried(self, frictional: Array, speed: Array) -> Array:
-        """See `LinearisedStrength`."""
+        """Return the strength; see `LinearisedStrength`."""
         return self.law.strength(frictional, speed)
 
     def at(self, points: CutPoints, layout: Layout, jacobian: Array) -> tuple[Array, Array]:
-        """See `LinearisedStrength`; V_k is that at a slowness where the panels are other ones than
-        those with which it moves."""
+        """Return eta and dg/dv; see `LinearisedStrength`.
+
+        If the panels are other than those with which V_k moves, V_k is taken at fixed slowness.
+        """
         count, (*sets, size) = len(layout.sense), points.v.shape[1:]
         shape = (count, *[1] * len(sets), size)
         if size == self.before.shape[1] and layout.begins(self.layout):
@@ -154,17 +167,19 @@ class RateStep:
         senses = np.array(layout.sense).reshape(-1, *[1] * (points.v.ndim - 1))
         frictional, gained = self._frictional(points)
         by_friction, eta, mixed, twice = self.law.slopes(frictional, np.abs(before))
+        # d eta/dv along V_k: the derivatives of S' with respect to f p and to |V|.
         bent = mixed * gained + twice * senses * density / jacobian
+        # Both terms of dg/dv in the description of this module.
         slope = senses * (by_friction - 1) * gained + bent * (last - before)
         return np.broadcast_to(eta, jacobian.shape), np.where(senses != 0, slope, 0.0)
 
     def _known(self, points: CutPoints, layout: Layout) -> Array:
-        """V_k at points (p, ..., n) of panels, 0 where these stick."""
+        """Return V_k at points (p, ..., n) of panels, 0 where these stick."""
         slipping = layout.slipping.reshape(-1, *[1] * (points.v.ndim - 1))
         return np.where(slipping, self.rate(points), 0.0)
 
     def _frictional(self, points: CutPoints) -> tuple[Array, Array]:
-        """f p and its slope."""
+        """Return f p and its slope."""
         load, factors = self.load, self.factors
         pressure, slope = load.pressure(factors, points), np.zeros(points.v.shape)
         if load.load_pressure:
@@ -174,8 +189,10 @@ class RateStep:
 
 
 def on_any_panels(profile: Profile) -> ZoneFields:
-    """The fields of a profile such that they may be formed on other panels of the same zones: about
-    its slip rate, which Newton's method leaves as it is."""
+    """Return the fields of a profile in a form that other panels of the same zones can use.
+
+    The strength is linearised about the slip rate itself, which Newton's method leaves unchanged.
+    """
     fields = profile.fields
     step = fields.load.linearised
     if not isinstance(step, RateStep):
@@ -187,13 +204,15 @@ def on_any_panels(profile: Profile) -> ZoneFields:
 
 @dataclass(frozen=True)
 class Rated:
-    """Zones under strength that depends on slip rate, as Newton's method left them.
+    """Zones under strength that depends on slip rate, as the last step of Newton's method left
+    them.
 
     Attributes
     ----------
     placement : Placement
     profile : Profile
-    moves : tuple of float, largest change of V in each step, over the largest V
+    moves : tuple of float
+        Largest change of V in each step, over the largest V.
     converged : bool
     """
 
@@ -204,24 +223,29 @@ class Rated:
 
 
 def unit_law(scene: Scene, stress: float) -> UnitLaw:
-    """The law of a scene in the units of its load."""
+    """Return the law of a scene in the units of its load."""
     assert isinstance(scene.friction_law, RateFriction)
+    # The law takes the relative slip rate, twice the one-sided one.
     return UnitLaw(scene.friction_law, stress, 2 * stress / scene.material.shear_impedance)
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends unconverged
 def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: float) -> Rated:
-    """Newton's method for given zones, from the slip rate of a profile.
+    """Apply Newton's method to given zones, from the slip rate of a profile.
 
     Parameters
     ----------
-    start : Profile of one set of zones, perhaps others
-    zones : sequence of Zone, from the longitudinal front inward
+    start : Profile
+        One set of zones, which may differ from `zones`.
+    zones : sequence of Zone
+        From the longitudinal front inward.
     law : UnitLaw
-    tolerance : of the rule
+    tolerance : float
+        Tolerance of the quadrature rule.
     """
     factors, load = start.fields.factors, replace(start.fields.load, linearised=None)
     beginning = ZoneFields(factors, load, tuple(zones), rule_for(tolerance))
+    # The rule is held: it must not change with the edges, since V_k lives on its nodes.
     rule = _held_rule(beginning, law, tolerance)
     step = RateStep.about(law, replace(beginning, rule=rule), SlipRate.of(start))
     about, most = replace(load, linearised=step), tuning.MOST_RATE_EDGE_STEPS
@@ -238,6 +262,7 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
             continue
         new = profile.slip_rate_at_nodes
         changes.append(float(np.abs(new - step.before).max()) / largest)
+        # Newton's method has failed once a step is longer than the one before.
         if not (changes[-1] < np.inf and _shrinks(changes)):
             break
         density = fields.slip_rate_slope * fields.panels.jacobian
@@ -251,8 +276,10 @@ def rated_zones(start: Profile, zones: Sequence[Zone], law: UnitLaw, tolerance: 
 def _iterated(
     step: RateStep, placement: Placement, rule: Rule, once: bool
 ) -> tuple[Placement, Profile]:
-    """Edges and fields under strength linear about V_k, its term in the new V iterated until that
-    settles or an edge passes a front."""
+    """Return edges and fields for one linearisation, with its term in the new V iterated.
+
+    The iteration ends once it settles or an edge passes a front.
+    """
     factors, mixed = step.factors, list[tuple[Array, Array]]()
     for _ in range(1 if once else tuning.MOST_RATE_ITERATIONS):
         fields = ZoneFields(factors, replace(step.load, linearised=step), placement.zones, rule)
@@ -270,12 +297,16 @@ def _iterated(
 
 
 def _shrinks(changes: Sequence[float]) -> bool:
-    """Whether the last step of Newton's method is shorter than the one before, or rounding."""
+    """Return whether the last step of Newton's method is shorter than the one before, or
+    rounding."""
     return len(changes) < 2 or changes[-1] < max(changes[-2], tuning.RATE_SETTLED)
 
 
 def _mixed(iterates: Sequence[tuple[Array, Array]]) -> Array:
-    """Next iterate x of x = g(x) from the last pairs (x, g(x)): Anderson's, of least residual."""
+    """Return the next iterate x of x = g(x) by Anderson's method, from the last pairs (x, g(x)).
+
+    It is the combination with the least residual.
+    """
     before, after = (
         np.stack([part.ravel() for part in parts]) for parts in zip(*iterates, strict=True)
     )
@@ -288,32 +319,36 @@ def _mixed(iterates: Sequence[tuple[Array, Array]]) -> Array:
 
 
 def _least_exponent(fields: ZoneFields, law: UnitLaw) -> tuple[float, float]:
-    """Of V beside edges slower than c_t, and its edge: |v - e|^(1/2 - theta / pi), tan(theta) =
-    -eta / m."""
+    """Return the least exponent of V beside edges slower than c_t, and the slowness of that edge.
+
+    V ~ |v - e|^(1/2 - theta / pi) with tan(theta) = -eta / m.
+    """
     least, at = 0.5, np.inf
     for edge in (edge for zone in fields.zones for edge in (zone.left, zone.right)):
         if edge is not None and edge.first[2] > 0:
             eta = float(law.slopes(fields.strength(edge), np.zeros(1))[1][0])
             impedance = abs(float(fields.factors.impedance_behind(edge)[0]))
+            # At an edge V = 0; resistance (eta > 0) only makes V smoother and is left out.
             exponent = 0.5 - float(np.arctan2(max(-eta, 0.0), impedance)) / np.pi
             least, at = min((least, at), (exponent, float(edge.v[0])))
     return least, at
 
 
 def _held_rule(fields: ZoneFields, law: UnitLaw, tolerance: float) -> Rule:
-    """A rule of a tolerance, as long as V asks for beside the edges of zones."""
+    """Return a rule of a tolerance that is as long as V requires beside the edges of zones."""
     rule = rule_for(tolerance)
     cut_off = rule.reach / REACH  # the logarithm of what may be left out
+    # An integrand d^p decays like e^(-p |y|): the smaller the exponent, the longer the rule.
     reach = min(cut_off / _least_exponent(fields, law)[0], tuning.FARTHEST_RATE_REACH)
     longer = replace(rule, reach=max(reach, rule.reach))
     return replace(replace(fields, rule=longer).panels.rule, held=True)
 
 
 def check_rated(profile: Profile, law: UnitLaw, speed: float) -> None:
-    """Raise SceneError where slip that weakens strength has no answer: across c_R, or where
-    strength falls faster with slip rate than radiation balances.
+    """Raise SceneError where slip that weakens strength has no solution.
 
-    `speed` is c_t.
+    This is the case where it would cover c_R, or where strength falls faster with slip rate than
+    radiation can balance. `speed` is c_t.
     """
     if not law.law.fall_with_rate:
         return
@@ -335,6 +370,7 @@ def check_rated(profile: Profile, law: UnitLaw, speed: float) -> None:
     bound = profile.strength(at[slip].ravel())
     _, slopes, _, _ = law.slopes(bound, np.abs(profile.slip_rate_at_nodes[slip].ravel()))
     steepest = int(np.argmin(slopes)) if len(slip) else 0
+    # eta <= -1 in units of rho c_t: radiation has the slope 1.
     if len(slip) and slopes[steepest] <= -1:
         raise SceneError(
             "solve: friction falls with slip rate faster than radiation can balance, at x/t = "
@@ -346,9 +382,11 @@ def check_rated(profile: Profile, law: UnitLaw, speed: float) -> None:
 def approached(
     start: Profile, law: UnitLaw, tolerance: float, speed: float
 ) -> tuple[Rated | None, Profile]:
-    """Zones from a profile under constant friction, at once or in steps of `UnitLaw.share`, halved
-    where one fails; None where they lead nowhere, as to slip rates too steep for any rule, and the
-    last profile on the way."""
+    """Return zones reached from a profile under constant friction, and the last profile on the way.
+
+    The law is introduced at once or in steps of `UnitLaw.share`, which are halved if one fails. The
+    zones are None if the steps lead nowhere, for example to slip rates too steep for any rule.
+    """
     reached, step = 0.0, 1.0
     while step >= tuning.LEAST_RATE_SHARE:
         share = min(reached + step, 1.0)
@@ -365,7 +403,7 @@ def approached(
 
 
 def unsettled(last: Profile, law: UnitLaw, speed: float) -> str:
-    """A sentence that says why zones of the whole law were not reached from a profile."""
+    """Return a sentence that says why zones of the whole law were not reached from a profile."""
     exponent, at = _least_exponent(last.fields, law)
     if exponent < tuning.STEEP_EXPONENT:
         return (
@@ -377,7 +415,7 @@ def unsettled(last: Profile, law: UnitLaw, speed: float) -> str:
 
 
 def settled_zones(start: Profile, law: UnitLaw, tolerance: float, speed: float) -> Rated | None:
-    """Zones corrected from those of a profile until the law of friction holds; None if none do."""
+    """Return zones corrected from those of a profile until Coulomb's law holds; None if none do."""
     zones, profile = list(start.fields.zones), start
     for _ in range(tuning.MOST_ZONE_SETS):
         rated = rated_zones(profile, zones, law, tolerance)
@@ -395,7 +433,8 @@ def settled_zones(start: Profile, law: UnitLaw, tolerance: float, speed: float) 
 
 
 def companion_error(fine: Rated, law: UnitLaw, tolerance: float) -> float:
-    """Error estimate of zones from a coarser companion, with edges and slip rate of its own."""
+    """Return the error estimate of zones from a coarser companion with its own edges and slip
+    rate."""
     coarser = tuning.COARSER_COMPANION * tolerance
     coarse = rated_zones(fine.profile, fine.placement.zones, law, coarser)
     if not coarse.converged:
@@ -407,6 +446,6 @@ def companion_error(fine: Rated, law: UnitLaw, tolerance: float) -> float:
 
 
 def cut_off(rated: Rated, law: UnitLaw) -> float:
-    """What the end of a rule leaves out of a slip rate that rises steeply from an edge, over it."""
+    """Return the relative part of a steep slip rate that the end of a rule leaves out."""
     fields = rated.profile.fields
     return float(np.exp(-fields.rule.reach * _least_exponent(fields, law)[0]))

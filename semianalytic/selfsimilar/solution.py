@@ -1,4 +1,4 @@
-"""The solved scene: everything on the interface as functions of position and time."""
+"""Self-similar solutions: all fields on the interface as functions of position and time."""
 
 from __future__ import annotations
 
@@ -39,16 +39,32 @@ if TYPE_CHECKING:  # imported where they are asked for, for a quick import
 
 @dataclass(frozen=True)
 class Statistics:
-    """What a solution took.
+    """Numbers of iterations, unknowns and nodes of a solution, and the time it took.
 
     Attributes
     ----------
-    pivots : int, of complementary pivoting on the grid
-    newton_steps : int, of the zone edges
-    zone_sets : int, sets of zones tried until Coulomb's law held everywhere
-    unknowns : int, zone edges
-    nodes : int, of all panels
-    seconds : dict of stage to time [s]
+    pivots : int
+        Pivots of the complementarity problem on the grid.
+    newton_steps : int
+        Newton and Broyden steps for the zone edges.
+    zone_sets : int
+        Sets of zones tried until Coulomb's law held everywhere.
+    unknowns : int
+        Number of zone edges.
+    nodes : int
+        Number of nodes of all panels.
+    seconds : dict
+        Time of each stage [s], by its name.
+
+    Examples
+    --------
+    >>> from semianalytic import Material, Scene, Tractions, solve
+    >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
+    >>> solution = solve(Scene(Material(1.0, 1.0, 1 / 3), 1.0, base, load))
+    >>> solution.statistics.unknowns, solution.statistics.zone_sets
+    (1, 1)
+    >>> list(solution.statistics.seconds)
+    ['zones', 'edges', 'check']
     """
 
     pivots: int
@@ -61,18 +77,19 @@ class Statistics:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Self-similar slip on the interface of a scene.
+    """Self-similar slip on the interface of a scene, as returned by `solve`.
 
     All fields broadcast over positions x > 0 [length] and times t [time]; before t = 0 they are
-    the base state.  Slip and slip rate are relative, upper minus lower side.  As all results that
-    hold arrays, a solution equals only itself; compare fields.
+    those of the base state. Slip and slip rate are relative, upper minus lower side. Like every
+    result that holds arrays, a solution equals only itself; compare fields.
 
     Attributes
     ----------
     scene : Scene
-    zones : tuple of SlipZone, from the contact edge outward
+    zones : tuple of SlipZone
+        Slip zones, from the contact edge outward.
     status : str
-        "converged", or a sentence saying what to distrust.
+        "converged", or a sentence that says what to distrust.
     error_estimate : float
         Estimate, meant as a bound, of the errors of
 
@@ -83,8 +100,8 @@ class Solution:
           relative to its largest value there, and the shear traction there, relative to itself
           plus the largest load.  Nearer the error may be larger: a shift e of an edge changes
           the square root at it by up to e^(1/2), and the logarithm at c_R has no largest value;
-        - edges of openings, relative to c_t, and the gap, relative to its largest value, in L1;
-          its rate as the slip rate, and pressure, relative to base plus step;
+        - edges of openings, relative to c_t; the gap, relative to its largest value, in L1; its
+          rate, like the slip rate; and the pressure, relative to base plus step;
         - slip, path and work of friction at every point, relative to their largest value;
         - frictional power and work of the whole contact or of a part, relative to the whole, and
           accumulated slip, relative to itself;
@@ -96,6 +113,16 @@ class Solution:
         Unit of stress of `profile`.
     normal : Normal or None
         Pressure and gap over slowness, in the same units, where the contact opens.
+
+    Examples
+    --------
+    >>> from semianalytic import Material, Scene, Tractions, solve
+    >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
+    >>> solution = solve(Scene(Material(1.0, 1.0, 1 / 3), 1.0, base, load))
+    >>> round(solution.edge_slip_rate, 6)
+    0.586406
+    >>> solution.slip([0.1, 0.5], t=1.0).round(6)
+    array([0.296775, 0.      ])
     """
 
     scene: Scene
@@ -118,22 +145,24 @@ class Solution:
         return f"<Solution: {slips}; {self.status}, error estimate {self.error_estimate:.1e}>"
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike, field: Callable[[Array], Array]) -> Array:
-        """A field over slowness (m,), or several (k, m), at x, t; 0 before t = 0."""
+        """Evaluate a field over slowness, (m,) or several (k, m), at x and t; it is 0 before t =
+        0."""
         return over_slowness(self.scene.material.shear_speed, x, t, field)
 
     @property
     def openings(self) -> tuple[OpenZone, ...]:
-        """What is open, from the contact edge outward; there is one opening at most."""
+        """Open parts of the contact, from the contact edge outward; there is one at most."""
         if self.normal is None:
             return ()
         zone, speed = self.normal.opening.zone, self.scene.material.shear_speed
         assert zone.left is not None
+        # In slowness the left end is the faster one, hence the outer edge in velocity.
         inner = 0.0 if zone.right is None else float(speed / zone.right.v[0])
         return (OpenZone(inner, float(speed / zone.left.v[0])),)
 
     @cached_property
     def _motion(self) -> tuple[SlipZone, ...]:
-        """Where the sides move along one another, in contact or open."""
+        """Parts of the interface where the sides move along one another, in contact or open."""
         speed = self.scene.material.shear_speed
         moving = self.zones
         for opening in self.openings:
@@ -142,10 +171,12 @@ class Solution:
 
     @property
     def _rate_unit(self) -> float:
+        # V of one side has the unit stress / (rho c_t); the relative slip rate is twice V.
         return 2 * self.stress_unit / self.scene.material.shear_impedance
 
     def slip_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Relative slip rate [length / time].
+        """Return the relative slip rate [length / time] at x and t; logarithmically infinite at c_R
+        where slip covers it.
 
         Raises
         ------
@@ -155,69 +186,77 @@ class Solution:
         return self._rate_unit * self._evaluate(x, t, self.profile.slip_rate)
 
     def slip(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Relative slip [length], the time integral of `slip_rate` since t = 0; raises as it."""
+        """Return the relative slip [length], the time integral of `slip_rate` since t = 0.
+
+        Raises what `slip_rate` raises.
+        """
         time = np.asarray(t, dtype=float)
         return self._rate_unit * time * self._evaluate(x, t, self.profile.slip_over_time)
 
     def shear_traction(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Total shear traction sigma_xy [stress], base included; raises as `slip_rate`."""
+        """Return the total shear traction sigma_xy [stress], base included; raises like
+        `slip_rate`."""
         change = self._evaluate(x, t, self.profile.shear_change)
         return traction_ahead(self.scene, "shear", t) + self.stress_unit * change
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Contact pressure [stress], base included, 0 where open; slip does not change it.
+        """Return the contact pressure [stress], base included, 0 where open; slip does not change
+        it.
 
-        Raises as `slip_rate`.
+        Raises what `slip_rate` raises.
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
         pressure = traction_ahead(self.scene, "pressure", t) + self.stress_unit * change
         return np.where(self._is_open(x, t), 0.0, pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """How far the contact is open [length], 0 where closed; raises as `slip_rate`."""
+        """Return the gap of the open contact [length], 0 where closed; raises like `slip_rate`."""
         over_time = self._evaluate(x, t, self._of_gap(Profile.slip_over_time))
         gap = self._rate_unit * np.asarray(t, dtype=float) * over_time
+        # Rounding may leave a negative gap beside the ends of the opening.
         return np.where(self._is_open(x, t), np.maximum(gap, 0.0), 0.0)
 
     def gap_rate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """How fast it opens [length / time], 0 where closed; raises as `slip_rate`.
+        """Return the rate of the gap [length / time], 0 where closed; raises like `slip_rate`.
 
-        Logarithmically infinite at the Rayleigh front where that is open.
+        It is logarithmically infinite at the Rayleigh front where the contact is open there.
         """
         return self._rate_unit * self._evaluate(x, t, self._of_gap(Profile.slip_rate))
 
     def _is_open(self, x: ArrayLike, t: ArrayLike) -> NDArray[np.bool_]:
-        """Where and when the contact is open; not even rounding is left of pressure there, nor of
-        the gap elsewhere."""
+        """Return where and when the contact is open, so that no rounding is left in gap and
+        pressure."""
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
         parts = [(velocity > part.inner) & (velocity < part.outer) for part in self.openings]
         return np.logical_or.reduce([np.zeros(x.shape, dtype=bool), *parts])
 
     def _of_gap(self, field: Callable[[Profile, Array], Array]) -> Callable[[Array], Array]:
-        """A field of slip of the normal problem, over slowness; 0 where the contact is closed."""
+        """Return a slip field of the normal problem over slowness; 0 where the contact is
+        closed."""
         normal = self.normal
         return np.zeros_like if normal is None else lambda u: field(normal.profile, u)
 
     def stick_margin(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Strength less shear traction, f p - |tau| [stress] where it sticks; 0 where it slips."""
+        """Return strength less shear traction, f p - |tau| [stress], where it sticks; 0 where it
+        slips."""
         frictional = self.scene.friction * self.pressure(x, t)
         strength = self.scene.friction_law.strength(frictional, self.slip_rate(x, t), 0.0)
         return strength - np.abs(self.shear_traction(x, t))
 
     def history(self, x: ArrayLike, t: ArrayLike) -> InterfaceHistory:
-        """All fields at positions x (n,) and times t (m,); raises as `slip_rate`."""
+        """Return all fields at positions x (n,) and times t (m,); raises like `slip_rate`."""
         return sampled_history(self, x, t)
 
     def to_xarray(self, x: ArrayLike, t: ArrayLike) -> Any:
-        """Fields and totals at positions x (n,) and times t (m,) as an `xarray.Dataset`.
+        """Return fields and totals at positions x (n,) and times t (m,) as an `xarray.Dataset`.
 
         Raises
         ------
         MissingLibraryError
             If xarray is not installed.
         SceneError
-            As `slip_rate`.
+            If a position is not positive, or x or t is not finite.
         """
         return answer_dataset(self, x, t)
 
@@ -227,10 +266,11 @@ class Solution:
         return self._rate_unit * self.profile.edge_slip_rate
 
     def stress_intensity(self, t: ArrayLike) -> tuple[Array, Array]:
-        """(K_I, K_II) at the contact edge at times t [stress sqrt(length)] (3.13), (3.16).
+        """Return (K_I, K_II) at the contact edge at times t [stress sqrt(length)]: (3.13), (3.16).
 
-        pressure ~ K_I / sqrt(2 pi x) and shear traction ~ K_II / sqrt(2 pi x) of the actual
-        state; a slipping edge has |K_II| = f K_I.  In antiplane shear the second is K_III.
+        The pressure is K_I / sqrt(2 pi x) and the shear traction K_II / sqrt(2 pi x) near the edge;
+        a slipping edge has |K_II| = f K_I. In antiplane shear the second value is K_III
+        (docs/theory.md, "Stuck tractions").
         """
         scene = self.scene
         unit = Tractions(1.0, 1.0)
@@ -239,14 +279,17 @@ class Solution:
         if self.normal is not None:
             pressure = -self.stress_unit * float(self.normal.profile.edge_intensity)
         mode_one = pressure * mode_one + 0.0  # 0 where open, not -0
+        # At a slipping edge the traction is s f p, and so is its singular part.
         if self.profile.edge_slips:
             return mode_one, self.profile.panels.sense[-1] * scene.friction * mode_one + 0.0
         return mode_one, self.stress_unit * self.profile.edge_intensity * sheared + 0.0
 
     def path(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Accumulated |slip| [length], the time integral of |slip rate|; raises as `slip_rate`."""
+        """Return the accumulated |slip| [length], the time integral of |slip rate|; raises like
+        `slip_rate`."""
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         total = np.abs(self.slip(x, np.minimum(t, 0.0)))
+        # Slip rate has one sign in each zone, so that its integral there is a difference of slips.
         for zone in self._motion:
             starts = np.minimum(t, x / zone.outer)
             stops = np.minimum(t, x / zone.inner) if zone.inner else t
@@ -254,28 +297,29 @@ class Solution:
         return total
 
     def work_density(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """Energy turned to heat at x until t, per area [stress length]; raises as `slip_rate`."""
+        """Return the energy turned to heat at x until t, per area [stress length]; raises like
+        `slip_rate`."""
         unit = self._rate_unit * self.stress_unit / self.scene.material.shear_speed
 
         def over_slowness(u: Array) -> Array:
             return np.asarray(dissipation(self.profile, u)[1])
 
+        # At fixed x, an integral over time is x / c_t times one over slowness.
         return unit * np.asarray(x, dtype=float) * self._evaluate(x, t, over_slowness)
 
     def frictional_power(
         self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf
     ) -> Array:
-        """Power turned to heat on the contact per unit depth at times t [stress length^2 / time].
+        """Return the power turned to heat on the contact per unit depth at times t [stress length^2
+        / time].
 
-        Of all positions between inner and outer [length], which broadcast with t.  Over the whole
-        contact it grows linearly in time; it is infinite when the interface slips ahead of all
-        waves.
+        It covers positions between inner and outer [length], which broadcast with t. Over the whole
+        contact it grows linearly in time; it is infinite if the interface slips ahead of all waves.
 
-        It is all the power that leaves the solids through the contact.  The edges of slip zones
-        take none, for slip rate vanishes there at least like |x - edge|^(1/2) (between c_t and c_l
-        like |x - edge|^(1 - phi/pi)) under a finite traction; nor does a stuck contact edge, which
-        is singular but does not move.  What the load does beyond that is radiated; it is infinite,
-        as the slot is.
+        No other power leaves the solids through the contact. The edges of slip zones take none:
+        slip rate vanishes there at least like |x - edge|^(1/2) (between c_t and c_l like |x -
+        edge|^(1 - phi/pi)) under a finite traction. A stuck contact edge is singular, but it does
+        not move. The rest of the work of the load is radiated; it is infinite, because the slot is.
 
         Raises
         ------
@@ -284,13 +328,16 @@ class Solution:
         """
         t, inner, outer = _intervals(t, inner, outer)
         time = np.maximum(t, 0.0)
+        # The power beyond `inner` less the power beyond `outer`.
         per_time = self._power_per_time(inner, time) - self._power_per_time(outer, time)
         power = self._rate_unit * self.stress_unit * self.scene.material.shear_speed * per_time
         return np.asarray(np.multiply(power, time, out=np.zeros(t.shape), where=time > 0))
 
     def _power_per_time(self, x: Array, time: Array) -> Array:
-        """Power beyond x over time, in units of `profile`; slip ahead of all waves counts from the
-        longitudinal front."""
+        """Return the power beyond x over time, in units of `profile`.
+
+        Slip ahead of all waves counts from the longitudinal front.
+        """
         value = np.full(x.shape, self._whole_power)
         value[np.isinf(x)] = -np.inf if self.scene.far_slip_rate else 0.0
         part = (x > 0) & np.isfinite(x) & (time > 0)
@@ -301,9 +348,10 @@ class Solution:
     def frictional_work(
         self, t: ArrayLike, inner: ArrayLike = 0.0, outer: ArrayLike = np.inf
     ) -> Array:
-        """Energy turned to heat on the contact until t, per unit depth [stress length^2].
+        """Return the energy turned to heat on the contact until t, per unit depth [stress
+        length^2].
 
-        The time integral of `frictional_power`; parameters and what it raises as there.
+        It is the time integral of `frictional_power`, with the same parameters and errors.
         """
         t, inner, outer = _intervals(t, inner, outer)
         twice = np.asarray(np.maximum(t, 0.0) * self.frictional_power(t, inner, outer))
@@ -314,9 +362,10 @@ class Solution:
         return twice / 2
 
     def accumulated_slip(self, t: ArrayLike) -> Array:
-        """Integral over the contact of the |slip| accumulated until t, of `path` [length^2].
+        """Return the integral over the contact of `path`, the |slip| accumulated until t
+        [length^2].
 
-        It grows like t^2, and is infinite when the interface slips ahead of all waves.
+        It grows like t^2, and is infinite if the interface slips ahead of all waves.
 
         Raises
         ------
@@ -325,18 +374,21 @@ class Solution:
         """
         time = np.maximum(_finite_times(t), 0.0)
         rate = math.inf if self.scene.far_slip_rate else self._rate_unit * self._whole_rate
+        # The integral of |V| over x is proportional to t, and its time integral to t^2 / 2.
         area = rate * self.scene.material.shear_speed / 2
         return np.asarray(np.multiply(area, time**2, out=np.zeros(time.shape), where=time > 0))
 
     def max_slip(self, t: ArrayLike) -> Array:
-        """Largest |slip| on the contact at times t [length], or what it tends to at the edge.
+        """Return the largest |slip| on the contact, or its limit at the edge, at times t [length].
 
-        It grows linearly in time; raises as `accumulated_slip`.
+        It grows linearly in time; raises like `accumulated_slip`.
         """
         return self._rate_unit * np.maximum(_finite_times(t), 0.0) * self._largest_slip_over_time
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """What slips at a time [time], from the contact edge outward; nothing until t = 0.
+        """Return the intervals that slip at a time [time], from the contact edge outward.
+
+        Until t = 0 there are none.
 
         Raises
         ------
@@ -351,7 +403,8 @@ class Solution:
         )
 
     def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """What is open at a time [time], from the contact edge outward; raises as `zones_at`."""
+        """Return the open intervals at a time, from the contact edge outward; raises like
+        `zones_at`."""
         t = checked_number("openings_at: t", t)
         if t <= 0:
             return ()
@@ -371,7 +424,7 @@ class Solution:
 
     @cached_property
     def _largest_slip_over_time(self) -> float:
-        """In units of `profile`."""
+        """Largest |slip| / t on the contact, in units of `profile`."""
         return largest_slip_over_time(self.profile)
 
     @property
@@ -384,17 +437,17 @@ class Solution:
 
     @cached_property
     def _surroundings(self) -> Surroundings:
-        """What all derivatives share."""
+        """Neighbouring sets of zones, which all derivatives share."""
         from semianalytic.selfsimilar.borders import at_the_front
         from semianalytic.selfsimilar.variation import Surroundings
 
         return Surroundings(at_the_front(self.profile))
 
     def derivative(self, name: str) -> Derivative:
-        """How zones and fields change with a parameter of the scene, all else held.
+        """Return the derivative of zones and fields with respect to a parameter, all others held.
 
-        By implicit differentiation of what the zone edges fulfil, at about the cost of the
-        solution.
+        The conditions at the zone edges are differentiated implicitly, at about the cost of the
+        solution (docs/derivatives.md, "Edges").
 
         Parameters
         ----------
@@ -410,9 +463,9 @@ class Solution:
         Raises
         ------
         SceneError
-            If there is no such parameter or no derivative with respect to it in this scene.
+            If there is no such parameter, or no derivative with respect to it in this scene.
         ComputationError
-            If zones on either side, however near, are of another kind.
+            If the zones on either side are of another kind, however near.
         """
         from semianalytic.selfsimilar.derivative import Known, differentiated
 
@@ -426,15 +479,16 @@ class Solution:
         from semianalytic.selfsimilar.rated import on_any_panels
 
         fields = on_any_panels(self.profile)
+        # Transforms that grow like k^(1/2) lose some digits far out: the bodies use a finer rule.
         tolerance = max(tuning.FIELD_RULE_SHARE * fields.rule.tolerance, tuning.FINEST_FIELD_RULE)
         opened = None if self.normal is None else self.normal.profile.fields
         return Bodies(self.scene, fields, opened, self.stress_unit, tolerance)
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Particle velocity anywhere in the bodies [length / time].
+        """Return the particle velocity anywhere in the bodies [length / time].
 
-        By Smirnov and Sobolev's method, exact up to one interpolation; a picture of 100,000 points
-        takes about as many microseconds, times ten the first time.
+        Smirnov and Sobolev's method gives it exactly up to one interpolation. A picture of 100,000
+        points takes about as many microseconds, and ten times as long the first time.
 
         Parameters
         ----------
@@ -447,8 +501,9 @@ class Solution:
         Returns
         -------
         (2, ...) array
-            v_x, v_y; in antiplane shear (3, ...), with v_z.  Infinite with its sign at the Rayleigh
-            front of the slot, where slip covers the Rayleigh front, and wherever else it is.
+            v_x, v_y; in antiplane shear (3, ...), with v_z.  Infinite, with its sign, at the
+            Rayleigh front of the slot, at that of the contact where slip covers it, and at other
+            singular points.
 
         Raises
         ------
@@ -458,7 +513,8 @@ class Solution:
         return self._bodies.velocity(x, y, t)
 
     def stress(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Stress anywhere in the bodies, tension positive [stress]; parameters as `velocity`.
+        """Return the stress anywhere in the bodies, tension positive [stress]; parameters as
+        `velocity`.
 
         Returns
         -------
@@ -466,12 +522,13 @@ class Solution:
             sigma_xx, sigma_yy, sigma_xy; in antiplane shear (5, ...), with sigma_xz and sigma_yz.
             The base tractions are part of sigma_yy and sigma_xy (or sigma_yz); they do not
             determine the initial sigma_xx, so that one is the change since t = 0.  At the contact
-            edge that just ahead of it.
+            edge the value is that just ahead of it.
         """
         return self._bodies.stress(x, y, t)
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:
-        """Displacement since t = 0 anywhere in the bodies [length]; parameters as `velocity`.
+        """Return the displacement since t = 0 anywhere in the bodies [length]; parameters as
+        `velocity`.
 
         Returns
         -------
@@ -483,13 +540,16 @@ class Solution:
     @cached_property
     def field_error(self) -> float:
         """Estimate of the error of fields in the bodies, relative to themselves plus the largest
-        load: what a coarser rule changes at some points, and what zone edges are off by."""
+        load.
+
+        It adds the change on a coarser rule at some points and the error of the zone edges.
+        """
         return self._bodies.error + self.error_estimate
 
     def slot_velocity(self, x: ArrayLike, t: ArrayLike) -> tuple[Array, Array]:
-        """Particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
+        """Return the particle velocity (v_x, v_y) [length / time] of the upper slot face at x < 0.
 
-        Logarithmically infinite at the Rayleigh front.  In antiplane shear the first is v_z.
+        It is logarithmically infinite at the Rayleigh front. In antiplane shear the first is v_z.
 
         Raises
         ------
@@ -499,6 +559,7 @@ class Solution:
         x = np.asarray(x, dtype=float)
         if np.any(x >= 0):
             raise SceneError("the slot is x < 0; ask for negative positions.")
+        # The velocity of one face has half the unit of the relative slip rate.
         unit = self._rate_unit / 2
         both = self._evaluate(-x, t, lambda v: np.stack(self.profile.slot_velocity(v)))
         tangential, normal = both
@@ -506,7 +567,7 @@ class Solution:
 
 
 def _finite_times(t: ArrayLike) -> Array:
-    """Times as an array; SceneError if one is not finite."""
+    """Return times as an array; raise SceneError if one is not finite."""
     t = np.asarray(t, dtype=float)
     if not np.all(np.isfinite(t)):
         raise SceneError("times must be finite numbers.")
@@ -514,7 +575,7 @@ def _finite_times(t: ArrayLike) -> Array:
 
 
 def _intervals(t: ArrayLike, inner: ArrayLike, outer: ArrayLike) -> tuple[Array, Array, Array]:
-    """Times and the ends of intervals of the contact, broadcast and checked."""
+    """Return times and the ends of intervals of the contact, broadcast and checked."""
     t, inner, outer = np.broadcast_arrays(
         _finite_times(t), *(np.asarray(one, dtype=float) for one in (inner, outer))
     )

@@ -1,8 +1,8 @@
-"""Solve a scene: guess zones, place their edges, check Coulomb's law, correct, refine.
+"""Solve a scene: guess the slip zones, locate their edges, check Coulomb's law, correct, refine.
 
-A solution goes one way through this file: `solve` takes the load of a scene, `_search` finds zones
-that Coulomb's law admits on a loose rule, `_refined` polishes their edges until the error estimate
-is below rtol, `_checked` holds them against the law once more, to rtol.
+`solve` converts the scene to a load. `_search` finds zones that satisfy Coulomb's law on a loose
+rule, `_refined` improves their edges until the error estimate is below rtol, and `_checked` checks
+the law once more, to rtol. See docs/solver.md, "Which zones".
 """
 
 from __future__ import annotations
@@ -54,15 +54,19 @@ from semianalytic.separation.normal import with_opening
 
 
 def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
-    """Solve a scene for slip and stick on its interface: equations (2.1), (3.21) of the article.
+    """Solve a scene for slip and stick on its interface: equations (2.1) and (3.21) of the article.
+
+    The method is described in docs/solver.md; docs/theory.md, "Slip under a step, for given zones"
+    states the equations.
 
     Parameters
     ----------
     scene : Scene
+        A scene with self-similar loads.
     rtol : float
-        Wanted accuracy, between 1e-12 and 1e-2, of zone edges (relative to c_t), of the slip rate
-        in L1 and at points away from edges and c_R, and of integrals: of all that
-        `Solution.error_estimate` is said to bound.
+        Wanted accuracy, between 1e-12 and 1e-2, of every quantity that `Solution.error_estimate`
+        bounds: zone edges (relative to c_t), the slip rate in L1 and at points away from edges and
+        from c_R, and integrals.
 
     Returns
     -------
@@ -73,10 +77,20 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     Raises
     ------
     SceneError
-        If rtol is out of range, the scene is not self-similar, or its viscosity is so large that
-        slip is below rounding.
+        If rtol is out of range, the scene is not self-similar, its viscosity is so large that slip
+        is below rounding, or friction falls with slip rate in a way that has no solution here.
     TensionError
-        If the contact pressure would turn tensile; the message says where.
+        If the contact would open to infinity; the message says why.
+
+    Examples
+    --------
+    >>> from semianalytic import Material, Scene, Tractions, solve
+    >>> base, load = Tractions(1.0, 0.0), Tractions(0.0, 1.0)
+    >>> solution = solve(Scene(Material(1.0, 1.0, 1 / 3), 1.0, base, load))
+    >>> solution.status
+    'converged'
+    >>> round(solution.zones[0].outer, 6)
+    0.375
     """
     checked_scene("solve", scene).check_self_similar()
     rtol = checked_number(
@@ -98,15 +112,19 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
             f"{_strongest_viscosity(scene):.3g} (docs/limits.md)."
         )
     factors = rayleigh_factors(scene.material.poisson_ratio, scene.shear_mode)
+    # The normal problem comes first: slip does not change the pressure (docs/separation.md).
     load, normal = with_opening(load, factors, rtol)
+    # The opening uses up a part of the wanted accuracy; the slip zones have the rest.
     wanted, rtol = rtol, rtol - (normal.error if normal and normal.error < rtol else 0.0)
     clock = [perf_counter()]
+    # Under a strong film slip is so small that a loose rule would not show it.
     strong = load.resistance is not None and load.resistance > tuning.STRONG_RESISTANCE
     trial, pivots = (_strict_search if strong else _loose_search)(factors, load, rtol)
     clock.append(perf_counter())
     best, estimate = _refined(trial, rtol)
     clock.append(perf_counter())
     best, estimate = _checked(trial, best, estimate, rtol)
+    # Written with `not` so that an estimate that is not a number also leads to the strict search.
     if not estimate <= rtol and not strong:
         best, estimate, more = _stricter(best, estimate, rtol)
         pivots += more
@@ -126,18 +144,23 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
 
 
 def _is_rated(law: FrictionLaw) -> bool:
-    """Whether strength is not linear in slip rate: any law of it but a viscous film."""
+    """Return whether strength depends on slip rate other than linearly, unlike that of a viscous
+    film."""
     return isinstance(law, RateFriction) and not isinstance(law, ViscousFriction)
 
 
 def _strongest_viscosity(scene: Scene) -> float:
-    """The largest viscosity that is solved [stress time / length]."""
+    """Return the largest viscosity for which a scene is solved [stress time / length]."""
+    # eta = 2 viscosity / (rho c_t), as in `scaled_load`, solved for the viscosity.
     return tuning.STRONGEST_RESISTANCE * scene.material.shear_impedance / 2
 
 
 def _solve_rated(scene: Scene, rtol: float) -> Solution:
-    """Solve a scene whose strength depends on slip rate, from its answer under constant friction:
-    where there are several solutions, that to which Newton's method leads from there."""
+    """Solve a scene whose strength depends on slip rate, from its solution under constant friction.
+
+    If several solutions exist, this is the one to which Newton's method leads from there
+    (docs/rate.md, "Newton's method for any smooth law").
+    """
     clock, coulomb = [perf_counter()], replace(scene, friction_law=CoulombFriction())
     dry = solve(coulomb, rtol=max(rtol, 1e-8))
     if not dry.zones:  # nothing weakens
@@ -145,9 +168,12 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
     clock.append(perf_counter())
     law, speed = unit_law(scene, dry.stress_unit), scene.material.shear_speed
     check_rated(dry.profile, law, speed)
+    # Slip rates rise more steeply from the edges than under constant friction, so the first rule
+    # must not be as loose.
     loose = min(loose_tolerance(rtol), tuning.LOOSEST_RATE_RULE)
     rated, last = approached(dry.profile, law, loose, speed)
     best, estimate = rated, np.inf
+    # Each pass is on a finer rule, from the previous slip rate, until a coarser companion agrees.
     for share in tuning.RATE_RULE_SHARES:
         if rated is None or estimate <= rtol:
             break
@@ -177,14 +203,18 @@ def _solve_rated(scene: Scene, rtol: float) -> Solution:
 
 @dataclass(frozen=True)
 class _Trial:
-    """Zones that were tried.
+    """Zones that were tried, with their fields.
 
     Attributes
     ----------
-    placement : Placement, of their edges
-    profile : Profile, their fields on a rule
-    lawful : bool, whether they fulfil Coulomb's law there
-    steps, sets : int, Newton steps and sets of zones that it took
+    placement : Placement
+        Positions of their edges.
+    profile : Profile
+        Their fields on a rule.
+    lawful : bool
+        Whether they satisfy Coulomb's law on that rule.
+    steps, sets : int
+        Numbers of Newton steps and of sets of zones that were needed.
     """
 
     placement: Placement
@@ -196,7 +226,8 @@ class _Trial:
 
 @dataclass(frozen=True)
 class _Rules:
-    """The rule on which edges are located and to what shift [c_t], and that of Coulomb's law."""
+    """The rule on which edges are located, the shift [c_t] that may be left, and the checking
+    rule."""
 
     locating: Rule
     shift: float
@@ -206,13 +237,15 @@ class _Rules:
 def _search(
     factors: RayleighFactors, load: Load, rtol: float, tolerance: float
 ) -> tuple[_Trial, int]:
-    """Lawful zones on the rule of a tolerance, from one guess after the other, and the pivots these
-    took."""
+    """Return lawful zones on the rule of a tolerance, trying one guess after another, and the
+    pivots."""
     checking = rule_for(tolerance)
     shift = max(tuning.LOCATED_SHIFT * rtol, tuning.LEAST_LOCATED_SHIFT)
     trial = _unlawful(placement_of(factors, (), load), load, checking)
     pivots = steps = sets = 0
     for guess in guesses(factors, load):
+        # Edges need fewer digits than the check of the law. If an earlier guess failed, though, a
+        # loose rule may be the reason.
         locating = checking if guess.doubtful else rule_for(tuning.COARSER_LOCATING * tolerance)
         trial = _settled(factors, guess.zones, load, _Rules(locating, shift, checking))
         pivots, steps, sets = pivots + guess.pivots, steps + trial.steps, sets + trial.sets
@@ -222,27 +255,29 @@ def _search(
 
 
 def _loose_search(factors: RayleighFactors, load: Load, rtol: float) -> tuple[_Trial, int]:
-    """`_search` on as loose a rule as rtol and most scenes allow."""
+    """Run `_search` on as loose a rule as rtol and most scenes allow."""
     return _search(factors, load, rtol, loose_tolerance(rtol))
 
 
 def _strict_search(factors: RayleighFactors, load: Load, rtol: float) -> tuple[_Trial, int]:
-    """`_search` for zones that slip so little that a loose rule cannot tell."""
+    """Run `_search` for zones that slip so little that a loose rule does not show them."""
     return _search(factors, load, _strict(rtol), min(loose_tolerance(rtol), tuning.STRICT_RULE))
 
 
 def _strict(rtol: float) -> float:
-    """Accuracy to which what hardly slips is looked for."""
+    """Return the accuracy to which zones that hardly slip are searched for."""
     return max(tuning.STRICTER * rtol, min(rtol, tuning.STRICTEST))
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
 def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules: _Rules) -> _Trial:
-    """Zones corrected from a start until Coulomb's law holds."""
+    """Correct zones, one set after another, until Coulomb's law holds; return the last trial."""
     steps, may_turn = 0, True
     for sets in range(1, tuning.MOST_ZONE_SETS + 1):
         placement = locate_edges(factors, zones, load, rules.locating, rules.shift)
         steps += placement.steps
+        # A zone may begin at the first front only if the base is at friction: elsewhere the
+        # traction would have to jump there, which no load produces.
         if zones and zones[0].left is None and not load.slips_from_front:
             break  # traction would jump there, for no load does
         if not placement.converged:
@@ -250,10 +285,13 @@ def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules:
             if others is None:
                 break
             pairs = zip(zones, others, strict=False)
+            # The sense of slip ahead of an opening may be reversed once only, or the search would
+            # cycle.
             turned = len(others) == len(zones) and any(p.sense != q.sense for p, q in pairs)
             zones, may_turn = others, may_turn and not turned
             continue
         profile = Profile(ZoneFields(factors, load, placement.zones, rules.checking))
+        # None means that the fields are not numbers; an empty list means that the law holds.
         broken = violations(profile, tuning.LAW_TOLERANCE * rules.checking.tolerance)
         if broken is None:
             break
@@ -264,24 +302,29 @@ def _settled(factors: RayleighFactors, zones: Sequence[Zone], load: Load, rules:
 
 
 def _unlawful(placement: Placement, load: Load, rule: Rule) -> _Trial:
-    """Zones that were given up, or none at all."""
+    """Return a trial for zones that were given up, or for no zones at all."""
     fields = ZoneFields(placement.edges.factors, load, placement.zones, rule)
     return _Trial(placement, Profile(fields), False)
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")  # ends in a status
 def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
-    """Polish the edges on finer and finer rules until a coarser companion agrees to rtol.
+    """Improve the edges on finer and finer rules until a coarser companion agrees to rtol.
 
-    With the steps this took, and the error estimate.
+    Returns
+    -------
+    The trial, with the number of steps that were taken, and its error estimate.
     """
     if not trial.lawful:
         return replace(trial, steps=0), np.inf
     start, steps, covers_c = trial.placement, 0, trial.profile.panels.layout.pole >= 0
     tolerance = rtol / tuning.RULE_SHARE
+    # Where slip covers c_R, the estimate for points between nodes is larger: a finer rule
+    # leaves room for it.
     if covers_c and trial.profile.fields.rule is not rule_for(tolerance):
         tolerance = rtol / tuning.RULE_SHARE_AT_POLE
     tolerance = _affordable(trial.profile.fields, tolerance)
+    # Slip that is narrow ahead of an opening needs its edge relative to that width.
     target = tuning.LEFT_SHIFT * rtol * narrowness(start.edges, start.unknowns)
     target = max(target, tuning.LEAST_LEFT_SHIFT)
     before = np.inf
@@ -301,6 +344,8 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
         trial, before, estimate = finer, numerical, numerical + missed
         if estimate <= rtol or numerical <= tuning.HOPED_ERROR * rtol:
             break  # a finer rule finds no zone that is missed: the check does
+        # The error of a rule decreases about in proportion to its tolerance; the next tolerance
+        # follows from that, within bounds.
         share = min(tuning.HOPED_ERROR * rtol / numerical, tuning.SLOWEST_REFINEMENT)
         wanted = max(tolerance * max(share, tuning.FASTEST_REFINEMENT), tuning.FINEST_RULE)
         if not (wanted := _affordable(fields, wanted)) < tuning.LEAST_GAIN * tolerance:
@@ -310,22 +355,29 @@ def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
 
 
 def _affordable(fields: ZoneFields, tolerance: float) -> float:
-    """A tolerance of a rule, or where that would have too many nodes the least that has not, as
-    far as the nodes of another rule foretell."""
+    """Return a tolerance whose rule has at most `MOST_NODES` nodes, the given one if it does.
+
+    The number of nodes is predicted from that of another rule.
+    """
     per_node = fields.panels.jacobian.size / len(fields.rule.y)  # rules of films are made longer
+    # The number of nodes grows with the logarithm of 1 / tolerance: doubling is a small step.
     while per_node * len(rule_for(tolerance).y) > tuning.MOST_NODES:
         tolerance *= 2
     return tolerance
 
 
 def _checked(trial: _Trial, refined: _Trial, estimate: float, rtol: float) -> tuple[_Trial, float]:
-    """Refined zones, or the zones that Coulomb's law demands instead where to rtol they break it.
+    """Check refined zones to rtol, and solve for corrected zones where they break Coulomb's law.
 
-    With all the steps and sets it took, and the error estimate.
+    Returns
+    -------
+    The trial, with the numbers of all its steps and sets of zones, and its error estimate.
     """
     refined, fields = replace(refined, steps=trial.steps + refined.steps), refined.profile.fields
     if fields.rule is trial.profile.fields.rule:
         return refined, estimate  # the law was checked on that rule
+    # Violations are measured relative to the largest slip rate; where that is small, the tolerance
+    # for tractions becomes stricter in the same ratio.
     strictness = min(max(float(refined.profile.largest_rate), 1 / tuning.LAW_TOLERANCE), 1.0)
     broken = violations(refined.profile, strictness * rtol)
     if broken is None:
@@ -342,8 +394,11 @@ def _checked(trial: _Trial, refined: _Trial, estimate: float, rtol: float) -> tu
 
 
 def _stricter(best: _Trial, estimate: float, rtol: float) -> tuple[_Trial, float, int]:
-    """The better of what there is and what is found on strict rules, its error estimate, and the
-    pivots this took: what hardly slips is driven by less than a loose rule can tell."""
+    """Return the better of the present solution and one found on strict rules.
+
+    A zone that hardly slips is driven by less traction than a loose rule resolves. Also returned
+    are its error estimate and the additional pivots.
+    """
     fields, strict = best.profile.fields, _strict(rtol)
     trial, pivots = _strict_search(fields.factors, fields.load, rtol)
     again, lower = _checked(trial, *_refined(trial, strict), strict)
@@ -351,7 +406,7 @@ def _stricter(best: _Trial, estimate: float, rtol: float) -> tuple[_Trial, float
 
 
 def _status(best: _Trial, estimate: float, rtol: float) -> str:
-    """ "converged", or a sentence saying what to distrust."""
+    """Return "converged", or a sentence that says what to distrust."""
     if not best.lawful:
         return "no set of slip zones was found that fulfils Coulomb's law everywhere"
     if estimate > rtol:

@@ -1,10 +1,11 @@
-"""How placed zones and their fields change with a parameter: implicit differentiation.
+"""Differentiate placed zones and their fields with respect to a parameter, implicitly.
 
-The edges e fulfil m(e, p) = 0 for every value of a parameter p, so de/dp = -J^(-1) dm/dp with the
-Jacobian J of the mismatch m.  On the nodes of panels, which move with the edges, fields are
-analytic in p whatever their powers at the edges.  So they are differenced there, along de/dp, to
-fourth order; what the nodes move by is taken off afterwards (`varied`).  For zones that stay the
-fields are linear in the tractions: that part is exact.
+The edges e satisfy m(e, p) = 0 for every value of a parameter p, so that de/dp = -J^(-1) dm/dp with
+the Jacobian J of the mismatch m. At the nodes of panels, which move with the edges, fields are
+analytic in p whatever their powers at the edges. They are therefore differenced there, along de/dp,
+to fourth order; the contribution of the motion of the nodes is subtracted afterwards (`varied`).
+For fixed zones the fields are linear in the tractions, and that part is exact. See
+docs/derivatives.md, "Fields".
 """
 
 from __future__ import annotations
@@ -33,17 +34,23 @@ moves, and fields on nodes right behind it bend faster than the ratio itself."""
 
 @dataclass(frozen=True)
 class Rates:
-    """What a parameter changes, and how fast: derivatives with respect to it.
+    """Derivatives of the load and the material with respect to a parameter.
 
     Attributes
     ----------
-    friction : of the coefficient
-    base_pressure, base_shear, load_pressure, load_shear : of tractions [stress unit]
-    far_slip_rate : of V(inf) [stress unit / (mu b)]
-    resistance : of eta [mu b]
-    poisson_ratio : 1 for the Poisson ratio itself
-    front_excess : of the base shear less friction, where slip starts at the longitudinal front of a
-        base at friction; what sticks ahead of it then [stress unit]
+    friction : float
+        Derivative of the coefficient.
+    base_pressure, base_shear, load_pressure, load_shear : float
+        Derivatives of tractions [stress unit].
+    far_slip_rate : float
+        Derivative of V(inf) [stress unit / (mu b)].
+    resistance : float
+        Derivative of eta [mu b].
+    poisson_ratio : float
+        1 for the Poisson ratio itself.
+    front_excess : float
+        Derivative of the base shear less friction, where slip starts at the longitudinal front of
+        a base at friction; the base ahead of it then sticks [stress unit].
     """
 
     friction: float = 0.0
@@ -58,18 +65,19 @@ class Rates:
 
     @property
     def of_pressure(self) -> bool:
-        """Whether a pressure of the load changes."""
+        """Whether a pressure of the base or the load changes."""
         return bool(self.base_pressure or self.load_pressure)
 
     def of_load(self, load: Load) -> Load | None:
-        """The load whose fields are the derivatives of those of a load, for zones that stay.
+        """Return the load whose fields are the derivatives of those of a load, for fixed zones.
 
-        All are linear in shear tractions and in friction times pressure; None if more changes than
-        these: impedances, or the part of the contact that is open.
+        All fields are linear in shear tractions and in friction times pressure. The result is None
+        if anything else changes: impedances, or the open part of the contact.
         """
         if self.poisson_ratio or self.resistance or (load.opened and self.of_pressure):
             return None
         friction, pressures = load.friction, (self.base_pressure, self.load_pressure)
+        # d(f p) = df p + f dp, of which one part is zero.
         if self.friction or load.opened:  # whose pressure stays
             friction, pressures = self.friction, (load.base_pressure, load.load_pressure)
         return replace(
@@ -85,7 +93,7 @@ class Rates:
 
 @dataclass(frozen=True)
 class Stencil:
-    """A difference: steps away, their weights, and the step."""
+    """Finite difference: offsets of its points in steps, their weights, and the step."""
 
     offsets: Array
     weights: Array
@@ -93,11 +101,11 @@ class Stencil:
 
     @property
     def points(self) -> Array:
-        """Values of what is varied, less its own."""
+        """Differences of the parameter from its own value."""
         return self.offsets * self.step
 
     def difference(self, values: Array, axis: int) -> Array:
-        """The derivative from values on all points, which lie along an axis."""
+        """Return the derivative from values at all points, which lie along an axis."""
         return np.tensordot(values, self.weights / self.step, ([axis], [0]))
 
 
@@ -107,7 +115,8 @@ _TO_ONE_SIDE = np.arange(5.0), np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12
 
 
 def _stencils(step: float, central: tuple[Array, Array]) -> Iterator[Stencil]:
-    """Central ones, and ones to a side for where neighbours on the other have other panels."""
+    """Yield central differences, and one-sided ones for neighbours with other panels on one
+    side."""
     for size in (step, step / 10):
         yield Stencil(*central, size)
         yield Stencil(*_TO_ONE_SIDE, size)
@@ -116,18 +125,23 @@ def _stencils(step: float, central: tuple[Array, Array]) -> Iterator[Stencil]:
 
 @dataclass(frozen=True)
 class NodeFields:
-    """Fields at the nodes of panels, times dv/dy, and where the panels are; or derivatives of them.
+    """Fields at the nodes of panels, times dv/dy, and the positions of the panels; or derivatives.
 
     Attributes
     ----------
-    rate, traction : (p, n) arrays, slopes of slip rate, and of traction less what is unbounded at
-        a stuck contact edge, times dv/dy
-    rate_starts, traction_starts : (p,) arrays, slip rate and traction at the left of each panel
-    ends, skew : (4, m, 1) and (p, 1) arrays, of the panels
-    amounts, exponents : (q, 1) arrays, of the powers that the slope of slip rate has beside borders
-        of an opening, which are no part of `rate`
-    tail : () array, limit of v^2 dV/dv
-    intensity : () array, of the traction at a stuck contact edge
+    rate, traction : (p, n) arrays
+        Slopes of slip rate, and of traction less the part unbounded at a stuck contact edge,
+        times dv/dy.
+    rate_starts, traction_starts : (p,) arrays
+        Slip rate and traction at the left of each panel.
+    ends, skew : (4, m, 1) and (p, 1) arrays
+        Ends and rho of the panels.
+    amounts, exponents : (q, 1) arrays
+        Powers that the slope of slip rate has beside borders of an opening; not part of `rate`.
+    tail : () array
+        Limit of v^2 dV/dv.
+    intensity : () array
+        Intensity of the traction at a stuck contact edge.
     """
 
     rate: Array
@@ -143,7 +157,8 @@ class NodeFields:
 
     @classmethod
     def of(cls, profile: Profile) -> NodeFields:
-        """Of a profile; of k sets of zones with an axis of k, at the place `_SETS` says."""
+        """Return the fields of a profile; for k sets of zones, with an axis of k where `_SETS`
+        says."""
         panels, (rate, traction) = profile.panels, profile.starts
         return cls(
             profile.rate_integral.density * panels.jacobian,
@@ -159,7 +174,7 @@ class NodeFields:
 
     @classmethod
     def zero(cls, profile: Profile) -> NodeFields:
-        """Derivatives of a profile that does not change."""
+        """Return the derivatives of a profile that does not change."""
         return cls(*(np.zeros_like(part) for part in NodeFields.of(profile)._parts))
 
     @property
@@ -168,7 +183,7 @@ class NodeFields:
 
     @classmethod
     def difference(cls, beside: list[NodeFields], stencil: Stencil) -> NodeFields:
-        """Derivatives from neighbours on a stencil: one by one, or all as sets of one."""
+        """Return derivatives from neighbours on a stencil: one by one, or all as sets of one."""
         parts, count = [], len(stencil.weights)
         for every, axis in zip(
             zip(*(one._parts for one in beside), strict=True), _SETS, strict=True
@@ -180,12 +195,12 @@ class NodeFields:
         return cls(*parts)
 
     def plus(self, other: NodeFields) -> NodeFields:
-        """The sum of two derivatives."""
+        """Return the sum of two derivatives."""
         return NodeFields(*(a + b for a, b in zip(self._parts, other._parts, strict=True)))
 
     @property
     def of_resting_panels(self) -> NodeFields:
-        """The same as derivatives for panels that stay, and the exponents of X with them."""
+        """These fields as derivatives for panels that stay, with exponents of X that stay."""
         resting = {
             name: np.zeros_like(getattr(self, name)) for name in ("ends", "skew", "exponents")
         }
@@ -196,7 +211,7 @@ _SETS = (1, 1, 1, 1, 2, 1, 1, 1, 0, 0)
 
 
 def _of_powers(profile: Profile) -> tuple[Array, Array]:
-    """Amounts and exponents (q, ..., 1) of the powers of a profile's slope of slip rate."""
+    """Return amounts and exponents (q, ..., 1) of the powers of a profile's slope of slip rate."""
     powers, shape = profile.rate_integral.powers, (*profile.panels.jacobian.shape[1:-1], 1)
     amounts, exponents = np.empty((2, len(powers), *shape))
     for i, power in enumerate(powers):
@@ -210,11 +225,16 @@ class Variation:
 
     Attributes
     ----------
-    rates : Rates, of the parameter
-    unknowns : (e,) array, of the unknowns of `edges`
-    nodes : NodeFields, at fixed nodes
-    stencil : Stencil by which they were differenced; None if the zones stay
-    normal : NodeFields of the normal problem; None if it stays
+    rates : Rates
+        Derivatives of load and material.
+    unknowns : (e,) array
+        Derivatives of the unknowns of `edges`.
+    nodes : NodeFields
+        Derivatives at fixed nodes.
+    stencil : Stencil or None
+        Stencil by which they were differenced; None if the zones stay.
+    normal : NodeFields or None
+        Derivatives of the normal problem; None if it stays.
     """
 
     rates: Rates
@@ -225,7 +245,7 @@ class Variation:
 
     @property
     def of_normal(self) -> Variation | None:
-        """That of the normal problem, minus pressure for traction; None if it stays."""
+        """Variation of the normal problem, minus pressure for traction; None if it stays."""
         if self.normal is None:
             return None
         rates = Rates(
@@ -245,7 +265,7 @@ class _Change:
 
     @classmethod
     def of(cls, beside: list[ZoneFields], stencil: Stencil) -> _Change:
-        """From neighbours on a stencil."""
+        """Return the derivatives from neighbours on a stencil."""
         profiles = [Profile(one) for one in beside]
         normals = [NodeFields.of(one.normal) for one in profiles if one.normal is not None]
         return cls(
@@ -254,7 +274,7 @@ class _Change:
         )
 
     def plus(self, other: _Change) -> _Change:
-        """The sum of two."""
+        """Return the sum of two changes."""
         normal = self.normal
         if normal is not None and other.normal is not None:
             normal = normal.plus(other.normal)
@@ -263,12 +283,14 @@ class _Change:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Placed zones, and what their neighbours on the same nodes show.
+    """Placed zones, and neighbouring zones on the same nodes.
 
     Attributes
     ----------
-    profile : Profile, of the zones
-    finer : Surroundings of which these are the `companion`, or None
+    profile : Profile
+        Profile of the zones.
+    finer : Surroundings or None
+        Surroundings of which these are the `companion`.
     """
 
     profile: Profile
@@ -276,10 +298,10 @@ class Surroundings:
 
     @cached_property
     def companion(self) -> Surroundings:
-        """The same zones on a coarser rule, with edges where that one wants them.
+        """Surroundings of the same zones on a coarser rule, with the edges that this rule requires.
 
-        Their derivatives share nothing with those of the zones but the Jacobian, which only says
-        where to look: the rule, its nodes, the edges and the step of differences are others.
+        Their derivatives share only the Jacobian with those of the zones, and the Jacobian only
+        affects the direction of differences. Rule, nodes, edges and step differ.
         """
         (edges, unknowns), fields = self._placed, self._fields
         rule = rule_for(tuning.COARSER_COMPANION * fields.rule.tolerance)
@@ -299,7 +321,7 @@ class Surroundings:
 
     @cached_property
     def _loose_rule(self) -> Rule:
-        """On which directions are found, to the digits of a Jacobian."""
+        """Rule on which directions are found, to the digits of a Jacobian."""
         return rule_for(max(tuning.DIRECTION_RULE, self._fields.rule.tolerance))
 
     @cached_property
@@ -310,7 +332,7 @@ class Surroundings:
 
     @cached_property
     def _inverse(self) -> Array:
-        """(e, e) inverse Jacobian of the mismatch, to about six digits."""
+        """Inverse Jacobian (e, e) of the mismatch, to about six digits."""
         if self.finer is not None:
             return self.finer._inverse
         edges, unknowns = self._placed
@@ -322,9 +344,10 @@ class Surroundings:
     def _neighbours(
         self, rates: Rates, moved: Array, points: Array, rule: Rule | None = None
     ) -> list[ZoneFields]:
-        """Zones beside these: sets of one, or one by one if more than edges changes.
+        """Return neighbouring zones: as sets of one, or one by one if more than the edges changes.
 
-        On the nodes of these, or on another rule without what follows the last edge.
+        They are on the nodes of these zones, or on another rule without the tail behind the last
+        edge.
         """
         (edges, unknowns), fields = self._placed, self._fields
         every, tail = unknowns[:, None] + moved[:, None] * points, rule is None
@@ -340,13 +363,13 @@ class Surroundings:
         return result
 
     def _one_by_one(self, rates: Rates) -> bool:
-        """Whether more than edges changes, so that neighbours are no sets of one sweep."""
+        """Return whether more than the edges changes, so that neighbours cannot share one sweep."""
         opened = self._fields.load.opened is not None and rates.of_pressure
         return bool(rates.poisson_ratio or rates.resistance or opened)
 
     def _beside(self, rates: Rates, point: float) -> tuple[RayleighFactors, Load]:
-        """Factors and load where a parameter is larger by as much; the contact opens where it does
-        then."""
+        """Return factors and load at a changed value of the parameter, with the opening under that
+        load."""
         factors, load = self._fields.factors, self._fields.load
         own = rayleigh_factors(factors.poisson_ratio + rates.poisson_ratio * point, factors.mode)
         if load.resistance is not None and rates.resistance:
@@ -368,16 +391,16 @@ class Surroundings:
 
     @cached_property
     def _opened(self) -> dict[tuple[Rates, float], Load]:
-        """Loads with what is open under them, of the neighbours that were met."""
+        """Loads with their openings, for neighbours that have been computed."""
         return {}
 
     def _unfulfilled(self, beside: list[ZoneFields], stencil: Stencil) -> Array:
-        """(e,) derivatives of the mismatch from neighbours."""
+        """Return the derivatives (e,) of the mismatch from neighbours."""
         values = np.stack([one.mismatch() for one in beside], -1)
         return stencil.difference(values.reshape(-1, len(stencil.points)), 1)
 
     def _step(self, rates: Rates, moved: Array) -> float:
-        """The longest step in a direction that changes no panel by much; infinite if nothing
+        """Return the longest step in a direction that changes no panel by much; infinite if none
         moves."""
         step = self._step_of_unknowns(rates, moved)
         for _ in range(tuning.MOST_NARROWINGS if step < np.inf else 0):
@@ -388,9 +411,9 @@ class Surroundings:
         return step
 
     def _change_of_widths(self, rates: Rates, moved: Array, step: float) -> float:
-        """Largest change of the logarithm of the width of a panel by a step in a direction.
+        """Return the largest change of the logarithm of a panel's width by a step in a direction.
 
-        Unknowns do not know how narrow a zone is, nor the slip ahead of an opening.
+        The unknowns do not represent how narrow a zone is, nor the slip ahead of an opening.
         """
         beside = self._neighbours(rates, moved, np.array([-step, step]), self._loose_rule)
         one, other = (fields.panels.widths[..., 0] for fields in (beside[0], beside[-1]))
@@ -401,7 +424,8 @@ class Surroundings:
         return float(np.abs(np.log(other / one)).max(initial=0.0)) / 2
 
     def _step_of_unknowns(self, rates: Rates, moved: Array) -> float:
-        """The longest step in a direction as far as unknowns and what they count from tell."""
+        """Return the longest step in a direction that the unknowns and the parameter itself
+        allow."""
         steps, nu = [np.inf], self._fields.factors.poisson_ratio
         if moved.any():
             steps.append(1 / float(np.abs(moved).max()))
@@ -413,14 +437,14 @@ class Surroundings:
         return self._share_of_step * min(steps)
 
     def _steps_of_opening(self, rates: Rates) -> list[float]:
-        """Changes of a parameter that would bring the base to where the contact closes, or to
-        zero."""
+        """Return changes of a parameter that would close the contact or bring the base to zero."""
         load, factors = self._fields.load, self._fields.factors
         if load.opened is None:
             return []
         stuck = stuck_traction(factors.poisson_ratio, "I").at_rayleigh_front
         margin = load.base_pressure
         if load.load_pressure > 0:
+            # The contact closes at the Rayleigh front when P_b + P_0 p*(c) = 0.
             margin = min(margin, abs(margin + load.load_pressure * stuck))
         fastest = abs(rates.base_pressure) + abs(rates.load_pressure)
         fastest += abs(rates.poisson_ratio * load.load_pressure) * (load.load_pressure > 0)
@@ -434,7 +458,8 @@ class Surroundings:
     def _stencil(
         self, rates: Rates, moved: Array, central: tuple[Array, Array] = _FOURTH_ORDER
     ) -> Stencil | None:
-        """Points at which neighbours in a direction have the same panels; None if none moves."""
+        """Return a stencil whose neighbours in a direction have the same panels; None if none
+        moves."""
         step = self._step(rates, moved)
         if step == np.inf:
             return None
@@ -449,7 +474,12 @@ class Surroundings:
         )
 
     def variation(self, rates: Rates) -> Variation:
-        """Derivatives with respect to a parameter.
+        """Return the derivatives with respect to a parameter.
+
+        Parameters
+        ----------
+        rates : Rates
+            Derivatives of load and material with respect to it.
 
         Raises
         ------
@@ -458,12 +488,14 @@ class Surroundings:
         """
         load, moved = rates.of_load(self._fields.load), np.zeros(len(self._placed[1]))
         nodes, unfulfilled = NodeFields.zero(self.profile), moved
+        # The exact part: fields of the load of derivatives on the present panels.
         if load is not None:
             fixed = self._let_go(replace(self._fields, load=load, rule=self._rule), rates)
             nodes = NodeFields.of(Profile(fixed)).of_resting_panels
             unfulfilled = fixed.mismatch().reshape(-1)
             moved = -self._inverse @ unfulfilled
         elif len(moved):
+            # A second-order difference on a loose rule suffices to find the direction de/dp.
             first = Stencil(*_SECOND_ORDER, self._step(rates, moved))
             beside = self._neighbours(rates, moved, first.points, self._loose_rule)
             moved = -self._inverse @ self._unfulfilled(beside, first)
@@ -475,21 +507,25 @@ class Surroundings:
         change = replace(change, nodes=nodes.plus(change.nodes))
         if len(moved):
             unfulfilled = unfulfilled + self._unfulfilled(beside, stencil)
+            # The Jacobian is inexact; one more difference along the residual compensates for that.
             moved, change = self._improved(moved, change, unfulfilled)
         normal = change.normal if self._one_by_one(rates) else None
         return Variation(rates, moved, change.nodes, stencil, normal)
 
     def _let_go(self, fields: ZoneFields, rates: Rates) -> ZoneFields:
-        """Fields with what a base just below friction keeps back of slip at the longitudinal front.
+        """Return fields with the part of slip at the longitudinal front that a sticking base
+        retains.
 
-        From there on the traction is what strength is: it jumps by minus the excess, as a term
-        r / (k + a) of T does, and the slip rate by that over the impedance.  A strip that sticks
-        behind the front makes both smooth; its width is of higher order.
+        Behind the front the traction equals the strength. It jumps by minus the excess, like a term
+        r / (k + a) of T, and the slip rate by the excess over the impedance. A strip that sticks
+        behind the front makes both smooth; its width is of higher order (docs/derivatives.md,
+        "Where the set of zones changes").
         """
         if not rates.front_excess:
             return fields
         factors, load, front = fields.factors, fields.load, self.profile.panels.left[0]
         root = float(np.sqrt(1 - factors.a**2))
+        # M(a) in units b = mu = 1.
         impedance = root if factors.mode == "III" else (1 - 2 * factors.a**2) ** 2 / root
         rate = rates.front_excess / float(impedance + (load.resistance or 0.0))
         amount = impedance * rate * factors.a / self._fields.canonical.values[0, ..., 0]
@@ -498,7 +534,7 @@ class Surroundings:
         return replace(fields, load=load, closing=((front, float(amount)),))
 
     def _improved(self, moved: Array, change: _Change, unfulfilled: Array) -> tuple[Array, _Change]:
-        """Derivatives of unknowns and fields with what they leave unfulfilled made up for."""
+        """Return derivatives of unknowns and fields, corrected for the remaining mismatch."""
         largest = float(np.abs(moved).max())
         for _ in range(tuning.MOST_IMPROVEMENTS):
             more = -self._inverse @ unfulfilled

@@ -1,12 +1,14 @@
 """Derivatives of slip rate, slip and traction as functions of slowness, b = mu = 1, one-sided.
 
-What changes at fixed nodes of the panels is integrated as the fields themselves are; what nodes
-move by is taken off.  With F' at a fixed node and w the velocity of the node, at fixed slowness
+Changes at fixed nodes of the panels are integrated like the fields themselves; the contribution of
+the motion of the nodes is subtracted. With F' at a fixed node and w the velocity of the node, the
+derivative at fixed slowness is
 
-    dF/dp = F' - w dF/dv,
+    dF/dp = F' - w dF/dv.
 
-infinite at the edges where F has a power less than one.  What slip rate has of powers beside the
-borders of an opening is differentiated in closed form, at a fixed share of the panel.
+It is infinite at the edges where F has a power less than one. Powers of the slip rate beside the
+borders of an opening are differentiated in closed form, at a fixed share of the panel. See
+docs/derivatives.md, "Fields".
 """
 
 from __future__ import annotations
@@ -48,22 +50,23 @@ class VariedProfile:
         return self.variation.nodes
 
     def _velocity(self, panel: int, at: CutPoints) -> Array:
-        """How fast points (m,) of a panel move with its ends, at a fixed y."""
+        """Return the velocity of points (m,) of a panel that moves with its ends, at a fixed y."""
         panels, rate = self._panels, self._nodes.skew / self._panels.skew
         moved, right = self._velocity_of_share(panel, at), panels.right[panel]
         if right is None:
             return moved
+        # The skew rho changes too: ds/drho = -s (1 - s) / rho at fixed y.
         share = at.minus(panels.left[panel]) / panels.widths[panel]
         return np.asarray(moved + share * at.minus(right) * rate[panel])
 
     def _velocity_of_share(self, panel: int, at: CutPoints) -> Array:
-        """The same at a fixed share of the panel."""
+        """Return the velocity of points (m,) of a panel at a fixed share of it."""
         from_left = at.minus(self._panels.left[panel])
         return np.asarray(self._nodes.ends[0, panel] + from_left * self._growth[panel])
 
     @cached_property
     def _growth(self) -> Array:
-        """(p, 1): how fast the logarithms of the widths of panels grow."""
+        """Derivative of the logarithm of the width of each panel, (p, 1)."""
         panels, ends = self._panels, self._nodes.ends[0]
         growth = self._nodes.skew / panels.skew
         bounded = len(panels.widths)
@@ -71,19 +74,22 @@ class VariedProfile:
         return np.asarray(growth)
 
     def moved(self, point: CutPoints) -> Array:
-        """Of the slowness of a zone edge or front at which a panel begins, (1,)."""
+        """Return the derivative of the slowness of a zone edge or front at which a panel begins,
+        (1,)."""
         starts = [left.first for left in self._panels.left]
         return np.asarray(self._nodes.ends[0, starts.index(point.first)])
 
     @cached_property
     def _rate(self) -> RunningIntegral:
-        """Of dV/dv at fixed nodes, and of its powers at fixed shares of panels."""
+        """Running integral of the derivative of dV/dv at fixed nodes, and of its powers at fixed
+        shares."""
         return self._integral(self._nodes.rate / self._panels.jacobian, self._powers)
 
     @cached_property
     def _powers(self) -> tuple[Power, ...]:
-        """Of those of dV/dv."""
+        """Derivatives of the powers of dV/dv."""
         nodes = self._nodes
+        # d(A s^n) = (dA + A dn ln s) s^n.
         return tuple(
             replace(power, amount=amount, of_log=power.amount * exponent)
             for power, amount, exponent in zip(
@@ -93,8 +99,10 @@ class VariedProfile:
 
     @cached_property
     def _moment(self) -> RunningIntegral:
-        """The integral whose moment is what that of dV/dv changes by at fixed nodes, but for what
-        the ends of powers move by."""
+        """Integral whose moment is the derivative of that of dV/dv at fixed nodes.
+
+        The contribution of the motion of the ends of powers is not included.
+        """
         panels, rate = self._panels, self.profile.rate_integral
         velocity = np.stack([self._velocity(i, panels.at[i]) for i in range(len(panels.left))])
         carried = rate.density * velocity
@@ -114,7 +122,8 @@ class VariedProfile:
         return RunningIntegral(self._panels, density, front, tail, powers)
 
     def _slope(self, integral: RunningIntegral, panel: int, at: CutPoints) -> Array:
-        """Of an integral at points (m,) inside a panel, infinite where it is so at its ends."""
+        """Return the slope of an integral at points (m,) inside a panel, infinite where it is at
+        the ends."""
         panels, v = self._panels, at.v
         right, rounding, wide = panels.right[panel], 4 * np.finfo(float).eps * v, 0.0
         y = np.where(at.minus(panels.left[panel]) < rounding, -np.inf, panels.coordinate(panel, at))
@@ -125,6 +134,7 @@ class VariedProfile:
         first, last = min(skew, 0.0) - _CLOSE - wide, max(skew, 0.0) + _CLOSE
         within = panels.inside(panel, np.clip(y, first, last))
         value = integral.slope(panel, within)
+        # Beyond the innermost part the slope continues as a power of the distance from the end.
         for end, outward in ((first, -1.0), (last, 1.0)):
             beyond = outward * (y - end) > 0
             if beyond.any():
@@ -143,11 +153,11 @@ class VariedProfile:
         return self.variation.rates.far_slip_rate
 
     def slip_rate(self, u: Array) -> Array:
-        """Of V; at the edges where V has a square root plus or minus infinity."""
+        """Return the derivative of V; plus or minus infinity at edges where V has a square root."""
         return self._piecewise(u, self._far_slip_rate, self._slip_rate_inside)
 
     def _slip_rate_inside(self, i: int, at: CutPoints) -> Array:
-        """The same at points (m,) inside a panel."""
+        """Return the derivative of V at points (m,) inside a panel."""
         if not self._panels.sense[i]:
             return np.zeros(at.v.shape)
         rate = self.profile.rate_integral
@@ -157,23 +167,25 @@ class VariedProfile:
         return np.asarray(value - _carried(of_powers, self._velocity_of_share(i, at)))
 
     def moved_root(self, u: Array) -> Array:
-        """Of slownesses (m,) at which V is zero within a zone."""
+        """Return the derivatives of slownesses (m,) at which V is zero within a zone."""
         rate = self.profile.rate_integral
         with np.errstate(invalid="ignore"):
             moved = self.slip_rate(u) / self._piecewise(
                 u, 0.0, lambda i, at: self._slope(rate, i, at) + rate.slope_of_powers(i, at)
             )
+        # V(u(p), p) = 0 gives du/dp = -(dV/dp) / (dV/du).
         return np.where(np.isnan(moved), 0.0, -moved)
 
     @cached_property
     def edge_slip_rate(self) -> float:
-        """Of V at the contact edge."""
+        """Derivative of V at the contact edge."""
         if not self.profile.edge_slips:
             return 0.0
         return float(self._nodes.rate_starts[-1] + self._rate.totals[-1])
 
     def _slip(self, i: int, at: CutPoints, start: float | Array) -> Array:
-        """Of slip / x inside a panel that slips, from that at its left end."""
+        """Return the derivative of slip / x inside a panel that slips, from that at its left
+        end."""
         gain, moment = self._rate(i, at), self._moment.with_moment(i, at)[1]
         for power in self.profile.rate_integral.powers_on(i):
             moved = self._nodes.ends[0, power.end_index]
@@ -184,7 +196,7 @@ class VariedProfile:
 
     @cached_property
     def _slip_starts(self) -> Array:
-        """Of slip / x at the left end of each panel, (p,)."""
+        """Derivative of slip / x at the left end of each panel, (p,)."""
         panels = self._panels
         slip = np.zeros(len(panels.left))
         slip[0] = self._far_slip_rate * panels.left[0].v[0]
@@ -195,7 +207,7 @@ class VariedProfile:
         return slip
 
     def slip_over_time(self, u: Array) -> Array:
-        """Of slip / t."""
+        """Return the derivative of slip / t."""
         start = self._slip_starts
 
         def inside(i: int, at: CutPoints) -> Array:
@@ -205,10 +217,12 @@ class VariedProfile:
         return self._piecewise(u, self._far_slip_rate, inside)
 
     def _stuck(self, u: Array, mode: Mode) -> Array:
-        """Of p* or q* with respect to the Poisson ratio."""
+        """Return the derivative of p* or q* with respect to the Poisson ratio."""
         stencil, own = self.variation.stencil, self.profile.fields.factors
         if not self.variation.rates.poisson_ratio or stencil is None:
             return np.zeros(u.shape)
+        # Between the fronts, a moves with the ratio while b = 1 stays: points at a fixed share of
+        # (a, b) are differenced there.
         between = (u > own.a) & (u < 1)  # of the fronts, that move: at a fixed share
         share = np.where(between, (u - own.a) / (1 - own.a), 0.0)
         values, places = [], []
@@ -224,13 +238,15 @@ class VariedProfile:
 
     @cached_property
     def normal(self) -> VariedProfile | None:
-        """Of the normal problem, minus pressure for traction and the opening of one side for slip;
-        None if it stays, or the contact is closed."""
+        """Derivatives of the normal problem, or None if it stays or the contact is closed.
+
+        Minus the pressure stands for the traction, and the opening of one side for slip.
+        """
         profile, variation = self.profile.normal, self.variation.of_normal
         return VariedProfile(profile, variation) if profile and variation else None
 
     def pressure(self, u: Array) -> Array:
-        """Of contact pressure."""
+        """Return the derivative of contact pressure."""
         load, rates = self.profile.fields.load, self.variation.rates
         if load.opened is not None:
             return np.zeros(u.shape) if self.normal is None else -self.normal.traction(u)
@@ -243,7 +259,7 @@ class VariedProfile:
         return result
 
     def strength(self, u: Array) -> Array:
-        """Of the friction bound f p."""
+        """Return the derivative of the strength f p."""
         load, rates = self.profile.fields.load, self.variation.rates
         change = load.friction * self.pressure(u)
         if rates.friction:
@@ -252,7 +268,8 @@ class VariedProfile:
         return np.asarray(change)
 
     def traction(self, u: Array) -> Array:
-        """Of the shear traction; infinite at edges that open slip slower than c_R."""
+        """Return the derivative of the shear traction; infinite at edges that open slip slower than
+        c_R."""
         rates, profile, nodes = self.variation.rates, self.profile, self._nodes
         integral = profile.traction_integral
 
@@ -267,7 +284,7 @@ class VariedProfile:
         return self._piecewise(u, rates.base_shear - rates.far_slip_rate, inside)
 
     def _resisted(self, i: int, at: CutPoints) -> Array | float:
-        """Of eta V inside a panel that slips."""
+        """Return the derivative of eta V inside a panel that slips."""
         resistance, by_resistance = (
             self.profile.fields.load.resistance,
             self.variation.rates.resistance,
@@ -278,8 +295,10 @@ class VariedProfile:
         return np.asarray(resistance * self._slip_rate_inside(i, at) + by_resistance * rate)
 
     def _edge_traction(self, panel: int, v: Array) -> Array | float:
-        """Of the part of the traction that is unbounded at a stuck edge, less what its start moves
-        by."""
+        """Return the derivative of the traction that is unbounded at a stuck edge.
+
+        The motion of its start is subtracted.
+        """
         profile, nodes = self.profile, self._nodes
         if self._panels.right[panel] is not None:
             return 0.0
@@ -297,15 +316,17 @@ class VariedProfile:
 
 
 def _carried(slope: Array, velocity: Array) -> Array:
-    """What nodes carry along; nothing where they rest."""
+    """Return the contribution of moving nodes, slope times velocity; 0 where they rest."""
     with np.errstate(invalid="ignore"):
         return np.where(velocity == 0, 0.0, slope * velocity)
 
 
 def _growth(pair: Array) -> float:
-    """Of the logarithm of a slope per y outward, from it at a point and at one y inward."""
+    """Return the growth of the logarithm of a slope per y, from values at a point and one y
+    inward."""
     if not np.all(pair[0] * pair[1] > 0):
         return 0.0
     growth = float(np.log(pair[0] / pair[1]))
+    # Where the power is a multiple of 1/2, as beside most edges, rounding makes it exact.
     halves = round(2 * growth) / 2
     return halves if abs(growth - halves) < _HALF_POWER else growth

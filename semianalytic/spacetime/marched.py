@@ -343,7 +343,7 @@ class Marched(SampledAnswer):
     def shortfalls(self) -> tuple[Shortfall, ...]:
         """The known reasons why the grid is too coarse; empty if there is none.
 
-        These are slip at the edge over less than four nodes (which would otherwise look like no
+        These are slip at the edge over less than five nodes (which would otherwise look like no
         slip), slip weakening on too few nodes, and an error estimate above `rtol`, or above a half.
         """
         every = (

@@ -203,7 +203,8 @@ def test_spoilt_answers_answer_all_questions(problem, monkeypatch):
         assert np.isfinite(history.shear_traction).all()
         assert history.slip_rate.shape == (3, len(X))
         assert answer.max_slip(1.0) >= 0.99 * np.abs(history.slip[-1]).max()
-        assert answer.scene.base.pressure == problem.scene.base.pressure
+        held = problem.scene.superposition.in_place  # of a remote load, the load itself
+        assert answer.scene.superposition.in_place.pressure == held.pressure
         assert set(answer.to_xarray(X, history.t)) >= {"slip", "frictional_work"}
 
 

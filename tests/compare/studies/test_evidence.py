@@ -245,7 +245,8 @@ def test_a_scene_from_a_file_that_slips_everywhere(tmp_path):
     path = tmp_path / "all & more.toml"
     path.write_text(
         "friction = 0.5\nmaterial = {shear_modulus = 1.0, density = 1.0, poisson_ratio = 0.25}\n"
-        "base = {pressure = 1.0, shear = 1.0}\nload = {pressure = 1.0, shear = 1.0}\n",
+        "base = {pressure = 0.0, shear = 0.0}\nload = {pressure = 1.0, shear = 1.0}\n"
+        'load_on = "remote"\n',
         encoding="utf-8",
     )
     scene = collect_scene(str(path), resolution=20)
