@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 LEAST_ORDER = 0.5
 """Order at least with which readings of fields that jump converge; a bar would grow without limit
@@ -91,6 +91,22 @@ def error_bar(
     believed = min(max(seen, LEAST_ORDER), most)
     missing = max(last, before / ratio**most) / (ratio**believed - 1)
     return ErrorBar(min(SAFETY * missing + floor, limit), order, limit, converges=True)
+
+
+def slowest_bar(error: ErrorBar, changes: Sequence[float], floor: float = 0.0) -> ErrorBar:
+    """Error bar of a reading that converges, though its changes with all that may move it do not:
+    they are taken to fall with `LEAST_ORDER`.
+
+    Parameters
+    ----------
+    error : ErrorBar
+        Of the changes.
+    changes, floor
+        As of `error_bar`, for meshes whose element sizes differ by a factor of 2.
+    """
+    last = max(abs(change) / 2 ** (LEAST_ORDER * older) for older, change in enumerate(changes))
+    size = SAFETY * last / (2**LEAST_ORDER - 1) + floor
+    return replace(error, size=size, converges=True)
 
 
 def observed_order(changes: Sequence[float], ratio: float = 2.0) -> float | None:

@@ -10,7 +10,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.bars import LARGEST_ORDER, LEAST_ORDER, SAFETY, ErrorBar, error_bar
+from compare.comparison.bars import (
+    LARGEST_ORDER,
+    LEAST_ORDER,
+    SAFETY,
+    ErrorBar,
+    error_bar,
+    slowest_bar,
+)
 from compare.comparison.case import Case
 from compare.comparison.measures import NOTHING, norm
 from compare.comparison.rows import AGREES, ALARM, DIFFERS, TELLING, UNRESOLVED, Row
@@ -176,12 +183,13 @@ def profile_row(
             return float(np.abs(field).max(initial=0.0))
         return norm(field, at / case.length, 1)
 
-    changes = []
+    own, changes = [], []
     for pair in pairwise(range(len(runs))):
         of, to = pair[::-1] if smooth else pair
         at = runs[of].interface.x[places[of]]
         other = np.interp(at, runs[to].interface.x, fields[to])
         change = np.abs(fields[of][places[of]] - other)
+        own.append(size(change, at))
         if driven is not None and not nothing:  # largest values at fronts do not converge
             change += driven(of)[places[of]]
         changes.append(size(change, at))
@@ -210,6 +218,12 @@ def profile_row(
         relative=not nothing,
     )
     error = field_bar(case, changes, per, nothing)
+    if error is not None and not error.converges and driven is not None:
+        # a pressure that is singular at the edge changes with order 1/2 at best, by which no field
+        # that converges itself is to be condemned
+        alone = field_bar(case, own, per, nothing)
+        if alone is not None and alone.converges:
+            error = slowest_bar(error, [change / per for change in changes], _floor(case, nothing))
     return judged(case, row, Comparison(error, before, added))
 
 
@@ -236,8 +250,12 @@ def field_bar(
     """
     if not changes:
         return None
-    floor = NOTHING + (0.0 if nothing else LEAST_ERROR + case.error_estimate)
-    return error_bar([change / per for change in changes], floor, most=most)
+    return error_bar([change / per for change in changes], _floor(case, nothing), most=most)
+
+
+def _floor(case: Case, nothing: bool) -> float:
+    """What no mesh difference of a field is believed below, over the norm of the prediction."""
+    return NOTHING + (0.0 if nothing else LEAST_ERROR + case.error_estimate)
 
 
 def judged(case: Case, row: Row, comparison: Comparison) -> Row:

@@ -110,6 +110,11 @@ def _reaches(case: Case) -> bool:
 
 def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> Row | None:
     """The row of one front; None where no field has a signal there."""
+    shear_speed = case.scene.material.shear_speed
+    if not all(_late(case.simulation, field, window) for field in fields):
+        reason = "no step of the simulation is stored while it is on the record; store all of them"
+        row = Row(name, "arrival", window.front / shear_speed, None, None, None, None, "c_t")
+        return replace(row, obstacle=reason)
     samples = window.samples()
     sharp = [tabulated(field.predict, window) for field in fields]
     templates = [
@@ -120,12 +125,15 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
     strongest = int(np.argmax(strength))
     if strength[strongest] < LEAST_ROUGHNESS:
         return None
-    field, shear_speed = fields[strongest], case.scene.material.shear_speed
+    field = fields[strongest]
     velocity, _ = _recorded(case.simulation, field, window)
     template = templates[strongest]
     exact = aligned_speed(velocity, template(velocity), template, window)
     speeds = []
     for run in (case.simulation, *case.coarser):
+        if not _late(run, field, window):
+            speeds.append(None)
+            continue
         template = _template(run, field, sharp[strongest], window)
         misfit = LARGEST_MISFIT if run is case.simulation else COARSE_MISFIT
         speeds.append(aligned_speed(*_recorded(run, field, window), template, window, misfit))
@@ -163,9 +171,14 @@ def _template(run: Simulation, field: Face, sharp: Table, window: Window) -> Wav
 
 def _cell(run: Simulation, field: Face, window: Window) -> float:
     """Element size over c_t t at the time at which a front is looked at."""
-    distance, time, _ = field.record(run)
-    late = _last_time(distance, time, window.upper)
+    late = _late(run, field, window)
     return run.element_size / (run.scene.material.shear_speed * late)
+
+
+def _late(run: Simulation, field: Face, window: Window) -> float:
+    """Time at which a front is looked at; 0 where no step is stored at which it is there."""
+    distance, time, _ = field.record(run)
+    return _last_time(distance, time, window.upper)
 
 
 def _recorded(run: Simulation, field: Face, window: Window) -> tuple[Array, Array]:

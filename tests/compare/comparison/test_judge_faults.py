@@ -7,9 +7,14 @@ import pytest
 from compare_cases import differing, named, simulated
 
 from compare import judge
+from compare.comparison.case import Case
 from compare.comparison.comparing import held_against, planned
+from compare.comparison.measures import NOTHING
 from compare.comparison.prediction import predict_like
+from compare.comparison.quantities.arrival_rows import arrival_rows
+from compare.comparison.quantities.own_rows import own_rows
 from docs.studies.judge.faults import FAULTS
+from fem import simulate, with_companions
 from semianalytic import Material, Scene, Tractions, solve
 from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.named import find_scene, override_scene
@@ -146,6 +151,83 @@ class TestFrictionlessSlipBehindTheFirstWave:
     def test_parts_of_maps_agree(self):
         scene = Scene(Material(1, 1, 0.29), 0.0, Tractions(1, 0), Tractions(-0.0368, 1.78))
         assert differing(judged(scene, 100)) == []
+
+
+def sparse_run(scene, every):
+    """A simulation of which every n-th step is stored."""
+    return with_companions(simulate(scene, resolution=32, every=every))
+
+
+class TestLevelsThatAreStoredFarApart:
+    """Between stored levels slip comes and goes: neither slip rates nor strength are condemned."""
+
+    def own(self, run):
+        return {row.name: row for row in own_rows(Case(run, run, run.interface, None))}
+
+    @pytest.mark.parametrize("every", [2, 3, 10, 30])
+    @pytest.mark.parametrize("name", ["viscous", "pressure-drop", "auxetic", "antiplane"])
+    def test_what_is_right_holds_the_laws(self, name, every):
+        run = simulate(find_scene(name), resolution=24, every=every)
+        rows = self.own(run)
+        assert [row.name for row in rows.values() if row.verdict == "differs"] == []
+        strength = rows["traction beyond friction"]
+        if name == "viscous":  # which depends on the rate of each step
+            assert strength.verdict == "unresolved"
+            assert strength.obstacle.startswith("only some steps of the simulation are stored")
+        else:
+            assert strength.verdict == "agrees"
+
+    def test_windows_whose_ends_are_stored_are_held_to_the_last_digit(self):
+        """Every third step of windows of six."""
+        run = simulate(PRELOADED, resolution=32, every=3)
+        assert run.rate_window == pytest.approx(6 * run.time_step)
+        row = self.own(run)["slip rate against slip"]
+        assert (row.verdict, row.bar) == ("agrees", NOTHING)
+        assert row.difference < 1e-12
+        values = run.interface.slip_rate.copy()
+        values[len(values) // 2, 3] += 1e-5
+        spoilt = replace(run, interface=replace(run.interface, slip_rate=values))
+        assert self.own(spoilt)["slip rate against slip"].verdict == "differs"
+
+    def test_the_sum_of_all_slip_rates_catches_slip_that_came_of_none(self):
+        run = simulate(PRELOADED, resolution=32, every=2)
+        row = self.own(run)["slip rate against slip"]
+        assert (row.verdict, row.difference) == ("agrees", pytest.approx(0, abs=row.bar))
+        values = run.interface.slip.copy()
+        values[:, 10] *= 2
+        spoilt = replace(run, interface=replace(run.interface, slip=values))
+        assert self.own(spoilt)["slip rate against slip"].verdict == "differs"
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("every", [2, 3, 5, 10])
+    @pytest.mark.parametrize("name", ["preloaded", "viscous"])
+    def test_faults_are_caught_all_the_same(self, name, every):
+        scene = find_scene(name)
+        run, right = with_companions(simulate(scene, resolution=40, every=every)), solve(scene)
+        assert judge(right, run).verdict == "agrees"
+        faults = {fault.name: fault.make(run) for fault in FAULTS}
+        assert judge(right, faults["slip × 1.05"]).verdict != "agrees"
+        for fault in ("shear reversed", "motion × 1.03", "node × 10, slip", "node × 10, shear"):
+            assert judge(right, faults[fault]).verdict == "differs", fault
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("every", [3, 5, 10, 30])
+    @pytest.mark.parametrize("name", ["pressure-drop", "remote-shock", "auxetic", "antiplane"])
+    def test_nothing_differs_where_slip_passes_in_less_than_a_step(self, name, every):
+        scene = find_scene(name)
+        run = with_companions(simulate(scene, resolution=32, every=every))
+        assert differing(judge(solve(scene), run)) == []
+
+    def test_a_front_that_no_level_shows_is_unresolved(self):
+        """At the first level that is stored the P wave has left the record."""
+        scene = find_scene("pressure-drop")
+        run = simulate(scene, resolution=16, every=40)
+        rows = {row.name: row for row in arrival_rows(Case(solve(scene), run, run.interface, None))}
+        fronts = [row for name, row in rows.items() if name.startswith("P front")]
+        assert fronts
+        for row in fronts:
+            assert row.verdict == "unresolved"
+            assert row.obstacle.endswith("store all of them")
 
 
 class TestSimulationsAtFault:

@@ -74,13 +74,40 @@ def gap_width(solution):
     return (second.inner - first.outer) / solution.scene.material.shear_speed
 
 
+NARROWEST = {
+    "remote-shock": ("the zone between 0.9789 and 1.0421 c_t", 0.0632430901),
+    "lift-off-shear": ("the gap between 0.8916 and 0.9714 c_t", 0.0797166643),
+}
+"""Named scenes with a part that the usual mesh has fewer than `NARROW` elements for: its name, and
+its width over c_t T."""
+
+
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize("name", SELF_SIMILAR)
-def test_named_scenes_get_the_usual_mesh_and_leave_nothing_unresolved(name):
+def test_named_scenes_get_the_mesh_that_their_narrowest_part_asks_for(name):
     scene = find_scene(name)
+    choice = choose_mesh(solve(scene), scene)
+    assert choice.unresolved == ()
+    if name in NARROWEST:
+        part, width = NARROWEST[name]
+        least = math.ceil(NARROW / width)
+        assert USUAL < least <= choice.resolution == choice.needed < least + STRIDE
+        assert choice.reason == f"for {part}"
+    else:
+        assert (choice.resolution, choice.needed) == (USUAL, USUAL)
+        assert choice.reason == "nothing asks for a finer one"
+
+
+def test_snapshots_leave_the_second_zone_of_the_remote_shock_beyond_the_budget():
+    scene = find_scene("remote-shock")
     choice = choose_mesh(solve(scene), scene, snapshots=True)
-    assert (choice.resolution, choice.needed, choice.unresolved) == (USUAL, USUAL, ())
-    assert choice.reason == "nothing asks for a finer one"
+    (zone,) = choice.unresolved
+    part, width = NARROWEST["remote-shock"]
+    assert zone.name == part
+    assert zone.resolution == choice.needed == math.ceil(NARROW / width)
+    assert (choice.resolution, choice.reason) == (USUAL, "the usual one")
+    finest = choose_mesh(solve(scene), scene, snapshots=True, budget=10 * DEFAULT_BUDGET)
+    assert finest.unresolved == ()
 
 
 def gap_name(solution):
@@ -131,11 +158,20 @@ def test_a_gap_that_no_mesh_reaches_does_not_set_it_unasked():
     assert gap.memory == pytest.approx(16**2 * coarser.memory, rel=0.05)
 
 
+def narrowest_width(solution):
+    """Width of the gap or of a zone, whichever is less, over c_t T: at friction 0.3 it is that of
+    the second zone."""
+    zones = [
+        (zone.outer - zone.inner) / solution.scene.material.shear_speed for zone in solution.zones
+    ]
+    return min(gap_width(solution), *zones)
+
+
 @pytest.mark.thinned(3)
 @pytest.mark.parametrize("friction", [0.15, 0.24, 0.3])
 def test_a_budget_is_kept_and_used(friction):
     solution, scene = gap_scene(friction)
-    needed = NARROW / gap_width(solution)
+    needed = NARROW / narrowest_width(solution)
     usual = choose_mesh(solution, scene, resolution=USUAL).seconds
     budgets = [part * usual for part in (0.4, 0.9, 1.1, 5.0, 20.0)]
     choices = [choose_mesh(solution, scene, budget=budget) for budget in budgets]
