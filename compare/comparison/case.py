@@ -156,7 +156,7 @@ class Case:
             x, t = np.broadcast_arrays(fine.x, fine.t[:, None])
             pressure = np.abs(fine.pressure - interpolated(coarse, "pressure", x, t))
             slips = np.abs(fine.slip_rate) > NOTHING * self.rate
-            slips &= fine.x > EDGE_CELLS * run.element_size
+            slips &= beyond_edge(fine.x, run)
             changes.append(self.scene.friction * np.where(slips, pressure, 0.0) / self.stress)
         return tuple(changes)
 
@@ -164,7 +164,7 @@ class Case:
     def largest_rate(self) -> float:
         """Largest slip rate of the simulation beyond the elements at the edge, that thresholds are
         parts of; never as small as rounding."""
-        shown = self.seen.x > EDGE_CELLS * self.simulation.element_size
+        shown = beyond_edge(self.seen.x, self.simulation)
         seen = float(np.abs(self.seen.slip_rate[:, shown]).max(initial=0.0))
         return max(seen, LEAST_PEAK * self.rate)
 
@@ -233,6 +233,15 @@ class Case:
     def shortfalls(self) -> tuple[Shortfall, ...]:
         """What a march is too coarse for."""
         return self.prediction.shortfalls if isinstance(self.prediction, Marched) else ()
+
+
+def beyond_edge(x: Array, run: Simulation) -> Mask:
+    """Which positions (n,) are not in the elements of a run next to the edge.
+
+    The limit is a quarter of an element further out, where no node of this mesh or of the mesh of
+    half its size lies: rounding is not to decide.
+    """
+    return np.asarray(x > (EDGE_CELLS + 0.25) * run.element_size)
 
 
 def too_narrow(parts: Mask) -> Mask:

@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from compare.comparison.bars import error_bar
-from compare.comparison.case import EDGE_CELLS, NARROW, Case, too_narrow
+from compare.comparison.case import NARROW, Case, beyond_edge, too_narrow
 from compare.comparison.judging import Comparison, field_bar, judged, rate_bar, value_row
 from compare.comparison.measures import NOTHING, norm, onset_time
 from compare.comparison.rows import Row
@@ -82,7 +82,7 @@ def rate_row(case: Case) -> Row:
 
     Slip rates are means as long for all meshes and for the prediction as the coarsest mesh takes.
     """
-    beyond = case.seen.x > EDGE_CELLS * case.simulation.element_size
+    beyond = beyond_edge(case.seen.x, case.simulation)
     unseen = np.where(case.narrow & beyond, case.at_nodes.slip_rate, 0.0)
     return _map_row(case, "slip rate", case.rate, ("V₀", "V₀ c_t T²"), unseen)
 
@@ -108,10 +108,10 @@ def _map_row(case: Case, name: str, unit: float, units: tuple[str, str], unseen:
     unseen : (m, n) array
         What of the prediction at the nodes is too narrow for them.
     """
-    start = EDGE_CELLS * case.simulation.element_size
 
     def shown(history: InterfaceHistory) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        return history.t > EARLY * case.end_time, history.x > start
+        late = history.t > (1 + ROUNDING) * EARLY * case.end_time
+        return late, beyond_edge(history.x, case.simulation)
 
     def field(history: InterfaceHistory, t: Array) -> Array:
         if name == "slip rate":

@@ -14,6 +14,7 @@ from compare.comparison.case import Case
 from compare.comparison.fields.fronts import jump_times
 from compare.comparison.judging import Comparison, judged
 from compare.comparison.measures import NOTHING
+from compare.comparison.quantities.arrivals import ROUNDING
 from compare.comparison.rows import Row
 from compare.comparison.scales import scene_fronts
 from semianalytic import InterfaceHistory
@@ -33,6 +34,9 @@ all places of 204 scenes none was off by more than 1.5 times this and `LOCAL_FLO
 it 11 scenes would have had one."""
 LOCAL_FLOOR = 1e-3
 """Part of the largest value of a field that is left open everywhere, likewise."""
+ASIDE = 0.25
+"""Part of an element by which bands are wider, so that nodes do not lie at their ends, where
+rounding would decide."""
 STILL = 1e-3
 """Part of the largest slip rate, and of the largest gap, from which on a place moves."""
 
@@ -115,7 +119,7 @@ def _beside_fronts(case: Case) -> Mask:
     """Nodes and times in the band around the edge, the fronts that jumps of the loads send out,
     and wherever slip or an opening begins or ends, predicted or on a coarser mesh, (m, n)."""
     seen, scene = case.seen, case.scene
-    width = BAND * case.runs[2].element_size
+    width = BAND * case.runs[2].element_size + ASIDE * case.simulation.element_size
     beside = np.zeros((len(seen.t), len(seen.x)), dtype=bool)
     for start in {0.0, *jump_times(scene)}:  # where loads begin to rise there are fronts as well
         for speed in scene_fronts(scene).values():
@@ -123,15 +127,16 @@ def _beside_fronts(case: Case) -> Mask:
     motions = [_motion(case, case.at_nodes)]
     for run in case.runs[1:]:
         history = run.interface
-        x = np.clip(np.searchsorted(history.x, seen.x), 0, len(history.x) - 1)
-        t = np.clip(np.searchsorted(history.t, seen.t), 0, len(history.t) - 1)
+        x = np.searchsorted(history.x, seen.x - ASIDE * case.simulation.element_size)
+        t = np.searchsorted(history.t, (1 - ROUNDING) * seen.t)
+        x, t = (np.minimum(at, size - 1) for at, size in ((x, len(history.x)), (t, len(history.t))))
         motions.append(_motion(case, history)[np.ix_(t, x)])
     changes = np.zeros(beside.shape, dtype=bool)
     for motion in motions:
         changes[:-1] |= np.diff(motion, axis=0) != 0
         changes[:, :-1] |= np.diff(motion, axis=1) != 0
     beside |= scipy.ndimage.maximum_filter(changes, _band(case))
-    return beside | (seen.x < width) | (seen.t < EARLY * case.end_time)[:, None]
+    return beside | (seen.x < width) | (seen.t < (1 - ROUNDING) * EARLY * case.end_time)[:, None]
 
 
 def _band(case: Case) -> tuple[int, int]:

@@ -175,7 +175,9 @@ def test_without_companions_nothing_agrees_and_nothing_differs(solution, resolut
     for gain in (1.0, 2.0):
         run = sampled_run(solution, resolution=resolution, gain=gain, companions=0)
         judgement = judge(solution, run)
-        assert judgement.counts["agrees"] == 0, gain
+        # what a simulation has to hold by itself is seen on one mesh
+        assert {row.kind for row in judgement.having("agrees")} == {"law"}, gain
+        assert judgement.verdict == "unresolved", gain
         unpredicted = [name for name in differing(judgement) if "unpredicted" not in name]
         assert unpredicted == []
     assert judge(solution, sampled_run(solution, resolution=16)).counts["agrees"] > 0
@@ -287,6 +289,7 @@ def rescaled(run, scene, time):
         end_time=time * run.end_time,
         element_size=length * run.element_size,
         time_step=time * run.time_step,
+        rate_window=time * run.rate_window,
         interface=replace(
             seen,
             x=length * seen.x,
@@ -356,8 +359,14 @@ def test_verdict_of_a_judgement(fair):
 
 @pytest.mark.slow
 def test_beyond_the_bar_by_little_is_unresolved_and_a_finer_mesh_is_named(solution):
-    """Between one and one and a half bars: neither agreement nor a difference."""
-    run = sampled_run(solution, gain=1.05, growth=1.65)
+    """Between one and one and a half bars: neither agreement nor a difference.
+
+    Changes of 3 % and 6 % allow 3.75 % for first order, where 5 % are missing.
+    """
+    run = None
+    for resolution, gain in ((25, 1.14), (50, 1.08), (100, 1.05)):
+        alone = sampled_run(solution, resolution=resolution, gain=gain, companions=0)
+        run = replace(alone, companion=run)
     rows = [row for row in judge(solution, run).rows if "beyond its error bar" in row.obstacle]
     assert rows
     for row in rows:
