@@ -129,7 +129,7 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
     velocity, _ = _recorded(case.simulation, field, window)
     template = templates[strongest]
     exact = aligned_speed(velocity, template(velocity), template, window)
-    speeds = []
+    speeds: list[float | None] = []
     for run in (case.simulation, *case.coarser):
         if not _late(run, field, window):
             speeds.append(None)

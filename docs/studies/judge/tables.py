@@ -32,7 +32,8 @@ class AlarmRow:
     Attributes
     ----------
     group : str, kind of the draw, or the named scene that a map is around; "all" of them
-    scenes : int
+    scenes : int, that have been run
+    planned : int, of the whole trial
     refusals : int, draws that have no answer, or open the contact
     rows : int
     false_rows, false_scenes : int, said to differ
@@ -43,6 +44,7 @@ class AlarmRow:
 
     group: str
     scenes: int
+    planned: int
     refusals: int
     rows: int
     false_rows: int
@@ -117,6 +119,7 @@ def _alarms(group: str, rows: Sequence[JudgedRow]) -> AlarmRow:
     return AlarmRow(
         group=group,
         scenes=len(scenes),
+        planned=sum(COUNTS.values()) if group == ALL else COUNTS[group],
         refusals=sum(row.refusals for row in scenes.values()),
         rows=len(rows),
         false_rows=verdicts[DIFFERS],
