@@ -57,6 +57,8 @@ def test_bars_shrink_with_the_mesh():
         bars = fine[name].bar, coarse[name].bar
         if fine[name].kind == "law":  # what a run has to hold on any mesh, but for rounding
             assert bars == (NOTHING, NOTHING), name
+        elif not fine[name].converges:  # its bar is the range of what the meshes show
+            assert (name, fine[name].verdict) == ("shear traction, L1", "unresolved")
         else:
             assert bars[0] < bars[1] or name.startswith("pressure, "), name
 
