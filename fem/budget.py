@@ -60,8 +60,9 @@ HISTORY_SIZE = 0.5
 PACE_UNKNOWNS = 2**16
 """Size of the matrix whose product tells how fast a machine is: more than a cache holds."""
 
-PACE_PRODUCTS = 12
-"""Number of products, of which the fastest counts: others may have shared their core."""
+PACE_SECONDS = 0.4
+"""For how long such products are timed: long enough to be interrupted as a simulation will be where
+others share the cores.  Half of it missed that half of the time."""
 
 PACE_TIME = 0.75e-3
 """Time of that product on an idle core of 2024, to which the times above belong [s]."""
@@ -209,18 +210,22 @@ def _cost(plan: Plan, steps: int, every: int, checkpoints: bool) -> Cost:
 def machine_pace() -> float:
     """Return how many times as long this machine takes as `Cost.seconds` says.
 
-    It is measured once per process, in some 50 ms, from a sparse product like those of a step.
+    By the mean time of sparse products such as a step is made of, measured once per process: what
+    others leave of the cores counts too.
     """
     row = 2 * round(math.sqrt(PACE_UNKNOWNS / 2))
     offsets = [across * row + along for across in (-1, 0, 1) for along in range(-2, 4)]
     diagonals = np.ones((len(offsets), PACE_UNKNOWNS))
     matrix = sparse.spdiags(diagonals, offsets, PACE_UNKNOWNS, PACE_UNKNOWNS).tocsr()
-    vector, fastest = np.ones(PACE_UNKNOWNS), math.inf
-    for _ in range(PACE_PRODUCTS):
-        start = time.perf_counter()
+    vector, products = np.ones(PACE_UNKNOWNS), 0
+    matrix @ vector  # the first one fetches all of it
+    start = time.perf_counter()
+    passed = 0.0
+    while passed < PACE_SECONDS:
         matrix @ vector
-        fastest = min(fastest, time.perf_counter() - start)
-    return fastest / PACE_TIME
+        products += 1
+        passed = time.perf_counter() - start
+    return passed / products / PACE_TIME
 
 
 def check_fits(plan: Plan, cost: Cost, limit: float | None, *, checkpoints: bool = False) -> None:

@@ -4,25 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 from fem.budget import predict_cost
 from fem.plan import LEAST_RESOLUTION, TWO_BLOCKS, Pace, Plan, Settings
 from fem.results import Simulation
 from fem.run import Complaints, run_plan
+from fem.snapshots import COMPANIONS, companion_folder
 from semianalytic.scene.errors import SceneError
-
-COMPANIONS = 2
-"""Number of companions, each at twice the element size of the one before."""
 
 
 def with_companions(
-    simulation: Simulation, progress: Callable[[int, int], None] | None = None
+    simulation: Simulation,
+    progress: Callable[[int, int], None] | None = None,
+    *,
+    snapshots: Path | None = None,
 ) -> Simulation:
     """Return the simulation with companions, the same run at twice and four times its element size.
 
-    Missing companions are run without snapshots, in about an eighth and a sixty-fourth of the time.
-    A companion is left out if its resolution would be below 8, or if friction falls too fast with
-    slip rate for it; so are the coarser ones after it.  It need not follow the loads.
+    Only what is missing is run, in about an eighth and a sixty-fourth of the time.  A companion is
+    left out where its resolution would be below 8, or friction falls too fast with slip rate for
+    it; so are those that would follow it.  It need not follow the loads.
 
     Parameters
     ----------
@@ -30,6 +32,9 @@ def with_companions(
         The simulation; its own numbers are not changed.
     progress : callable, optional
         Called with (step, steps) after each step of each companion.
+    snapshots : Path, optional
+        Folder of the snapshots of the simulation, into whose `companion_folder` each companion
+        writes its last frame; none are written unless given.
 
     Returns
     -------
@@ -49,23 +54,31 @@ def with_companions(
     (16, 8)
     """
     resolutions = [round(simulation.resolution / 2**n) for n in range(1, COMPANIONS + 1)]
-    return _carrying(simulation, resolutions, progress)
+    folders = [snapshots and companion_folder(snapshots, n + 1) for n in range(COMPANIONS)]
+    runs = list(zip(resolutions, folders, strict=True))
+    return _carrying(simulation, runs, progress)
 
 
 def _carrying(
-    simulation: Simulation, resolutions: list[int], progress: Callable[[int, int], None] | None
+    simulation: Simulation,
+    runs: list[tuple[int, Path | None]],
+    progress: Callable[[int, int], None] | None,
 ) -> Simulation:
-    """Return the simulation with companions of the given resolutions, one carried by another."""
-    if not resolutions:
+    """The simulation with companions of the given resolutions and folders, one carried by
+    another."""
+    if not runs:
         return simulation
-    companion = simulation.companion or _coarser(simulation, resolutions[0], progress)
+    companion = simulation.companion or _coarser(simulation, *runs[0], progress)
     if companion is None:
         return simulation
-    return replace(simulation, companion=_carrying(companion, resolutions[1:], progress))
+    return replace(simulation, companion=_carrying(companion, runs[1:], progress))
 
 
 def _coarser(
-    simulation: Simulation, resolution: int, progress: Callable[[int, int], None] | None
+    simulation: Simulation,
+    resolution: int,
+    folder: Path | None,
+    progress: Callable[[int, int], None] | None,
 ) -> Simulation | None:
     """Run the same simulation at another resolution; None if none is possible at that resolution.
 
@@ -83,10 +96,13 @@ def _coarser(
         lower_material=simulation.lower_material,
         every=_levels_kept(simulation, resolution),
     )
-    plan = Plan(simulation.scene, simulation.end_time, settings, follows=False)
+    full = folder is not None
+    if full:
+        settings = replace(settings, frames=1)
+    plan = Plan(simulation.scene, simulation.end_time, settings, full=full, follows=False)
     silent = Complaints(lambda _: None)  # the simulation has said what its mesh is too coarse for
     try:
-        return run_plan(plan, Pace(), None, None, predict_cost(plan), silent, progress=progress)
+        return run_plan(plan, Pace(), None, folder, predict_cost(plan), silent, progress=progress)
     except SceneError:
         return None
 

@@ -19,7 +19,7 @@ from semianalytic.scene.errors import DataFileError
 from semianalytic.scene.scene import Material, Scene, scene_document, scene_from_document
 from semianalytic.scene.units import SI, unit
 
-FORMAT = "slipfront simulation 7"
+FORMAT = "slipfront simulation 8"
 FILE_NAME = "simulation.h5"
 ARRAYS = ("state", "final_path", "final_work_density")
 HISTORIES = ("interface", "slot", "energy", "totals")
@@ -166,6 +166,9 @@ class Simulation(SampledAnswer):
         Largest time step asked for, over the critical one.
     time_step, critical_step : float
         The step taken and the largest stable one [time].
+    rate_window : float
+        Time over which a slip rate of `interface` is the mean, about its level [time]; 0 where it
+        is that of the level itself.
     steps : int
         Number of steps.
     unknowns : int
@@ -234,6 +237,7 @@ class Simulation(SampledAnswer):
     step_ratio: float
     time_step: float
     critical_step: float
+    rate_window: float
     steps: int
     unknowns: int
     interface: InterfaceHistory

@@ -208,6 +208,7 @@ def _result(
         step_ratio=settings.step_ratio,
         time_step=model.time_step,
         critical_step=model.critical_step,
+        rate_window=2 * model.half_window * model.time_step,
         steps=model.steps,
         unknowns=model.unknowns,
         seconds=seconds,

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from fem.assembly import X, Y, Z
 from fem.budget import free_space
 from fem.model import Model
-from semianalytic.results.files import Seal, new_file, write_bytes
+from semianalytic.results.files import Seal, new_file, remove_empty, write_bytes
 from semianalytic.scene.errors import DataFileError
 
 INDEX = "fields.pvd"
@@ -35,6 +35,9 @@ double precision a frame is 1.7 times as large and takes 1.7 times as long to wr
 COMPRESSION_LEVEL = 1
 """Level at which zlib compresses frames.  On a frame of 190,000 nodes the default level, 6, takes
 3.4 times as long and saves 3 %."""
+
+COMPANIONS = 2
+"""How many coarser runs a simulation carries, each at twice the element size of the one before."""
 
 _RUN = re.compile(rb"<!-- slipfront run ([0-9a-f]+) -->")
 
@@ -276,8 +279,15 @@ def _listed(directory: Path) -> list[str]:
         return []
 
 
+def companion_folder(snapshots: Path, number: int) -> Path:
+    """Where the companion of 2^number times the element size leaves its last frame."""
+    return snapshots / f"{2**number}h"
+
+
 def forget_other_frames(directory: Path, run: str) -> None:
     """Remove index and frames of other runs from a folder of snapshots, and nothing else.
+
+    If the index was of another run, the frames of its companions go too.
 
     Parameters
     ----------
@@ -300,6 +310,10 @@ def forget_other_frames(directory: Path, run: str) -> None:
         owner = index_run(directory)
         if owner != run and (owner is not None or listed):
             (directory / INDEX).unlink(missing_ok=True)
+        for number in range(1, COMPANIONS + 1) if owner not in (run, None) else ():
+            folder = companion_folder(directory, number)
+            forget_other_frames(folder, run)
+            remove_empty([folder] if folder.is_dir() else [])
     except OSError as error:
         raise DataFileError(
             f"the snapshots of another run in {directory} cannot be removed ({error.strerror}); "

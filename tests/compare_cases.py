@@ -24,9 +24,9 @@ def sampled_run(
 ):
     """What a simulation without any error would have recorded, or one with a known error.
 
-    `stretch` multiplies all speeds, `gain` all slip rates and tractions.  What they are off 1 by
-    grows by the factor `growth` from each mesh to its companion of twice the element size: 2 is
-    an error of first order, which the error bars show; 1 is one that no mesh shows.
+    `stretch` multiplies all speeds, `gain` all slip, slip rates and tractions.  What they are off
+    1 by grows by the factor `growth` from each mesh to its companion of twice the element size: 2
+    is an error of first order, which the error bars show; 1 is one that no mesh shows.
     """
     scene = solution.scene
     cell = scene.material.shear_speed * end_time / resolution
@@ -62,11 +62,13 @@ def sampled_run(
         step_ratio=1.0,
         time_step=float(t[1]),
         critical_step=float(t[1]),
+        rate_window=0.0,
         steps=times,
         unknowns=0,
         interface=replace(
             seen,
             x=x,
+            slip=gain * seen.slip,
             slip_rate=gain * seen.slip_rate,
             shear_traction=gain * seen.shear_traction,
             pressure=gain * seen.pressure,

@@ -15,7 +15,7 @@ import meshio
 import numpy as np
 from fault_tasks import history
 
-from compare.comparison.snapshots import last_snapshot
+from compare.comparison.fields.frames import last_frame
 from compare.output.tables import append_rows, write_rows
 from compare.studies.chart.study import COMMAND, read_points
 from compare.studies.regimes.points import MapPoint, kept_columns, poisson_ratios
@@ -62,11 +62,13 @@ def write_frame(folder):
     x, y = np.meshgrid(np.arange(-20.0, 21.0), np.arange(0.0, 11.0))
     upper = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()])
     quads = np.array([[i, i + 1, i + 42, i + 41] for i in range(410) if i % 41 != 40])
-    velocity = np.random.default_rng(2).normal(size=(2 * len(upper), 3))
+    random = np.random.default_rng(2)
+    moved, cells = (2 * len(upper), 3), 2 * len(quads)
     frame = meshio.Mesh(
         np.concatenate([upper, upper * [1, -1, 1]]),
         [("quad", np.concatenate([quads, quads + len(upper)]))],
-        point_data={"velocity": velocity},
+        point_data={name: random.normal(size=moved) for name in ("velocity", "displacement")},
+        cell_data={f"sigma_{name}": [random.normal(size=cells)] for name in ("xx", "yy", "xy")},
     )
     with new_file(folder / "last.vtu", seal=Seal.XML) as part:
         meshio.write(part, frame, file_format="vtu")
@@ -120,8 +122,8 @@ def all_kinds():
             lambda folder: read_mesh_again(folder / "any"),
             read_mesh_again,
         ),
-        "snapshot": Kind("last.vtu", write_frame, lambda path: last_snapshot(path.parent)),
-        "index": Kind("fields.pvd", write_frame, lambda path: last_snapshot(path.parent)),
+        "snapshot": Kind("last.vtu", write_frame, lambda path: last_frame(path.parent)),
+        "index": Kind("fields.pvd", write_frame, lambda path: last_frame(path.parent)),
         "chart": Kind(
             "chart.csv",
             lambda folder: write_rows(folder / "chart.csv", points, checked=True, command=COMMAND),

@@ -157,7 +157,9 @@ def _chart(name):
 
 def _judge():
     judged = [
-        JudgedRow(STEPS, i, 1, 0, 40, 1.0, kind, kind, "1", 1.0, i / 20, 1.0, True, AGREES)
+        JudgedRow(
+            STEPS, i, 1, 0, 40, False, 1.0, AGREES, kind, kind, "1", 1.0, i / 20, 1.0, True, AGREES
+        )
         for kind in ("slip rate", "traction", "edge", "arrival", "gap", "work", "path", "wear")
         for i in range(20)
     ]

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compare.comparison.history_rows import PROBES, SENSE_THRESHOLD
+from compare.comparison.quantities.history_rows import PROBES, SENSE_THRESHOLD
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
 from semianalytic.halfplane.stuck_histories import intensity_history

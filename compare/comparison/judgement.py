@@ -7,22 +7,29 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from compare.comparison.arrival_rows import arrival_rows
 from compare.comparison.case import Case
-from compare.comparison.edge_rows import opening_rows, zone_rows
 from compare.comparison.fields.errors import FieldErrors
-from compare.comparison.history_rows import cycle_rows, event_rows, gap_row, rate_row, sense_rows
-from compare.comparison.measures import is_nothing
 from compare.comparison.mesh_choice import Feature, Prices
-from compare.comparison.profile_rows import (
+from compare.comparison.quantities.arrival_rows import arrival_rows
+from compare.comparison.quantities.edge_rows import opening_rows, zone_rows
+from compare.comparison.quantities.field_rows import field_rows
+from compare.comparison.quantities.history_rows import (
+    cycle_rows,
+    event_rows,
+    gap_row,
+    rate_row,
+    sense_rows,
+)
+from compare.comparison.quantities.local_rows import local_rows
+from compare.comparison.quantities.own_rows import check_finite, own_rows
+from compare.comparison.quantities.profile_rows import (
     gap_rows,
     slip_rate_rows,
-    snapshot_row,
     traction_rows,
     wear_rows,
 )
+from compare.comparison.quantities.slot_rows import slot_rows
 from compare.comparison.rows import AGREES, DIFFERS, UNRESOLVED, Row, overall
-from compare.comparison.snapshots import SlipRateProfile
 from semianalytic.results.answer import Answer
 from semianalytic.scene.errors import SceneError
 
@@ -32,6 +39,8 @@ if TYPE_CHECKING:
 
 MOTION = ("slip rate", "slip", "gap")
 """Kinds of rows without which nothing is said of a scene."""
+REST = ("shear traction", "pressure")
+"""Those that stand in where nothing moves, and rows of motion have nothing to compare."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +53,7 @@ class Judgement:
         Prediction and simulation, side by side.
     rows : tuple of Row
     fields : FieldErrors or None
-        How far field snapshots are from the prediction: shown, not judged, because no coarser
-        mesh has any, from which error bars would come.
+        How far field snapshots are from the prediction; rows are those of the last one.
     """
 
     case: Case
@@ -64,10 +72,19 @@ class Judgement:
 
     @cached_property
     def verdict(self) -> str:
-        """ "differs" if one row does; else "agrees" if one does of slip, slip rate or gap, stuck or
-        not; else "unresolved", whatever fronts and pressure do."""
-        telling = (row for row in self.rows if row.kind in MOTION or row.verdict == DIFFERS)
-        return overall(row.verdict for row in telling)
+        """ "differs" if one row does; else "agrees" if one does of slip, slip rate or gap that is
+        not 0, and all of these converge; else "unresolved", whatever fronts and parts of maps do.
+
+        Where nothing moves, tractions decide in their place.
+        """
+        if self.having(DIFFERS):
+            return DIFFERS
+        deciding = [row for row in self.rows if row.kind in MOTION]
+        if deciding and self.case.rests:
+            deciding = [row for row in self.rows if row.kind in REST]
+        if not all(row.converges for row in deciding):
+            return UNRESOLVED
+        return overall(row.verdict for row in deciding if row.size)
 
     def having(self, verdict: str) -> tuple[Row, ...]:
         """The rows with a verdict."""
@@ -97,7 +114,6 @@ def mesh_sentence(simulation: Simulation, resolution: int) -> str:
 def judge(
     prediction: Answer,
     simulation: Simulation,
-    snapshot: SlipRateProfile | None = None,
     fields: FieldErrors | None = None,
 ) -> Judgement:
     """Hold a prediction against a simulation.
@@ -111,10 +127,8 @@ def judge(
         and until its last time.
     simulation : Simulation
         Its companions, from which error bars come, are simulated unless it carries them.
-    snapshot : SlipRateProfile, optional
-        What the last field snapshot holds, to be compared as well.
     fields : FieldErrors, optional
-        Of its snapshots, to go with the judgement.
+        Of its snapshots, the last of which is judged too.
 
     Returns
     -------
@@ -133,16 +147,20 @@ def judge(
             "bodies does not apply; solve a step on the slot with solve_pair (docs/dissimilar.md)."
         )
     case = side_by_side(prediction, with_companions(simulation))
-    return Judgement(case, tuple(_rows(case, snapshot)), fields)
+    whole = () if fields is None else field_rows(case, fields.changes)
+    return Judgement(case, (*_rows(case), *whole), fields)
 
 
 def own_bars(simulation: Simulation) -> tuple[Row, ...]:
     """Slip rate and slip of a simulation with their error bars, from its companions alone."""
-    return tuple(slip_rate_rows(side_by_side(simulation, simulation)))
+    check_finite(simulation)
+    seen = simulation.interface
+    return tuple(slip_rate_rows(Case(simulation, simulation, seen, None)))
 
 
 def side_by_side(prediction: Answer, simulation: Simulation) -> Case:
     """A prediction at the nodes and times of a simulation."""
+    check_finite(simulation)
     x, t = simulation.interface.x, simulation.interface.t
     companion = getattr(prediction, "companion", None)
     return Case(
@@ -153,20 +171,21 @@ def side_by_side(prediction: Answer, simulation: Simulation) -> Case:
     )
 
 
-def _rows(case: Case, snapshot: SlipRateProfile | None) -> Iterator[Row]:
+def _rows(case: Case) -> Iterator[Row]:
     if case.scene.is_self_similar:
         yield from arrival_rows(case)
         yield from zone_rows(case)
         yield from opening_rows(case)
+    yield from slot_rows(case)
     yield from slip_rate_rows(case)
     yield from gap_rows(case)
     yield from traction_rows(case)
-    if snapshot is not None:
-        yield snapshot_row(case, snapshot)
     yield rate_row(case)
     if case.opens:
         yield gap_row(case)
-    if not (case.slips or case.opens) and is_nothing(case.seen.slip_rate, case.rate):
+    yield from local_rows(case)
+    yield from own_rows(case)
+    if case.rests:
         return
     yield from sense_rows(case)
     yield from event_rows(case)

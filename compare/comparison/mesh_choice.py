@@ -31,6 +31,12 @@ sets them, so that it takes a real difference to change them."""
 SPARE = 0.9
 """Part of the memory there is that a choice may count on: a little later there may be less."""
 
+DRAWN = 4.0
+"""Time to compare and to draw, as `fem.Cost` counts it, whatever the mesh [s]: of 5.1 s that
+`slipfront compare preloaded --no-snapshots` took on one core 0.5 s were simulations."""
+JUDGED = 1.4
+"""The same of field snapshots, over the time to write them: 17 s of 38 s with them, likewise."""
+
 BARS = "error bars under the {} history"
 """What is narrower if coarser meshes follow a load too."""
 WITHIN = "the finest within budget and memory"
@@ -93,9 +99,9 @@ class MeshChoice:
     needed : int
         Resolution at which nothing that is known beforehand stays unresolved.
     seconds : float
-        What a simulation with its companions takes on this machine [s].
+        What a simulation with its companions and the comparison take on this machine [s].
     memory : float
-        Likewise [bytes].
+        Of the simulation [bytes].
     unresolved : tuple of Unseen
         What this mesh is too coarse for, the widest first.
     """
@@ -150,6 +156,14 @@ class Prices:
         bare = cost(self.scene, self.end_time, **options) if self.snapshots else run
         return run.seconds + sum(size**-3 for size in COARSER) * bare.seconds, run.memory
 
+    def comparing(self, resolution: int) -> float:
+        """Time to compare and to draw besides, as `fem.Cost` counts it [s]."""
+        seconds, _ = self.at(resolution)
+        if not self.snapshots or math.isinf(seconds):
+            return DRAWN
+        bare, _ = replace(self, snapshots=False).at(resolution)
+        return DRAWN + JUDGED * (seconds - bare)
+
     def here(self, resolution: int) -> tuple[float, float]:
         """Time on this machine [s] and memory [bytes]; of a mesh that may not be so large, what
         they would grow to from one that may."""
@@ -189,8 +203,9 @@ def choose_mesh(
     scene, end_time
         As in `fem.simulate`.
     budget : float, optional
-        Time that the simulation and its companions may take on this machine [s].  Unless given,
-        20 s as `fem.Cost` counts them, or what a resolution of 100 takes if that is more.
+        Time that the simulation, its companions and the comparison may take on this machine [s].
+        Unless given, 20 s of simulations as `fem.Cost` counts them, or what a resolution of 100
+        takes if that is more.
     resolution : int, optional
         Take this one, whatever the budget.
     snapshots : bool
@@ -232,7 +247,9 @@ def choose_mesh(
     bare = replace(prices, snapshots=False)
     unresolved = tuple(bare.unseen(one) for one in features if one.resolution > resolution)
     needed = unresolved[-1].resolution if unresolved else resolution
-    return MeshChoice(resolution, reason, needed, *prices.here(resolution), unresolved)
+    seconds, taken = prices.here(resolution)
+    seconds += prices.pace * prices.comparing(resolution)
+    return MeshChoice(resolution, reason, needed, seconds, taken, unresolved)
 
 
 def toll(seconds: float, memory: float) -> str:
@@ -306,6 +323,8 @@ def _limits(prices: Prices, budget: float | None, memory: float | None) -> Calla
 
     def affordable(resolution: int) -> bool:
         seconds, taken = prices.at(resolution)
+        if budget is not None:
+            seconds += prices.comparing(resolution)
         return seconds <= time and taken <= room
 
     return affordable
@@ -313,7 +332,8 @@ def _limits(prices: Prices, budget: float | None, memory: float | None) -> Calla
 
 def _refusal(prices: Prices, least: int, memory: float | None) -> SceneError:
     """Why not even the coarsest mesh can be afforded; raised already if `fem` knows why."""
-    seconds, _ = prices.checked(min(least, USUAL), memory)
+    size = min(least, USUAL)
+    seconds = prices.checked(size, memory)[0] + prices.comparing(size)
     return SceneError(
         f"compare: the coarsest mesh there is to choose, resolution {least}, takes "
         f"{duration(prices.pace * seconds)}; raise `budget`, or give a `resolution`."

@@ -40,8 +40,8 @@ class Row:
     name : str
         What is compared.
     kind : str
-        Of which there is one factor of safety: "arrival", "zone edge", "opening edge", "slip rate",
-        "slip", "gap", "work", "shear traction", "pressure", "onset" or "sense".
+        "arrival", "zone edge", "opening edge", "slip rate", "slip", "gap", "work",
+        "shear traction", "pressure", "slot", "onset", "sense", "local", "law" or "field".
     exact : float or None
         By the prediction itself; None where it has no value apart from that at the nodes.
     at_nodes : float or None
@@ -65,6 +65,10 @@ class Row:
         Why this mesh, or this march, cannot tell; "" if it can.
     resolution : int or None
         Node distances per c_t T that would, where that is known.
+    converges : bool
+        Whether the reading converges from mesh to mesh.
+    place : str
+        Where and when the values are those of one place; "" of all others.
     """
 
     name: str
@@ -79,6 +83,16 @@ class Row:
     order: float | None = None
     obstacle: str = ""
     resolution: int | None = None
+    converges: bool = True
+    place: str = ""
+
+    @property
+    def size(self) -> float:
+        """Of what is compared, in the unit of the bar: 1 of a part, else what is predicted at the
+        nodes; 0 where that is nothing, or one place of many."""
+        if self.relative:
+            return 1.0
+        return 0.0 if self.place else abs(self.at_nodes or 0.0)
 
     @property
     def label(self) -> str:

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from compare.comparison.case import Case
-from compare.comparison.history_rows import sense_maps
 from compare.comparison.prediction import method_of
+from compare.comparison.quantities.history_rows import sense_maps
 from compare.comparison.scales import scene_fronts, slip_rate_scale
 from compare.figures.interface import (
     POINTS,

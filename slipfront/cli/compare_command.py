@@ -9,23 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from compare.comparison.fields.errors import field_errors
-from compare.comparison.judgement import Judgement, judge
-from compare.comparison.mesh_choice import MeshChoice, choose_mesh
-from compare.comparison.prediction import (
-    check_marched,
-    check_predictable,
-    predict_before,
-    predict_like,
-)
+from compare.comparison.comparing import held_against, planned
+from compare.comparison.judgement import Judgement
+from compare.comparison.prediction import check_predictable, predict_like
 from compare.comparison.report import report_document, write_report
 from compare.comparison.rows import DIFFERS
-from compare.comparison.snapshots import last_snapshot
 from compare.output.leftovers import FIELDS, REPORT, SNAPSHOTS, forget_figures
 from compare.output.places import working_folder
 from compare.output.progress import progress_bar
 from compare.output.tables import write_rows
-from semianalytic import Marched, Scene, Solution
+from semianalytic import Marched, Solution
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.extras import FEM, PLOT, require
 from semianalytic.scene.named import (
@@ -53,7 +46,7 @@ from slipfront.cli.options import (
     with_options,
 )
 from slipfront.cli.scenes.completion import scene_names
-from slipfront.cli.simulate_command import simulate_into, with_error_bars
+from slipfront.cli.simulate_command import Allowance, simulate_into, with_error_bars
 from slipfront.cli.solve_command import check_converged
 
 if TYPE_CHECKING:
@@ -92,7 +85,6 @@ def compare_command(
     resolve being listed; 1 if something does; 4 if the prediction has not converged.
     """
     require("slipfront compare", *FEM, *PLOT)
-    prediction: Solution | Marched | None = None
     seconds, snapshots = in_seconds(budget), not no_snapshots
     if from_ is not None:
         given = settings if budget is None else {"budget": budget}
@@ -107,11 +99,13 @@ def compare_command(
         directory = output or scene_folder(scene_name, overrides)
         scene = override_scene(find_scene(scene_name), **overrides)
         check_predictable(scene, method)
+    prediction: Solution | Marched | None = None
+    notes = Console(stderr=True)
     with working_folder(directory) as files:
+        frames = (from_ or directory) / SNAPSHOTS
         if from_ is None:
-            prediction = predict_before(scene, method)
-            choice = _mesh(prediction, scene, seconds, settings, snapshots=snapshots)
-            check_marched(scene, method, choice.resolution, settings.get("end_time"))
+            options = {**settings, "memory": in_bytes(settings.get("memory"))}
+            prediction, choice = planned(scene, method, seconds, snapshots=snapshots, **options)
             simulation = simulate_into(
                 directory,
                 scene,
@@ -119,21 +113,19 @@ def compare_command(
                 {**settings, "resolution": choice.resolution},
                 snapshots=snapshots,
                 foretold=tuple(terminal.mesh_lines(choice, snapshots=snapshots)),
+                allowance=None if seconds is None else Allowance(choice.seconds, seconds),
                 quiet=quiet,
             )
-        elif simulation.companion is None:
-            simulation = with_error_bars(simulation, from_, label, keep=output is None, quiet=quiet)
-        frames = (from_ or directory) / SNAPSHOTS
         written = snapshots and frames.is_dir()
-        snapshot = last_snapshot(frames, simulation.run) if written else None
+        if from_ is not None and simulation.companion is None:
+            simulation = with_error_bars(
+                simulation, from_, label, snapshots=written, keep=output is None, quiet=quiet
+            )
         if prediction is None:
-            with progress_bar(Console(stderr=True), quiet, "marching") as progress:
+            with progress_bar(notes, quiet, "marching") as progress:
                 prediction = predict_like(simulation, method, progress)
-        fields = None
-        if written:
-            with progress_bar(Console(stderr=True), quiet, "fields") as progress:
-                fields = field_errors(prediction, simulation, frames, progress)
-        judgement = judge(prediction, simulation, snapshot, fields)
+        with progress_bar(notes, quiet, "fields") as progress:
+            judgement = held_against(simulation, prediction, frames if written else None, progress)
         write_comparison(judgement, label, directory, figures)
     if as_json:
         document = report_document(judgement, label)
@@ -143,19 +135,6 @@ def compare_command(
     if isinstance(prediction, Solution):
         check_converged(prediction, label)
     raise typer.Exit(1 if judgement.verdict == DIFFERS else 0)
-
-
-def _mesh(
-    prediction: Solution | None,
-    scene: Scene,
-    budget: float | None,
-    settings: Mapping[str, Any],
-    *,
-    snapshots: bool,
-) -> MeshChoice:
-    """The mesh that settings of the command line and a budget make of a scene."""
-    options = {**settings, "memory": in_bytes(settings.get("memory"))}
-    return choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **options)
 
 
 def write_comparison(judgement: Judgement, label: str, directory: Path, form: str = "png") -> None:
@@ -180,9 +159,6 @@ def _show(judgement: Judgement, label: str, directory: Path) -> None:
     console.print(terminal.judgement_table(judgement, label))
     console.print(terminal.references_line(judgement), highlight=False)
     console.print(terminal.verdict_text(judgement), highlight=False)
-    if judgement.fields is not None:
-        console.print(terminal.fields_table(judgement.fields))
-        console.print(terminal.fields_note(judgement), highlight=False)
     console.print(f"Written to {directory}/", highlight=False)
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from time import monotonic
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
+from compare.comparison.mesh_choice import duration
 from compare.comparison.report import simulation_document
 from compare.output.leftovers import SNAPSHOTS, forget_other_runs
 from compare.output.places import save_somewhere, working_folder
@@ -38,11 +40,17 @@ if TYPE_CHECKING:
     from fem import Simulation
     from fem.budget import Cost
 
+Progress = Callable[[int, int], None]
+
 CHECKPOINT = "checkpoint.h5"
 WORTH_SAYING = 60.0
 """Predicted run time above which it is printed before a simulation starts [s]."""
 WORTH_KEEPING = 1e8
-"""Predicted size of snapshots above which it is printed [bytes]."""
+"""Predicted size of its snapshots from which on that is said [bytes]."""
+OVERRUN = 1.2
+"""Times its budget from which on it is said that a comparison will exceed it."""
+LOOKED_AT = 0.1
+"""Part of the steps from which on they tell how long all will take."""
 
 
 @with_options(
@@ -101,6 +109,44 @@ def simulate_command(
     Console().print(f"Written to {directory}/", highlight=False)
 
 
+@dataclass(frozen=True)
+class Allowance:
+    """How long a simulation with its companions and its comparison is expected and allowed to take.
+
+    Attributes
+    ----------
+    expected, budget : float
+        On this machine [s].
+    """
+
+    expected: float
+    budget: float
+
+    def watched(
+        self, progress: Progress, predicted: Cost, label: str, tell: Callable[[str], None]
+    ) -> Progress:
+        """The progress of a simulation of a predicted cost, that tells once if all will take longer
+        than the budget and a fifth."""
+        from fem.budget import machine_pace
+
+        share = machine_pace() * predicted.seconds / self.expected
+        began, told = monotonic(), False
+
+        def watch(step: int, steps: int) -> None:
+            nonlocal told
+            progress(step, steps)
+            passed = monotonic() - began
+            whole = passed * steps / step / share if step else 0.0
+            if not told and step >= LOOKED_AT * steps and whole > OVERRUN * self.budget:
+                told = True
+                tell(
+                    f"{label}: this will take about {duration(whole)}, more than the budget of "
+                    f"{duration(self.budget)}: others have taken the cores since it was planned."
+                )
+
+        return watch
+
+
 def simulate_into(
     directory: Path,
     scene: Scene,
@@ -111,12 +157,14 @@ def simulate_into(
     snapshots: bool,
     companions: bool = True,
     foretold: Collection[str] = (),
+    allowance: Allowance | None = None,
     quiet: bool,
 ) -> Simulation:
     """Run the finite-element model and write its history, and snapshots if requested.
 
-    Companion runs on coarser meshes follow unless `companions` is false.  `foretold` holds
-    sentences that are printed before the run in place of the predicted cost.
+    Then the same on coarser meshes, if companions are wanted.  What is foretold is said before it
+    starts, in place of what it is going to take.  That it will exceed its allowance is said as soon
+    as its steps show it.
     """
     from fem import cost, opening_sentence, simulate
     from fem.budget import check_room
@@ -129,17 +177,24 @@ def simulate_into(
     check_room(directory / "simulation.h5", predicted.history, "simulate: the histories")
 
     notes = Console(stderr=True)
+
+    def tell(sentence: str) -> None:
+        notes.print(sentence, highlight=False, soft_wrap=True)
+
     if not quiet:
         for sentence in _expected(predicted, directory, foretold):
             notes.print(f"{label}: {sentence}.", highlight=False, soft_wrap=True)
-    with progress_bar(notes, quiet) as progress:
+    with progress_bar(notes, quiet) as bar:
+        progress = bar
+        if allowance is not None and not quiet:
+            progress = allowance.watched(bar, predicted, label, tell)
         simulation = simulate(
             scene,
             **settings,
             **checkpointing,
             snapshots=directory / SNAPSHOTS if snapshots else None,
             progress=progress,
-            tell=lambda sentence: notes.print(sentence, highlight=False, soft_wrap=True),
+            tell=tell,
         )
     save_somewhere(simulation.save, directory)
     forget_other_runs(directory, simulation.run)
@@ -153,22 +208,31 @@ def simulate_into(
             notes.print(f"{label}: {sentence}.", highlight=False, soft_wrap=True)
     if simulation.unwritten:
         raise DataFileError(f"{simulation.unwritten} The histories are in {directory}.")
-    return with_error_bars(simulation, directory, label, quiet=quiet) if companions else simulation
+    if not companions:
+        return simulation
+    return with_error_bars(simulation, directory, label, snapshots=snapshots, quiet=quiet)
 
 
 def with_error_bars(
-    simulation: Simulation, directory: Path, label: str, *, keep: bool = True, quiet: bool
+    simulation: Simulation,
+    directory: Path,
+    label: str,
+    *,
+    snapshots: bool,
+    keep: bool = True,
+    quiet: bool,
 ) -> Simulation:
     """Repeat a stored simulation on coarser meshes and print its error estimates.
 
-    The coarser runs are stored only when both are done (and `keep` is true), so an interruption
-    leaves the stored simulation as it was.
+    They are kept with it, if at all, once they are done: an interruption leaves it as it is.  With
+    snapshots, and if they are kept, their last frames are beside those of the simulation.
     """
     from fem import with_companions
 
     notes = Console(stderr=True)
     with progress_bar(notes, quiet, "coarser meshes") as progress:
-        carrying = with_companions(simulation, progress)
+        folder = directory / SNAPSHOTS if snapshots and keep else None
+        carrying = with_companions(simulation, progress, snapshots=folder)
     if keep and carrying.companion is not None:
         save_somewhere(carrying.save, directory)
     if not quiet:

@@ -22,7 +22,6 @@ from compare.comparison.documents import (
     march_document,
     units_document,
 )
-from compare.comparison.fields.errors import BAND, FieldErrors
 from compare.comparison.judgement import Judgement, own_bars
 from compare.comparison.mesh_choice import MeshChoice, toll, two_digits
 from compare.comparison.rows import DIFFERS, UNRESOLVED, Row, shown_number
@@ -279,29 +278,6 @@ def verdict_text(judgement: Judgement | Validation, options: Collection[str] = M
         alike.setdefault(f"{reason}{f' ({remedy})' if remedy else ''}", []).append(row.name)
     lines += [f"  · {'; '.join(names)}: {reason}" for reason, names in alike.items()]
     return "\n".join(lines)
-
-
-def fields_table(fields: FieldErrors) -> Table:
-    """Return a table of the errors of the last field snapshot, by component."""
-    band = f"outside the band of\n{BAND:g} elements about fronts"
-    errors = fields.frames[-1]
-    table = Table(title=f"Field snapshot at t = {errors[0].time:.6g}: L1 errors", box=SIMPLE_HEAD)
-    table.add_column("component")
-    for heading in ("in both bodies", band):
-        table.add_column(heading, justify="right")
-    for error in errors:
-        parts = (f"{two_digits(100 * part)} %" for part in (error.whole, error.outside))
-        table.add_row(error.component, *parts)
-    return table
-
-
-def fields_note(judgement: Judgement) -> str:
-    """Return a note on why fields have no verdict, and how to check them."""
-    resolution = 2 * judgement.simulation.resolution
-    return (
-        "Fields are not judged: coarser meshes keep no snapshots, so that there are no error bars. "
-        f"Where the prediction is right, errors fall with the mesh: see --resolution {resolution}."
-    )
 
 
 def _label(name: str) -> str:

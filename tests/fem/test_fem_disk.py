@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from faults import FULL, ROOM, full_disk, small_disk
 
-from compare.comparison.snapshots import last_snapshot
+from compare.comparison.fields.frames import last_frame
 from fem import load_simulation, simulate
 from fem.checkpoint import Keeper
 from fem.plan import Pace
@@ -111,7 +111,7 @@ def test_snapshots_that_find_no_room_end_no_run(how, whole, tmp_path):
         progress = call_at(whole.steps // 2 + 1, fill)
         run = simulate(SCENE, **SMALL, snapshots=folder, progress=progress, tell=told.append)
         assert listed(folder) == ["fields-0001.vtu", "fields-0002.vtu"]
-        assert last_snapshot(folder, run.run).time == pytest.approx(0.5, abs=run.time_step)
+        assert last_frame(folder, run.run).time == pytest.approx(0.5, abs=run.time_step)
         left = {path.name for path in folder.iterdir()} - {"filler"}
         assert left == {"fields.pvd", *listed(folder)}  # nothing half-written
         for name in left:
@@ -204,7 +204,7 @@ def test_one_run_has_one_identity(whole, tmp_path):
     assert run.run == whole.run
     run.save(tmp_path)
     assert load_simulation(tmp_path).run == run.run
-    assert last_snapshot(tmp_path, run.run).time == run.end_time
+    assert last_frame(tmp_path, run.run).time == run.end_time
     for changed in ({"resolution": 17}, {"end_time": 0.9}, {"damping": 0.0}):
         options = {**SMALL, **changed}
         assert simulate(SCENE, **options, snapshots=tmp_path / "other").run != run.run
@@ -250,7 +250,7 @@ def test_frame_put_in_from_another_run_is_refused(tmp_path):
     simulate(SCENE, **SMALL, damping=0.05, snapshots=tmp_path / "other")
     shutil.copy(tmp_path / "other" / "fields-0004.vtu", tmp_path / "one")
     with pytest.raises(DataFileError, match="of another run"):
-        last_snapshot(tmp_path / "one", one.run)
+        last_frame(tmp_path / "one", one.run)
 
 
 @pytest.mark.slow

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.fields.frames import Frame, Places, read_frame
+from compare.comparison.fields.changes import FieldChange, field_changes
+from compare.comparison.fields.frames import Frame, last_frame, read_frame
 from compare.comparison.fields.fronts import Fronts, fronts_of
+from compare.comparison.fields.pairs import Pair, alike, area_norm, frame_pairs
 from compare.comparison.measures import NOTHING
 from compare.comparison.snapshots import listed_frames
 from semianalytic import Scene
@@ -29,24 +31,6 @@ SEEN_LAST = 1_000_000
 SEEN_BEFORE = 5_000
 """Most nodes, and most elements, at which the last frame and each one before it are compared: drawn
 at random, so few tell an error in two digits."""
-
-
-@dataclass(frozen=True, eq=False)
-class Pair:
-    """One component of a frame, simulated and predicted.
-
-    Attributes
-    ----------
-    name : str
-    places : Places
-    simulated, predicted : (m,) arrays
-        In the units of the scene, stresses as changes since t = 0.
-    """
-
-    name: str
-    places: Places
-    simulated: Array
-    predicted: Array
 
 
 @dataclass(frozen=True)
@@ -88,11 +72,14 @@ class FieldErrors:
         In the order of time.
     last : dict of Pair
         Of the last frame, by the name of the component.
+    changes : tuple of FieldChange
+        What its components change by from mesh to mesh, from which error bars come.
     """
 
     element_size: float
     frames: tuple[tuple[FieldError, ...], ...]
     last: dict[str, Pair]
+    changes: tuple[FieldChange, ...]
 
     @property
     def rows(self) -> tuple[FieldError, ...]:
@@ -107,6 +94,8 @@ def field_errors(
     progress: Callable[[int, int], None] | None = None,
 ) -> FieldErrors | None:
     """Hold all frames of a simulation against a prediction; None if it knows the contact alone.
+
+    The last one is compared with that of its companions too, if they were kept.
 
     Parameters
     ----------
@@ -135,37 +124,36 @@ def field_errors(
         frames.append(tuple(pair_errors(pairs, fronts, frame.time, BAND * size)))
         if progress is not None:
             progress(number, len(listed))
-    return FieldErrors(size, tuple(frames), pairs)
+    meshes = [(size, frame), *companion_frames(simulation, folder)]
+    width = BAND * max(cell for cell, _ in meshes)
+
+    def predict(coarser: Frame) -> dict[str, Pair]:
+        return frame_pairs(prediction, coarser, SEEN_LAST)
+
+    changes = field_changes(pairs, [mesh for _, mesh in meshes], fronts, width, predict)
+    return FieldErrors(size, tuple(frames), pairs, changes)
 
 
-def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
-    """All components of a frame beside what is predicted there, by their names.
+def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, Frame]]:
+    """Element sizes [length] and last frames of the companions of a simulation, finest first, as
+    far as they were kept.
 
-    The whole mesh counts: made for snapshots, it ends where nothing comes back from its sides,
-    which hold what plane waves do not move (`meshes.blocks.causal_blocks`).
-
-    Parameters
-    ----------
-    fields : BodyFields
-    frame : Frame
-    most : int
-        Nodes and elements at which they are.
+    Raises
+    ------
+    DataFileError
+        If one that was kept cannot be read.
     """
-    nodes, elements = (places.thinned(most) for places in (frame.nodes, frame.elements))
-    velocity = fields.velocity(nodes.x, nodes.y, frame.time)
-    displacement = fields.displacement(nodes.x, nodes.y, frame.time)
-    base = fields.stress(0.0, 1.0, 0.0)[:, None]
-    stress = fields.stress(elements.x, elements.y, frame.time) - base
-    moved = np.concatenate([velocity, displacement])
-    pairs = {
-        name: Pair(name, nodes, values, predicted)
-        for (name, values), predicted in zip(nodes.fields.items(), moved, strict=True)
-    }
-    carried = zip(elements.fields.items(), stress, base, strict=True)
-    return pairs | {
-        name: Pair(name, elements, values - level, predicted)
-        for (name, values), predicted, level in carried
-    }
+    from fem.snapshots import companion_folder, index_run
+
+    frames: list[tuple[float, Frame]] = []
+    run = simulation.companion
+    while run is not None:
+        place = companion_folder(folder, len(frames) + 1)
+        if index_run(place) != run.run:
+            break
+        frames.append((run.element_size, last_frame(place, run.run)))
+        run = run.companion
+    return frames
 
 
 def pair_errors(
@@ -197,26 +185,17 @@ def pair_errors(
 def _relative(pairs: dict[str, Pair], kept: dict[int, NDArray[np.bool_]]) -> dict[str, float]:
     """L1 errors over the norms of the prediction, at the places that are kept."""
     chosen = {name: kept[id(pair.places)] for name, pair in pairs.items()}
-    sizes = {name: _norm(pair, pair.predicted, chosen[name]) for name, pair in pairs.items()}
+    sizes = {
+        name: area_norm(pair.predicted, pair.places.area, chosen[name])
+        for name, pair in pairs.items()
+    }
     errors = {}
     for name, pair in pairs.items():
-        largest = max(sizes[other] for other in pairs if _alike(name, other))
+        largest = max(sizes[other] for other in pairs if alike(name, other))
         size = sizes[name] if sizes[name] > NOTHING * largest else largest
-        off = _norm(pair, pair.simulated - pair.predicted, chosen[name])
+        off = area_norm(pair.simulated - pair.predicted, pair.places.area, chosen[name])
         errors[name] = off / size if size else np.inf if off else 0.0
     return errors
-
-
-def _norm(pair: Pair, values: Array, kept: NDArray[np.bool_]) -> float:
-    """L1 norm of values at places that are kept, those left out at which nothing finite is
-    predicted."""
-    kept = kept & np.isfinite(pair.predicted)
-    return float(np.sum(np.abs(values[kept]) * pair.places.area[kept]))
-
-
-def _alike(one: str, other: str) -> bool:
-    """Whether two components are of one field."""
-    return one.partition("_")[0] == other.partition("_")[0]
 
 
 def fronts_in(prediction: Answer, scene: Scene) -> Fronts:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from compare.comparison.snapshots import frame_mesh
+from compare.comparison.snapshots import frame_mesh, listed_frames
 from semianalytic.scene.errors import DataFileError
 
 Array = NDArray[np.float64]
@@ -106,6 +106,23 @@ def read_frame(time: float, path: Path) -> Frame:
     return Frame(
         time, Places(points[:, 0], y, held, moved), Places(centre[:, 0], centre[:, 1], area, stress)
     )
+
+
+def last_frame(folder: Path, run: str | None = None) -> Frame:
+    """The last frame that the index of a folder of snapshots lists.
+
+    Parameters
+    ----------
+    folder : Path
+    run : str, optional
+        Identity of the simulation that index and frame must be of; any unless given.
+
+    Raises
+    ------
+    DataFileError
+        If the index or the frame is missing, damaged or of another run.
+    """
+    return read_frame(*listed_frames(folder, run)[-1])
 
 
 def _areas(corners: Array) -> Array:

@@ -84,6 +84,14 @@ class Fronts:
         return np.asarray(np.minimum.reduce(distances))
 
 
+def jump_times(scene: Scene) -> tuple[float, ...]:
+    """Times at which a load of a scene jumps, in order [time]."""
+    load = scene.load
+    histories = ((scene.pressure_history, load.pressure), (scene.shear_history, load.shear))
+    starts = {time for one, step in histories if step for time, _ in one.pieces.jumps}
+    return tuple(sorted(starts))
+
+
 def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
     """The fronts that jumps of the loads of a scene send out.
 
@@ -93,9 +101,7 @@ def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
     edges : sequence of float
         Velocities of the ends of its slip zones and openings [length / time].
     """
-    material, load = scene.material, scene.superposition.taken_off
-    histories = ((scene.pressure_history, load.pressure), (scene.shear_history, load.shear))
-    starts = {time for one, step in histories if step for time, _ in one.pieces.jumps}
+    material, load = scene.material, scene.load
     shear, pressure = 1 / material.shear_speed, 1 / material.longitudinal_speed
     moving = [edge for edge in edges if 0 < edge < math.inf]
     in_plane = not scene.antiplane or load.pressure != 0
@@ -107,4 +113,4 @@ def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
     lines += [StraightFront(s, 1 / edge, 1) for edge in moving for s in waves if s * edge > 1]
     rayleigh = material.rayleigh_speed
     points = (*moving, *((rayleigh, -rayleigh) if in_plane else ()))
-    return Fronts(tuple(sorted(starts)), waves, tuple(lines), points)
+    return Fronts(jump_times(scene), waves, tuple(lines), points)

@@ -9,9 +9,9 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from compare.comparison.edge_rows import opening_rows
 from compare.comparison.judgement import side_by_side
-from compare.comparison.profile_rows import gap_rows
+from compare.comparison.quantities.edge_rows import opening_rows
+from compare.comparison.quantities.profile_rows import gap_rows
 from compare.comparison.rows import Row
 from compare.studies.tables import Study, run_studies
 from fem import simulate

@@ -2,22 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from docs.studies.campaign.scenes import random_history_scene
-from semianalytic import Material, RateWeakening, Scene, SceneError, SlipWeakening, Tractions
+from semianalytic import (
+    CoulombFriction,
+    Harmonic,
+    LoadHistory,
+    Material,
+    Pulse,
+    Ramp,
+    RateWeakening,
+    Scene,
+    SceneError,
+    SlipWeakening,
+    Tabulated,
+    Tractions,
+    ViscousFriction,
+)
 from semianalytic.cut.load import contact_opens
 from semianalytic.regimes import opening_threshold
 from semianalytic.scene.loading import REMOTE
-from semianalytic.scene.named import NAMED_SCENES
+from semianalytic.scene.named import NAMED_SCENES, find_scene, override_scene
+from semianalytic.scene.scene import ANTIPLANE
+from semianalytic.scene.units import SI
 
-STEPS, HISTORIES, OPENINGS = "steps", "histories", "openings"
-
-RESOLUTIONS = (40, 44, 48, 52, 56, 60, 64)
-"""Modest meshes, whose companions at 2h and 4h share nodes with them."""
+STEPS, HISTORIES, OPENINGS, NEAR = "steps", "histories", "openings", "near-openings"
+VISCOUS, OUT_OF_PLANE, METRES = "viscous", "antiplane", "SI"
+MAPS: Mapping[str, tuple[float, float]] = {"preloaded": (0.15, 0.42), "remote-shock": (1.0, 1.36)}
+"""Named scenes with the least and the largest friction of the map around each: gaps between slip
+zones of any width lie between."""
+MAP_SIZE, MAP_RATIOS = 10, (0.2, 0.38)
+"""Points along each axis of a map, and its least and largest Poisson ratio."""
 
 _NAMED = (
     "remote-shock",
@@ -32,7 +51,7 @@ _NAMED = (
     "pulse",
     "harmonic",
 )
-_POWER_SEED, _DRAWN = 15, (0, 1, 5, 9, 10, 13)
+_POWER_SEED, _DRAWN = 15, (0, 1, 3, 5, 9, 10)
 
 _SPECIAL_RATIOS = (1 / 3, 0.25, 0.0, 0.29)
 _SHARES = (0.0, 1.0, -1.0)
@@ -75,6 +94,85 @@ def random_opening(random: np.random.Generator) -> Scene:
     return Scene(solid, friction, Tractions(base, rest * friction * base), Tractions(step, shear))
 
 
+def random_near_opening(random: np.random.Generator) -> Scene:
+    """A self-similar scene whose contact opens a little, or only just does not.
+
+    Half of them ahead of a sudden pressure on a base within 20 % of the threshold, on either side
+    of it, half of them from the edge, whose step takes off a tenth of the base or so.
+    """
+    solid, friction = _random_solid(random)
+    shear = float(random.choice([-1, 1]) * random.lognormal(0.0, 0.5))
+    if random.random() < 0.3:
+        shear = 0.0
+    base, step = 1.0, -float(random.lognormal(-2.5, 0.7))
+    if random.random() < 0.5:
+        beside = float(random.choice([-1, 1]) * np.exp(random.uniform(np.log(1e-3), np.log(0.2))))
+        base, step = opening_threshold(solid.poisson_ratio) * (1 + beside), 1.0
+    rest = float(random.choice([0.0, random.uniform(-1, 1)]))
+    return Scene(solid, friction, Tractions(base, rest * friction * base), Tractions(step, shear))
+
+
+def random_viscous(random: np.random.Generator) -> Scene:
+    """A step with a film that takes between a hundredth and three times what a shear wave does."""
+    scene = random_steps(random)
+    share = float(np.exp(random.uniform(np.log(0.01), np.log(3.0))))
+    return replace(scene, friction_law=ViscousFriction(share * scene.material.shear_impedance / 2))
+
+
+def random_antiplane(random: np.random.Generator) -> Scene:
+    """A step, or three times in ten a load that rises and falls, with shear along z."""
+    kind = random_history if random.random() < 0.3 else random_steps
+    return replace(kind(random), mode=ANTIPLANE)
+
+
+def random_metres(random: np.random.Generator) -> Scene:
+    """A step, or three times in ten a load that rises and falls, of a real solid in SI units."""
+    kind = random_history if random.random() < 0.3 else random_steps
+    modulus = float(np.exp(random.uniform(np.log(1e9), np.log(1e11))))
+    stress = float(np.exp(random.uniform(np.log(1e4), np.log(1e8))))
+    return in_metres(kind(random), modulus, float(random.uniform(1000.0, 8000.0)), stress)
+
+
+def in_metres(scene: Scene, modulus: float, density: float, stress: float) -> Scene:
+    """A scene of Coulomb friction in units of 1 as one in SI units, for the same lengths.
+
+    Parameters
+    ----------
+    scene : Scene
+    modulus, density : float
+        Of the solid [Pa], [kg/m^3].
+    stress : float
+        What stands for a traction of 1 [Pa].
+    """
+    solid = Material(modulus, density, scene.material.poisson_ratio)
+    base, load = (
+        Tractions(stress * one.pressure, stress * one.shear) for one in (scene.base, scene.load)
+    )
+    return replace(
+        scene,
+        material=solid,
+        base=base,
+        load=load,
+        pressure_history=_faster(scene.pressure_history, solid.shear_speed),
+        shear_history=_faster(scene.shear_history, solid.shear_speed),
+        friction_law=CoulombFriction(),
+        units=SI,
+    )
+
+
+def _faster(history: LoadHistory, times: float) -> LoadHistory:
+    """A history that does the same so many times faster."""
+    if isinstance(history, Ramp):
+        return Ramp(history.rise_time / times)
+    if isinstance(history, Pulse):
+        return Pulse(history.duration / times, history.shape)
+    if isinstance(history, Harmonic):
+        return Harmonic(history.frequency * times)
+    if isinstance(history, Tabulated):
+        return Tabulated(tuple(time / times for time in history.t), history.value_at_t)
+    return history
+
+
 def _random_solid(random: np.random.Generator) -> tuple[Material, float]:
     """A material and a friction coefficient."""
     nu = float(random.choice([random.uniform(-0.9, 0.49), random.choice(_SPECIAL_RATIOS)]))
@@ -95,26 +193,24 @@ def random_history(random: np.random.Generator) -> Scene:
 
 @dataclass(frozen=True)
 class Draw:
-    """A scene, the resolution of a mesh for it, and how many were drawn and refused before it."""
+    """A scene, and how many were drawn and refused before it."""
 
     scene: Scene
-    resolution: int
     refusals: int
 
 
 def draw(kind: str, random: np.random.Generator) -> Draw:
-    """The next admissible scene, of "steps" that leave the contact shut, "histories" or
-    "openings"."""
+    """The next admissible scene of a kind; only openings and what is near them may open."""
     refusals = 0
     while True:
-        resolution = int(random.choice(RESOLUTIONS))
         try:
             scene = _KINDS[kind](random)
         except SceneError:
             refusals += 1
             continue
-        if kind != STEPS or not contact_opens(scene):
-            return Draw(scene, resolution, refusals)
+        opens = scene.is_self_similar and contact_opens(scene)
+        if kind in (OPENINGS, NEAR) or not opens:
+            return Draw(scene, refusals)
         refusals += 1
 
 
@@ -122,7 +218,19 @@ _KINDS: dict[str, Callable[[np.random.Generator], Scene]] = {
     STEPS: random_steps,
     HISTORIES: random_history,
     OPENINGS: random_opening,
+    NEAR: random_near_opening,
+    VISCOUS: random_viscous,
+    OUT_OF_PLANE: random_antiplane,
+    METRES: random_metres,
 }
+
+
+def map_scene(name: str, index: int) -> Scene:
+    """A point of the map of friction and Poisson ratio around a named scene, row by row."""
+    row, column = divmod(index, MAP_SIZE)
+    friction = np.linspace(*MAPS[name], MAP_SIZE)[column]
+    ratio = np.linspace(*MAP_RATIOS, MAP_SIZE)[row]
+    return override_scene(find_scene(name), friction=float(friction), poisson_ratio=float(ratio))
 
 
 def power_scenes() -> dict[str, Scene]:

@@ -1,8 +1,8 @@
 """How far the judge can be trusted: false alarms, error bars, power against spoilt answers.
 
 ``python -m docs.studies.judge`` runs the trials and resumes them after an interruption.
-``python -m docs.studies.judge.study alarms bars power --csv docs/data`` writes the tables of
-docs/judge.md from the same trials.
+``python -m docs.studies.judge.study alarms bars power strengths faults --csv docs/data`` writes
+the tables of docs/judge.md from the same trials.
 """
 
 from __future__ import annotations
@@ -23,10 +23,14 @@ from docs.studies.judge.figure import judge_figure
 from docs.studies.judge.tables import (
     AlarmRow,
     BarRow,
+    FaultRow,
     PowerRow,
+    StrengthRow,
     alarm_rows,
     bar_rows,
+    fault_rows,
     power_rows,
+    strength_rows,
 )
 from docs.studies.judge.trials import JudgedRow, SpoiltRow, run_trials
 
@@ -48,7 +52,7 @@ def write_judge(
     Returns
     -------
     dict
-        Rows of the tables "alarms", "bars" and "power".
+        Rows of the tables "alarms", "bars", "power", "strengths" and "faults".
 
     Raises
     ------
@@ -60,6 +64,8 @@ def write_judge(
         "alarms": alarm_rows(judged),
         "bars": bar_rows(judged),
         "power": power_rows(spoilt),
+        "strengths": strength_rows(spoilt),
+        "faults": fault_rows(spoilt),
     }
     for name, rows in tables.items():
         write_rows(directory / f"judge-{name}.csv", rows)
@@ -88,7 +94,23 @@ def power() -> list[PowerRow]:
     return power_rows(_trials()[1])
 
 
-STUDIES: dict[str, Study] = {"alarms": alarms, "bars": bars, "power": power}
+def strengths() -> list[StrengthRow]:
+    """Mistakes of all trials by how far they move a row."""
+    return strength_rows(_trials()[1])
+
+
+def faults() -> list[FaultRow]:
+    """Simulations at fault of all trials."""
+    return fault_rows(_trials()[1])
+
+
+STUDIES: dict[str, Study] = {
+    "alarms": alarms,
+    "bars": bars,
+    "power": power,
+    "strengths": strengths,
+    "faults": faults,
+}
 
 if __name__ == "__main__":
     raise SystemExit(run_studies("docs.studies.judge.study", "judge", STUDIES))

@@ -6,13 +6,21 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
+import scipy
 
-from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
+from compare.comparison.rows import AGREES, ALARM, DIFFERS, UNRESOLVED
+from docs.studies.judge.faults import FAULTS
 from docs.studies.judge.spoils import SPOILS, Spoil
-from docs.studies.judge.trials import COUNTS, TRUTH, JudgedRow, SpoiltRow
+from docs.studies.judge.trials import COUNTS, REFUSED, TRUTH, JudgedRow, SpoiltRow
 
+ALL = "all"
+CONFIDENCE = 0.95
+"""Of the upper limit of a rate."""
+STRENGTHS = (0.0, 0.5, 1.0, ALARM, 2.0, 2.5, math.inf)
+"""Over the bar; between them mistakes are counted together."""
 SURE = ALARM + 1
 """Bars from which on a mistake shows whatever the simulation errs within its bar."""
 
@@ -23,20 +31,26 @@ class AlarmRow:
 
     Attributes
     ----------
-    group : str, "steps", "histories" or "openings"
-    scenes : int
+    group : str, kind of the draw, or the named scene that a map is around; "all" of them
+    scenes : int, that have been run
+    planned : int, of the whole trial
     refusals : int, draws that have no answer, or open the contact
     rows : int
-    false_rows, false_scenes : parts of them said to differ
+    false_rows, false_scenes : int, said to differ
+    rate : upper 95 % limit of the part of such scenes that is said to differ
+    agreeing_scenes : part of the scenes said to agree; the others are unresolved
     unresolved_rows : part of the rows
     """
 
     group: str
     scenes: int
+    planned: int
     refusals: int
     rows: int
-    false_rows: float
-    false_scenes: float
+    false_rows: int
+    false_scenes: int
+    rate: float
+    agreeing_scenes: float
     unresolved_rows: float
 
 
@@ -93,23 +107,35 @@ class PowerRow:
 
 
 def alarm_rows(rows: Sequence[JudgedRow]) -> list[AlarmRow]:
-    """One row a group."""
-    return [_alarms(group, _part(rows, group)) for group in _groups(rows)]
+    """One row a group, and one of all."""
+    groups = [_alarms(group, _part(rows, group)) for group in _groups(rows)]
+    return [*groups, _alarms(ALL, rows)]
 
 
 def _alarms(group: str, rows: Sequence[JudgedRow]) -> AlarmRow:
-    refusals = {row.index: row.refusals for row in rows}
+    scenes = {(row.group, row.index): row for row in rows}
     verdicts = Counter(row.verdict for row in rows)
-    alarmed = {row.index for row in rows if row.verdict == DIFFERS}
+    judgements = Counter(row.judgement for row in scenes.values())
     return AlarmRow(
         group=group,
-        scenes=len(refusals),
-        refusals=sum(refusals.values()),
+        scenes=len(scenes),
+        planned=sum(COUNTS.values()) if group == ALL else COUNTS[group],
+        refusals=sum(row.refusals for row in scenes.values()),
         rows=len(rows),
-        false_rows=verdicts[DIFFERS] / len(rows),
-        false_scenes=len(alarmed) / len(refusals),
+        false_rows=verdicts[DIFFERS],
+        false_scenes=judgements[DIFFERS],
+        rate=upper_limit(judgements[DIFFERS], len(scenes)),
+        agreeing_scenes=judgements[AGREES] / len(scenes),
         unresolved_rows=verdicts[UNRESOLVED] / len(rows),
     )
+
+
+def upper_limit(count: int, trials: int) -> float:
+    """Largest rate at which so few of the trials, or fewer, come about in one case out of twenty
+    (Clopper and Pearson)."""
+    if count >= trials:
+        return 1.0
+    return float(scipy.stats.beta.ppf(CONFIDENCE, count + 1, trials - count))
 
 
 def bar_rows(rows: Sequence[JudgedRow]) -> list[BarRow]:
@@ -147,6 +173,66 @@ def power_rows(rows: Sequence[SpoiltRow]) -> list[PowerRow]:
     ]
 
 
+@dataclass(frozen=True)
+class FaultRow:
+    """What becomes of one fault of a simulation.
+
+    Attributes
+    ----------
+    fault, what : str
+    scenes : int, in which it changes anything
+    caught : part of those in which the simulation differs, or is refused
+    beyond, caught_beyond : int, of these it is beyond what counts as a difference, in any row, and
+        part of those that is caught; nan if there are none
+    """
+
+    fault: str
+    what: str
+    scenes: int
+    caught: float
+    beyond: int
+    caught_beyond: float
+
+
+def fault_rows(rows: Sequence[SpoiltRow]) -> list[FaultRow]:
+    """One row a fault."""
+    found = []
+    for fault in FAULTS:
+        some = [row for row in rows if row.spoil == fault.name]
+        beyond = [row for row in some if row.over_bar > ALARM]
+        facts = (len(some), _part_caught(some), len(beyond), _part_caught(beyond))
+        found += [FaultRow(fault.name, fault.what, *facts)] if some else []
+    return found
+
+
+def strength_rows(rows: Sequence[SpoiltRow]) -> list[StrengthRow]:
+    """How many mistakes of a strength are caught, over all mistakes and sizes."""
+    names = {spoil.name for spoil in SPOILS} | {fault.name for fault in FAULTS}
+    tried = [row for row in rows if row.spoil in names]
+    found = []
+    for low, high in pairwise(STRENGTHS):
+        some = [row for row in tried if low < row.over_bar <= high]
+        found.append(StrengthRow(low, high, len(some), _part_caught(some)))
+    return found
+
+
+@dataclass(frozen=True)
+class StrengthRow:
+    """Mistakes by how far they move a row, over its bar, where that is most.
+
+    Attributes
+    ----------
+    above, up_to : float, over the bar
+    tried : int, mistakes of all kinds and sizes, in all scenes
+    caught : part of them; nan if there are none
+    """
+
+    above: float
+    up_to: float
+    tried: int
+    caught: float
+
+
 def _power(spoil: Spoil, rows: Sequence[SpoiltRow]) -> PowerRow:
     size = abs(spoil.size) * (100 if spoil.unit == "%" else 1)
     least = float(np.quantile(least_shares(rows), 0.5, method="higher"))
@@ -167,7 +253,8 @@ def _power(spoil: Spoil, rows: Sequence[SpoiltRow]) -> PowerRow:
 
 
 def _part_caught(rows: Sequence[SpoiltRow]) -> float:
-    return float(np.mean([row.verdict == DIFFERS for row in rows])) if rows else math.nan
+    caught = [row.verdict in (DIFFERS, REFUSED) for row in rows]
+    return float(np.mean(caught)) if caught else math.nan
 
 
 def least_shares(rows: Sequence[SpoiltRow]) -> list[float]:

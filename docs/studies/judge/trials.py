@@ -7,40 +7,73 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from compare.comparison.comparing import held_against, planned
 from compare.comparison.judgement import Judgement, judge
 from compare.comparison.prediction import predict_like
-from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED
+from compare.comparison.rows import ALARM, DIFFERS, UNRESOLVED, Row
 from compare.output.tables import append_rows, started_rows
 from compare.tasks.workers import Progress, run_tasks
 from compare.tasks.workers import Task as WorkerTask
+from docs.studies.judge.faults import FAULTS, Fault
 from docs.studies.judge.scenes import (
     HISTORIES,
+    MAP_SIZE,
+    MAPS,
+    METRES,
+    NEAR,
     OPENINGS,
+    OUT_OF_PLANE,
     STEPS,
+    VISCOUS,
+    Draw,
     draw,
+    map_scene,
     power_scenes,
 )
 from docs.studies.judge.spoils import SPOILS, Spoil, Window, effect, spoilt
-from semianalytic import Answer, Scene, SceneError
+from semianalytic import Answer, DataFileError, Marched, Scene, SceneError, Solution
 
 if TYPE_CHECKING:
     from fem import Simulation
 
-SEED = 14
-COUNTS = {STEPS: 200, HISTORIES: 60, OPENINGS: 60}
-QUICK_COUNTS = {STEPS: 8, HISTORIES: 3, OPENINGS: 3}
-RESOLUTION, QUICK_RESOLUTION = 100, 40
+SEED = 25
+COUNTS = {
+    STEPS: 90,
+    HISTORIES: 50,
+    OPENINGS: 50,
+    NEAR: 30,
+    VISCOUS: 25,
+    OUT_OF_PLANE: 30,
+    METRES: 25,
+    **dict.fromkeys(MAPS, MAP_SIZE**2),
+}
+QUICK_COUNTS = {
+    STEPS: 6,
+    HISTORIES: 2,
+    OPENINGS: 3,
+    NEAR: 2,
+    VISCOUS: 1,
+    OUT_OF_PLANE: 1,
+    METRES: 1,
+}
+QUICK_RESOLUTION = 40
+WHOLE = 8
+"""Of so many scenes the field snapshots of one are judged too, which take most of the time."""
 SHARES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 """Sizes of a spoil that are tried, over the usual one."""
 QUICK_POWER = 2
 TRUTH = "none"
 """What the truth is called among the spoils."""
-_END_TIME = 1.0
+LAW = "law"
+"""Kind of the rows of what a simulation has to hold by itself."""
+REFUSED = "refused"
+"""Verdict on a simulation that the judge does not take."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +82,14 @@ class JudgedRow:
 
     Attributes
     ----------
-    group : str, "steps", "histories" or "openings"
-    index : int, which seeds the draw
+    group : str, kind of the draw, or the named scene that a map is around
+    index : int, which seeds the draw, or is the place on the map
     of : int, rows of the scene, all of which have to be there
     refusals : int, draws before it that had no answer
-    resolution : int, of the mesh
+    resolution : int, of the mesh that was chosen
+    whole : bool, whether field snapshots were judged too
     seconds : what the scene took [s]
+    judgement : verdict on the scene
     name, kind, unit : as in the judgement
     exact, difference, bar : nan where there is none
     relative : bool, whether the last two are over the norm of the prediction
@@ -66,7 +101,9 @@ class JudgedRow:
     of: int
     refusals: int
     resolution: int
+    whole: bool
     seconds: float
+    judgement: str
     name: str
     kind: str
     unit: str
@@ -126,14 +163,32 @@ class SpoiltRow:
     by: str
 
 
-def simulated(scene: Scene, resolution: int) -> Simulation:
-    """A simulation with the companions that its error bars come from.
+def simulated(
+    scene: Scene, resolution: int | None = None, snapshots: Path | None = None
+) -> tuple[Simulation, Solution | Marched]:
+    """A simulation on the mesh that `slipfront compare` takes by itself, and the prediction.
 
-    What its mesh is too coarse for is left to the judge.
+    Parameters
+    ----------
+    scene : Scene
+    resolution : int, optional
+        Another mesh.
+    snapshots : Path, optional
+        Folder for field snapshots.  The mesh is that of a comparison with them in any case.
+
+    Raises
+    ------
+    SlipfrontError
+        As the command.
     """
     from fem import simulate, with_companions
 
-    return with_companions(simulate(scene, _END_TIME, resolution=resolution, tell=_unheard))
+    prediction, choice = planned(scene, snapshots=True, resolution=resolution)
+    # what its mesh is too coarse for is left to the judge; of frames it looks at the last alone
+    fineness = choice.resolution
+    run = simulate(scene, resolution=fineness, frames=1, snapshots=snapshots, tell=_unheard)
+    carrying = with_companions(run, snapshots=snapshots)
+    return carrying, prediction or predict_like(carrying)
 
 
 def _unheard(_: str) -> None:
@@ -146,39 +201,47 @@ def window_of(simulation: Simulation) -> Window:
     return Window(simulation.end_time, simulation.time_step, reach)
 
 
-def judged_rows(group: str, seed: int, index: int) -> list[JudgedRow]:
-    """Judge the right answer to the first scene of a draw that can be simulated and predicted."""
-    random, began = np.random.default_rng([seed, index]), perf_counter()
-    refusals = 0
-    while True:
-        drawn = draw(group, random)
-        refusals += drawn.refusals
-        try:
-            simulation = simulated(drawn.scene, drawn.resolution)
-            right = predict_like(simulation)
-            break
-        except SceneError:
-            refusals += 1
-    rows = judge(right, simulation).rows
+def judged_rows(
+    group: str, seed: int, index: int, resolution: int | None = None
+) -> list[JudgedRow]:
+    """Judge the right answer to the first scene of a draw that can be simulated and predicted, or
+    to a place on a map."""
+    random, began = np.random.default_rng([seed, index, list(COUNTS).index(group)]), perf_counter()
+    whole, refusals = index % WHOLE == 0, 0
+    with TemporaryDirectory() as folder:
+        snapshots = Path(folder) if whole else None
+        while True:
+            drawn = Draw(map_scene(group, index), 0) if group in MAPS else draw(group, random)
+            refusals += drawn.refusals
+            try:
+                simulation, right = simulated(drawn.scene, resolution, snapshots)
+                break
+            except SceneError:
+                if group in MAPS:
+                    raise
+                refusals += 1
+        judgement = held_against(simulation, right, snapshots)
     seconds = perf_counter() - began
     return [
         JudgedRow(
             group=group,
             index=index,
-            of=len(rows),
+            of=len(judgement.rows),
             refusals=refusals,
-            resolution=drawn.resolution,
+            resolution=simulation.resolution,
+            whole=whole,
             seconds=seconds,
+            judgement=judgement.verdict,
             name=row.name,
             kind=row.kind,
             unit=row.unit,
-            exact=_number(row.exact),
+            exact=_number(row.at_nodes if row.exact is None else row.exact),
             difference=_number(row.difference),
             bar=_number(row.bar),
             relative=row.relative,
             verdict=row.verdict,
         )
-        for row in rows
+        for row in judgement.rows
     ]
 
 
@@ -186,18 +249,23 @@ def _number(value: float | None) -> float:
     return math.nan if value is None else float(value)
 
 
-def spoilt_rows(scene_name: str, index: int, resolution: int, bisect: bool) -> list[SpoiltRow]:
-    """Judge the right answer to a scene, and all that can be made wrong of it.
+def spoilt_rows(
+    scene_name: str, index: int, resolution: int | None, bisect: bool
+) -> list[SpoiltRow]:
+    """Judge the right answer to a scene, all that can be made wrong of it, and the simulation with
+    faults in it.
 
     A spoil that has a size is made larger or smaller until the least that is caught is known
     between two of `SHARES`, if `bisect`.
     """
-    simulation = simulated(power_scenes()[scene_name], resolution)
-    trial = _Trial.of(simulation)
+    trial = _Trial.of(*simulated(power_scenes()[scene_name], resolution))
     tried: list[tuple[str, float, _Outcome]] = [(TRUTH, 0.0, trial.outcome(trial.right))]
     for spoil in SPOILS:
         outcomes = trial.searched(spoil, SHARES if bisect and spoil.size else (1.0,))
         tried += [(spoil.name, share, outcome) for share, outcome in outcomes.items()]
+    for fault in FAULTS:
+        at_fault = trial.at_fault(fault)
+        tried += [] if at_fault is None else [(fault.name, 1.0, at_fault)]
     return [
         SpoiltRow(scene_name, index, len(tried), name, share, *outcome)
         for name, share, outcome in tried
@@ -234,8 +302,7 @@ class _Trial:
     bars: Mapping[str, float | None]
 
     @classmethod
-    def of(cls, simulation: Simulation) -> _Trial:
-        right = predict_like(simulation)
+    def of(cls, simulation: Simulation, right: Answer) -> _Trial:
         judgement = judge(right, simulation)
         bars = {row.name: row.bar for row in judgement.rows if row.verdict != UNRESOLVED}
         return cls(simulation, right, window_of(simulation), flawless(judgement), bars)
@@ -244,23 +311,44 @@ class _Trial:
         """What becomes of an answer."""
         judgement = judge(answer, self.simulation)
         x, t = self.simulation.interface.x, self.window.end_time * np.linspace(0.2, 1.0, 9)
-        kinds = dict.fromkeys(row.kind for row in judgement.rows if row.verdict == DIFFERS)
         return _Outcome(
             slip_rate=effect("slip_rate", answer, self.right, x, t),
             shear_traction=effect("shear_traction", answer, self.right, x, t),
             over_bar=self.over_bar(answer),
             verdict=judgement.verdict,
-            by="; ".join(kinds),
+            by=_differing(judgement),
         )
 
     def over_bar(self, answer: Answer) -> float:
         """How far an answer is from the right one, over the bar, in the row where that is most."""
+        return self._most(judge(answer, self.flawless).rows)
+
+    def _most(self, rows: Sequence[Row]) -> float:
+        """The largest difference over the bar of the right answer, or of the place; what a
+        simulation has to hold by itself is left out, for a prediction at its nodes need not."""
         shares = (
             abs(row.difference) / bar
-            for row in judge(answer, self.flawless).rows
-            if row.difference is not None and (bar := self.bars.get(row.name))
+            for row in rows
+            if row.difference is not None
+            and row.kind != LAW
+            and (bar := self.bars.get(row.name))
+            and (bar := row.bar if row.place and row.bar else bar)
         )
         return max(shares, default=0.0)
+
+    def at_fault(self, fault: Fault) -> _Outcome | None:
+        """What becomes of the right answer where the simulation is at fault; None if it is not."""
+        spoilt_one = fault.make(self.simulation)
+        if spoilt_one is None:
+            return None
+        try:
+            judgement = judge(self.right, spoilt_one)
+        except DataFileError:
+            return _Outcome(0.0, 0.0, math.inf, REFUSED, "")
+        flawless_one = fault.make(self.flawless)
+        over_bar = self._most(judge(self.right, flawless_one or self.flawless).rows)
+        laws = [_over(row) for row in judgement.rows if row.kind == LAW]
+        return _Outcome(0.0, 0.0, max(over_bar, *laws), judgement.verdict, _differing(judgement))
 
     def searched(self, spoil: Spoil, shares: Sequence[float]) -> dict[float, _Outcome]:
         """Outcomes by share, of the usual one and those that bisect for the least one caught."""
@@ -280,13 +368,28 @@ class _Trial:
         return outcomes
 
 
+def _over(row: Row) -> float:
+    """|difference| over the bar; 0 where there is none."""
+    return abs(row.difference) / row.bar if row.difference and row.bar else 0.0
+
+
+def _differing(judgement: Judgement) -> str:
+    """Kinds of the rows that differ."""
+    return "; ".join(dict.fromkeys(row.kind for row in judgement.having(DIFFERS)))
+
+
 def flawless(judgement: Judgement) -> Simulation:
     """A simulation that shows the prediction at its nodes and levels, its companions left."""
     case = judgement.case
     path, work = case.worn_at_nodes
-    return replace(
+    run = replace(
         case.simulation, interface=case.at_nodes, final_path=path, final_work_density=work
     )
+    predict = getattr(case.prediction, "slot_velocity", None)
+    if predict is None:
+        return run
+    along, across = predict(run.slot.x, run.slot.t[:, None])
+    return replace(run, slot=replace(run.slot, velocity_x=along, velocity_y=across))
 
 
 def run_trials(
@@ -302,16 +405,18 @@ def run_trials(
     directory.mkdir(parents=True, exist_ok=True)
     counts = QUICK_COUNTS if quick else COUNTS
     names = list(power_scenes())[: QUICK_POWER if quick else None]
-    resolution = QUICK_RESOLUTION if quick else RESOLUTION
-    tasks: dict[tuple[str, int], WorkerTask] = {
+    resolution = QUICK_RESOLUTION if quick else None
+    wanted: dict[tuple[str, int], WorkerTask] = {
         (name, index): (spoilt_rows, (name, index, resolution, not quick))
         for index, name in enumerate(names)
     }
-    tasks |= {
-        (group, index): (judged_rows, (group, SEED, index))
+    wanted |= {
+        (group, index): (judged_rows, (group, SEED, index, resolution))
         for group, count in counts.items()
         for index in range(count)
     }
+    # by index: whatever part of them is done is one of all groups
+    tasks = dict(sorted(wanted.items(), key=lambda task: task[0][1]))
     part = "-quick" if quick else ""
     tables = {
         SpoiltRow: directory / f"judge-spoilt{part}.csv",

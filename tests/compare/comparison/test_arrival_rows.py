@@ -3,17 +3,21 @@
 import pytest
 from compare_cases import sampled_run
 
-from compare.comparison.arrival_rows import arrival_rows
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import predict_like
+from compare.comparison.quantities.arrival_rows import arrival_rows
 from semianalytic import solve
 from semianalytic.scene.named import find_scene
 
+IN_PLANE = {"P interface", "Rayleigh slot face", "P slot face"}
 PRESENT = {
-    "preloaded": {"P interface", "Rayleigh slot face", "P slot face"},
-    "remote-shock": {"P interface", "Rayleigh slot face", "S slot face", "P slot face"},
-    "stuck": {"S interface", "P interface", "Rayleigh slot face", "S slot face", "P slot face"},
+    "preloaded": IN_PLANE,
+    "remote-shock": IN_PLANE,
+    "stuck": IN_PLANE,
+    "antiplane": {"S interface", "S slot face"},
 }
+"""The first signal on either face and the Rayleigh signal: an S front behind a P front is too close
+to others for the mesh at 2h."""
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +38,12 @@ def test_every_signal_on_either_face_has_one_row(name):
     signals = [row.name.split(" (")[0].replace(" front,", "") for row in rows]
     assert sorted(signals) == sorted(PRESENT[name])
     for row in rows:
-        assert (row.unit, row.kind, row.verdict) == ("c_t", "arrival", "agrees")
+        assert (row.unit, row.kind) == ("c_t", "arrival")
+        # A Rayleigh front is too blurred at 4h to say how fast it converges.
+        assert row.verdict == "agrees" or (row.verdict, row.name.split()[0]) == (
+            "unresolved",
+            "Rayleigh",
+        )
 
 
 @pytest.mark.thinned(2)

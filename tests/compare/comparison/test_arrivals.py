@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from compare.comparison.arrivals import Window, aligned_speed, front_window, roughness
+from compare.comparison.quantities.arrivals import Window, aligned_speed, front_window, roughness
 
 VELOCITY = np.linspace(0.005, 2.0, 400)
 WINDOW = Window(0.8, 1.0, 1.2)

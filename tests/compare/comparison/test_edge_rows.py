@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from compare_cases import sampled_run
 
-from compare.comparison.edge_rows import narrow_obstacle, zone_rows
 from compare.comparison.judgement import side_by_side
+from compare.comparison.quantities.edge_rows import narrow_obstacle, zone_rows
 from semianalytic import solve
 from semianalytic.results.answer import SlipInterval
 from semianalytic.scene.named import find_scene, override_scene
@@ -124,8 +124,8 @@ def test_a_narrow_zone_says_how_narrow_and_which_mesh_would_do(resolution):
         row = rows[name]
         assert row.verdict == "unresolved"
         assert row.obstacle == f"the zone is 0.014 c_t T wide, {elements:.2g} elements"
-        assert row.resolution == math.ceil(4 / (outer - inner)) == 278
-    enough = edge_rows(exact, sampled_run(exact, 278))
+        assert row.resolution == math.ceil(8 / (outer - inner)) == 555
+    enough = edge_rows(exact, sampled_run(exact, 556))
     assert not any("wide" in enough[name].obstacle for name in EDGES)
 
 

@@ -13,9 +13,14 @@ from compare_cases import sampled_run
 
 from compare import judge
 from compare.comparison.case import worn_by
-from compare.comparison.history_rows import beside_edges, event_rows, sense_rows, slip_sense
 from compare.comparison.judgement import side_by_side
 from compare.comparison.prediction import method_of, predict_like
+from compare.comparison.quantities.history_rows import (
+    beside_edges,
+    event_rows,
+    sense_rows,
+    slip_sense,
+)
 from compare.comparison.rows import ALARM
 from fem import simulate
 from semianalytic import (
@@ -50,7 +55,7 @@ def test_both_methods_agree_within_the_bars(name, tmp_path, capsys):
     rows = {row["name"]: row for row in report["rows"]}
     assert rows["other sense, part of map"]["difference"] < 0.06
     assert rows["accumulated |slip|, L1"]["difference"] < 0.05
-    assert (rows["reverse slip, part of map"]["at_nodes"] > 0.001) == (name != "ramp")
+    assert ("reverse slip, part of map" in rows) == (name != "ramp")
     if name == "harmonic":
         assert rows["work in cycle 3"]["at_nodes"] > 0
         assert any(row.startswith("reversal at") for row in rows)
@@ -68,14 +73,18 @@ def test_space_time_can_be_forced_where_the_exact_solver_applies(tmp_path):
 
 @pytest.mark.thinned(2)
 @pytest.mark.parametrize(
-    ("law", "slip_rate_error"),
-    [(SlipWeakening(0.5, 0.2), 0.02), (RateWeakening(0.5, 0.5), 0.5)],
+    ("law", "slip_rate_error", "verdict"),
+    [
+        (SlipWeakening(0.5, 0.2), 0.02, "agrees"),
+        (RateWeakening(0.5, 0.5), 0.5, "unresolved"),
+    ],
     ids=["slip", "rate"],
 )
-def test_both_methods_agree_on_friction_laws(law, slip_rate_error):
+def test_both_methods_agree_on_friction_laws(law, slip_rate_error, verdict):
     """Slip at h = 0.01 c_t T: 0.05 % (slip weakening), 0.3 % (rate weakening).
 
-    Under rate weakening the slip rate of the finite elements flickers from step to step (27 %).
+    Under rate weakening the slip rate of the finite elements flickers from step to step (27 %), and
+    converges on no mesh: nothing differs, and nothing is said to agree.
     """
     scene = replace(find_scene("preloaded"), friction_law=law)
     run = simulate(scene, resolution=60)
@@ -83,7 +92,8 @@ def test_both_methods_agree_on_friction_laws(law, slip_rate_error):
     rows = {row.name: row for row in judgement.rows}
     assert rows["slip, L1"].difference < 0.01
     assert rows["slip rate over (x, t), L1"].difference < slip_rate_error
-    assert judgement.verdict == "agrees"
+    assert judgement.verdict == verdict
+    assert judgement.having("differs") == ()
 
 
 def test_two_predictions_of_one_scene_agree():
@@ -105,7 +115,8 @@ def test_two_predictions_of_one_scene_agree():
 @pytest.mark.slow
 def test_onset_comes_earlier_when_speeds_are_larger():
     exact = solve(find_scene("preloaded"))
-    run = sampled_run(exact, times=100, stretch=1.05)
+    # The slip that begins there lasts as long as a shear wave takes for 6.5 elements of 100.
+    run = sampled_run(exact, resolution=160, times=100, stretch=1.05)
     (row,) = (row for row in event_rows(side_by_side(exact, run)))
     assert row.name == "onset at 0.75 c_t T"
     # Interpolated between a hundred times: less than the step between two.
@@ -114,7 +125,7 @@ def test_onset_comes_earlier_when_speeds_are_larger():
     assert abs(row.difference) > ALARM * row.bar
     assert row.verdict == "unresolved"
     assert row.obstacle.endswith("of the threshold")
-    honest = sampled_run(exact, times=100, stretch=1.05, growth=2.0)
+    honest = sampled_run(exact, resolution=160, times=100, stretch=1.05, growth=2.0)
     (row,) = (row for row in event_rows(side_by_side(exact, honest)))
     assert row.verdict == "agrees"
 

@@ -8,11 +8,10 @@ from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from compare import judge
+from compare.comparison.case import NARROW
 from compare.comparison.judgement import mesh_sentence
-from compare.comparison.profile_rows import SINGLE_STEPS
 from compare.comparison.rows import ALARM, Row
 from compare.comparison.scales import slip_rate_scale
-from compare.comparison.snapshots import SlipRateProfile
 from fem import simulate
 from semianalytic import Material, Scene, Solution, Tractions, solve
 from semianalytic.results.answer import SlipInterval
@@ -55,17 +54,58 @@ def fair(solution, coarse):
 # --- what is right agrees -------------------------------------------------------------------
 
 
+RAYLEIGH = "Rayleigh front, slot face (v_y)"
+UNTOLD = {
+    "preloaded": {RAYLEIGH: "the meshes do not converge"},
+    "viscous": {RAYLEIGH: "the meshes do not converge"},
+    "auxetic": {
+        RAYLEIGH: "the meshes do not converge",
+        "reverse slip, part of map": "its error bar is more than 0.5",
+    },
+    "remote-shock": {
+        "zone 2, inner edge": "the zone is 0.063 c_t T wide, 6.3 elements",
+        "zone 2, outer edge": "the zone is 0.063 c_t T wide, 6.3 elements",
+    },
+    "lift-off-shear": {
+        "zone 1, outer edge": "the gap to the next zone is 0.08 c_t T wide",
+        "zone 2, inner edge": "the gap to the next zone is 0.08 c_t T wide",
+        "v_y of the slot face, L1": "the meshes do not converge",
+        "open, part of map": "its error bar is more than 0.5",
+    },
+}
+"""Rows that a resolution of 100 leaves unresolved even without any error, and why: parts that are
+narrower than 8 elements, fronts too blurred at 4h or sharp between two nodes, and maps whose edges
+move by much of what they enclose."""
+
+
 @pytest.mark.thinned(12)
 @pytest.mark.parametrize("name", SELF_SIMILAR)
 def test_a_run_without_error_agrees_with_nothing_but_rounding(name):
     solution = solve(NAMED_SCENES[name].scene)
     judgement = judge(solution, sampled_run(solution))
     assert judgement.verdict == "agrees"
-    # The zone ahead of c_R of the auxetic scene is one node wide at 4h.
-    unresolved = [row.name for row in judgement.having("unresolved")]
-    assert unresolved == (["Rayleigh front, interface (slip rate)"] if name == "auxetic" else [])
+    unresolved = {row.name: row.obstacle for row in judgement.having("unresolved")}
+    assert unresolved.keys() == UNTOLD.get(name, {}).keys()
+    for row, reason in UNTOLD.get(name, {}).items():
+        assert unresolved[row].startswith(reason), row
     # Waveforms are aligned through a table of 801 values: a fraction of its spacing is left.
     assert max(abs(row.difference) for row in judgement.rows) < 2e-3
+
+
+@pytest.mark.slow
+def test_the_mesh_that_an_unresolved_part_asks_for_resolves_it():
+    """Nothing of a run without error is unresolved twice for the same reason."""
+    for name in ("remote-shock", "lift-off-shear"):
+        solution = solve(NAMED_SCENES[name].scene)
+        first = judge(solution, sampled_run(solution))
+        named_meshes = [
+            row.resolution for row in first.having("unresolved") if "wide" in row.obstacle
+        ]
+        finer = 4 * -(-max(named_meshes) // 4)
+        rows = named(judge(solution, sampled_run(solution, resolution=finer)))
+        for row in first.having("unresolved"):
+            if "wide" in row.obstacle:
+                assert rows[row.name].verdict == "agrees", (name, row.name)
 
 
 def check_ordinary(name, resolution):
@@ -81,7 +121,7 @@ def check_ordinary(name, resolution):
         for row in edges:
             assert row.verdict == "unresolved"
             assert row.obstacle.startswith("the gap to the next zone is ")
-            gap = (rows["zone 2, inner edge"].exact - rows["zone 1, outer edge"].exact) / 4
+            gap = (rows["zone 2, inner edge"].exact - rows["zone 1, outer edge"].exact) / NARROW
             assert row.resolution == pytest.approx(1 / gap, abs=1)
             assert judgement.remedy(row).startswith(f"resolution {row.resolution}, h = ")
     return rows
@@ -123,9 +163,8 @@ def test_a_coarse_mesh_is_unresolved_and_says_which_would_do(solution):
     judgement = judge(solution, run)
     assert judgement.simulation.companion is None
     assert judgement.verdict == "unresolved"
-    assert {row.bar for row in judgement.rows} == {None}
     for row in judgement.rows:
-        assert row.obstacle
+        assert row.kind == "law" or (row.bar is None and row.obstacle)
     assert any(row.resolution == 28 for row in judgement.rows)
 
 
@@ -136,7 +175,9 @@ def test_without_companions_nothing_agrees_and_nothing_differs(solution, resolut
     for gain in (1.0, 2.0):
         run = sampled_run(solution, resolution=resolution, gain=gain, companions=0)
         judgement = judge(solution, run)
-        assert judgement.counts["agrees"] == 0, gain
+        # what a simulation has to hold by itself is seen on one mesh
+        assert {row.kind for row in judgement.having("agrees")} == {"law"}, gain
+        assert judgement.verdict == "unresolved", gain
         unpredicted = [name for name in differing(judgement) if "unpredicted" not in name]
         assert unpredicted == []
     assert judge(solution, sampled_run(solution, resolution=16)).counts["agrees"] > 0
@@ -170,10 +211,10 @@ def test_another_prediction_moves_nothing_of_the_simulation(fair, coarse, fricti
     other = named(judge(solve(override_scene(PRELOADED, friction=friction)), coarse))
     moved = 0
     for name, row in named(fair).items():
-        if row.kind == "arrival" or name == "other sense, part of map":
+        if row.kind in ("arrival", "local") or name == "other sense, part of map":
             continue
         assert other[name].simulated == row.simulated, name
-        assert other[name].order == row.order, name
+        assert (other[name].order or 0) == pytest.approx(row.order or 0, rel=1e-9), name
         moved += other[name].at_nodes != row.at_nodes
     assert moved >= 10
 
@@ -186,8 +227,8 @@ def test_bars_come_from_the_simulation():
     fair, other = (named(judge(solve(scene), run)) for scene in scenes)
     compared = 0
     for name, row in fair.items():
-        if row.kind == "arrival" or "(x, t)" in name:
-            continue
+        if row.kind in ("arrival", "local") or "(x, t)" in name:
+            continue  # windows and places depend on the prediction
         scales = (row.at_nodes, other[name].at_nodes) if row.relative else (1.0, 1.0)
         bars = [one.bar * scale for one, scale in zip((row, other[name]), scales, strict=True)]
         assert bars[0] == pytest.approx(bars[1], rel=1e-3, abs=1e-5), name
@@ -248,6 +289,7 @@ def rescaled(run, scene, time):
         end_time=time * run.end_time,
         element_size=length * run.element_size,
         time_step=time * run.time_step,
+        rate_window=time * run.rate_window,
         interface=replace(
             seen,
             x=length * seen.x,
@@ -317,8 +359,14 @@ def test_verdict_of_a_judgement(fair):
 
 @pytest.mark.slow
 def test_beyond_the_bar_by_little_is_unresolved_and_a_finer_mesh_is_named(solution):
-    """Between one and one and a half bars: neither agreement nor a difference."""
-    run = sampled_run(solution, gain=1.05, growth=1.65)
+    """Between one and one and a half bars: neither agreement nor a difference.
+
+    Changes of 3 % and 6 % allow 3.75 % for first order, where 5 % are missing.
+    """
+    run = None
+    for resolution, gain in ((25, 1.14), (50, 1.08), (100, 1.05)):
+        alone = sampled_run(solution, resolution=resolution, gain=gain, companions=0)
+        run = replace(alone, companion=run)
     rows = [row for row in judge(solution, run).rows if "beyond its error bar" in row.obstacle]
     assert rows
     for row in rows:
@@ -333,23 +381,6 @@ def test_remedies_say_mesh_time_and_memory(coarse, fair):
     assert "years" in mesh_sentence(coarse, 10**6)
     agreeing = fair.having("agrees")[0]
     assert fair.remedy(replace(agreeing, resolution=240)) == ""
-
-
-# --- snapshots ------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_a_snapshot_is_compared_at_its_own_time(solution):
-    run = sampled_run(solution)
-    x = run.interface.x
-    judgement = judge(solution, run, SlipRateProfile(0.5, x, 1.03 * solution.slip_rate(x, 0.5)))
-    rows = named(judgement)
-    row = rows["slip rate of snapshot, L1"]
-    assert row.difference == pytest.approx(0.03)
-    assert row.bar == SINGLE_STEPS * rows["slip rate, L1"].bar
-    assert row.verdict == "differs"
-    honest = judge(solution, run, SlipRateProfile(0.5, x, solution.slip_rate(x, 0.5)))
-    assert named(honest)["slip rate of snapshot, L1"].verdict == "agrees"
 
 
 def test_intervals_of_any_answer_will_do(solution):

@@ -1,10 +1,10 @@
-"""Slip rates read back from snapshots, and what happens to damaged ones."""
+"""Frames read back from snapshots, and what happens to damaged ones."""
 
 import meshio
 import numpy as np
 import pytest
 
-from compare.comparison.snapshots import last_snapshot
+from compare.comparison.fields.frames import last_frame
 from semianalytic.results.files import Seal, new_file, write_bytes
 from semianalytic.scene.errors import DataFileError
 
@@ -28,7 +28,9 @@ def folder(tmp_path):
     along = np.concatenate([2 + upper[:, 0], -upper[:, 0]])
     velocity = np.column_stack([along, 0 * along, 0 * along])
     cells = [("quad", np.concatenate([quads, quads + 8]))]
-    frame = meshio.Mesh(points, cells, point_data={"velocity": velocity})
+    stress = {name: [np.arange(6.0)] for name in ("sigma_xx", "sigma_yy", "sigma_xy")}
+    moved = {"velocity": velocity, "displacement": 0.5 * velocity}
+    frame = meshio.Mesh(points, cells, point_data=moved, cell_data=stress)
     write_sealed(tmp_path / "last.vtu", frame)
     write_bytes(tmp_path / "fields.pvd", PVD.format("last.vtu").encode(), Seal.XML)
     return tmp_path
@@ -39,23 +41,29 @@ def write_sealed(path, frame):
         meshio.write(part, frame, file_format="vtu")
 
 
-def test_slip_rate_is_upper_minus_lower_velocity_on_the_contact(folder):
-    profile = last_snapshot(folder)
-    assert profile.time == 1.5
-    np.testing.assert_array_equal(profile.x, [1.0, 2.0])
-    np.testing.assert_array_equal(profile.slip_rate, [4.0, 6.0])
+def test_a_frame_has_both_bodies_and_tells_their_faces_apart(folder):
+    frame = last_frame(folder)
+    assert frame.time == 1.5
+    nodes, elements = frame.nodes, frame.elements
+    above = np.copysign(1.0, nodes.y) > 0
+    np.testing.assert_array_equal(nodes.fields["v_x"], np.where(above, 2 + nodes.x, -nodes.x))
+    np.testing.assert_array_equal(nodes.fields["u_x"], 0.5 * nodes.fields["v_x"])
+    assert np.count_nonzero(nodes.y == 0) == 8  # four nodes on either face
+    np.testing.assert_array_equal(elements.y, [0.5] * 3 + [-0.5] * 3)
+    np.testing.assert_array_equal(elements.fields["sigma_xy"], np.arange(6.0))
+    assert elements.area.sum() == nodes.area.sum() == pytest.approx(6.0)
 
 
 @pytest.mark.parametrize("text", ["", "<VTKFile/>", PVD.replace("1.5", "soon")])
 def test_a_damaged_index_is_named(folder, text):
     write_bytes(folder / "fields.pvd", text.encode(), Seal.XML)
     with pytest.raises(DataFileError, match=r"fields\.pvd lists no snapshot"):
-        last_snapshot(folder)
+        last_frame(folder)
 
 
 def test_a_missing_index_is_named(tmp_path):
     with pytest.raises(DataFileError, match=r"fields\.pvd lists no snapshot"):
-        last_snapshot(tmp_path)
+        last_frame(tmp_path)
 
 
 @pytest.mark.parametrize("content", [None, b"", b"<VTKFile/>"])
@@ -65,7 +73,7 @@ def test_a_damaged_or_missing_frame_is_named(folder, content):
     if content is not None:
         write_bytes(frame, content, Seal.XML)
     with pytest.raises(DataFileError, match=r"last\.vtu cannot be read"):
-        last_snapshot(folder)
+        last_frame(folder)
 
 
 def test_values_that_are_not_finite_are_refused(folder):
@@ -73,4 +81,4 @@ def test_values_that_are_not_finite_are_refused(folder):
     frame.point_data["velocity"][:] = np.nan
     write_sealed(folder / "last.vtu", frame)
     with pytest.raises(DataFileError, match="not finite"):
-        last_snapshot(folder)
+        last_frame(folder)

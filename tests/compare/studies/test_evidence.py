@@ -235,9 +235,13 @@ def test_methods_are_those_that_apply(found):
 
 @pytest.mark.slow
 def test_a_step_that_opens_the_contact_is_judged_without_a_march():
-    (opens,) = collect(("lift-off",), quick=True, resolution=40).scenes
-    assert opens.methods == ("self-similar", FEM)
-    assert opens.verdict == "agrees"
+    """An opening 0.19 c_t T wide: a resolution of 40 has fewer than 8 elements for it."""
+    verdicts = {}
+    for resolution in (40, 60):
+        (opens,) = collect(("lift-off",), quick=True, resolution=resolution).scenes
+        assert opens.methods == ("self-similar", FEM)
+        verdicts[resolution] = opens.verdict
+    assert verdicts == {40: "unresolved", 60: "agrees"}
 
 
 @pytest.mark.slow

@@ -35,7 +35,7 @@ def test_compare_agrees_on_the_named_scene(tmp_path, capsys):
         "S front, interface (shear traction)",
         "zone 1, outer edge",
         "slip rate, L1",
-        "slip rate of snapshot, L1",
+        "v_z, whole",
     }
     assert "Rayleigh front" not in capsys.readouterr().out
 

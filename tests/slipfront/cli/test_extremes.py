@@ -67,6 +67,10 @@ def faultless(solution, resolution):
 QUICKLY = ("frictionless", "no load", "small load", "much friction", "most friction")
 
 
+NOTHING_SHOWN = ("no load, no pressure", "much friction")
+"""Scenes that no verdict is possible on: nothing has a size, or the mesh shows no zone of slip."""
+
+
 @pytest.mark.thinned(5)
 @pytest.mark.parametrize(
     "name",
@@ -75,7 +79,7 @@ QUICKLY = ("frictionless", "no load", "small load", "much friction", "most frict
 def test_a_run_without_error_agrees(name):
     solution = solve(scene_of(name))
     judgement = judge(solution, faultless(solution, 100))
-    assert judgement.verdict == "agrees"
+    assert judgement.verdict == ("unresolved" if name in NOTHING_SHOWN else "agrees")
     assert judgement.counts["differs"] == 0
     document = finite_everywhere(json_text(report_document(judgement, name)))
     assert len(document["rows"]) == len(judgement.rows)
@@ -165,12 +169,16 @@ def test_edges_that_the_mesh_cannot_show_are_unresolved(name, words):
 
 
 def test_edges_that_the_mesh_shows_are_judged():
-    rows = edges_of(solve(NAMED_SCENES["preloaded"].scene))
+    rows = edges_of(solve(NAMED_SCENES["preloaded"].scene), 100)
     assert [row.verdict for row in rows] == 3 * ["agrees"]
 
 
-def edges_of(solution):
-    return [row for row in judge(solution, faultless(solution, 60)).rows if row.kind == "zone edge"]
+def edges_of(solution, resolution=60):
+    return [
+        row
+        for row in judge(solution, faultless(solution, resolution)).rows
+        if row.kind == "zone edge"
+    ]
 
 
 def test_numbers_of_a_table_keep_their_digits_whatever_their_size():

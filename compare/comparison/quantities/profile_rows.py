@@ -3,40 +3,83 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from compare.comparison.bars import error_bar, observed_order
-from compare.comparison.case import EDGE_CELLS, NARROW, Case, own_wear, worn_by
+from compare.comparison.bars import error_bar
+from compare.comparison.case import EDGE_CELLS, Case, own_wear, too_narrow, worn_by
+from compare.comparison.judging import Comparison, judged, profile_row
 from compare.comparison.measures import NOTHING, norm
 from compare.comparison.rows import Row
-from compare.comparison.snapshots import SlipRateProfile
 from semianalytic import InterfaceHistory
-
-if TYPE_CHECKING:
-    from fem import Simulation
+from semianalytic.results.answer import Answer
 
 Array = NDArray[np.float64]
 Answers = Callable[[ArrayLike, ArrayLike], Array]
 
 NEAREST, FARTHEST = 0.02, 1.9
 """Positions over c_t T between which slip is compared: not at the edge, nor where P arrives."""
-SINGLE_STEPS = 3.0
-"""Error of the slip rate of single steps over that of means; 2 on average (docs/fem.md)."""
 POINTS = 2000
 """At which a prediction is integrated apart from the nodes."""
 
 
 def slip_rate_rows(case: Case) -> Iterator[Row]:
-    """Relative errors of slip rate and slip at the end."""
-    yield _slip_row(case, "slip rate", "slip_rate", case.rate, "V₀")
-    yield _slip_row(case, "slip", "slip", case.rate * case.end_time, "V₀ T")
+    """Relative errors of slip rate and slip at the end, what is too narrow for the mesh in their
+    bars.
+
+    The slip rate is the mean over the last part of the time, as long for all meshes and for the
+    prediction as the coarsest mesh takes.
+    """
+    reach, end = (NEAREST * case.length, FARTHEST * case.length), np.array([case.end_time])
+
+    def mean_rate(history: InterfaceHistory) -> Array:
+        return case.mean_rate(history, end)[0]
+
+    yield profile_row(
+        case,
+        "slip rate",
+        "slip rate",
+        lambda answer, history: mean_rate(history),
+        lambda number: mean_rate(case.runs[number].interface),
+        reach,
+        exact=_norm(case, partial(_exact_rate, case), reach, case.rate),
+        unseen=case.norm_of(_unseen_rate(case) / case.rate, reach),
+        scale=(case.rate, "V₀"),
+        driven=lambda number: case.strength_changes[number][-1],
+    )
+    slip = case.rate * case.end_time
+    yield profile_row(
+        case,
+        "slip",
+        "slip",
+        partial(_at_end, "slip"),
+        partial(_last, case, "slip"),
+        reach,
+        exact=_norm(case, case.prediction.slip, reach, slip),
+        unseen=case.norm_of(_unseen_wear(case)[0] / slip, reach),
+        scale=(slip, "V₀ T"),
+        driven=partial(_driven_by, case, 0),
+    )
+
+
+def _exact_rate(case: Case, x: ArrayLike, t: ArrayLike) -> Array:
+    """Mean slip rate of the prediction over the window before a time."""
+    if not case.window:
+        return case.prediction.slip_rate(x, t)
+    late, early = (case.prediction.slip(x, at) for at in (t, np.asarray(t) - case.window))
+    return (late - early) / case.window
+
+
+def _unseen_rate(case: Case) -> Array:
+    """Mean slip rate of the prediction over the window that is at nodes and times that slip in
+    zones too narrow for the mesh, (n,)."""
+    times = case.seen.t
+    inside = times >= case.end_time - max(case.window, float(times[-1] - times[-2]))
+    rate = np.where(case.narrow, np.abs(case.at_nodes.slip_rate), 0.0)[inside]
+    return np.asarray(np.trapezoid(rate, times[inside], axis=0) / np.ptp(times[inside]))
 
 
 def gap_rows(case: Case) -> Iterator[Row]:
@@ -44,16 +87,16 @@ def gap_rows(case: Case) -> Iterator[Row]:
     if not case.opens:
         return
     scale, reach = case.rate * case.end_time, _disturbed(case)
-    opens = case.at_nodes.gap[-1] > 0
-    narrow = opens & ~scipy.ndimage.binary_opening(opens, np.ones(NARROW, dtype=bool))
-    yield case.profile_row(
+    gap = case.at_nodes.gap[-1:]
+    yield profile_row(
+        case,
         "gap",
         "gap",
-        at_nodes(case, "gap"),
-        partial(_last, "gap"),
+        partial(_at_end, "gap"),
+        partial(_last, case, "gap"),
         reach,
         exact=_norm(case, case.prediction.gap, reach, scale),
-        unseen=case.unseen_norm(np.where(narrow, case.at_nodes.gap[-1], 0.0) / scale, reach),
+        unseen=case.norm_of(np.where(too_narrow(gap > 0), gap, 0.0)[0] / scale, reach),
         scale=(scale, "V₀ T"),
         smooth=True,
     )
@@ -66,14 +109,13 @@ def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Ro
     Its bar is of the largest difference of meshes anywhere: that of their largest gaps may be small
     by chance.
     """
-    runs = (case.simulation, *case.coarser)
-    start = max(reach[0], runs[-1].interface.x[0])
+    start = max(reach[0], case.runs[-1].interface.x[0])
     places = np.append(start, case.seen.x[case.seen.x > start])
 
     def gap(history: InterfaceHistory) -> Array:
         return np.interp(places, history.x, history.gap[-1]) / scale
 
-    fields = [gap(run.interface) for run in runs]
+    fields = [gap(run.interface) for run in case.runs]
     changes = [float(np.abs(fine - coarse).max()) for fine, coarse in pairwise(fields)]
     exact = case.prediction.gap(_between(case, (start, reach[1])), case.end_time) / scale
     at_nodes, simulated = float(gap(case.at_nodes).max()), float(fields[0].max())
@@ -84,20 +126,23 @@ def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Ro
         at_nodes,
         simulated,
         simulated - at_nodes,
-        error_bar("gap", changes) + NOTHING if changes else None,
+        None,
         "V₀ T",
-        order=observed_order(changes),
     )
-    return case.judged(row, None)
+    error = error_bar(changes, NOTHING) if changes else None
+    closed = np.where(too_narrow(case.at_nodes.gap[-1:] > 0), 0.0, case.at_nodes.gap[-1:])[0]
+    unseen = at_nodes - float(np.interp(places, case.seen.x, closed).max()) / scale
+
+    def before() -> float:
+        return abs(float(fields[1].max() - gap(case.expected[1]).max()))
+
+    return judged(case, row, Comparison(error, before, unseen))
 
 
 def wear_rows(case: Case) -> Iterator[Row]:
     """Accumulated |slip| and frictional work per area at the end, from the stored levels."""
     slip = case.rate * case.end_time
-    unseen = _unseen_wear(case)
-    companion, doubted = getattr(case.prediction, "companion", None), None
-    if companion is not None and case.doubted is not None:
-        doubted = worn_by(companion, case.doubted)
+    unseen, back = _unseen_wear(case), _unseen_return(case)
     for part, (name, kind, field, scale, symbol) in enumerate(
         (
             ("accumulated |slip|", "slip", "final_path", slip, "V₀ T"),
@@ -110,47 +155,18 @@ def wear_rows(case: Case) -> Iterator[Row]:
         if kind == "work" and case.scene.superposition.taken_off.pressure:
             start = max(start, _beside_edge(case))  # where pressure can be singular
         reach = start, FARTHEST * case.length
-        yield case.profile_row(
+        yield profile_row(
+            case,
             name,
             kind,
-            np.array([case.worn_at_nodes[part], *([] if doubted is None else [doubted[part]])]),
-            partial(_own, field),
+            partial(_worn, part),
+            partial(_own, case, field),
             reach,
             exact=_worn_norm(case, part, reach, scale),
-            unseen=case.unseen_norm(unseen[part] / scale, reach),
+            unseen=case.norm_of((unseen[part] + back[part]) / scale, reach),
             scale=(scale, symbol),
+            driven=partial(_driven_by, case, part),
         )
-
-
-def snapshot_row(case: Case, profile: SlipRateProfile) -> Row:
-    """The slip rate read back from a field snapshot.
-
-    Snapshots hold single steps and histories means over some: the bar is `SINGLE_STEPS` times that
-    of the slip rate at the end.
-    """
-    shown = (profile.x > NEAREST * case.length) & (profile.x < FARTHEST * case.length)
-    x = profile.x[shown]
-    predicted = case.prediction.slip_rate(x, profile.time) / case.rate
-    written = profile.slip_rate[shown] / case.rate
-    likewise = _slip_row(case, "slip rate", "slip_rate", case.rate, "V₀")
-    if likewise.relative:
-        size = norm(predicted, x / case.length, 1)
-        values = size, norm(written, x / case.length, 1)
-        difference = norm(written - predicted, x / case.length, 1) / size
-    else:
-        values = (float(np.abs(predicted).max()), float(np.abs(written).max()))
-        difference = float(np.abs(written - predicted).max())
-    row = replace(
-        likewise,
-        name=likewise.name.replace("slip rate", "slip rate of snapshot", 1),
-        at_nodes=values[0],
-        simulated=values[1],
-        difference=difference,
-        bar=None if likewise.bar is None else SINGLE_STEPS * likewise.bar,
-        obstacle="",
-        resolution=None,
-    )
-    return case.judged(row, 1.0 if row.relative else None)
 
 
 def traction_rows(case: Case) -> Iterator[Row]:
@@ -159,79 +175,78 @@ def traction_rows(case: Case) -> Iterator[Row]:
     Over the disturbed interface, without the four elements next to the edge, where tractions can
     be singular.
     """
-    start = _beside_edge(case)
+    reach = _beside_edge(case), _disturbed(case)[1]
     for name in ("shear_traction", "pressure"):
         words = name.replace("_", " ")
-        reach = start, _disturbed(case)[1]
-        answer = getattr(case.prediction, name)
-        yield case.profile_row(
+        yield profile_row(
+            case,
             words,
             words,
-            at_nodes(case, name),
-            partial(_last, name),
+            partial(_at_end, name),
+            partial(_last, case, name),
             reach,
-            exact=_norm(case, answer, reach, case.stress),
-            unseen=case.unseen_norm(_unseen_stick(case) / case.stress, reach)
+            exact=_norm(case, getattr(case.prediction, name), reach, case.stress),
+            unseen=case.norm_of(_unseen_stick(case) / case.stress, reach)
             if name == "shear_traction"
             else 0.0,
             scale=(case.stress, "τ₀"),
         )
 
 
-def at_nodes(case: Case, field: str) -> Array:
-    """A field of the prediction at the end (n,), or with that of its companion (2, n)."""
-    histories = [case.at_nodes] if case.doubted is None else [case.at_nodes, case.doubted]
-    return np.array([getattr(history, field)[-1] for history in histories])
+def _at_end(field: str, answer: Answer, history: InterfaceHistory) -> Array:
+    """A field of an answer at the end of its history, (n,)."""
+    return np.asarray(getattr(history, field)[-1])
 
 
-def _last(field: str, run: Simulation) -> Array:
+def _worn(part: int, answer: Answer, history: InterfaceHistory) -> Array:
+    """Accumulated |slip| (part 0) or work per area (1) of an answer, (n,)."""
+    return worn_by(answer, history)[part]
+
+
+def _last(case: Case, field: str, number: int) -> Array:
     """A field of a run at its end, (n,)."""
-    return np.asarray(getattr(run.interface, field)[-1])
+    return np.asarray(getattr(case.runs[number].interface, field)[-1])
 
 
-def _own(field: str, run: Simulation) -> Array:
+def _own(case: Case, field: str, number: int) -> Array:
     """What a run has summed over all its steps, (n,)."""
-    return np.asarray(getattr(run, field))
+    return np.asarray(getattr(case.runs[number], field))
 
 
-def _slip_row(case: Case, name: str, field: str, scale: float, symbol: str) -> Row:
-    """A row of slip or slip rate at the end; what is too narrow for the mesh is in its bar."""
-    reach, answer = _reach(case), getattr(case.prediction, field)
-    if field == "slip":
-        unseen = _unseen_wear(case)[0]
-    else:
-        unseen = np.where(case.narrow()[-1], case.at_nodes.slip_rate[-1], 0.0)
-    return case.profile_row(
-        name,
-        "slip" if field == "slip" else "slip rate",
-        at_nodes(case, field),
-        partial(_last, field),
-        reach,
-        exact=_norm(case, answer, reach, scale),
-        unseen=case.unseen_norm(unseen / scale, reach),
-        scale=(scale, symbol),
-    )
+def _driven_by(case: Case, part: int, number: int) -> Array:
+    """Slip over V₀ T (part 0) or work per area over τ₀ V₀ T (1) that a change of strength from one
+    mesh to the next moves a run by, (n,) at its nodes."""
+    run, rate = case.runs[number].interface, case.strength_changes[number]
+    if part:
+        rate = rate * np.abs(run.shear_traction) / case.stress
+    return np.asarray(np.trapezoid(rate, run.t, axis=0)) / case.end_time
 
 
 def _unseen_wear(case: Case) -> tuple[Array, Array]:
     """|slip| and frictional work per area of the prediction at nodes that only ever slip in zones
     too narrow for the mesh, (n,) each."""
-    narrow = case.narrow()
     ever = np.abs(case.at_nodes.slip_rate) > NOTHING * case.rate
-    unseen = (narrow == ever).all(axis=0)
+    unseen = (case.narrow == ever).all(axis=0)
     path, work = case.worn_at_nodes
     return np.where(unseen, path, 0.0), np.where(unseen, work, 0.0)
+
+
+def _unseen_return(case: Case) -> tuple[Array, Array]:
+    """The same of slip back and forth again, in zones too narrow for the mesh of the sense that the
+    rest of the slip at a node has not, (n,) each: such a mesh shows neither."""
+    seen = case.at_nodes
+    back = case.narrow & (np.sign(seen.slip_rate) == -np.sign(seen.slip[-1]))
+    rate = np.where(back, np.abs(seen.slip_rate), 0.0)
+    path = np.trapezoid(rate, seen.t, axis=0)
+    work = np.trapezoid(rate * np.abs(seen.shear_traction), seen.t, axis=0)
+    return np.asarray(2 * path), np.asarray(2 * work)
 
 
 def _unseen_stick(case: Case) -> Array:
     """How far the shear traction of the prediction leaves that of slip on either side at the end,
     in gaps between zones that too few nodes lie in, (n,)."""
-    slips = np.abs(case.at_nodes.slip_rate[-1]) > NOTHING * case.rate
-    gaps = scipy.ndimage.binary_closing(np.pad(slips, NARROW), np.ones(NARROW, dtype=bool))[
-        NARROW:-NARROW
-    ]
-    gaps &= ~slips
-    traction, x = case.at_nodes.shear_traction[-1], case.seen.x
+    gaps, x = case.narrow_gaps[-1], case.seen.x
+    traction = case.at_nodes.shear_traction[-1]
     if not gaps.any():
         return np.zeros(len(x))
     return np.asarray(np.interp(x, x[~gaps], traction[~gaps]) - traction)
@@ -240,10 +255,6 @@ def _unseen_stick(case: Case) -> Array:
 def _beside_edge(case: Case) -> float:
     """Where the elements end that are left out next to the edge [length]."""
     return (EDGE_CELLS + 0.5) * case.simulation.element_size
-
-
-def _reach(case: Case) -> tuple[float, float]:
-    return NEAREST * case.length, FARTHEST * case.length
 
 
 def _disturbed(case: Case) -> tuple[float, float]:

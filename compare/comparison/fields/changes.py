@@ -1,0 +1,174 @@
+"""What whole fields change by from mesh to mesh, and what they are off by on each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
+
+from compare.comparison.fields.frames import Frame, Places
+from compare.comparison.fields.fronts import Fronts
+from compare.comparison.fields.pairs import Pair, alike, area_norm
+from compare.comparison.measures import NOTHING
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+PARTS = ("whole", "outside the band")
+SAME = 1e-6
+"""Part of the distance of two nodes within which they are at one place."""
+
+
+@dataclass(frozen=True, eq=False)
+class FieldChange:
+    """One component of the last frame, in both bodies or outside the band around fronts.
+
+    Attributes
+    ----------
+    component : str
+        v_x, ..., u_x, ..., sigma_xx, ...
+    part : str
+        One of `PARTS`.
+    size : float
+        L1 norm of the prediction over the area, of stresses the change since t = 0, to which the
+        following are relative; that of the largest component of the same field where the component
+        vanishes.
+    predicted, simulated, difference : float
+        Norms of both and of their difference over that.
+    changes : tuple of float
+        The same of what the component changes by from the mesh 2h to h, and from 4h to 2h, as far
+        as there are frames of them.
+    before : callable
+        The difference on the mesh 2h.
+    """
+
+    component: str
+    part: str
+    size: float
+    predicted: float
+    simulated: float
+    difference: float
+    changes: tuple[float, ...]
+    before: Callable[[], float]
+
+
+def field_changes(
+    last: dict[str, Pair],
+    frames: Sequence[Frame],
+    fronts: Fronts,
+    width: float,
+    predict: Callable[[Frame], dict[str, Pair]],
+) -> tuple[FieldChange, ...]:
+    """All components of the last frame, whole and outside the band.
+
+    Parameters
+    ----------
+    last : dict of Pair
+        The last frame beside the prediction, by the name of the component.
+    frames : sequence of Frame
+        The same of the simulation and of its coarser meshes, finest first.
+    fronts : Fronts
+    width : float
+        Of the band on either side of a front, the same on all meshes [length].
+    predict : callable
+        A frame of a coarser mesh beside the prediction.
+    """
+    time = frames[0].time
+    steps = [
+        (coarse, {**between(fine.nodes, coarse.nodes), **between(fine.elements, coarse.elements)})
+        for fine, coarse in pairwise(frames)
+    ]
+    found = []
+    for part in PARTS:
+
+        def shown(places: Places, part: str = part) -> Mask:
+            if part == "whole":
+                return np.ones(places.x.shape, dtype=bool)
+            return fronts.distance(places.x, places.y, time) > width
+
+        masks = {id(pair.places): shown(pair.places) for pair in last.values()}
+        norms = {
+            name: area_norm(pair.predicted, pair.places.area, masks[id(pair.places)])
+            for name, pair in last.items()
+        }
+        coarse_masks = [
+            {id(places): shown(places) for places in (coarse.nodes, coarse.elements)}
+            for coarse, _ in steps
+        ]
+
+        def off(name: str, pairs: dict[str, Pair], mask: Mask) -> float:
+            pair = pairs[name]
+            return area_norm(pair.simulated - pair.predicted, pair.places.area, mask)
+
+        for name, pair in last.items():
+            mask = masks[id(pair.places)]
+            largest = max(norms[other] for other in last if alike(name, other))
+            size = norms[name] if norms[name] > NOTHING * largest else largest
+            if not size:
+                continue
+            changes = []
+            for (coarse, fine), held in zip(steps, coarse_masks, strict=True):
+                places = coarse.nodes if name in coarse.nodes.fields else coarse.elements
+                change = fine[name] - places.fields[name]
+                changes.append(area_norm(change, places.area, held[id(places)]) / size)
+
+            def before(name: str = name, size: float = size) -> float:
+                pairs = predict(frames[1])
+                return off(name, pairs, shown(pairs[name].places)) / size
+
+            found.append(
+                FieldChange(
+                    name,
+                    part,
+                    size,
+                    norms[name] / size,
+                    area_norm(pair.simulated, pair.places.area, mask) / size,
+                    off(name, last, mask) / size,
+                    tuple(changes),
+                    before,
+                )
+            )
+    return tuple(found)
+
+
+def between(fine: Places, coarse: Places) -> dict[str, Array]:
+    """Fields of a mesh at the places of a coarser one, by their names; NaN where it does not reach.
+
+    Both bodies are apart.  Where nodes are those of a grid of rows and columns fields are bilinear
+    between them, elsewhere linear in triangles.
+    """
+    values = {name: np.full(coarse.x.shape, np.nan) for name in fine.fields}
+    for side in (1.0, -1.0):
+        here, there = (np.copysign(1.0, places.y) == side for places in (fine, coarse))
+        at = np.stack([coarse.x[there], np.abs(coarse.y[there])], axis=1)
+        x, y = fine.x[here], np.abs(fine.y[here])
+        stacked = np.stack([field[here] for field in fine.fields.values()], axis=1)
+        for name, found in zip(values, _linear(x, y, stacked)(at).T, strict=True):
+            values[name][there] = found
+    return values
+
+
+def _linear(x: Array, y: Array, values: Array) -> Callable[[Array], Array]:
+    """Linear interpolation of values (n, k) at points (n,), NaN outside them."""
+    columns, rows = _steps(x), _steps(y)
+    if len(columns) * len(rows) != len(x):
+        return LinearNDInterpolator(np.stack([x, y], axis=1), values)
+    order = np.lexsort((y, np.searchsorted(columns, x - _slack(columns))))
+    grid = values[order].reshape(len(columns), len(rows), -1)
+    return RegularGridInterpolator((columns, rows), grid, bounds_error=False)
+
+
+def _steps(values: Array) -> Array:
+    """Different values, in order, those that rounding alone sets apart being one."""
+    ordered = np.unique(values)
+    apart = np.diff(ordered) > SAME * np.ptp(ordered) / np.sqrt(len(values))
+    return ordered[np.concatenate([[True], apart])]
+
+
+def _slack(steps: Array) -> float:
+    """Half of the least distance of two."""
+    return float(np.diff(steps).min(initial=np.inf)) / 2 if len(steps) > 1 else 0.0

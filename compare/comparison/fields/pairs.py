@@ -1,0 +1,73 @@
+"""Components of a frame, simulated and predicted, and their norms over the bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.fields.frames import Frame, Places
+from semianalytic.results.answer import BodyFields
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """One component of a frame, simulated and predicted.
+
+    Attributes
+    ----------
+    name : str
+    places : Places
+    simulated, predicted : (m,) arrays
+        In the units of the scene, stresses as changes since t = 0.
+    """
+
+    name: str
+    places: Places
+    simulated: Array
+    predicted: Array
+
+
+def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
+    """All components of a frame beside what is predicted there, by their names.
+
+    The whole mesh counts: made for snapshots, it ends where nothing comes back from its sides,
+    which hold what plane waves do not move (`meshes.blocks.causal_blocks`).
+
+    Parameters
+    ----------
+    fields : BodyFields
+    frame : Frame
+    most : int
+        Nodes and elements at which they are.
+    """
+    nodes, elements = (places.thinned(most) for places in (frame.nodes, frame.elements))
+    velocity = fields.velocity(nodes.x, nodes.y, frame.time)
+    displacement = fields.displacement(nodes.x, nodes.y, frame.time)
+    base = fields.stress(0.0, 1.0, 0.0)[:, None]
+    stress = fields.stress(elements.x, elements.y, frame.time) - base
+    moved = np.concatenate([velocity, displacement])
+    pairs = {
+        name: Pair(name, nodes, values, predicted)
+        for (name, values), predicted in zip(nodes.fields.items(), moved, strict=True)
+    }
+    carried = zip(elements.fields.items(), stress, base, strict=True)
+    return pairs | {
+        name: Pair(name, elements, values - level, predicted)
+        for (name, values), predicted, level in carried
+    }
+
+
+def area_norm(values: Array, area: Array, kept: NDArray[np.bool_]) -> float:
+    """L1 norm of values at places that are kept, those left out at which they are not finite: a
+    prediction may be infinite there, or a mesh not reach so far."""
+    kept = kept & np.isfinite(values)
+    return float(np.sum(np.abs(values[kept]) * area[kept]))
+
+
+def alike(one: str, other: str) -> bool:
+    """Whether two components are of one field."""
+    return one.partition("_")[0] == other.partition("_")[0]

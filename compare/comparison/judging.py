@@ -1,0 +1,339 @@
+"""Rows of numbers and of fields with their error bars: what agrees, differs, or cannot be told."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compare.comparison.bars import (
+    LARGEST_ORDER,
+    LEAST_ORDER,
+    SAFETY,
+    ErrorBar,
+    error_bar,
+    slowest_bar,
+)
+from compare.comparison.case import Case
+from compare.comparison.measures import NOTHING, norm
+from compare.comparison.rows import AGREES, ALARM, DIFFERS, TELLING, UNRESOLVED, Row
+from semianalytic import InterfaceHistory
+from semianalytic.results.answer import Answer
+from semianalytic.results.sampled import interpolated
+
+Array = NDArray[np.float64]
+
+LEAST_ERROR = 2e-4
+"""Relative error of a field below which no mesh difference is believed: where all meshes slide at
+friction alike, one node beside a front is all that differs.  Of the rows measured those of pressure
+and slip that are that close to the prediction are up to 5 times as far from it as meshes change;
+with half of it none was beyond 1.5 bars."""
+
+USUAL = 0.9
+"""Part of the nodes and times that slip whose mesh differences are no larger than the usual one."""
+
+Reading = Callable[[InterfaceHistory], float | None]
+"""A number read off a history, or that it is not there."""
+Expected = Callable[[Answer, InterfaceHistory], Array]
+"""A field along the contact at the end, (n,), by an answer whose history at nodes is given."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What meshes change and what they are off by, from which a row is judged.
+
+    Attributes
+    ----------
+    error : ErrorBar or None
+        None where coarser meshes do not show what is read.
+    before : callable
+        |difference| from the prediction of the next coarser mesh, in the unit of the row's; asked
+        only where the meshes do not converge; infinite where that says nothing.
+    added : float
+        What of the bar does not come from meshes: doubts about the prediction, or what is too
+        narrow for the mesh.
+    """
+
+    error: ErrorBar | None
+    before: Callable[[], float] = lambda: math.inf
+    added: float = 0.0
+
+
+def value_row(
+    case: Case,
+    name: str,
+    kind: str,
+    read: Reading,
+    *,
+    exact: float | None = None,
+    floor: float = 0.0,
+    unit: str = "1",
+    reach: float = math.inf,
+    unseen: float = 0.0,
+) -> Row | None:
+    """A row of one number; None where neither answer has it, or both have 0.
+
+    Parameters
+    ----------
+    case : Case
+    name, kind, unit : str
+    read : callable
+        The number in a history, in `unit`.
+    exact : float, optional
+        What the prediction itself says of it.
+    floor : float
+        What nodes and steps alone leave open at the element size of the simulation.
+    reach : float
+        Farthest that two meshes which show the same may be apart: what is farther off on a coarser
+        mesh is something else.
+    unseen : float
+        What too narrow parts of the prediction may change.
+    """
+    at_nodes, simulated = read(case.at_nodes), read(case.seen)
+    if at_nodes == simulated and not simulated and not exact:
+        return None
+    values = [simulated, *(read(run.interface) for run in case.coarser)]
+    nowhere = simulated is None and len(values) > 1 and values[1] is None
+    changes = mesh_changes(values, reach)
+    error = error_bar(changes, floor) if changes else None
+    if nowhere:
+        error = ErrorBar(floor, None, math.inf, converges=True)  # it is on none of the meshes
+    doubt = 0.0
+    if case.doubted is not None and at_nodes is not None:
+        doubted = read(case.doubted)
+        doubt = math.inf if doubted is None else abs(at_nodes - doubted)
+
+    def before() -> float:
+        expected, value = read(case.expected[1]), values[1]
+        return math.inf if expected is None or value is None else abs(value - expected)
+
+    row = Row(
+        name,
+        kind,
+        exact,
+        at_nodes,
+        simulated,
+        None if at_nodes is None or simulated is None else simulated - at_nodes,
+        None,
+        unit,
+    )
+    if at_nodes is None and simulated is None:
+        reason = "neither the nodes of this mesh nor the simulation show it"
+        return replace(row, obstacle=reason, resolution=2 * case.simulation.resolution)
+    return judged(case, row, Comparison(error, before, doubt + unseen))
+
+
+def profile_row(
+    case: Case,
+    name: str,
+    kind: str,
+    expect: Expected,
+    read: Callable[[int], Array],
+    reach: tuple[float, float],
+    *,
+    exact: float | None = None,
+    unseen: float = 0.0,
+    scale: tuple[float, str],
+    smooth: bool = False,
+    driven: Callable[[int], Array] | None = None,
+) -> Row:
+    """A row of the L1 norms of a field along the contact; its relative error and bar.
+
+    Where the prediction is nothing, below 1e-6 of its scale, the largest values stand in for
+    norms, and differences are in the scale.
+
+    Parameters
+    ----------
+    case : Case
+    name, kind : str
+    expect : callable
+        The prediction at nodes.
+    read : callable
+        The field along the contact in a run, by its number: 0 the simulation, 1 that at 2h, ...
+    reach : (float, float)
+        Positions between which it is compared [length].
+    exact : float, optional
+        Norm of the prediction itself, in `unit`.
+    unseen : float
+        Norm of what is too narrow for the mesh in the prediction, over the scale.
+    scale : float and str
+        What values are divided by, and its name.
+    smooth : bool
+        Whether the field has no fronts, and meshes are compared at the nodes of the coarser:
+        between those a straight line is further off than its ends.
+    driven : callable, optional
+        What the strength that changes from mesh to mesh changes the field by, over the scale, at
+        the nodes of a run: 0 from 2h to h, 1 from 4h to 2h.  It counts as a change of the field.
+    """
+    low, high = reach
+    value, unit = scale
+    runs = case.runs
+    places = [(run.interface.x >= low) & (run.interface.x <= high) for run in runs]
+    fields = [read(number) / value for number in range(len(runs))]
+    x, shown = case.seen.x, places[0]
+    expected = expect(case.prediction, case.at_nodes) / value
+    nothing = float(np.abs(expected[shown]).max(initial=0.0)) <= NOTHING
+
+    def size(field: Array, at: Array) -> float:
+        if nothing:
+            return float(np.abs(field).max(initial=0.0))
+        return norm(field, at / case.length, 1)
+
+    own, changes = [], []
+    for pair in pairwise(range(len(runs))):
+        of, to = pair[::-1] if smooth else pair
+        at = runs[of].interface.x[places[of]]
+        other = np.interp(at, runs[to].interface.x, fields[to])
+        change = np.abs(fields[of][places[of]] - other)
+        own.append(size(change, at))
+        if driven is not None and not nothing:  # largest values at fronts do not converge
+            change += driven(of)[places[of]]
+        changes.append(size(change, at))
+    whole = size(expected[shown], x[shown])
+    per = 1.0 if nothing else whole
+    added = unseen / per
+    if case.companion is not None and case.doubted is not None:
+        other = expect(case.companion, case.doubted) / value
+        added += size((other - expected)[shown], x[shown]) / per
+
+    def before() -> float:
+        there = expect(case.prediction, case.expected[1]) / value
+        at = case.expected[1].x
+        inside = (at >= low) & (at <= high)
+        return size((fields[1][: len(at)] - there)[inside], at[inside]) / per
+
+    row = Row(
+        f"{name}, largest" if nothing else f"{name}, L1",
+        kind,
+        exact,
+        whole,
+        size(fields[0][shown], x[shown]),
+        size((fields[0] - expected)[shown], x[shown]) / per,
+        None,
+        unit if nothing else f"{unit} c_t T",
+        relative=not nothing,
+    )
+    error = field_bar(case, changes, per, nothing)
+    if error is not None and not error.converges and driven is not None:
+        # a pressure that is singular at the edge changes with order 1/2 at best, by which no field
+        # that converges itself is to be condemned
+        alone = field_bar(case, own, per, nothing)
+        if alone is not None and alone.converges:
+            error = slowest_bar(error, [change / per for change in changes], _floor(case, nothing))
+    return judged(case, row, Comparison(error, before, added))
+
+
+def field_bar(
+    case: Case,
+    changes: Sequence[float],
+    per: float,
+    nothing: bool,
+    most: float = LARGEST_ORDER,
+) -> ErrorBar | None:
+    """Error bar of norms of a field, over that of the prediction, or of largest values of nothing.
+
+    Parameters
+    ----------
+    case : Case
+    changes : sequence of float
+        Norms of the differences from mesh to mesh.
+    per : float
+        Norm of the prediction.
+    nothing : bool
+        Whether nothing is predicted, and values are no norms.
+    most : float
+        Largest order of convergence that is believed.
+    """
+    if not changes:
+        return None
+    return error_bar([change / per for change in changes], _floor(case, nothing), most=most)
+
+
+def _floor(case: Case, nothing: bool) -> float:
+    """What no mesh difference of a field is believed below, over the norm of the prediction."""
+    return NOTHING + (0.0 if nothing else LEAST_ERROR + case.error_estimate)
+
+
+def judged(case: Case, row: Row, comparison: Comparison) -> Row:
+    """A row with its bar and its verdict, unresolved where the meshes or a march cannot tell."""
+    error = comparison.error
+    finer = 2 * case.simulation.resolution
+    if error is not None:
+        bar = error.size + comparison.added
+        row = replace(row, bar=bar, order=error.order, converges=error.converges)
+    if case.caution and row.kind not in ("arrival", "pressure"):
+        times = max((shortfall.times for shortfall in case.shortfalls), default=0.0)
+        needed = math.ceil(times * case.simulation.resolution) or None
+        return replace(row, obstacle=case.caution, resolution=needed)
+    if error is None or row.bar is None:
+        reason = "coarser meshes do not show it" if case.coarser else "no coarser mesh was run"
+        return replace(row, obstacle=f"{reason}, so that it has no error bar", resolution=finer)
+    if math.isinf(row.bar):
+        return replace(row, obstacle="the prediction has not converged")
+    if not error.converges:
+        return _diverging(row, error, comparison, finer)
+    if row.verdict == UNRESOLVED:
+        reason = f"it is beyond its error bar, but by less than {ALARM:g} times"
+        return replace(row, obstacle=reason, resolution=finer)
+    if row.verdict == AGREES and row.size and row.bar > TELLING * row.size:
+        growth = row.bar / (TELLING * row.size)
+        return replace(
+            row,
+            obstacle=f"its error bar is more than {TELLING:g} of what is compared",
+            resolution=math.ceil(growth * case.simulation.resolution),
+        )
+    return row
+
+
+def _diverging(row: Row, error: ErrorBar, comparison: Comparison, finer: int) -> Row:
+    """A row whose meshes do not converge: it agrees with nothing.
+
+    It differs where the finest mesh is off by more than the coarser ones allow any finer one to
+    be, and by more than the coarser one itself: then the finest run is at fault, or the prediction
+    is.  Where a finer mesh comes closer to the prediction that is not said.
+    """
+    limited = replace(row, bar=min(error.size, error.limit) + comparison.added)
+    off = math.inf if row.difference is None else abs(row.difference)
+    if limited.verdict == DIFFERS and off > comparison.before():
+        return limited
+    reason = (
+        f"the meshes do not converge: it changes from 2h to h by more than {2**-LEAST_ORDER:.2g} "
+        "of what it does from 4h to 2h"
+    )
+    return replace(row, obstacle=reason, resolution=finer)
+
+
+def mesh_changes(values: Sequence[float | None], reach: float = math.inf) -> list[float]:
+    """Differences from mesh to mesh, from the finest on, as far as all show the value.
+
+    One that is farther than `reach` from that of the finest mesh is of something else.
+    """
+    changes: list[float] = []
+    for fine, coarse in pairwise(values):
+        if fine is None or coarse is None or values[0] is None:
+            break
+        if abs(coarse - values[0]) > reach:
+            break
+        changes.append(fine - coarse)
+    return changes
+
+
+def rate_bar(case: Case, start: float, end: float) -> float:
+    """Error bar of slip rate between two positions [length / time], over all times.
+
+    At least that of most of what slips: where all meshes stick, they may all be wrong.
+    """
+    changes = []
+    for fine, coarse in case.pairs:
+        x, t = np.broadcast_arrays(fine.x, fine.t[:, None])
+        change = np.abs(fine.slip_rate - interpolated(coarse, "slip_rate", x, t))
+        slips = np.abs(fine.slip_rate) > NOTHING * case.rate
+        usual = float(np.quantile(change[slips], USUAL)) if slips.any() else 0.0
+        inside = (fine.x > start) & (fine.x < end)
+        changes.append(max(usual, float(change[:, inside].max(initial=0.0))))
+    # largest values at jumps do not converge: what first order leaves of either change
+    return SAFETY * max(change / 2**coarser for coarser, change in enumerate(changes))

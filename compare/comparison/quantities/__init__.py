@@ -1,0 +1,1 @@
+"""What a comparison looks at: fronts, edges, profiles, histories, places one by one."""

@@ -1,0 +1,45 @@
+"""Whole fields in both bodies in the last frame of snapshots, with their error bars."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from compare.comparison.bars import LARGEST_ORDER, LEAST_ORDER
+from compare.comparison.case import Case
+from compare.comparison.fields.changes import PARTS, FieldChange
+from compare.comparison.judging import Comparison, field_bar, judged
+from compare.comparison.rows import Row
+
+
+def field_rows(case: Case, changes: tuple[FieldChange, ...]) -> Iterator[Row]:
+    """Relative L1 errors of all components of the last frame, whole and outside the band.
+
+    Whole fields jump at fronts, which every mesh smears over some elements: no faster convergence
+    than that with order 1/2 is believed.
+    """
+    for change in changes:
+        value, unit = _scale(case, change.component)
+        row = Row(
+            f"{change.component}, {change.part}",
+            "field",
+            None,
+            change.size * change.predicted / value,
+            change.size * change.simulated / value,
+            change.difference,
+            None,
+            unit,
+            relative=True,
+        )
+        most = LEAST_ORDER if change.part == PARTS[0] else LARGEST_ORDER
+        error = field_bar(case, change.changes, 1.0, nothing=False, most=most)
+        yield judged(case, row, Comparison(error, change.before))
+
+
+def _scale(case: Case, component: str) -> tuple[float, str]:
+    """What norms of a component over the area are given in: value and name."""
+    area = case.length**2
+    if component.startswith("sigma"):
+        return case.stress * area, "τ₀ c_t² T²"
+    if component.startswith("v"):
+        return case.rate * area, "V₀ c_t² T²"
+    return case.rate * case.end_time * area, "V₀ c_t² T³"

@@ -1,0 +1,157 @@
+"""Places and times one by one: the largest difference over its own error bar."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from compare.comparison.bars import ErrorBar
+from compare.comparison.case import Case
+from compare.comparison.fields.fronts import jump_times
+from compare.comparison.judging import Comparison, judged
+from compare.comparison.measures import NOTHING
+from compare.comparison.quantities.arrivals import ROUNDING
+from compare.comparison.rows import Row
+from compare.comparison.scales import scene_fronts
+from semianalytic import InterfaceHistory
+from semianalytic.results.sampled import interpolated
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+BAND = 2
+"""Elements of the coarsest mesh on either side of fronts and edges that are left out: the same
+length on all meshes."""
+EARLY = 0.2
+"""Part of the end time that is left out, in which little is resolved."""
+LOCAL = 1.0
+"""Of what changes from 4h to 2h within a band of a place, what the mesh of h may be off there.  Of
+all places of 204 scenes none was off by more than 1.5 times this and `LOCAL_FLOOR`; with half of
+it 11 scenes would have had one."""
+LOCAL_FLOOR = 1e-3
+"""Part of the largest value of a field that is left open everywhere, likewise."""
+ASIDE = 0.25
+"""Part of an element by which bands are wider, so that nodes do not lie at their ends, where
+rounding would decide."""
+STILL = 1e-3
+"""Part of the largest slip rate, and of the largest gap, from which on a place moves."""
+
+
+def local_rows(case: Case) -> Iterator[Row]:
+    """For each field, the place and time at which it is off by most error bars.
+
+    A bar of a place comes from the two coarser meshes alone, so that a single wrong value of the
+    simulation has none to hide behind; nothing is said where there are no two.
+    """
+    if len(case.runs) < 3:
+        return
+    shown = ~_beside_fronts(case)
+    if not shown.any():
+        return
+    slip = case.rate * case.end_time
+    fields = [
+        ("slip_rate", case.rate, "V₀"),
+        ("slip", slip, "V₀ T"),
+        ("shear_traction", case.stress, "τ₀"),
+        ("pressure", case.stress, "τ₀"),
+    ]
+    for name, unit, symbol in [*fields, ("gap", slip, "V₀ T")] if case.opens else fields:
+        yield _local_row(case, name, unit, symbol, shown)
+
+
+def _local_row(case: Case, name: str, unit: float, symbol: str, shown: Mask) -> Row:
+    seen, (middle, coarse) = case.seen, (run.interface for run in case.runs[1:3])
+    predicted, simulated = (getattr(one, name) / unit for one in (case.at_nodes, seen))
+    x, t = np.broadcast_arrays(seen.x, seen.t[:, None])
+    change = np.abs(interpolated(middle, name, x, t) - interpolated(coarse, name, x, t)) / unit
+    change += _driven(case, name)
+    largest = float(np.abs(getattr(middle, name)).max()) / unit
+    bar = LOCAL * scipy.ndimage.maximum_filter(change, _band(case)) + LOCAL_FLOOR * largest
+    bar += NOTHING + case.error_estimate * largest
+    if case.doubted is not None:
+        doubt = np.abs(getattr(case.doubted, name) / unit - predicted)
+        bar += scipy.ndimage.maximum_filter(doubt, _band(case))
+    off = np.where(shown, np.abs(simulated - predicted), 0.0)
+    at = np.unravel_index(np.argmax(off / np.maximum(bar, np.finfo(float).tiny)), off.shape)
+    level, node = at
+    when = f"t = {seen.t[level] / case.end_time:.3f} T"
+    row = Row(
+        f"{name.replace('_', ' ')}, place by place",
+        "local",
+        None,
+        float(predicted[at]),
+        float(simulated[at]),
+        float(simulated[at] - predicted[at]),
+        None,
+        symbol,
+        place=f"x = {seen.x[node] / case.length:.3f} c_t T, {when}",
+    )
+    if case.opens and not all(run.interface.gap.any() for run in case.runs):
+        finer = 2 * case.simulation.resolution
+        row = replace(row, bar=float(bar[at]), resolution=finer)
+        return replace(row, obstacle="one mesh opens, another does not: no place has a bar")
+    return judged(case, row, Comparison(ErrorBar(float(bar[at]), None, np.inf, converges=True)))
+
+
+def _driven(case: Case, name: str) -> Array:
+    """What slip rate over V₀ or slip over V₀ T change by because strength does from the mesh of 4h
+    to that of 2h, (m, n) at the nodes of the simulation; 0 of other fields."""
+    seen, run, change = case.seen, case.runs[1].interface, case.strength_changes[1]
+    if name == "slip":
+        change = scipy.integrate.cumulative_trapezoid(change, run.t, axis=0, initial=0)
+        change /= case.end_time
+    elif name != "slip_rate":
+        return np.zeros((len(seen.t), len(seen.x)))
+    table = scipy.interpolate.RegularGridInterpolator(
+        (run.t, run.x), change, bounds_error=False, fill_value=None
+    )
+    x, t = np.broadcast_arrays(
+        np.clip(seen.x, run.x[0], run.x[-1]), np.clip(seen.t, run.t[0], run.t[-1])[:, None]
+    )
+    return np.asarray(table((t, x)))
+
+
+def _beside_fronts(case: Case) -> Mask:
+    """Nodes and times in the band around the edge, the fronts that jumps of the loads send out,
+    and wherever slip or an opening begins or ends, predicted or on a coarser mesh, (m, n)."""
+    seen, scene = case.seen, case.scene
+    width = BAND * case.runs[2].element_size + ASIDE * case.simulation.element_size
+    beside = np.zeros((len(seen.t), len(seen.x)), dtype=bool)
+    for start in {0.0, *jump_times(scene)}:  # where loads begin to rise there are fronts as well
+        for speed in scene_fronts(scene).values():
+            beside |= np.abs(seen.x - speed * (seen.t[:, None] - start)) < width
+    motions = [_motion(case, case.at_nodes)]
+    for run in case.runs[1:]:
+        history = run.interface
+        x = np.searchsorted(history.x, seen.x - ASIDE * case.simulation.element_size)
+        t = np.searchsorted(history.t, (1 - ROUNDING) * seen.t)
+        x, t = (np.minimum(at, size - 1) for at, size in ((x, len(history.x)), (t, len(history.t))))
+        motions.append(_motion(case, history)[np.ix_(t, x)])
+    changes = np.zeros(beside.shape, dtype=bool)
+    for motion in motions:
+        changes[:-1] |= np.diff(motion, axis=0) != 0
+        changes[:, :-1] |= np.diff(motion, axis=1) != 0
+    beside |= scipy.ndimage.maximum_filter(changes, _band(case))
+    return beside | (seen.x < width) | (seen.t < (1 - ROUNDING) * EARLY * case.end_time)[:, None]
+
+
+def _band(case: Case) -> tuple[int, int]:
+    """Levels and nodes in the band on both sides of one of them."""
+    width = BAND * case.runs[2].element_size
+    step = float(case.seen.t[1] - case.seen.t[0]) * case.scene.material.shear_speed
+    return 2 * round(width / step) + 1, 2 * round(width / case.simulation.element_size) + 1
+
+
+def _motion(case: Case, history: InterfaceHistory) -> NDArray[np.int8]:
+    """Sense of slip of a history, and whether it is open, (m, n); thresholds are those of the mesh
+    at 2h, which a wrong value of the simulation does not move."""
+    usual = case.runs[1].interface
+    rate, gap = (float(np.abs(values).max()) for values in (usual.slip_rate, usual.gap))
+    slips = np.abs(history.slip_rate) > STILL * max(rate, STILL * case.rate)
+    sense = np.where(slips, np.sign(history.slip_rate), 0.0)
+    opens = history.gap > STILL * max(gap, STILL * case.rate * case.end_time)
+    return np.where(opens, 2, sense).astype(np.int8)

@@ -1,0 +1,163 @@
+"""What a simulation has to hold by itself, whatever is predicted: numbers, Coulomb's law, slip."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+from compare.comparison.bars import ErrorBar
+from compare.comparison.case import Case
+from compare.comparison.judging import Comparison, judged
+from compare.comparison.measures import NOTHING
+from compare.comparison.rows import TELLING, Row
+from semianalytic.scene.errors import DataFileError
+
+if TYPE_CHECKING:
+    from fem import Simulation, SlotHistory
+    from semianalytic import InterfaceHistory
+
+Array = NDArray[np.float64]
+
+FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
+WHOLE_STEPS = 1e-6
+"""Part of a step by which times of levels and of the ends of windows may miss, for rounding."""
+BEYOND, MISMATCH = "traction beyond friction", "slip rate against slip"
+SPARSE = "only some steps of the simulation are stored, which do not tell {}; store all of them"
+
+
+def check_finite(simulation: Simulation) -> None:
+    """Refuse a simulation with values that are not finite numbers; its coarser meshes count too.
+
+    Raises
+    ------
+    DataFileError
+        It says which field, where and when.
+    """
+    run: Simulation | None = simulation
+    while run is not None:
+        parts: list[tuple[InterfaceHistory | SlotHistory, str]] = [
+            *((run.interface, name) for name in FIELDS),
+            *((run.slot, name) for name in ("velocity_x", "velocity_y")),
+        ]
+        for history, name in parts:
+            wrong = ~np.isfinite(getattr(history, name))
+            if wrong.any():
+                level, node = np.argwhere(wrong)[0]
+                raise _refusal(run, name, f"x = {history.x[node]:.6g}, t = {history.t[level]:.6g}")
+        for name in ("final_path", "final_work_density"):
+            wrong = ~np.isfinite(getattr(run, name))
+            if wrong.any():
+                raise _refusal(run, name, f"x = {run.interface.x[np.flatnonzero(wrong)[0]]:.6g}")
+        run = run.companion
+
+
+def _refusal(run: Simulation, name: str, place: str) -> DataFileError:
+    return DataFileError(
+        f"the simulation of resolution {run.resolution} holds a {name.replace('_', ' ')} that is "
+        f"not a finite number, at {place}; simulate again."
+    )
+
+
+def own_rows(case: Case) -> Iterator[Row]:
+    """By how much a simulation breaks the law of friction, and its slip is not that of its slip
+    rate: by rounding, if nothing is at fault."""
+    excess = _beyond_friction(case)
+    if excess is None:
+        yield _own_row(case, BEYOND, None, "τ₀", obstacle=SPARSE.format("a rate of each step"))
+    else:
+        yield _own_row(case, BEYOND, excess / case.stress, "τ₀")
+    off, bar = _mismatch(case)
+    obstacle = ""
+    if bar > TELLING * float(np.abs(case.seen.slip).max()) / case.end_time:
+        obstacle = SPARSE.format("what slips between two levels")
+    yield _own_row(case, MISMATCH, off / case.rate, "V₀", bar / case.rate, obstacle)
+
+
+def _own_row(
+    case: Case, name: str, value: float | None, unit: str, bar: float = 0.0, obstacle: str = ""
+) -> Row:
+    row = Row(name, "law", None, 0.0, value, value, None, unit)
+    row = judged(case, row, Comparison(ErrorBar(NOTHING + bar, None, 0.0, converges=True)))
+    return replace(row, obstacle=obstacle) if obstacle else row
+
+
+def _beyond_friction(case: Case) -> float | None:
+    """Largest excess of shear traction over strength [stress], 0 at least; None if the levels that
+    are stored do not tell.
+
+    Strength is taken before any slip has weakened it.  Where it rises with slip rate, a simulation
+    has the rates of the steps on either side of a level, the larger of which counts: all steps
+    have to be stored.  Slip rates that are no means over a window are those of the level itself.
+    """
+    simulation, seen, scene = case.simulation, case.seen, case.scene
+    frictional = scene.friction * seen.pressure
+    levels, speed = slice(None), np.zeros(frictional.shape)
+    if np.any(scene.friction_law.strength(1.0, case.rate, 0.0) > 1.0):
+        passed = np.diff(seen.t)
+        if not simulation.rate_window:
+            speed = np.abs(seen.slip_rate)
+        elif passed.max() > (1 + WHOLE_STEPS) * simulation.time_step:
+            return None
+        else:
+            steps = np.abs(np.diff(seen.slip, axis=0)) / passed[:, None]
+            speed, levels = np.maximum(steps[:-1], steps[1:]), slice(1, -1)
+    allowed = scene.friction_law.strength(frictional[levels], speed, 0.0)
+    return float(np.max(np.abs(seen.shear_traction[levels]) - allowed, initial=0.0))
+
+
+def _mismatch(case: Case) -> tuple[float, float]:
+    """Largest difference between a slip rate and the slip it stands for [length / time], and what
+    the times between stored levels leave open of it.
+
+    The slip rate of a level is the mean over a window about it.  Where slip is stored at both ends
+    of the windows of most levels, each is held against that; else the slip at the end is held
+    against the sum of all slip rates.
+    """
+    seen = case.seen
+    half = np.minimum(case.simulation.rate_window / 2, seen.t)
+    begin, end = (_stored_at(case, seen.t + side * half) for side in (-1, 1))
+    whole = (half > 0) & (begin >= 0) & (end >= 0)
+    if 2 * np.count_nonzero(whole) > len(seen.t):
+        gained = seen.slip[end[whole]] - seen.slip[begin[whole]]
+        mean = gained / (2 * half[whole, None])
+        return float(np.max(np.abs(mean - seen.slip_rate[whole]), initial=0.0)), 0.0
+    slip = np.trapezoid(seen.slip_rate, seen.t, axis=0)
+    off = np.abs(seen.slip[-1] - slip) / case.end_time
+    open_ = _between_levels(case) / case.end_time
+    worst = int(np.argmax(off - open_))
+    return float(off[worst]), float(open_[worst])
+
+
+def _stored_at(case: Case, times: Array) -> NDArray[np.intp]:
+    """Levels at times (m,); -1 where none is stored."""
+    t = case.seen.t
+    level = np.minimum(
+        np.searchsorted(t, times - WHOLE_STEPS * case.simulation.time_step), t.size - 1
+    )
+    near = np.abs(t[level] - times) <= WHOLE_STEPS * case.simulation.time_step
+    return np.where(near, level, -1)
+
+
+def _between_levels(case: Case) -> Array:
+    """By how much slip and the sum of the slip rates at stored levels may be apart [length], (n,).
+
+    What passes a node between two levels passes, at one of the two, a node that is no farther than
+    the fastest wave comes in the meantime: within the range of the rates there the mean over the
+    step lies, and at both ends half a window is missing or too much.
+    """
+    simulation, seen = case.simulation, case.seen
+    passed = np.diff(seen.t)
+    nodes = math.ceil(case.scene.fastest_speed * float(passed.max()) / simulation.element_size)
+    most, least = (
+        find(seen.slip_rate, 2 * nodes + 1, axis=1, mode="nearest")
+        for find in (maximum_filter1d, minimum_filter1d)
+    )
+    ranges = np.maximum(most[1:], most[:-1]) - np.minimum(least[1:], least[:-1])
+    ends = simulation.rate_window / 2 * (ranges[0] + ranges[-1])
+    return np.asarray(passed @ ranges + ends)

@@ -1,0 +1,272 @@
+"""Scenes that were judged wrongly, and simulations at fault: what the judge says of both."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from compare_cases import differing, named, simulated
+
+from compare import judge
+from compare.comparison.case import Case
+from compare.comparison.comparing import held_against, planned
+from compare.comparison.measures import NOTHING
+from compare.comparison.prediction import predict_like
+from compare.comparison.quantities.arrival_rows import arrival_rows
+from compare.comparison.quantities.own_rows import own_rows
+from docs.studies.judge.faults import FAULTS
+from fem import simulate, with_companions
+from semianalytic import Material, Scene, Tractions, solve
+from semianalytic.scene.errors import DataFileError
+from semianalytic.scene.named import find_scene, override_scene
+
+PRELOADED, SHOCK = find_scene("preloaded"), find_scene("remote-shock")
+
+
+def beside(scene, *places):
+    """Points of the map of friction and Poisson ratio around a scene."""
+    return {
+        f"f = {friction:g}, nu = {ratio:.3g}": override_scene(
+            scene, friction=friction, poisson_ratio=ratio
+        )
+        for friction, ratio in places
+    }
+
+
+def drawn(scene, count, frictions, seed):
+    """Such points at random."""
+    random = np.random.default_rng(seed)
+    places = [(random.uniform(*frictions), random.uniform(0.2, 0.38)) for _ in range(count)]
+    return beside(scene, *places)
+
+
+@pytest.fixture(scope="module")
+def run():
+    """A finite-element run of the preloaded scene."""
+    return simulated(PRELOADED, 60)
+
+
+def judged(scene, resolution=None):
+    """The judgement on the mesh that `slipfront compare` chooses, or on another."""
+    prediction, choice = planned(scene, snapshots=True, resolution=resolution)
+    run = simulated(scene, choice.resolution, 1 / scene.material.shear_speed)
+    return held_against(run, prediction or predict_like(run))
+
+
+BRIDGED = beside(
+    PRELOADED,
+    *((friction, 1 / 3) for friction in (0.24, 0.25, 0.26)),
+    (0.2, 0.29),
+    (0.21, 0.29),
+    (0.3, 0.4),
+    (0.22, 0.3),
+) | {
+    "remote-shock": override_scene(SHOCK, friction=1.23),
+    "steel": Scene(
+        Material(80e9, 7800.0, 0.29), 0.15, Tractions(5e6, 0.0), Tractions(0.0, 5e6), units="SI"
+    ),
+}
+"""Scenes that were said to differ."""
+DRAWN = drawn(PRELOADED, 6, (0.15, 0.42), 1) | drawn(SHOCK, 6, (1.0, 1.36), 2)
+
+
+class TestGapsThatCoarserMeshesBridge:
+    """Two zones with a gap narrower than the mesh at 2h shows: its edges are unresolved."""
+
+    def check(self, scene, resolution=None):
+        judgement = judged(scene, resolution)
+        assert differing(judgement) == []
+        assert judgement.verdict == "agrees"
+        return judgement
+
+    def test_the_first_that_was_found_agrees(self):
+        rows = named(self.check(BRIDGED["f = 0.25, nu = 0.333"]))
+        for edge in ("zone 1, outer edge", "zone 2, inner edge"):
+            assert rows[edge].obstacle.startswith("the gap to the next zone is 0.024 c_t T wide")
+            assert rows[edge].resolution > 300
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("name", [*BRIDGED, *DRAWN])
+    def test_neighbours_agree_at_the_mesh_of_the_command(self, name):
+        self.check((BRIDGED | DRAWN)[name])
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("name", BRIDGED)
+    def test_and_on_a_coarser_one(self, name):
+        self.check(BRIDGED[name], 60)
+
+
+class TestSlipThatIsLittleOfWhatDrivesIt:
+    """Slip is what is left of a load that strength nearly bears: errors of strength drive it."""
+
+    SCENE = Scene(Material(1, 1, 0.27), 0.219, Tractions(0.1, 0), Tractions(1.0, 0.124))
+
+    @pytest.mark.parametrize("resolution", [60, pytest.param(100, marks=pytest.mark.slow)])
+    def test_it_agrees(self, resolution):
+        assert differing(judged(self.SCENE, resolution)) == []
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("shear", [0.09, 0.11, 0.15, -0.12])
+    def test_so_do_its_neighbours(self, shear):
+        scene = replace(self.SCENE, load=Tractions(1.0, shear))
+        assert differing(judged(scene, 100)) == []
+
+    @pytest.mark.slow
+    def test_a_third_more_slip_differs(self):
+        other = judge(solve(replace(self.SCENE, friction=0.2)), simulated(self.SCENE, 100))
+        assert other.verdict == "differs"
+
+
+class TestOpeningsThatNoMeshShows:
+    """An opening of four elements: nothing that depends on it is said to differ."""
+
+    SCENE = Scene(Material(1, 1, 0.25), 0.3, Tractions(1, 0), Tractions(-0.45, 0))
+
+    def test_it_is_unresolved(self):
+        judgement = judged(self.SCENE, 60)
+        assert differing(judgement) == []
+        rows = named(judgement)
+        for name in ("gap over (x, t), L1", "largest gap", "opening 1, outer edge"):
+            assert rows[name].verdict == "unresolved", name
+            assert rows[name].resolution > 60
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("resolution", [32, 40, 48, 76])
+    def test_nothing_differs_on_other_meshes(self, resolution):
+        assert differing(judged(self.SCENE, resolution)) == []
+
+    @pytest.mark.slow
+    def test_the_mesh_of_the_command_shows_it(self):
+        assert judged(self.SCENE).verdict == "agrees"
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("step", [-0.2, -0.25, -0.3, -0.4, -0.6])
+    def test_narrower_and_wider_ones_do_not_differ(self, step):
+        assert differing(judged(replace(self.SCENE, load=Tractions(step, 0)), 60)) == []
+
+
+class TestFrictionlessSlipBehindTheFirstWave:
+    """Slip that grows from nothing behind the P front: all meshes slip a little early."""
+
+    @pytest.mark.slow
+    def test_parts_of_maps_agree(self):
+        scene = Scene(Material(1, 1, 0.29), 0.0, Tractions(1, 0), Tractions(-0.0368, 1.78))
+        assert differing(judged(scene, 100)) == []
+
+
+def sparse_run(scene, every):
+    """A simulation of which every n-th step is stored."""
+    return with_companions(simulate(scene, resolution=32, every=every))
+
+
+class TestLevelsThatAreStoredFarApart:
+    """Between stored levels slip comes and goes: neither slip rates nor strength are condemned."""
+
+    def own(self, run):
+        return {row.name: row for row in own_rows(Case(run, run, run.interface, None))}
+
+    @pytest.mark.parametrize("every", [2, 3, 10, 30])
+    @pytest.mark.parametrize("name", ["viscous", "pressure-drop", "auxetic", "antiplane"])
+    def test_what_is_right_holds_the_laws(self, name, every):
+        run = simulate(find_scene(name), resolution=24, every=every)
+        rows = self.own(run)
+        assert [row.name for row in rows.values() if row.verdict == "differs"] == []
+        strength = rows["traction beyond friction"]
+        if name == "viscous":  # which depends on the rate of each step
+            assert strength.verdict == "unresolved"
+            assert strength.obstacle.startswith("only some steps of the simulation are stored")
+        else:
+            assert strength.verdict == "agrees"
+
+    def test_windows_whose_ends_are_stored_are_held_to_the_last_digit(self):
+        """Every third step of windows of six."""
+        run = simulate(PRELOADED, resolution=32, every=3)
+        assert run.rate_window == pytest.approx(6 * run.time_step)
+        row = self.own(run)["slip rate against slip"]
+        assert (row.verdict, row.bar) == ("agrees", NOTHING)
+        assert row.difference < 1e-12
+        values = run.interface.slip_rate.copy()
+        values[len(values) // 2, 3] += 1e-5
+        spoilt = replace(run, interface=replace(run.interface, slip_rate=values))
+        assert self.own(spoilt)["slip rate against slip"].verdict == "differs"
+
+    def test_the_sum_of_all_slip_rates_catches_slip_that_came_of_none(self):
+        run = simulate(PRELOADED, resolution=32, every=2)
+        row = self.own(run)["slip rate against slip"]
+        assert (row.verdict, row.difference) == ("agrees", pytest.approx(0, abs=row.bar))
+        values = run.interface.slip.copy()
+        values[:, 10] *= 2
+        spoilt = replace(run, interface=replace(run.interface, slip=values))
+        assert self.own(spoilt)["slip rate against slip"].verdict == "differs"
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("every", [2, 3, 5, 10])
+    @pytest.mark.parametrize("name", ["preloaded", "viscous"])
+    def test_faults_are_caught_all_the_same(self, name, every):
+        scene = find_scene(name)
+        run, right = with_companions(simulate(scene, resolution=40, every=every)), solve(scene)
+        assert judge(right, run).verdict == "agrees"
+        faults = {fault.name: fault.make(run) for fault in FAULTS}
+        assert judge(right, faults["slip × 1.05"]).verdict != "agrees"
+        for fault in ("shear reversed", "motion × 1.03", "node × 10, slip", "node × 10, shear"):
+            assert judge(right, faults[fault]).verdict == "differs", fault
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("every", [3, 5, 10, 30])
+    @pytest.mark.parametrize("name", ["pressure-drop", "remote-shock", "auxetic", "antiplane"])
+    def test_nothing_differs_where_slip_passes_in_less_than_a_step(self, name, every):
+        scene = find_scene(name)
+        run = with_companions(simulate(scene, resolution=32, every=every))
+        assert differing(judge(solve(scene), run)) == []
+
+    def test_a_front_that_no_level_shows_is_unresolved(self):
+        """At the first level that is stored the P wave has left the record."""
+        scene = find_scene("pressure-drop")
+        run = simulate(scene, resolution=16, every=40)
+        rows = {row.name: row for row in arrival_rows(Case(solve(scene), run, run.interface, None))}
+        fronts = [row for name, row in rows.items() if name.startswith("P front")]
+        assert fronts
+        for row in fronts:
+            assert row.verdict == "unresolved"
+            assert row.obstacle.endswith("store all of them")
+
+
+class TestSimulationsAtFault:
+    """A fault in the finest run does not agree with anything, whatever bars it makes."""
+
+    @pytest.mark.parametrize("fault", FAULTS[:-1], ids=lambda fault: fault.name)
+    def test_it_differs(self, run, fault):
+        judgement = judge(solve(PRELOADED), fault.make(run))
+        assert judgement.verdict == "differs"
+
+    @pytest.mark.parametrize("field", ["slip", "slip_rate", "shear_traction", "pressure", "gap"])
+    def test_what_is_not_finite_is_refused(self, run, field):
+        values = getattr(run.interface, field).copy()
+        values[3, 5] = np.nan
+        spoilt = replace(run, interface=replace(run.interface, **{field: values}))
+        with pytest.raises(DataFileError, match=f"holds a {field.replace('_', ' ')} that is not"):
+            judge(solve(PRELOADED), spoilt)
+
+    def test_so_is_a_companion(self, run):
+        values = np.full_like(run.companion.final_path, np.inf)
+        spoilt = replace(run, companion=replace(run.companion, final_path=values))
+        with pytest.raises(DataFileError, match="resolution 30 holds a final path"):
+            judge(solve(PRELOADED), spoilt)
+
+    def test_any_field_of_one_node_counts_wherever_it_is(self, run):
+        """A tenth more at one node and time that nothing else happens at."""
+        right = solve(PRELOADED)
+        for place in (0.15, 0.25):
+            node = int(np.argmin(np.abs(run.interface.x - place)))
+            for field in ("slip", "slip_rate", "shear_traction", "pressure"):
+                values = getattr(run.interface, field).copy()
+                values[2 * len(values) // 3, node] *= 1.1
+                spoilt = replace(run, interface=replace(run.interface, **{field: values}))
+                assert judge(right, spoilt).verdict == "differs", (place, field)
+
+    @pytest.mark.parametrize("factor", [0.9, 1.1])
+    def test_fields_of_the_finest_run_alone_do_not_hide_behind_their_own_bars(self, run, factor):
+        right = solve(PRELOADED)
+        for field in ("slip_rate", "slip", "shear_traction", "pressure"):
+            values = factor * getattr(run.interface, field)
+            spoilt = replace(run, interface=replace(run.interface, **{field: values}))
+            assert judge(right, spoilt).verdict == "differs", field
