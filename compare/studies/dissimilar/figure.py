@@ -40,7 +40,9 @@ def growth_figure(
     """Growth per wavelength over contrast and friction, and over friction for named pairs."""
     figure = new_figure(11, 5)
     describe(
-        figure, "waves that grow while bodies slide: how much larger after running one wavelength"
+        figure,
+        "waves that grow while bodies slide: how much larger after running one wavelength "
+        "(left: equal densities, ν = 1/4)",
     )
     left, right = figure.subplots(1, 2)
     _draw_map(figure, left, points)

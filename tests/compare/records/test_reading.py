@@ -192,7 +192,8 @@ def test_what_this_package_writes(tmp_path):
     both = [one for one in seen.stations if round(one.x, 9) in last]
     assert len(both) > 5
     for one in both:
-        assert one.values["slip"][-1] == pytest.approx(last[round(one.x, 9)], abs=1e-12)
+        # frames are in single precision
+        assert one.values["slip"][-1] == pytest.approx(last[round(one.x, 9)], rel=2e-7)
 
 
 def test_what_uguca_writes():
