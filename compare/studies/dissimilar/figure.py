@@ -76,8 +76,12 @@ def _draw_map(figure: Figure, panel: Axes, points: Sequence[GrowthPoint]) -> Non
 def _draw_curves(panel: Axes, curves: Sequence[ThresholdPoint]) -> None:
     x = [one.contrast for one in curves]
     for values, style, label in (
-        ([one.threshold_with for one in curves], "-", "$f_+$: with the slower body above"),
-        ([one.threshold_against for one in curves], "--", "$f_-$: against it above"),
+        (
+            [one.threshold_with for one in curves],
+            "-",
+            "$f_+$: waves with the slower body grow above",
+        ),
+        ([one.threshold_against for one in curves], "--", "$f_-$: waves against it grow above"),
     ):
         shown = np.where(np.array(values) > 0, values, np.nan)
         panel.plot(x, shown, style, color=BLACK, label=label, path_effects=outline())
