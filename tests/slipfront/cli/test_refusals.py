@@ -124,7 +124,7 @@ def test_a_comparison_that_misses_the_edge_says_so_too(tmp_path, capsys, monkeyp
     main([*command, "--output", str(tmp_path)])
     out = capsys.readouterr().out
     assert "the march: the edge slips over a length of about" in out
-    assert "(resolution 396, h = 0.0025: " in out
+    assert "(resolution 495, h = 0.002: " in out
 
 
 @pytest.mark.parametrize(
