@@ -150,7 +150,7 @@ class Prices:
             return math.inf, math.inf
 
     def checked(self, resolution: int, memory: float | None = math.inf) -> tuple[float, float]:
-        """Time and memory as from `at`; raises SceneError if `fem.simulate` would refuse the run."""
+        """Time and memory as from `at`; SceneError is raised if `fem.simulate` would do so."""
         from fem import cost
 
         options = {**self.options, "resolution": resolution}

@@ -45,7 +45,7 @@ class Places:
         return Places(self.x[chosen], self.y[chosen], self.area[chosen], some)
 
     def thinned(self, most: int) -> Places:
-        """Return at most a given number of the places, drawn at random, whose areas stand for all."""
+        """Return at most `most` of the places, drawn at random, whose areas stand for all."""
         count = len(self.x)
         if count <= most:
             return self

@@ -44,7 +44,7 @@ class StraightFront:
         return x, share * t / self.wave * math.sqrt(1 - ratio * ratio)
 
     def distance(self, x: Array, y: Array, t: float) -> Array:
-        """Distance of points from the front at time t [length], from its end for points beyond that."""
+        """Distance of points from the front at time t [length]; beyond its end, from the end."""
         along, across = self.side * x, np.abs(y)
         rise = math.sqrt(self.wave**2 - self.source**2)
         back = (rise * along - self.source * across) / self.wave

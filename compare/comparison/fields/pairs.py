@@ -35,7 +35,8 @@ def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
     """Return all components of a frame beside the prediction there, by name.
 
     The whole mesh is compared.  A mesh made for snapshots is so large that nothing comes back from
-    its sides, which hold the parts that plane waves do not move (`meshes.blocks.causal_blocks`).
+    its sides, which fix the displacement that plane waves do not have
+    (`meshes.blocks.causal_blocks`).
 
     Parameters
     ----------
