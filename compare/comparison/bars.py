@@ -23,8 +23,8 @@ limit.  Of the rows measured, 1 % changed with a lower order; a limit of 1 would
 10 %."""
 LARGEST_ORDER = 1.25
 """Highest order of convergence that is believed.  Errors, above all those of slip, fall faster at
-first than later, and moving kinks and jumps do not converge with the order of the scheme, 2.  Of
-2,800 rows of 144 scenes, one was beyond 1.5 bars and twelve beyond one bar with a limit of 1.36;
+first than later, and motion at kinks and jumps does not converge with the order of the scheme, 2.
+Of 2,800 rows of 144 scenes, one was beyond 1.5 bars and twelve beyond one bar with a limit of 1.36;
 with 1.17, none and two."""
 SAFETY = 1.25
 """Safety factor of the bar of a converging sequence.  97 % of the rows were within their bar and

@@ -27,8 +27,8 @@ LEAST = 32
 """Lowest resolution that is chosen; its coarsest companion is the coarsest possible mesh."""
 STRIDE, ROUND_STRIDE = 4, 20
 """Steps between resolutions.  Multiples of `STRIDE` give companions whole resolutions.  Where only
-the budget sets the resolution, it changes in steps of `ROUND_STRIDE`, so that small differences in
-cost do not change it."""
+the budget sets a resolution beyond the usual one, it is found in steps of `ROUND_STRIDE`, so that
+small differences in cost do not change it."""
 SPARE = 0.9
 """Part of the available memory that a choice may count on, because later there may be less."""
 
