@@ -1,1 +1,1 @@
-"""What agrees with what: predictions, measures, rows of a comparison, its report."""
+"""Comparison of predictions with simulations: measures, rows, verdicts and the report."""

@@ -1,11 +1,11 @@
 """Error bars of a simulation, from the same run on coarser meshes.
 
-What a reading changes by from mesh to mesh says how fast it converges: where it changed by c₁ from
+The changes of a reading from mesh to mesh show how fast it converges.  Where it changes by c₁ from
 element size 2h to h and by c₂ from 4h to 2h, the order is p = log₂ c₂/c₁ and c₁/(2^p − 1) is still
 missing at h (Roache's grid convergence index).  Orders are bounded as by Eça & Hoekstra (2014,
-J. Comput. Phys. 262): below `LEAST_ORDER` meshes do not converge; beyond `LARGEST_ORDER` the first
-change is small by chance, and a part of the second one stands in.  A sequence that goes forth and
-back has no order, and `RANGE` times all that it covers is its bar.
+J. Comput. Phys. 262).  Below `LEAST_ORDER` the meshes do not converge.  Beyond `LARGEST_ORDER` the
+first change is taken to be small by chance, and a part of the second one replaces it.  The bar of
+a sequence that does not converge is `RANGE` times the range that it covers.
 
 The constants were measured on 160 drawn scenes, 50 of maps around two named ones and 24 named ones,
 then on 206 more at the mesh of the command; none is among those of the trial (docs/judge.md).
@@ -18,36 +18,39 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 LEAST_ORDER = 0.5
-"""Order at least with which readings of fields that jump converge; a bar would grow without limit
-below it.  Of the rows measured, 1 % changed with less; at 1 there would have been 10 %."""
+"""Lowest order at which readings of fields with jumps converge; below it, bars would grow without
+limit.  Of the rows measured, 1 % changed with a lower order; a limit of 1 would have made it
+10 %."""
 LARGEST_ORDER = 1.25
-"""Faster convergence is not believed: errors, of slip above all, fall faster at first than later,
-and what moves at kinks and jumps does not converge with the order of the scheme, 2.  Of 2,800 rows
-of 144 scenes one was beyond 1.5 bars and twelve beyond one with 1.36; with 1.17 none and two."""
+"""Highest order of convergence that is believed.  Errors, above all those of slip, fall faster at
+first than later, and motion at kinks and jumps does not converge with the order of the scheme, 2.
+Of 2,800 rows of 144 scenes, one was beyond 1.5 bars and twelve beyond one bar with a limit of 1.36;
+with 1.17, none and two."""
 SAFETY = 1.25
-"""Of a sequence that converges.  97 % of the rows were within their bar and none beyond 1.5 of it,
-but for what no mesh showed; with half of it one in six would have been."""
+"""Safety factor of the bar of a converging sequence.  97 % of the rows were within their bar and
+none was beyond 1.5 bars, except where no mesh showed the feature; with half this factor, one in six
+would have been."""
 RANGE = 3.0
-"""Of a sequence that does not, over its range, and of two meshes, that have no order to show: order
-1/2, rounded up.  One of 330 fronts was beyond 1.5 bars as long as a change between two meshes that
-is small by chance was believed."""
+"""Bar of a sequence that does not converge, over its range, and bar of two meshes, which show no
+order, over their change.  The value is that of order 1/2, rounded up.  One of 330 fronts was beyond
+1.5 bars as long as changes between two meshes that are small by chance were believed."""
 
 
 @dataclass(frozen=True)
 class ErrorBar:
-    """How far a reading may be off by what coarser meshes show.
+    """Error bar of a reading: how far it may be off, judged by coarser meshes.
 
     Attributes
     ----------
     size : float
-        In the unit of the changes.
+        Length of the bar, in the unit of the changes.
     order : float or None
-        Of convergence, as it was observed; None of two meshes, or where nothing changes.
+        Observed order of convergence; None with two meshes only, or where nothing changes.
     limit : float
-        What the coarser meshes alone allow the finest one to be off, if it converges at all.  A
-        finest mesh at fault widens `size`, and not this; infinite of two meshes.
+        Largest error of the finest mesh that the coarser meshes alone allow, if it converges at
+        all.  A faulty finest mesh widens `size` but not this limit.  Infinite with two meshes.
     converges : bool
-        Whether the last change is not larger than it may be at `LEAST_ORDER`.
+        Whether the last change is no larger than `LEAST_ORDER` allows.
     """
 
     size: float
@@ -67,21 +70,22 @@ def error_bar(
     Parameters
     ----------
     changes : sequence of float
-        Differences from the mesh 2h to h and from 4h to 2h, the latter if there is such a mesh:
-        of one value, signed, or norms of the differences of a field.
+        Differences from the mesh 2h to h and, if there is such a mesh, from 4h to 2h: signed
+        differences of one value, or norms of the differences of a field.
     floor : float
-        What nodes, steps and rounding leave open, in the same unit: smaller changes have no order.
+        Uncertainty due to nodes, steps and rounding, in the same unit; smaller changes show no
+        order.
     ratio : float
-        Of the element sizes of two meshes.
+        Ratio of the element sizes of two successive meshes.
     most : float
         Largest order that is believed.
     """
     order = observed_order(changes, ratio)
     if len(changes) == 1:
-        size = RANGE * max(abs(changes[0]), floor) + floor  # no chance to be told from an order
+        size = RANGE * max(abs(changes[0]), floor) + floor  # it may be small by chance
         return ErrorBar(size, order, math.inf, converges=True)
     last, before = abs(changes[0]), abs(changes[1])
-    # what nodes leave open on both meshes may alone change the reading
+    # the uncertainty of the nodes on both meshes may change the reading by itself
     slowest = before / ratio**LEAST_ORDER + (1 + ratio) * floor
     limit = SAFETY * slowest / (ratio**LEAST_ORDER - 1) + floor
     if last > slowest:
@@ -94,15 +98,15 @@ def error_bar(
 
 
 def slowest_bar(error: ErrorBar, changes: Sequence[float], floor: float = 0.0) -> ErrorBar:
-    """Error bar of a reading that converges, though its changes with all that may move it do not:
-    they are taken to fall with `LEAST_ORDER`.
+    """Error bar of a reading that converges by itself, although its changes together with those of
+    what drives it do not: the changes are taken to fall with `LEAST_ORDER`.
 
     Parameters
     ----------
     error : ErrorBar
-        Of the changes.
+        Error bar of the changes.
     changes, floor
-        As of `error_bar`, for meshes whose element sizes differ by a factor of 2.
+        As for `error_bar`, for meshes whose element sizes differ by a factor of 2.
     """
     last = max(abs(change) / 2 ** (LEAST_ORDER * older) for older, change in enumerate(changes))
     size = SAFETY * last / (2**LEAST_ORDER - 1) + floor
@@ -110,7 +114,7 @@ def slowest_bar(error: ErrorBar, changes: Sequence[float], floor: float = 0.0) -
 
 
 def observed_order(changes: Sequence[float], ratio: float = 2.0) -> float | None:
-    """Order of convergence that two mesh differences show; None where they show none."""
+    """Order of convergence shown by two mesh differences; None where they show none."""
     if len(changes) < 2 or not all(changes[:2]):
         return None
     return math.log(abs(changes[1] / changes[0]), ratio)

@@ -1,4 +1,4 @@
-"""What is laid side by side: a prediction at the nodes of a simulation, and its coarser meshes."""
+"""The case of a comparison: a prediction at the nodes of a simulation, and its coarser meshes."""
 
 from __future__ import annotations
 
@@ -27,23 +27,24 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 NARROW = 8
-"""Elements that a zone, an opening or a gap between zones takes for its ends to be judged, half as
-many on the mesh at 2h, from which error bars come.  Of 60 gaps measured those of 4.0 elements and
-less were bridged by slip, but for one, and those of 5.7 and more were not; zones of 5.0 elements
-were not seen and those of 5.4 were.  From 8 on all were seen at 2h as well; with 4, two of the 50
-scenes of the maps were said to differ, with 16 the default mesh tells nothing of `preloaded`'s
+"""Least width, in elements, of a zone, an opening or a gap between zones whose ends are judged; the
+mesh at 2h, from which error bars come, has half as many.  Of 60 gaps measured, all but one of those
+of up to 4.0 elements were bridged by slip, and none of those of 5.7 or more; zones of 5.0 elements
+were not seen, and those of 5.4 were.  From 8 on, all were seen at 2h as well.  With 4, two of the
+50 scenes of the maps were said to differ; with 16, the default mesh tells nothing of `preloaded`'s
 second zone."""
 UNSEEN = 5
-"""Elements up to which a zone, an opening or a gap counts as unseen in norms, likewise."""
+"""Least width, in elements or nodes in a row, at which norms count a zone, an opening or a gap as
+seen, from the same measurements."""
 LEAST_PEAK = 1e-4
-"""Part of V₀ that is a peak at least, of which thresholds are parts."""
+"""Least value of the peaks to which thresholds are relative, over V₀ or, for gaps, V₀ T."""
 EDGE_CELLS = 4
-"""Elements next to the edge that are left out where fields can be singular."""
+"""Number of elements next to the edge that are left out where fields can be singular."""
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A prediction and a simulation, ready to be read.
+    """A prediction and a simulation, ready to be compared.
 
     Attributes
     ----------
@@ -53,7 +54,7 @@ class Case:
     at_nodes : InterfaceHistory
         The prediction at the nodes and stored times of the simulation.
     doubted : InterfaceHistory or None
-        The same of the prediction's own companion, where it was marched.
+        The prediction's companion at the same places, from which its error is estimated, if any.
     """
 
     prediction: Answer
@@ -63,23 +64,23 @@ class Case:
 
     @cached_property
     def worn_at_nodes(self) -> tuple[Array, Array]:
-        """|slip| accumulated [length] and frictional work per area [stress length] by the
-        prediction until the end, (n,) each; its own where it has it, or summed over the times."""
+        """Predicted accumulated |slip| [length] and frictional work per area [stress length] at the
+        end, (n,) each: the prediction's own where it has them, else summed over the times."""
         return worn_by(self.prediction, self.at_nodes)
 
     @property
     def scene(self) -> Scene:
-        """Of the simulation."""
+        """Scene of the simulation."""
         return self.simulation.scene
 
     @property
     def seen(self) -> InterfaceHistory:
-        """What was simulated."""
+        """History of the interface in the simulation."""
         return self.simulation.interface
 
     @cached_property
     def coarser(self) -> tuple[Simulation, ...]:
-        """The same run at element sizes 2h, 4h, ..."""
+        """Companions of the simulation: the same run at element sizes 2h, 4h, ..."""
         return tuple(_companions(self.simulation))
 
     @cached_property
@@ -89,7 +90,7 @@ class Case:
 
     @cached_property
     def expected(self) -> tuple[InterfaceHistory, ...]:
-        """The prediction at the nodes and times of each, as far as the finest mesh reaches."""
+        """Prediction at the nodes and times of each run, as far as the finest mesh reaches."""
         reach = float(self.seen.x[-1])
         coarser = (
             self.prediction.history(run.interface.x[run.interface.x <= reach], run.interface.t)
@@ -99,42 +100,42 @@ class Case:
 
     @property
     def companion(self) -> Answer | None:
-        """What the prediction judges its own errors by, where it was marched."""
+        """Companion by which a prediction estimates its own error; None without one."""
         return getattr(self.prediction, "companion", None)
 
     @property
     def pairs(self) -> Iterator[tuple[InterfaceHistory, InterfaceHistory]]:
-        """What each mesh shows and what the next coarser one does, from the finest on."""
+        """Pairs of the histories of a mesh and of the next coarser one, from the finest on."""
         return pairwise([self.seen, *(run.interface for run in self.coarser)])
 
     @property
     def end_time(self) -> float:
-        """T [time]."""
+        """End time T [time]."""
         return float(self.seen.t[-1])
 
     @property
     def length(self) -> float:
-        """c_t T [length]."""
+        """Reference length c_t T [length]."""
         return self.scene.material.shear_speed * self.end_time
 
     @property
     def rate(self) -> float:
-        """V₀ [length / time]."""
+        """Reference slip rate V₀ [length / time]."""
         return slip_rate_scale(self.scene)
 
     @property
     def stress(self) -> float:
-        """τ₀ [stress]."""
+        """Reference stress τ₀ [stress]."""
         return stress_scale(self.scene)
 
     @cached_property
     def window(self) -> float:
-        """Time over which slip rates are means where meshes are compared [time]: that of the
-        coarsest mesh, for a mean over less is another one on each."""
+        """Time over which slip rates are averaged where meshes are compared [time]: the window of
+        the coarsest mesh, because shorter means would differ from mesh to mesh."""
         return max(run.rate_window for run in self.runs)
 
     def mean_rate(self, history: InterfaceHistory, t: Array) -> Array:
-        """Slip rate of a history over the window that ends at times t (m,), (m, n)."""
+        """Mean slip rate of a history over the windows that end at times t (m,), (m, n)."""
         x, t = np.broadcast_arrays(history.x, t[:, None])
         if not self.window:
             return interpolated(history, "slip_rate", x, t)
@@ -144,12 +145,13 @@ class Case:
 
     @cached_property
     def strength_changes(self) -> tuple[Array, ...]:
-        """Changes of the strength of what slips from mesh to mesh, over τ₀, (m, n) each at the
-        nodes and times of the finer one.
+        """Changes from mesh to mesh of the frictional strength where the contact slips, over τ₀,
+        (m, n) each at the nodes and times of the finer mesh.
 
-        Slip rate in V₀ is what the waves bring over τ₀ less the strength: it is off by as much as
-        strength is, even where its own change from mesh to mesh is small by chance.  The elements
-        of the coarser mesh at the edge are left out, where pressure can be singular.
+        The slip rate over V₀ is the traction that the waves bring less the strength, both over τ₀.
+        It therefore has the error of the strength, even where its own change from mesh to mesh is
+        small by chance.  The elements of the coarser mesh next to the edge are left out, because
+        the pressure can be singular there.
         """
         changes = []
         for (fine, coarse), run in zip(self.pairs, self.coarser, strict=True):
@@ -162,16 +164,16 @@ class Case:
 
     @cached_property
     def largest_rate(self) -> float:
-        """Largest slip rate of the simulation beyond the elements at the edge, that thresholds are
-        parts of; never as small as rounding."""
+        """Largest slip rate of the simulation beyond the elements at the edge [length / time], to
+        which thresholds are relative; never as small as rounding errors."""
         shown = beyond_edge(self.seen.x, self.simulation)
         seen = float(np.abs(self.seen.slip_rate[:, shown]).max(initial=0.0))
         return max(seen, LEAST_PEAK * self.rate)
 
     @cached_property
     def largest_gap(self) -> float:
-        """Largest gap of the simulation, that thresholds are parts of; never as small as rounding
-        [length]."""
+        """Largest gap of the simulation [length], to which thresholds are relative; never as small
+        as rounding errors."""
         return max(float(self.seen.gap.max()), LEAST_PEAK * self.rate * self.end_time)
 
     @cached_property
@@ -199,8 +201,8 @@ class Case:
 
     @cached_property
     def narrow_gaps(self) -> Mask:
-        """Nodes and times at which no slip is predicted, in gaps between zones that as few nodes
-        lie in, (m, n)."""
+        """Nodes and times at which no slip is predicted, in gaps between zones that hold fewer than
+        `UNSEEN` nodes, (m, n)."""
         slips = np.abs(self.at_nodes.slip_rate) > NOTHING * self.rate
         beside = np.pad(slips, ((0, 0), (1, 1)), constant_values=False)
         inner = np.logical_and(
@@ -211,11 +213,11 @@ class Case:
 
     @property
     def error_estimate(self) -> float:
-        """What an exact solution says of itself, relative; 0 of what has a companion instead."""
+        """Relative error estimate of an exact solution; 0 for any other prediction."""
         return self.prediction.error_estimate if isinstance(self.prediction, Solution) else 0.0
 
     def resolution_for(self, width: float) -> int:
-        """Node distances per c_t T at which a width [length] is as many elements as it takes."""
+        """Resolution (node distances per c_t T) at which a width [length] is `NARROW` elements."""
         return math.ceil(NARROW * self.length / width)
 
     def norm_of(self, field: Array, reach: tuple[float, float]) -> float:
@@ -225,37 +227,38 @@ class Case:
 
     @property
     def caution(self) -> str:
-        """What the simulation or a march is too coarse for, as a sentence; "" if nothing."""
+        """Warning of what the simulation or the march is too coarse for; "" if there is nothing."""
         reasons = [shortfall.reason for shortfall in self.shortfalls]
         return self.simulation.caution or "; ".join(f"the march: {reason}" for reason in reasons)
 
     @property
     def shortfalls(self) -> tuple[Shortfall, ...]:
-        """What a march is too coarse for."""
+        """Shortfalls of a marched prediction: what its nodes are too coarse for."""
         return self.prediction.shortfalls if isinstance(self.prediction, Marched) else ()
 
 
 def beyond_edge(x: Array, run: Simulation) -> Mask:
-    """Which positions (n,) are not in the elements of a run next to the edge.
+    """Mask of the positions (n,) that are beyond the elements of a run next to the edge.
 
-    The limit is a quarter of an element further out, where no node of this mesh or of the mesh of
-    half its size lies: rounding is not to decide.
+    The limit is a quarter of an element further out, where neither this mesh nor one of half its
+    element size has a node, so that rounding does not decide.
     """
     return np.asarray(x > (EDGE_CELLS + 0.25) * run.element_size)
 
 
 def too_narrow(parts: Mask) -> Mask:
-    """Where fewer than `UNSEEN` nodes in a row are of a part, (m, n)."""
+    """Mask of the parts that fewer than `UNSEEN` nodes in a row belong to, (m, n)."""
     return parts & ~scipy.ndimage.binary_opening(parts, np.ones((1, UNSEEN), dtype=bool))
 
 
 def worn_by(answer: Answer, at_nodes: InterfaceHistory) -> tuple[Array, Array]:
-    """|slip| accumulated and frictional work per area by an answer until the end, at nodes."""
+    """Accumulated |slip| and frictional work per area of an answer at the end, at nodes."""
     return own_wear(answer, at_nodes.x, float(at_nodes.t[-1])) or worn(at_nodes)
 
 
 def own_wear(answer: Answer, x: Array, end: float) -> tuple[Array, Array] | None:
-    """The same at positions until a time, (n,) each, by an answer that has summed it itself."""
+    """Accumulated |slip| and frictional work per area at positions until a time, (n,) each, as the
+    answer itself has summed them; None if it has not."""
     if isinstance(answer, Solution):
         return answer.path(x, end), answer.work_density(x, end)
     if isinstance(answer, Marched):
@@ -267,7 +270,7 @@ def own_wear(answer: Answer, x: Array, end: float) -> tuple[Array, Array] | None
 
 
 def _companions(simulation: Simulation) -> Iterator[Simulation]:
-    """Of a simulation, from fine to coarse."""
+    """Companions of a simulation, from fine to coarse."""
     companion = simulation.companion
     while companion is not None:
         yield companion

@@ -1,4 +1,4 @@
-"""What `slipfront compare` makes of a scene: a prediction, a mesh for it, and the judgement."""
+"""Steps of `slipfront compare`: predict a scene, choose a mesh for it and judge the simulation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ def planned(
     snapshots: bool,
     **settings: Any,
 ) -> tuple[Solution | None, MeshChoice]:
-    """The prediction of a scene, None if it has to follow a simulation, and the mesh to compare on.
+    """Predict a scene, unless that has to follow the simulation, and choose the mesh to compare on.
+
+    The prediction is None if it has to follow.
 
     Parameters
     ----------
@@ -38,11 +40,11 @@ def planned(
     Raises
     ------
     SceneError, TensionError
-        As both.
+        As `predict_before` and `check_marched`, and as `choose_mesh`.
     """
     prediction = predict_before(scene, method)
     choice = choose_mesh(prediction, scene, budget=budget, snapshots=snapshots, **settings)
-    # a march that follows the simulation would refuse its loads only once that has run
+    # else a march, which follows the simulation, would refuse its loads only after that has run
     check_marched(scene, method, choice.resolution, settings.get("end_time"))
     return prediction, choice
 
@@ -53,7 +55,7 @@ def held_against(
     frames: Path | None = None,
     progress: Progress | None = None,
 ) -> Judgement:
-    """The judgement of a simulation that carries its companions, its snapshots included.
+    """Judge a simulation that carries its companions, including its snapshots if given.
 
     Parameters
     ----------
@@ -62,7 +64,7 @@ def held_against(
     frames : Path, optional
         Folder of its field snapshots, if they are to be judged as well.
     progress : callable, optional
-        Called with (frame, frames) after each.
+        Called with (frame, frames) after each frame.
 
     Raises
     ------

@@ -25,11 +25,12 @@ from semianalytic.scene.units import unit
 _WAVES = {"Rayleigh": "rayleigh", "S": "shear", "P": "longitudinal"}
 
 Dimensions = Mapping[str, Any]
-"""Dimension of each number of a document, under the same names; one for all that is below."""
+"""Dimension of each number of a document, under the same names; a single one holds for all numbers
+below it."""
 
 
 def _dimensions_of(name: str) -> Callable[[Scene], Dimensions]:
-    """Dimensions of the history or law that a scene has."""
+    """Return a function that gives the dimensions of the history or law of a scene."""
 
     def dimensions(scene: Scene) -> Dimensions:
         parameters = part_parameters(type(getattr(scene, name)))
@@ -88,15 +89,15 @@ MARCH_DIMENSIONS: Dimensions = {
 
 
 def units_document(document: Any, dimensions: Any, scene: Scene) -> Any:
-    """The unit of each number of a document, under the same names; counts have none.
+    """Return the unit of each number of a document, under the same names; counts have none.
 
     Parameters
     ----------
     document : dict, list or number
     dimensions : Dimensions, str or callable
-        A callable is asked for them with the scene.
+        A callable returns them for the scene.
     scene : Scene
-        Whose units they are.
+        Scene whose units are used.
     """
     if callable(dimensions):
         dimensions = dimensions(scene)
@@ -114,7 +115,7 @@ def units_document(document: Any, dimensions: Any, scene: Scene) -> Any:
 
 
 def row_units(scene: Scene, end_time: float) -> dict[str, str]:
-    """What the symbols in units of rows stand for."""
+    """Return the values and units of the symbols in which rows of a comparison are given."""
     return {
         symbol: f"{value:.10g} {unit}"
         for symbol, (value, unit) in reference_values(scene, end_time).items()
@@ -124,8 +125,8 @@ def row_units(scene: Scene, end_time: float) -> dict[str, str]:
 def solution_document(solution: Solution, end_time: float | None = None) -> dict[str, Any]:
     """A solution as plain dictionaries, lists, strings and finite numbers, for JSON.
 
-    An outer edge at infinity (the whole interface slips) is null.  With an end time [time], also
-    what has happened until then.
+    An outer edge at infinity (the whole interface slips) is null.  With an end time [time], the
+    document includes zones, slip and work until then.
     """
     scene = solution.scene
     document = {
@@ -159,7 +160,7 @@ def solution_document(solution: Solution, end_time: float | None = None) -> dict
 
 
 def end_document(solution: Solution, end_time: float) -> dict[str, Any]:
-    """What has happened until an end time [time]: zones in positions, slip, work.
+    """Zones and openings in positions, slip and work until an end time [time].
 
     Slip ahead of all waves ends at infinity, and its totals are infinite.
     """
@@ -175,7 +176,7 @@ def end_document(solution: Solution, end_time: float) -> dict[str, Any]:
 
 
 def _intensities(scene: Scene, values: Sequence[ArrayLike]) -> dict[str, float]:
-    """Stress intensities by name, that of shear as the mode it is in."""
+    """Stress intensities by name; that of shear is named after its mode."""
     names = ("K_I", f"K_{scene.shear_mode}")
     return {name: float(np.asarray(value)) for name, value in zip(names, values, strict=True)}
 
@@ -232,18 +233,19 @@ def edge_state(solution: Solution) -> str:
 def envelope(
     command: str, document: Mapping[str, Any], status: str = "done", files: Iterable[Path] = ()
 ) -> dict[str, Any]:
-    """What a command prints with ``--json``: its own document between what all have in common.
+    """Return the JSON document of a command: its own keys and those that all commands have.
 
     Parameters
     ----------
     command : str
-        As it is typed behind ``slipfront``.
+        Name as typed after ``slipfront``.
     document : mapping
-        Its own keys go in as they are, its "status" and "units" in place of those of all.
+        Keys of the command itself, which go in unchanged; its "status" and "units" replace the
+        common ones.
     status : str
-        How it ended: "done", or the verdict.
+        How the command ended: "done", or the verdict.
     files : paths
-        That were written.
+        Files that were written.
     """
     return {
         "command": command,
@@ -256,12 +258,12 @@ def envelope(
 
 
 def json_text(document: Mapping[str, Any]) -> str:
-    """JSON of a document, numbers of numpy included; null for what is not a finite number."""
+    """JSON of a document, NumPy numbers included; null replaces numbers that are not finite."""
     return json.dumps(_finite(document), indent=2, allow_nan=False) + "\n"
 
 
 def _finite(part: Any) -> Any:
-    """Part of a document with None in place of infinities and what is not a number."""
+    """Part of a document with None in place of infinities and NaN."""
     if isinstance(part, Mapping):
         return {key: _finite(value) for key, value in part.items()}
     if isinstance(part, (list, tuple)):

@@ -38,9 +38,10 @@ if TYPE_CHECKING:
 
 
 MOTION = ("slip rate", "slip", "gap")
-"""Kinds of rows without which nothing is said of a scene."""
+"""Kinds of rows that decide the verdict on a scene."""
 REST = ("shear traction", "pressure")
-"""Those that stand in where nothing moves, and rows of motion have nothing to compare."""
+"""Kinds of rows that decide instead where nothing moves, so that rows of motion have nothing to
+compare."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +54,7 @@ class Judgement:
         Prediction and simulation, side by side.
     rows : tuple of Row
     fields : FieldErrors or None
-        How far field snapshots are from the prediction; rows are those of the last one.
+        Errors of the field snapshots against the prediction; `rows` holds those of the last one.
     """
 
     case: Case
@@ -62,20 +63,21 @@ class Judgement:
 
     @property
     def prediction(self) -> Answer:
-        """What was predicted."""
+        """Prediction that is compared."""
         return self.case.prediction
 
     @property
     def simulation(self) -> Simulation:
-        """What was simulated, with its companions."""
+        """Simulation that is compared, with its companions."""
         return self.case.simulation
 
     @cached_property
     def verdict(self) -> str:
-        """ "differs" if one row does; else "agrees" if one does of slip, slip rate or gap that is
-        not 0, and all of these converge; else "unresolved", whatever fronts and parts of maps do.
+        """Verdict on the whole scene.
 
-        Where nothing moves, tractions decide in their place.
+        It is "differs" if one row differs.  Else it is "agrees" if a row of slip, slip rate or gap
+        that is not 0 agrees and all of these rows converge.  Else it is "unresolved", whatever
+        fronts and parts of maps do.  Where nothing moves, rows of tractions decide instead.
         """
         if self.having(DIFFERS):
             return DIFFERS
@@ -87,23 +89,23 @@ class Judgement:
         return overall(row.verdict for row in deciding if row.size)
 
     def having(self, verdict: str) -> tuple[Row, ...]:
-        """The rows with a verdict."""
+        """Return the rows with a given verdict."""
         return tuple(row for row in self.rows if row.verdict == verdict)
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many rows have each verdict."""
+        """Number of rows with each verdict."""
         return {verdict: len(self.having(verdict)) for verdict in (AGREES, DIFFERS, UNRESOLVED)}
 
     def remedy(self, row: Row) -> str:
-        """What would resolve a row: which mesh, and what that costs; "" where nothing is known."""
+        """Return the mesh that would resolve a row, and its cost; "" where none is known."""
         if row.verdict != UNRESOLVED or row.resolution is None:
             return ""
         return mesh_sentence(self.simulation, row.resolution)
 
 
 def mesh_sentence(simulation: Simulation, resolution: int) -> str:
-    """Element size of a resolution, and what a simulation like this one would take with it."""
+    """Element size of a resolution, and the time and memory that such a simulation would take."""
     size = simulation.element_size * simulation.resolution / resolution
     options = {name: getattr(simulation, name) for name in ("damping", "element", "mesh")}
     prices = Prices(simulation.scene, simulation.end_time, options=options)
@@ -118,17 +120,17 @@ def judge(
 ) -> Judgement:
     """Hold a prediction against a simulation.
 
-    The prediction may be of any scene: that is how the judge is tested (docs/judge.md).
+    The prediction may be of another scene; the judge is tested in this way (docs/judge.md).
 
     Parameters
     ----------
     prediction : Answer
-        A `Solution`, a `Marched`, or whatever answers likewise, on the nodes of the simulation
-        and until its last time.
+        A `Solution`, a `Marched`, or another object with the same methods, on the nodes of the
+        simulation and until its last time.
     simulation : Simulation
-        Its companions, from which error bars come, are simulated unless it carries them.
+        Its companions, from which error bars come, are simulated unless it already has them.
     fields : FieldErrors, optional
-        Of its snapshots, the last of which is judged too.
+        Errors of its snapshots, the last of which is judged too.
 
     Returns
     -------
@@ -159,7 +161,7 @@ def own_bars(simulation: Simulation) -> tuple[Row, ...]:
 
 
 def side_by_side(prediction: Answer, simulation: Simulation) -> Case:
-    """A prediction at the nodes and times of a simulation."""
+    """Return the case of a prediction at the nodes and times of a simulation."""
     check_finite(simulation)
     x, t = simulation.interface.x, simulation.interface.t
     companion = getattr(prediction, "companion", None)
@@ -191,7 +193,7 @@ def _rows(case: Case) -> Iterator[Row]:
     yield from event_rows(case)
     worn = tuple(wear_rows(case))
     yield from worn
-    for row in cycle_rows(case):  # parts are not better known than the whole
+    for row in cycle_rows(case):  # a part is not known better than the whole
         whole = worn[-1]
         unknown = whole.verdict == UNRESOLVED and row.verdict == DIFFERS
         yield replace(row, obstacle=whole.obstacle) if unknown else row

@@ -1,4 +1,4 @@
-"""Rows of numbers and of fields with their error bars: what agrees, differs, or cannot be told."""
+"""Rows of numbers and of fields with their error bars, judged: agree, differ or unresolved."""
 
 from __future__ import annotations
 
@@ -28,34 +28,36 @@ from semianalytic.results.sampled import interpolated
 Array = NDArray[np.float64]
 
 LEAST_ERROR = 2e-4
-"""Relative error of a field below which no mesh difference is believed: where all meshes slide at
-friction alike, one node beside a front is all that differs.  Of the rows measured those of pressure
-and slip that are that close to the prediction are up to 5 times as far from it as meshes change;
-with half of it none was beyond 1.5 bars."""
+"""Relative error of a field below which no mesh difference is believed.  Where all meshes slide at
+the same frictional traction, they differ only at a node beside a front.  Of the rows measured,
+those of pressure and slip that are this close to the prediction are up to 5 times as far from it as
+meshes change; with half this value none was beyond 1.5 bars."""
 
 USUAL = 0.9
-"""Part of the nodes and times that slip whose mesh differences are no larger than the usual one."""
+"""Part of the slipping nodes and times whose mesh differences are at most the usual one."""
 
 Reading = Callable[[InterfaceHistory], float | None]
-"""A number read off a history, or that it is not there."""
+"""Function that reads a number off a history; None where the history does not have it."""
 Expected = Callable[[Answer, InterfaceHistory], Array]
-"""A field along the contact at the end, (n,), by an answer whose history at nodes is given."""
+"""Function that returns a field of an answer along the contact at the end, (n,), given the history
+of the answer at nodes."""
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """What meshes change and what they are off by, from which a row is judged.
+    """Changes from mesh to mesh and other uncertainties, from which a row is judged.
 
     Attributes
     ----------
     error : ErrorBar or None
-        None where coarser meshes do not show what is read.
+        None where coarser meshes do not show the quantity.
     before : callable
-        |difference| from the prediction of the next coarser mesh, in the unit of the row's; asked
-        only where the meshes do not converge; infinite where that says nothing.
+        Returns |difference| of the next coarser mesh from the prediction, in the unit of the row's
+        own difference; infinite where that is unknown.  Called only where the meshes do not
+        converge.
     added : float
-        What of the bar does not come from meshes: doubts about the prediction, or what is too
-        narrow for the mesh.
+        Part of the bar that does not come from meshes: the error of the prediction, or features
+        too narrow for the mesh.
     """
 
     error: ErrorBar | None
@@ -75,23 +77,23 @@ def value_row(
     reach: float = math.inf,
     unseen: float = 0.0,
 ) -> Row | None:
-    """A row of one number; None where neither answer has it, or both have 0.
+    """Return the row of one number; None where neither answer has it, or both have 0.
 
     Parameters
     ----------
     case : Case
     name, kind, unit : str
     read : callable
-        The number in a history, in `unit`.
+        Reads the number off a history, in `unit`.
     exact : float, optional
-        What the prediction itself says of it.
+        Value of the prediction itself, apart from the nodes.
     floor : float
-        What nodes and steps alone leave open at the element size of the simulation.
+        Uncertainty due to nodes and steps alone at the element size of the simulation.
     reach : float
-        Farthest that two meshes which show the same may be apart: what is farther off on a coarser
-        mesh is something else.
+        Largest distance between readings of the same feature on two meshes; a reading of a coarser
+        mesh that is farther off belongs to another feature.
     unseen : float
-        What too narrow parts of the prediction may change.
+        Change of the value that parts of the prediction too narrow for the mesh may cause.
     """
     at_nodes, simulated = read(case.at_nodes), read(case.seen)
     if at_nodes == simulated and not simulated and not exact:
@@ -101,7 +103,7 @@ def value_row(
     changes = mesh_changes(values, reach)
     error = error_bar(changes, floor) if changes else None
     if nowhere:
-        error = ErrorBar(floor, None, math.inf, converges=True)  # it is on none of the meshes
+        error = ErrorBar(floor, None, math.inf, converges=True)  # the two finest meshes lack it
     doubt = 0.0
     if case.doubted is not None and at_nodes is not None:
         doubted = read(case.doubted)
@@ -141,33 +143,35 @@ def profile_row(
     smooth: bool = False,
     driven: Callable[[int], Array] | None = None,
 ) -> Row:
-    """A row of the L1 norms of a field along the contact; its relative error and bar.
+    """Return the row of the L1 norms of a field along the contact, its relative error and its bar.
 
-    Where the prediction is nothing, below 1e-6 of its scale, the largest values stand in for
-    norms, and differences are in the scale.
+    Where the prediction is below 1e-6 of its scale everywhere, the largest values replace norms,
+    and differences are in units of the scale.
 
     Parameters
     ----------
     case : Case
     name, kind : str
     expect : callable
-        The prediction at nodes.
+        Returns the prediction at nodes.
     read : callable
-        The field along the contact in a run, by its number: 0 the simulation, 1 that at 2h, ...
+        Returns the field along the contact in a run by number: 0 is the simulation, 1 the run at
+        2h, ...
     reach : (float, float)
-        Positions between which it is compared [length].
+        Positions between which the field is compared [length].
     exact : float, optional
         Norm of the prediction itself, in `unit`.
     unseen : float
-        Norm of what is too narrow for the mesh in the prediction, over the scale.
+        Norm of the parts of the prediction that are too narrow for the mesh, over the scale.
     scale : float and str
-        What values are divided by, and its name.
+        Divisor of the values, and its name.
     smooth : bool
-        Whether the field has no fronts, and meshes are compared at the nodes of the coarser:
-        between those a straight line is further off than its ends.
+        Whether the field has no fronts, so that meshes are compared at the nodes of the coarser
+        one, between which linear interpolation is less accurate than at its ends.
     driven : callable, optional
-        What the strength that changes from mesh to mesh changes the field by, over the scale, at
-        the nodes of a run: 0 from 2h to h, 1 from 4h to 2h.  It counts as a change of the field.
+        Returns the change of the field, over the scale and at the nodes of a run, that the change
+        of strength from mesh to mesh causes: 0 from 2h to h, 1 from 4h to 2h.  It is added to the
+        change of the field.
     """
     low, high = reach
     value, unit = scale
@@ -219,8 +223,8 @@ def profile_row(
     )
     error = field_bar(case, changes, per, nothing)
     if error is not None and not error.converges and driven is not None:
-        # a pressure that is singular at the edge changes with order 1/2 at best, by which no field
-        # that converges itself is to be condemned
+        # a pressure that is singular at the edge converges with order 1/2 at best; a field that
+        # converges by itself must not be rejected for that
         alone = field_bar(case, own, per, nothing)
         if alone is not None and alone.converges:
             error = slowest_bar(error, [change / per for change in changes], _floor(case, nothing))
@@ -234,7 +238,9 @@ def field_bar(
     nothing: bool,
     most: float = LARGEST_ORDER,
 ) -> ErrorBar | None:
-    """Error bar of norms of a field, over that of the prediction, or of largest values of nothing.
+    """Error bar of norms of a field over the norm of the prediction, or of largest values.
+
+    Largest values replace norms where nothing is predicted.
 
     Parameters
     ----------
@@ -244,7 +250,7 @@ def field_bar(
     per : float
         Norm of the prediction.
     nothing : bool
-        Whether nothing is predicted, and values are no norms.
+        Whether nothing is predicted, so that values are no norms.
     most : float
         Largest order of convergence that is believed.
     """
@@ -254,12 +260,12 @@ def field_bar(
 
 
 def _floor(case: Case, nothing: bool) -> float:
-    """What no mesh difference of a field is believed below, over the norm of the prediction."""
+    """Least uncertainty of a field, whatever the meshes show, over the norm of the prediction."""
     return NOTHING + (0.0 if nothing else LEAST_ERROR + case.error_estimate)
 
 
 def judged(case: Case, row: Row, comparison: Comparison) -> Row:
-    """A row with its bar and its verdict, unresolved where the meshes or a march cannot tell."""
+    """Return a row with its bar and its verdict: unresolved if meshes or a march cannot decide."""
     error = comparison.error
     finer = 2 * case.simulation.resolution
     if error is not None:
@@ -290,11 +296,11 @@ def judged(case: Case, row: Row, comparison: Comparison) -> Row:
 
 
 def _diverging(row: Row, error: ErrorBar, comparison: Comparison, finer: int) -> Row:
-    """A row whose meshes do not converge: it agrees with nothing.
+    """Judge a row whose meshes do not converge, which never agrees.
 
-    It differs where the finest mesh is off by more than the coarser ones allow any finer one to
-    be, and by more than the coarser one itself: then the finest run is at fault, or the prediction
-    is.  Where a finer mesh comes closer to the prediction that is not said.
+    It differs where the finest mesh is off by more than the coarser ones allow any finer mesh to
+    be, and by more than the next coarser mesh itself.  Then the finest run or the prediction is at
+    fault.  Where the finer mesh is closer to the prediction, the row is unresolved.
     """
     limited = replace(row, bar=min(error.size, error.limit) + comparison.added)
     off = math.inf if row.difference is None else abs(row.difference)
@@ -308,9 +314,9 @@ def _diverging(row: Row, error: ErrorBar, comparison: Comparison, finer: int) ->
 
 
 def mesh_changes(values: Sequence[float | None], reach: float = math.inf) -> list[float]:
-    """Differences from mesh to mesh, from the finest on, as far as all show the value.
+    """Differences from mesh to mesh, from the finest on, as long as all meshes show the value.
 
-    One that is farther than `reach` from that of the finest mesh is of something else.
+    A value that is farther than `reach` from that of the finest mesh belongs to another feature.
     """
     changes: list[float] = []
     for fine, coarse in pairwise(values):
@@ -325,7 +331,7 @@ def mesh_changes(values: Sequence[float | None], reach: float = math.inf) -> lis
 def rate_bar(case: Case, start: float, end: float) -> float:
     """Error bar of slip rate between two positions [length / time], over all times.
 
-    At least that of most of what slips: where all meshes stick, they may all be wrong.
+    It is at least that of most slipping nodes, because all meshes may be wrong where all stick.
     """
     changes = []
     for fine, coarse in case.pairs:
@@ -335,5 +341,5 @@ def rate_bar(case: Case, start: float, end: float) -> float:
         usual = float(np.quantile(change[slips], USUAL)) if slips.any() else 0.0
         inside = (fine.x > start) & (fine.x < end)
         changes.append(max(usual, float(change[:, inside].max(initial=0.0))))
-    # largest values at jumps do not converge: what first order leaves of either change
+    # largest values at jumps do not converge: take what first order would leave of either change
     return SAFETY * max(change / 2**coarser for coarser, change in enumerate(changes))

@@ -1,4 +1,4 @@
-"""What is read off a sampled slip rate: relative errors, zone edges, onset times."""
+"""Measures of sampled fields: norms, relative errors, zone edges and onset times."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from semianalytic.results.sampled import slip_intervals
 Array = NDArray[np.float64]
 
 NOTHING = 1e-6
-"""What is less than that of its unit counts as nothing."""
+"""Part of its unit up to which a value counts as nothing."""
 
 
 def in_profile(velocity: Array) -> NDArray[np.bool_]:
-    """Which velocities x/(c_t T) profiles are compared at: not at the edge, nor where P arrives."""
+    """Mask of the x/(c_t T) at which profiles are compared: not at the edge, nor at the P front."""
     return (velocity > 0.02) & (velocity < 1.9)
 
 
@@ -29,11 +29,11 @@ def norm(values: Array, position: Array, order: int, time: Array | None = None) 
     values : (n,) or (m, n) array
         Samples, at several times if times are given.
     position : (n,) array
-        Where they were taken, increasing.
+        Positions of the samples, increasing.
     order : int
         1 for L1, 2 for L2.
     time : (m,) array, optional
-        When they were taken, to be integrated over as well.
+        Times of the samples, which are integrated over as well.
     """
     integral = np.trapezoid(np.abs(values) ** order, position)
     if time is not None:
@@ -58,9 +58,9 @@ def relative_error(
 
 
 def is_nothing(values: Array, unit: float) -> bool:
-    """Whether all of a field is below 1e-6 of its unit, so that errors relative to it say nothing.
+    """Whether a whole field is within 1e-6 of its unit, so that relative errors mean nothing.
 
-    Also of no values at all.
+    This also holds for an empty array.
     """
     return bool(np.abs(values).max(initial=0.0) <= NOTHING * unit)
 
@@ -99,7 +99,7 @@ def onset_time(time: Array, slip_rate: Array, threshold: float) -> float | None:
     Returns
     -------
     float or None
-        The time [time], linear between the two samples around it; None if it never comes.
+        The time [time], interpolated linearly between two samples; None if slip stays slower.
     """
     return first_above(time, np.abs(slip_rate), threshold)
 
@@ -117,9 +117,9 @@ def first_above(time: Array, values: Array, level: float) -> float | None:
 
 
 def worn(history: InterfaceHistory) -> tuple[Array, Array]:
-    """|slip| accumulated [length] and frictional work per area [stress length] until the end.
+    """Accumulated |slip| [length] and frictional work per area [stress length] until the end.
 
-    By the trapezoidal rule over the stored levels, (n,) each.
+    Both are integrated by the trapezoidal rule over the stored levels, (n,) each.
     """
     rate, traction = history.slip_rate, history.shear_traction
     return (

@@ -1,4 +1,4 @@
-"""How fine a mesh a comparison gets: the scene says what it takes, the budget what there is."""
+"""Choice of the mesh of a comparison, from what the scene needs and the budget allows."""
 
 from __future__ import annotations
 
@@ -18,36 +18,38 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.process_zone import process_zone
 
 DEFAULT_BUDGET = 20.0
-"""Time that is spent unasked [s], as `fem.Cost` counts it: the same mesh on every machine."""
+"""Default budget [s], as `fem.Cost` counts time, so that every machine gets the same mesh."""
 USUAL = 100
-"""Resolution that a scene gets without asking for a finer one."""
+"""Resolution of a scene that does not need a finer one."""
 COARSER = (2, 4)
-"""Element sizes of the companions, over that of the simulation."""
+"""Element sizes of the companions over that of the simulation."""
 LEAST = 32
-"""Coarsest mesh that is chosen: its coarsest companion is the coarsest there can be."""
+"""Lowest resolution that is chosen; its coarsest companion is the coarsest possible mesh."""
 STRIDE, ROUND_STRIDE = 4, 20
-"""What resolutions are multiples of: companions have whole ones; round ones where only the budget
-sets them, so that it takes a real difference to change them."""
+"""Steps between resolutions.  Multiples of `STRIDE` give companions whole resolutions.  Where only
+the budget sets a resolution beyond the usual one, it is found in steps of `ROUND_STRIDE`, so that
+small differences in cost do not change it."""
 SPARE = 0.9
-"""Part of the memory there is that a choice may count on: a little later there may be less."""
+"""Part of the available memory that a choice may count on, because later there may be less."""
 
 DRAWN = 4.0
-"""Time to compare and to draw, as `fem.Cost` counts it, whatever the mesh [s]: of 5.1 s that
-`slipfront compare preloaded --no-snapshots` took on one core 0.5 s were simulations."""
+"""Time to compare and to draw on any mesh [s], as `fem.Cost` counts it.  Of the 5.1 s that
+`slipfront compare preloaded --no-snapshots` took on one core, 0.5 s were simulations."""
 JUDGED = 1.4
-"""The same of field snapshots, over the time to write them: 17 s of 38 s with them, likewise."""
+"""Time to compare and to draw field snapshots, over the time to write them: 17 s of the 38 s that
+the same command took with snapshots."""
 
 BARS = "error bars under the {} history"
-"""What is narrower if coarser meshes follow a load too."""
+"""Feature of error bars, which are narrower if coarser meshes follow a load too."""
 WITHIN = "the finest within budget and memory"
 
 YEAR = 365.25 * 86400
 LONGEST = 1000 * YEAR
-"""Beyond which times are not told apart [s]."""
+"""Time [s] beyond which durations are not distinguished."""
 
 
 class Feature(NamedTuple):
-    """Something a mesh can be too coarse for: what it is, and the resolution that it takes."""
+    """Feature that a mesh can be too coarse for: its name and the resolution that it needs."""
 
     name: str
     resolution: int
@@ -55,19 +57,19 @@ class Feature(NamedTuple):
 
 @dataclass(frozen=True)
 class Unseen:
-    """Something a mesh is too coarse for, and what would do.
+    """Feature that a mesh is too coarse for, and the mesh that would show it.
 
     Attributes
     ----------
     name : str
-        What it is.
+        Name of the feature.
     resolution : int
-        Node distances per c_t T that it takes.
+        Node distances per c_t T that it needs.
     seconds : float
-        What a simulation with its companions and without snapshots would take on this machine
-        [s], even if no mesh may be so large.
+        Time of such a simulation with its companions and without snapshots on this machine [s],
+        even if no mesh may be so large.
     memory : float
-        Likewise [bytes].
+        Memory of that simulation [bytes].
     meshable : bool
         Whether a mesh may be so large.
     """
@@ -80,7 +82,7 @@ class Unseen:
 
     @property
     def toll(self) -> str:
-        """What it would take, in words."""
+        """Time and memory that the feature would take, in words."""
         return toll(self.seconds, self.memory) + (
             "" if self.meshable else ", more than a mesh may hold"
         )
@@ -95,15 +97,15 @@ class MeshChoice:
     resolution : int
         Node distances per c_t T.
     reason : str
-        Why this one: what it is just fine enough for, or what set it otherwise.
+        Reason for the choice: the feature that it is just fine enough for, or another limit.
     needed : int
-        Resolution at which nothing that is known beforehand stays unresolved.
+        Resolution at which no feature that is known beforehand stays unresolved.
     seconds : float
-        What a simulation with its companions and the comparison take on this machine [s].
+        Time of the simulation, its companions and the comparison on this machine [s].
     memory : float
-        Of the simulation [bytes].
+        Memory of the simulation [bytes].
     unresolved : tuple of Unseen
-        What this mesh is too coarse for, the widest first.
+        Features that this mesh is too coarse for, the widest first.
     """
 
     resolution: int
@@ -116,14 +118,14 @@ class MeshChoice:
 
 @dataclass(frozen=True)
 class Prices:
-    """What simulations of a scene take at any resolution, their companions included.
+    """Time and memory of simulations of a scene at any resolution, companions included.
 
     Parameters
     ----------
     scene, end_time
         As in `fem.simulate`.
     snapshots : bool
-        Whether they are written.
+        Whether field snapshots are written.
     options : dict
         Fields of `fem.Settings` apart from the resolution.
     """
@@ -135,7 +137,7 @@ class Prices:
 
     @cached_property
     def pace(self) -> float:
-        """How much longer this machine takes than `fem.Cost` says."""
+        """Time that this machine takes over the time that `fem.Cost` gives."""
         from fem.budget import machine_pace
 
         return machine_pace()
@@ -148,7 +150,7 @@ class Prices:
             return math.inf, math.inf
 
     def checked(self, resolution: int, memory: float | None = math.inf) -> tuple[float, float]:
-        """The same, of what `fem.simulate` would take; SceneError if it would not."""
+        """Time and memory as from `at`; SceneError is raised if `fem.simulate` would do so."""
         from fem import cost
 
         options = {**self.options, "resolution": resolution}
@@ -157,7 +159,7 @@ class Prices:
         return run.seconds + sum(size**-3 for size in COARSER) * bare.seconds, run.memory
 
     def comparing(self, resolution: int) -> float:
-        """Time to compare and to draw besides, as `fem.Cost` counts it [s]."""
+        """Additional time to compare and to draw, as `fem.Cost` counts it [s]."""
         seconds, _ = self.at(resolution)
         if not self.snapshots or math.isinf(seconds):
             return DRAWN
@@ -165,8 +167,8 @@ class Prices:
         return DRAWN + JUDGED * (seconds - bare)
 
     def here(self, resolution: int) -> tuple[float, float]:
-        """Time on this machine [s] and memory [bytes]; of a mesh that may not be so large, what
-        they would grow to from one that may."""
+        """Time on this machine [s] and memory [bytes], extrapolated from a mesh that is allowed
+        where one of this resolution is too large."""
         seconds, memory = self.at(resolution)
         if math.isfinite(seconds) or resolution <= LEAST:
             return self.pace * seconds, memory
@@ -174,7 +176,7 @@ class Prices:
         return 2**3 * seconds, 2**2 * memory
 
     def unseen(self, feature: Feature) -> Unseen:
-        """What it would take to see a feature."""
+        """Return the resolution, time and memory that it would take to see a feature."""
         seconds, _ = self.at(feature.resolution)
         return Unseen(*feature, *self.here(feature.resolution), math.isfinite(seconds))
 
@@ -190,28 +192,29 @@ def choose_mesh(
     memory: float | None = None,
     **options: Any,
 ) -> MeshChoice:
-    """The mesh to compare a prediction on, before anything is simulated.
+    """Choose the mesh to compare a prediction on, before anything is simulated.
 
-    It is as fine as the narrowest slip zone, opening, gap or weakening front that the budget
-    reaches, and no finer; if it reaches none of them, as fine as a budget that was given allows;
-    and not coarser than a resolution of 100 if it can be.
+    It is just fine enough for the narrowest slip zone, opening, gap or weakening front that the
+    budget reaches.  If the budget reaches none of them, the mesh is as fine as a budget that was
+    given allows.  It is not coarser than a resolution of 100 unless budget or memory force that.
 
     Parameters
     ----------
     prediction : Answer or None
-        Of a self-similar scene, whose zones and gaps are read off it; None if there is none yet.
+        Prediction of a self-similar scene, which gives its zones and gaps; None if there is none
+        yet.
     scene, end_time
         As in `fem.simulate`.
     budget : float, optional
         Time that the simulation, its companions and the comparison may take on this machine [s].
-        Unless given, 20 s of simulations as `fem.Cost` counts them, or what a resolution of 100
-        takes if that is more.
+        The default is 20 s of simulations as `fem.Cost` counts them, or the time that a resolution
+        of 100 takes if that is longer.
     resolution : int, optional
-        Take this one, whatever the budget.
+        Resolution to take, whatever the budget.
     snapshots : bool
         Whether field snapshots are written.
     memory : float, optional
-        Most that the simulation may take [bytes], 70 % of what is available if not given.
+        Largest memory of the simulation [bytes]; the default is 70 % of what is available.
     **options
         Other fields of `fem.Settings`.
 
@@ -243,7 +246,7 @@ def choose_mesh(
             for size in COARSER
         ]
         resolution, reason = _chosen(features + bars, least, affordable, spend=budget is not None)
-    prices.checked(resolution)  # one that was given need not do
+    prices.checked(resolution)  # raises if a given one cannot be simulated
     bare = replace(prices, snapshots=False)
     unresolved = tuple(bare.unseen(one) for one in features if one.resolution > resolution)
     needed = unresolved[-1].resolution if unresolved else resolution
@@ -258,7 +261,7 @@ def toll(seconds: float, memory: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Seconds as people say them."""
+    """Time in words, in a unit that suits its length."""
     if seconds > LONGEST:
         return f"more than {two_digits(LONGEST / YEAR)} years"
     for unit, length, least in (("years", YEAR, 2), ("days", 86400.0, 4), ("hours", 3600.0, 1.5)):
@@ -270,7 +273,7 @@ def duration(seconds: float) -> str:
 def _narrow(prediction: Answer | None, end_time: float) -> Iterator[Feature]:
     """Slip zones, openings and gaps between two zones of one sense of a self-similar prediction.
 
-    Where the sense changes, or the contact is open in between, that is seen without a gap.
+    Two zones of opposite sense, or with an opening in between, are told apart without a gap.
     """
     if prediction is None or not prediction.scene.is_self_similar:
         return
@@ -293,7 +296,7 @@ def _narrow(prediction: Answer | None, end_time: float) -> Iterator[Feature]:
 
 
 def _weakening(scene: Scene, end_time: float) -> Iterator[Feature]:
-    """The front that slip weakening makes, where it does."""
+    """Front of slip weakening, if the scene has one."""
     from fem.resolution import WEAKENING_ELEMENTS
 
     width = process_zone(scene) / (scene.material.shear_speed * end_time)
@@ -303,7 +306,7 @@ def _weakening(scene: Scene, end_time: float) -> Iterator[Feature]:
 
 
 def _loads(scene: Scene, end_time: float) -> dict[str, int]:
-    """Least resolution that follows each load; those that no mesh follows `fem` refuses."""
+    """Least resolution that follows each load; `fem` refuses loads that no mesh follows."""
     from fem.resolution import needed_resolution
 
     return {
@@ -313,7 +316,7 @@ def _loads(scene: Scene, end_time: float) -> dict[str, int]:
 
 
 def _limits(prices: Prices, budget: float | None, memory: float | None) -> Callable[[int], bool]:
-    """Whether a resolution is within budget and memory."""
+    """Return a function that tells whether a resolution is within budget and memory."""
     room = memory_limit(memory) * (SPARE if memory is None else 1)
     if budget is None:
         known = (DEFAULT_BUDGET, prices.at(USUAL)[0], prices.at(LEAST)[0])
@@ -331,7 +334,7 @@ def _limits(prices: Prices, budget: float | None, memory: float | None) -> Calla
 
 
 def _refusal(prices: Prices, least: int, memory: float | None) -> SceneError:
-    """Why not even the coarsest mesh can be afforded; raised already if `fem` knows why."""
+    """Error that not even the coarsest mesh is affordable, unless `fem` raises its own."""
     size = min(least, USUAL)
     seconds = prices.checked(size, memory)[0] + prices.comparing(size)
     return SceneError(
@@ -343,7 +346,7 @@ def _refusal(prices: Prices, least: int, memory: float | None) -> SceneError:
 def _chosen(
     wishes: list[Feature], least: int, affordable: Callable[[int], bool], *, spend: bool
 ) -> tuple[int, str]:
-    """The finest resolution that is asked for and affordable, and why; see `choose_mesh`."""
+    """Finest resolution that is needed and affordable, and the reason; see `choose_mesh`."""
     base = max(USUAL, least)
     if not affordable(base):
         return _finest(affordable, least, base, STRIDE), WITHIN
@@ -357,7 +360,7 @@ def _chosen(
 
 
 def _finest(affordable: Callable[[int], bool], low: int, high: int, stride: int) -> int:
-    """Largest of low, low + stride, ... below high that is affordable; the first if none is."""
+    """Largest affordable of low, low + stride, ... below high; low if none is affordable."""
     steps, beyond = 0, math.ceil((high - low) / stride)
     while beyond - steps > 1:
         middle = (steps + beyond) // 2
@@ -366,10 +369,10 @@ def _finest(affordable: Callable[[int], bool], low: int, high: int, stride: int)
 
 
 def _whole(resolution: int) -> int:
-    """The next one that can be halved for each companion."""
+    """Next resolution from this one on that gives each companion a whole resolution."""
     return STRIDE * math.ceil(resolution / STRIDE)
 
 
 def two_digits(value: float) -> str:
-    """A positive number to two significant digits, in full."""
+    """Positive number to two significant digits, written in full."""
     return f"{float(f'{value:.2g}'):,g}"

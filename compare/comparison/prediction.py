@@ -1,4 +1,4 @@
-"""The prediction that belongs to a simulation, by the solver its scene calls for."""
+"""Prediction of the scene of a simulation, by the solver that applies to the scene."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FINER = 4
 
 
 def check_predictable(scene: Scene, method: str = "auto") -> None:
-    """Raise what `predict_like` would, as far as that is known without solving a scene.
+    """Raise the errors of `predict_like` that are known without solving the scene.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def check_predictable(scene: Scene, method: str = "auto") -> None:
 
 
 def check_marched(scene: Scene, method: str, resolution: int, end_time: float | None) -> None:
-    """Raise what `predict_like` would for the loads of a marched scene, before it is simulated.
+    """Raise the errors of `predict_like` for the loads of a marched scene before it is simulated.
 
     Parameters
     ----------
@@ -47,9 +47,9 @@ def check_marched(scene: Scene, method: str, resolution: int, end_time: float | 
     method : str
         As for `predict_like`.
     resolution : int
-        Elements per c_t T of the mesh that is to be simulated.
+        Elements per c_t T of the planned mesh.
     end_time : float or None
-        T [time]; as for `simulate` if it is not given.
+        T [time]; None stands for the default of `simulate`.
 
     Raises
     ------
@@ -66,9 +66,9 @@ def check_marched(scene: Scene, method: str, resolution: int, end_time: float | 
 
 
 def predict_before(scene: Scene, method: str = "auto") -> Solution | None:
-    """The prediction that needs no simulation to follow, of a self-similar scene; else None.
+    """Return the prediction of a self-similar scene, which needs no simulation first; else None.
 
-    Raises as `predict_like`.
+    It raises the same errors as `predict_like`.
     """
     return solve(scene) if chosen_method(scene, method) == "self-similar" else None
 
@@ -78,12 +78,12 @@ def predict_like(
     method: str = "auto",
     progress: Callable[[int, int], None] | None = None,
 ) -> Solution | Marched:
-    """Predict what a simulation is of: on its contact and until its end.
+    """Predict the scene of a simulation, on its contact and until its end.
 
     Parameters
     ----------
     simulation : Simulation
-        Its scene, end time, nodes and times are used, and none of its results.
+        Its scene, end time, nodes and times are used, but none of its results.
     method : str
         "auto", "self-similar" or "space-time".
     progress : callable, optional
@@ -106,14 +106,14 @@ def predict_like(
 
 
 def method_of(prediction: Answer) -> str:
-    """Name of the method behind a prediction: "self-similar", "space-time" or that of its class."""
+    """Method of a prediction: "self-similar", "space-time" or the name of its class."""
     if isinstance(prediction, Solution):
         return "self-similar"
     return "space-time" if isinstance(prediction, Marched) else type(prediction).__name__
 
 
 def seconds_of(prediction: Answer) -> float:
-    """What a prediction took to compute [s]; NaN if it does not say."""
+    """Computing time of a prediction [s]; NaN if it is not recorded."""
     statistics = getattr(prediction, "statistics", None)
     return math.nan if statistics is None else sum(statistics.seconds.values())
 
@@ -124,7 +124,7 @@ def _marched(
     end_time: float,
     progress: Callable[[int, int], None] | None,
 ) -> Marched:
-    """A march as far and as long as a simulation was recorded, on finer nodes."""
+    """March as far and as long as a simulation was recorded, on finer nodes."""
     scene, element = simulation.scene, simulation.element_size
     nodes, length = _grid(scene, reach, end_time, element, simulation.resolution)
     return march(scene, end_time, nodes, length=length, progress=progress)

@@ -1,4 +1,4 @@
-"""A judgement with what it came from, as JSON."""
+"""JSON report of a judgement, with the prediction and the simulation that it compares."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ SIMULATION_DIMENSIONS: Dimensions = {
 def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
     """A judgement as plain dictionaries, lists, strings and finite numbers, for JSON.
 
-    `label` names the scene.  "units" mirrors it; what rows call their unit is in units/rows, or a
-    unit by itself.
+    `label` names the scene.  "units" mirrors the document.  The unit of a row is a symbol that is
+    explained in units/rows, or a unit by itself.
     """
     simulation, prediction = judgement.simulation, judgement.prediction
     document: dict[str, Any] = {
@@ -79,7 +79,7 @@ def report_document(judgement: Judgement, label: str) -> dict[str, Any]:
 def simulation_document(simulation: Simulation) -> dict[str, Any]:
     """A simulation as plain dictionaries, lists, strings and finite numbers, for JSON.
 
-    "own_bars" are how far it may be off by its coarser meshes, relative or in "unit".
+    "own_bars" are its error bars from its coarser meshes, relative or in "unit".
     """
     bars = () if simulation.companion is None else own_bars(simulation)
     document: dict[str, Any] = {
@@ -97,7 +97,7 @@ def simulation_document(simulation: Simulation) -> dict[str, Any]:
 
 
 def _run(case: Case) -> dict[str, Any]:
-    """How a simulation was made, and what it cost."""
+    """Settings of a simulation and the time that it took."""
     simulation = case.simulation
     return {
         "run": simulation.run,
@@ -118,7 +118,7 @@ def _run(case: Case) -> dict[str, Any]:
 
 
 def write_report(judgement: Judgement, label: str, path: Path) -> None:
-    """Write a judgement as JSON, whole or not at all.
+    """Write a judgement as JSON; the file is complete or not written at all.
 
     Raises
     ------

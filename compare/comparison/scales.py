@@ -1,4 +1,4 @@
-"""What numbers are measured against: reference stress and slip rate, fronts, speed regimes."""
+"""Scales of a comparison: reference stress and slip rate, wave fronts, speed regimes."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from semianalytic import Material, Scene
 from semianalytic.scene.units import unit
 
 WAVE_SYMBOLS = {"Rayleigh": "c_R", "S": "c_t", "P": "c_l"}
-"""Of the speeds of signals."""
+"""Symbols of the wave speeds, by the name of the signal."""
 
 
 def stress_scale(scene: Scene) -> float:
-    """Reference stress τ₀ [stress], positive: the larger step, or the larger base without one."""
+    """Reference stress τ₀ [stress], positive: the larger step, or without one the larger base."""
     for tractions in (scene.load, scene.base):
         largest = max(abs(tractions.pressure), abs(tractions.shear))
         if largest > 0:
@@ -23,13 +23,13 @@ def stress_scale(scene: Scene) -> float:
 def slip_rate_scale(scene: Scene) -> float:
     """Reference relative slip rate V₀ = 2 τ₀ / (ρ c_t) [length / time].
 
-    This is how fast two frictionless faces part company under a plane shear wave of amplitude τ₀.
+    Two frictionless faces slip at this rate under a plane shear wave of amplitude τ₀.
     """
     return 2 * stress_scale(scene) / scene.material.shear_impedance
 
 
 def reference_values(scene: Scene, end_time: float) -> dict[str, tuple[float, str]]:
-    """What values of a comparison are given in: value and unit by symbol."""
+    """Return the reference values of a comparison: value and unit by symbol."""
     values = {
         "c_t": (scene.material.shear_speed, "length / time"),
         "T": (end_time, "time"),
@@ -52,7 +52,7 @@ def wave_speeds(material: Material) -> dict[str, float]:
 
 
 def scene_fronts(scene: Scene) -> dict[str, float]:
-    """Those of them that fields of a scene have: of antiplane shear alone, the S wave only."""
+    """Speeds of the signals that a scene has: in antiplane shear alone, only the S wave."""
     speeds = wave_speeds(scene.material)
     alone = scene.fastest_speed == speeds["S"]
     return {name: speed for name, speed in speeds.items() if name == "S" or not alone}
@@ -66,8 +66,8 @@ def speed_regime(speed: float, scene: Scene) -> str:
     speed : float
         Velocity of the edge [length / time], from 0 to infinity.
     scene : Scene
-        Whose wave speeds divide the ranges; within 1e-6 of one, the edge moves with it.  Nothing in
-        antiplane slip changes at c_R.
+        Its wave speeds divide the ranges; an edge within 1e-6 of one moves at that speed.  In
+        antiplane slip c_R does not divide ranges.
     """
     material = scene.material
     names = {"c_t": material.shear_speed, "c_l": material.longitudinal_speed}

@@ -1,4 +1,4 @@
-"""Field snapshots of a simulation, read back."""
+"""Reading of the field snapshots of a simulation."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ def listed_frames(folder: Path, run: str | None = None) -> list[tuple[float, Pat
     ----------
     folder : Path
     run : str, optional
-        Identity of the simulation that index and last frame must be of; any unless given.
+        Identity of the simulation that index and last frame must belong to; any by default.
 
     Raises
     ------
     DataFileError
-        If the index is missing, damaged or of another run, or lists nothing.
+        If the index is missing, damaged or of another run, or lists no frame.
     """
     from fem.snapshots import frame_run, index_run
 
@@ -63,7 +63,7 @@ def frame_mesh(path: Path) -> Iterator[meshio.Mesh]:
     Raises
     ------
     DataFileError
-        If the file is missing or damaged, or what is taken from it here is not there.
+        If the file is missing or damaged, or lacks data that the caller reads from it.
     """
     import meshio
 

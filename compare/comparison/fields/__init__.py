@@ -1,1 +1,1 @@
-"""Field snapshots of a simulation, judged whole: in both bodies, against the exact fields."""
+"""Comparison of the field snapshots of a simulation with the exact fields in both bodies."""

@@ -1,4 +1,4 @@
-"""What whole fields change by from mesh to mesh, and what they are off by on each."""
+"""Changes of whole fields from mesh to mesh, and their errors on each mesh."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ Mask = NDArray[np.bool_]
 
 PARTS = ("whole", "outside the band")
 SAME = 1e-6
-"""Part of the distance of two nodes within which they are at one place."""
+"""Part of the mean distance of nodes within which two coordinates are the same."""
 
 
 @dataclass(frozen=True, eq=False)
 class FieldChange:
-    """One component of the last frame, in both bodies or outside the band around fronts.
+    """Error and mesh changes of a component of the last frame, whole or outside the band at fronts.
 
     Attributes
     ----------
@@ -34,16 +34,16 @@ class FieldChange:
     part : str
         One of `PARTS`.
     size : float
-        L1 norm of the prediction over the area, of stresses the change since t = 0, to which the
-        following are relative; that of the largest component of the same field where the component
-        vanishes.
+        L1 norm of the prediction over the area (for stresses, of the change since t = 0), to which
+        the following are relative.  Where the component vanishes, it is the norm of the largest
+        component of the same field.
     predicted, simulated, difference : float
-        Norms of both and of their difference over that.
+        Norms of both and of their difference, over `size`.
     changes : tuple of float
-        The same of what the component changes by from the mesh 2h to h, and from 4h to 2h, as far
-        as there are frames of them.
+        Norms of the changes from the mesh 2h to h, and from 4h to 2h, over `size`, as far as there
+        are frames of these meshes.
     before : callable
-        The difference on the mesh 2h.
+        Returns the difference on the mesh 2h, over `size`.
     """
 
     component: str
@@ -63,19 +63,19 @@ def field_changes(
     width: float,
     predict: Callable[[Frame], dict[str, Pair]],
 ) -> tuple[FieldChange, ...]:
-    """All components of the last frame, whole and outside the band.
+    """Return the changes of all components of the last frame, whole and outside the band.
 
     Parameters
     ----------
     last : dict of Pair
         The last frame beside the prediction, by the name of the component.
     frames : sequence of Frame
-        The same of the simulation and of its coarser meshes, finest first.
+        Last frames of the simulation and of its coarser meshes, finest first.
     fronts : Fronts
     width : float
-        Of the band on either side of a front, the same on all meshes [length].
+        Width of the band on either side of a front, the same on all meshes [length].
     predict : callable
-        A frame of a coarser mesh beside the prediction.
+        Returns a frame of a coarser mesh beside the prediction.
     """
     time = frames[0].time
     steps = [
@@ -136,10 +136,10 @@ def field_changes(
 
 
 def between(fine: Places, coarse: Places) -> dict[str, Array]:
-    """Fields of a mesh at the places of a coarser one, by their names; NaN where it does not reach.
+    """Fields of a mesh at the places of a coarser one, by name; NaN beyond the finer mesh.
 
-    Both bodies are apart.  Where nodes are those of a grid of rows and columns fields are bilinear
-    between them, elsewhere linear in triangles.
+    The two bodies are interpolated separately.  Fields are bilinear between nodes that form a grid
+    of rows and columns, and else linear in triangles.
     """
     values = {name: np.full(coarse.x.shape, np.nan) for name in fine.fields}
     for side in (1.0, -1.0):
@@ -163,12 +163,12 @@ def _linear(x: Array, y: Array, values: Array) -> Callable[[Array], Array]:
 
 
 def _steps(values: Array) -> Array:
-    """Different values, in order, those that rounding alone sets apart being one."""
+    """Distinct values in order; values that differ by rounding alone count as one."""
     ordered = np.unique(values)
     apart = np.diff(ordered) > SAME * np.ptp(ordered) / np.sqrt(len(values))
     return ordered[np.concatenate([[True], apart])]
 
 
 def _slack(steps: Array) -> float:
-    """Half of the least distance of two."""
+    """Half of the least distance between two values."""
     return float(np.diff(steps).min(initial=np.inf)) / 2 if len(steps) > 1 else 0.0

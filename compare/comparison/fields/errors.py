@@ -1,4 +1,4 @@
-"""How far simulated fields are from exact ones: relative L1 errors of all components, by frame."""
+"""Errors of simulated fields: relative L1 errors of all components in each frame."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 BAND = 2.0
-"""Elements on either side of a front that make the band around it."""
+"""Half-width of the band around a front, in elements."""
 SEEN_LAST = 1_000_000
 SEEN_BEFORE = 5_000
-"""Most nodes, and most elements, at which the last frame and each one before it are compared: drawn
-at random, so few tell an error in two digits."""
+"""Largest numbers of nodes, and of elements, at which the last frame and each earlier one are
+compared.  They are drawn at random; that many suffice for two digits of an error."""
 
 
 @dataclass(frozen=True)
 class FieldError:
-    """How far one component of one frame is off.
+    """Error of one component of one frame.
 
     Attributes
     ----------
@@ -44,11 +44,11 @@ class FieldError:
     component : str
         v_x, ..., u_x, ..., sigma_xx, ...
     whole : float
-        L1 norm of the difference over both bodies, over that of the prediction, of stresses the
-        change since t = 0; over that of the largest component of the same field where the component
-        vanishes.
+        L1 norm of the difference in both bodies, over that of the prediction (for stresses, of the
+        change since t = 0).  Where the component vanishes, it is relative to the largest component
+        of the same field.
     outside : float
-        The same outside the band of `BAND` elements around all fronts.
+        The same error outside the band of `BAND` elements on either side of all fronts.
     band : float
         Part of the area that is in the band.
     """
@@ -62,7 +62,7 @@ class FieldError:
 
 @dataclass(frozen=True, eq=False)
 class FieldErrors:
-    """Errors of all frames, and the last one itself.
+    """Errors of all frames, and the last frame itself.
 
     Attributes
     ----------
@@ -71,9 +71,9 @@ class FieldErrors:
     frames : tuple of tuples of FieldError
         In the order of time.
     last : dict of Pair
-        Of the last frame, by the name of the component.
+        Components of the last frame, by name.
     changes : tuple of FieldChange
-        What its components change by from mesh to mesh, from which error bars come.
+        Changes of its components from mesh to mesh, from which error bars come.
     """
 
     element_size: float
@@ -83,7 +83,7 @@ class FieldErrors:
 
     @property
     def rows(self) -> tuple[FieldError, ...]:
-        """Of all frames."""
+        """Errors of all components of all frames."""
         return tuple(chain.from_iterable(self.frames))
 
 
@@ -93,18 +93,18 @@ def field_errors(
     folder: Path,
     progress: Callable[[int, int], None] | None = None,
 ) -> FieldErrors | None:
-    """Hold all frames of a simulation against a prediction; None if it knows the contact alone.
+    """Compare all frames of a simulation with a prediction; None if it has no fields in the bodies.
 
-    The last one is compared with that of its companions too, if they were kept.
+    The last frame is also compared with those of the companions, if they were kept.
 
     Parameters
     ----------
     prediction : Answer
     simulation : Simulation
     folder : Path
-        Of its snapshots.
+        Folder of its snapshots.
     progress : callable, optional
-        Called with (frame, frames) after each.
+        Called with (frame, frames) after each frame.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def companion_frames(simulation: Simulation, folder: Path) -> list[tuple[float, 
     Raises
     ------
     DataFileError
-        If one that was kept cannot be read.
+        If a frame that was kept cannot be read.
     """
     from fem.snapshots import companion_folder, index_run
 
@@ -168,7 +168,7 @@ def pair_errors(
     time : float
         [time].
     width : float
-        Of the band on either side of a front [length].
+        Width of the band on either side of a front [length].
     """
     beyond = {
         id(places): fronts.distance(places.x, places.y, time) > width
@@ -183,7 +183,7 @@ def pair_errors(
 
 
 def _relative(pairs: dict[str, Pair], kept: dict[int, NDArray[np.bool_]]) -> dict[str, float]:
-    """L1 errors over the norms of the prediction, at the places that are kept."""
+    """L1 errors over the norms of the prediction, at the kept places."""
     chosen = {name: kept[id(pair.places)] for name, pair in pairs.items()}
     sizes = {
         name: area_norm(pair.predicted, pair.places.area, chosen[name])
@@ -199,6 +199,6 @@ def _relative(pairs: dict[str, Pair], kept: dict[int, NDArray[np.bool_]]) -> dic
 
 
 def fronts_in(prediction: Answer, scene: Scene) -> Fronts:
-    """The fronts of a scene, with those of the zones and openings that a prediction has."""
+    """Fronts of a scene, including those of the zones and openings of a prediction."""
     parts = (*getattr(prediction, "zones", ()), *getattr(prediction, "openings", ()))
     return fronts_of(scene, [edge for part in parts for edge in (part.inner, part.outer)])

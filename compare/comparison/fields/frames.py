@@ -17,7 +17,7 @@ IN_PLANE = ("sigma_xx", "sigma_yy", "sigma_xy")
 OUT_OF_PLANE = ("sigma_xz", "sigma_yz")
 AXES = "xyz"
 CORNERS = {"triangle": 3, "quad": 4, "quad9": 4}
-"""How many of the nodes of an element are its corners, which come first."""
+"""Number of corner nodes of an element, which come first among its nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,11 +27,11 @@ class Places:
     Attributes
     ----------
     x, y : (m,) arrays
-        [length]; on the faces y is 0.0 above and -0.0 below.
+        Coordinates [length]; on the faces y is 0.0 above and -0.0 below.
     area : (m,) array
-        That each stands for [length^2].
+        Area that each place stands for [length^2].
     fields : dict of (m,) arrays
-        By the name of the component, in the units of the scene.
+        Fields by the name of the component, in the units of the scene.
     """
 
     x: Array
@@ -40,12 +40,12 @@ class Places:
     fields: dict[str, Array]
 
     def at(self, chosen: NDArray[np.bool_]) -> Places:
-        """Some of them."""
+        """Return the chosen places."""
         some = {name: values[chosen] for name, values in self.fields.items()}
         return Places(self.x[chosen], self.y[chosen], self.area[chosen], some)
 
     def thinned(self, most: int) -> Places:
-        """At most so many of them, drawn at random, which stand for all."""
+        """Return at most `most` of the places, drawn at random, whose areas stand for all."""
         count = len(self.x)
         if count <= most:
             return self
@@ -66,7 +66,7 @@ class Frame:
     nodes : Places
         v_x, v_y, u_x, u_y; in antiplane shear v_z, u_z too.
     elements : Places
-        The stresses, at the centre of each.
+        Stresses at the centre of each element.
     """
 
     time: float
@@ -75,12 +75,12 @@ class Frame:
 
 
 def read_frame(time: float, path: Path) -> Frame:
-    """The frame in a file, of a time [time].
+    """Read the frame of a time [time] from a file.
 
     Raises
     ------
     DataFileError
-        If it is missing or damaged.
+        If the file is missing or damaged.
     """
     with frame_mesh(path) as mesh:
         (block,) = mesh.cells
@@ -109,13 +109,13 @@ def read_frame(time: float, path: Path) -> Frame:
 
 
 def last_frame(folder: Path, run: str | None = None) -> Frame:
-    """The last frame that the index of a folder of snapshots lists.
+    """Read the last frame that the index of a folder of snapshots lists.
 
     Parameters
     ----------
     folder : Path
     run : str, optional
-        Identity of the simulation that index and frame must be of; any unless given.
+        Identity of the simulation that index and frame must belong to; any by default.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def last_frame(folder: Path, run: str | None = None) -> Frame:
 
 
 def _areas(corners: Array) -> Array:
-    """Of polygons with corners (m, n, 2)."""
+    """Areas of polygons with corners (m, n, 2)."""
     x, y = np.moveaxis(corners, 2, 0)
     following = np.roll(x, -1, axis=1), np.roll(y, -1, axis=1)
     return np.asarray(np.abs((x * following[1] - y * following[0]).sum(axis=1)) / 2)

@@ -1,4 +1,4 @@
-"""Where the fields of a scene jump or are singular: the fronts in both bodies, as lines."""
+"""Fronts in both bodies, as lines on which the fields of a scene jump or are singular."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class StraightFront:
-    """A straight front t = source |x| + (wave^2 - source^2)^1/2 |y|, at one side of the edge.
+    """A straight front t = source |x| + (wave^2 - source^2)^1/2 |y| on one side of the edge.
 
-    It begins where it touches the circle of the wave.
+    It begins where it touches the circular front of the wave.
 
     Attributes
     ----------
     wave : float
         Slowness of the wave [time / length].
     source : float
-        Slowness at which what sends it runs along the surface: 0 for plane waves, that of the P
-        wave for head waves, that of a zone edge for its Mach fronts.
+        Slowness of the source along the surface: 0 for plane waves, that of the P wave for head
+        waves, that of a zone edge for its Mach fronts.
     side : 1 or -1
-        Of x.
+        Sign of x.
     """
 
     wave: float
@@ -36,15 +36,15 @@ class StraightFront:
     side: int
 
     def line(self, t: float, share: Array) -> tuple[Array, Array]:
-        """Points x, y >= 0 of it at time t [length], by their share of the way from the surface to
-        the circle; not of plane waves, which have no end at the surface."""
+        """Points x, y >= 0 of the front at time t [length], by their share of the way from the
+        surface to the circle; not for plane waves, which do not end at the surface."""
         ratio = self.source / self.wave
         foot, touch = t / self.source, t / self.wave * ratio
         x = self.side * (foot + share * (touch - foot))
         return x, share * t / self.wave * math.sqrt(1 - ratio * ratio)
 
     def distance(self, x: Array, y: Array, t: float) -> Array:
-        """How far points are from it at time t [length]; infinite beyond its end."""
+        """Distance of points from the front at time t [length]; beyond its end, from the end."""
         along, across = self.side * x, np.abs(y)
         rise = math.sqrt(self.wave**2 - self.source**2)
         back = (rise * along - self.source * across) / self.wave
@@ -59,13 +59,13 @@ class Fronts:
     Attributes
     ----------
     starts : tuple of float
-        Times at which a load jumps and sends out all of them [time].
+        Times at which a load jumps and sends out all the fronts [time].
     circles : tuple of float
         Slownesses of the waves that spread from the edge [time / length].
     lines : tuple of StraightFront
     points : tuple of float
-        Velocities of the points of the surface at which fields jump or are infinite, Rayleigh
-        points and zone edges [length / time].
+        Velocities of the surface points at which fields jump or are infinite: Rayleigh points and
+        zone edges [length / time].
     """
 
     starts: tuple[float, ...]
@@ -74,7 +74,7 @@ class Fronts:
     points: tuple[float, ...]
 
     def distance(self, x: Array, y: Array, t: float) -> Array:
-        """How far points are from the nearest of them, or from the edge, at a time [length]."""
+        """Distance of points from the nearest front, or from the edge, at time t [length]."""
         r = np.hypot(x, y)
         distances = [r]
         for since in (t - start for start in self.starts if start < t):
@@ -93,7 +93,7 @@ def jump_times(scene: Scene) -> tuple[float, ...]:
 
 
 def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
-    """The fronts that jumps of the loads of a scene send out.
+    """Return the fronts that jumps of the loads of a scene send out.
 
     Parameters
     ----------

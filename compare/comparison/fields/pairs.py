@@ -22,7 +22,7 @@ class Pair:
     name : str
     places : Places
     simulated, predicted : (m,) arrays
-        In the units of the scene, stresses as changes since t = 0.
+        Values in the units of the scene; stresses are changes since t = 0.
     """
 
     name: str
@@ -32,17 +32,18 @@ class Pair:
 
 
 def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
-    """All components of a frame beside what is predicted there, by their names.
+    """Return all components of a frame beside the prediction there, by name.
 
-    The whole mesh counts: made for snapshots, it ends where nothing comes back from its sides,
-    which hold what plane waves do not move (`meshes.blocks.causal_blocks`).
+    The whole mesh is compared.  A mesh made for snapshots is so large that nothing comes back from
+    its sides, which fix the displacement that plane waves do not have
+    (`meshes.blocks.causal_blocks`).
 
     Parameters
     ----------
     fields : BodyFields
     frame : Frame
     most : int
-        Nodes and elements at which they are.
+        Largest numbers of nodes and of elements that are compared.
     """
     nodes, elements = (places.thinned(most) for places in (frame.nodes, frame.elements))
     velocity = fields.velocity(nodes.x, nodes.y, frame.time)
@@ -62,12 +63,12 @@ def frame_pairs(fields: BodyFields, frame: Frame, most: int) -> dict[str, Pair]:
 
 
 def area_norm(values: Array, area: Array, kept: NDArray[np.bool_]) -> float:
-    """L1 norm of values at places that are kept, those left out at which they are not finite: a
-    prediction may be infinite there, or a mesh not reach so far."""
+    """L1 norm of values at the kept places where they are finite: a prediction may be infinite at
+    a place, or a mesh may not reach it."""
     kept = kept & np.isfinite(values)
     return float(np.sum(np.abs(values[kept]) * area[kept]))
 
 
 def alike(one: str, other: str) -> bool:
-    """Whether two components are of one field."""
+    """Whether two components belong to one field."""
     return one.partition("_")[0] == other.partition("_")[0]

@@ -1,1 +1,1 @@
-"""What a comparison looks at: fronts, edges, profiles, histories, places one by one."""
+"""Quantities of a comparison: fronts, edges, profiles, histories and single places."""

@@ -36,27 +36,28 @@ Array = NDArray[np.float64]
 
 LEAST_ROUGHNESS = 1e-3
 FARTHEST = 1.5
-"""Position over c_l T up to which a waveform about the P front is looked at."""
+"""Position over c_l T up to which the waveform around the P front is compared."""
 COARSE_MISFIT = 0.9
-"""Of a coarser mesh, which only has to say how much further off it is."""
+"""Largest misfit on a coarser mesh, which only has to show how much larger its error is."""
 ARRIVAL_FLOOR = 0.2
-"""Elements by which nodes alone leave a front open.  Of 460 fronts measured two were beyond their
-bar with it, by less than a third; with none, P fronts on the slot face would have been by 0.8."""
+"""Uncertainty of the position of a front due to nodes alone, in elements.  Of 460 fronts measured,
+two were beyond their bar with this value, by less than a third; without it, P fronts on the slot
+face would have been beyond by 0.8."""
 
 
 @dataclass(frozen=True)
 class Face:
-    """One field on one face: what is expected of it, and what a run recorded.
+    """One field on one face: its predicted values and those recorded by a run.
 
     Attributes
     ----------
     name : str
-        Of the field.
+        Name of the field.
     predict : callable
-        Expected values over the reference value at velocities [length / time].
+        Returns predicted values over the reference value at velocities [length / time].
     record : callable
-        Of a simulation: distances from the edge (n,) [length], increasing, times (m,) [time] and
-        values over the reference value (m, n).
+        Returns, for a simulation, increasing distances from the edge (n,) [length], times (m,)
+        [time] and values over the reference value (m, n).
     """
 
     name: str
@@ -68,12 +69,13 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     """Speeds in c_t of the first signal on the interface and on the slot face, and of the Rayleigh
     signal on the slot face.
 
-    A signal is followed in the field whose predicted waveform is roughest there, relative to the
-    reference stress or slip rate and smeared as damping does, at the last time at which the
-    surroundings of the front are still on the recorded part of the face.  Nothing is said of
-    predictions that do not reach beyond all fronts, as marches, nor of the slot face where they do
-    not know it.  An S front behind a P front, or a Rayleigh front on the interface, is too close to
-    others for the mesh at 2h in half of the scenes; on the slot `slot_rows` have them.
+    A signal is read off the field whose predicted waveform is roughest there, relative to the
+    reference stress or slip rate and smeared as by damping.  It is read at the last time at which
+    the window around the front is still on the recorded part of the face.  There are no rows for
+    predictions that do not reach beyond all fronts, such as marches, and none for the slot face
+    where the prediction does not know it.  An S front behind a P front, or a Rayleigh front on the
+    interface, is too close to others for the mesh at 2h in half of the scenes; on the slot,
+    `slot_rows` cover them.
     """
     if not _reaches(case):
         return
@@ -99,7 +101,7 @@ def arrival_rows(case: Case) -> Iterator[Row]:
 
 
 def _reaches(case: Case) -> bool:
-    """Whether a prediction answers beyond all fronts at the end."""
+    """Whether a prediction has values beyond all fronts at the end."""
     speed = case.scene.fastest_speed
     try:
         case.prediction.slip_rate(np.array([FARTHEST * speed * case.end_time]), case.end_time)
@@ -109,7 +111,7 @@ def _reaches(case: Case) -> bool:
 
 
 def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> Row | None:
-    """The row of one front; None where no field has a signal there."""
+    """Row of one front; None where no field has a signal there."""
     shear_speed = case.scene.material.shear_speed
     if not all(_late(case.simulation, field, window) for field in fields):
         reason = "no step of the simulation is stored while it is on the record; store all of them"
@@ -161,7 +163,7 @@ def _arrival_row(case: Case, name: str, window: Window, fields: list[Face]) -> R
 
 
 def _template(run: Simulation, field: Face, sharp: Table, window: Window) -> Waveform:
-    """The predicted waveform as the damping of a run smears it.
+    """Predicted waveform as smeared by the damping of a run.
 
     Damping C = eta K spreads a front over sqrt(eta t) in time, eta = damping h / c_t.
     """
@@ -170,26 +172,26 @@ def _template(run: Simulation, field: Face, sharp: Table, window: Window) -> Wav
 
 
 def _cell(run: Simulation, field: Face, window: Window) -> float:
-    """Element size over c_t t at the time at which a front is looked at."""
+    """Element size over c_t t at the time at which a front is read."""
     late = _late(run, field, window)
     return run.element_size / (run.scene.material.shear_speed * late)
 
 
 def _late(run: Simulation, field: Face, window: Window) -> float:
-    """Time at which a front is looked at; 0 where no step is stored at which it is there."""
+    """Time at which a front is read; 0 where no stored step shows it."""
     distance, time, _ = field.record(run)
     return _last_time(distance, time, window.upper)
 
 
 def _recorded(run: Simulation, field: Face, window: Window) -> tuple[Array, Array]:
-    """Similarity velocities and values of a field when a front is looked at."""
+    """Similarity velocities and values of a field at the time at which a front is read."""
     distance, time, values = field.record(run)
     late = _last_time(distance, time, window.upper)
     return distance / late, values[np.searchsorted(time, late)]
 
 
 def _last_time(distance: Array, time: Array, velocity: float) -> float:
-    """Last recorded time at which what travels at a velocity is still on the record."""
+    """Last recorded time at which a signal of a given velocity is still on the record."""
     return float(time[velocity * time <= distance[-1] * (1 + ROUNDING)][-1])
 
 
@@ -244,7 +246,7 @@ def _over(predict: Callable[[Array, float], Array], scale: float, time: float) -
 
 
 def _kept(predict: Waveform) -> Waveform:
-    """A waveform that keeps what it was asked for; each mesh asks for the same."""
+    """Waveform that caches its values, because each mesh asks for the same ones."""
     known: dict[bytes, Array] = {}
 
     def remembered(velocity: Array) -> Array:

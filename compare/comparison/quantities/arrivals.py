@@ -1,4 +1,4 @@
-"""How fast a signal travels: its recorded waveform aligned with the predicted one."""
+"""Speed of a signal, from its recorded waveform aligned with the predicted one."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TABLE = 801
 LARGEST_MISFIT = 0.5
 LEAST_SAMPLES = TREND_DEGREE + 4
 ROUNDING = 1e-9
-"""By which samples may miss the ends of a window, relative to the front."""
+"""Tolerance for samples beyond the ends of a window, relative to the speed of the front."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Window:
 
 
 def front_window(front: float, others: Iterable[float], reach: float = 0.2) -> Window:
-    """Window around a front that ends half-way to whatever else happens nearby.
+    """Window around a front that ends half-way to the nearest other front or zone edge.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def front_window(front: float, others: Iterable[float], reach: float = 0.2) -> W
 
 
 def tabulated(prediction: Waveform, window: Window) -> Table:
-    """Velocities from 0.8 times the lower to 1.25 times the upper end of a window, and the sharp
-    waveform expected there, (801,) each."""
+    """Return velocities from 0.8 times the lower to 1.25 times the upper end of a window, and the
+    predicted waveform there before smearing, (801,) each."""
     velocity = np.linspace(0.8 * window.lower, 1.25 * window.upper, TABLE)
     return velocity, prediction(velocity)
 
@@ -78,7 +78,7 @@ def smeared(table: Table, width: float) -> Waveform:
 
 
 def roughness(values: Array, velocity: Array) -> float:
-    """Root mean square of what a parabola cannot follow: how much of a front a waveform holds.
+    """Root mean square of a waveform less its best parabola: how strong a front it holds.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def aligned_speed(
     window: Window,
     misfit: float = LARGEST_MISFIT,
 ) -> float | None:
-    """Speed at which a record shows the front the prediction has in a window.
+    """Speed at which a record shows the front that a prediction has in a window.
 
     The prediction, stretched to ``prediction(velocity / s)``, is laid over the record; the
     stretch s that leaves the smallest difference, smooth trends aside, gives the speed.
@@ -103,11 +103,11 @@ def aligned_speed(
     Parameters
     ----------
     velocity, values : (n,) arrays
-        The record: similarity velocities |x|/t [length / time], increasing, and what was seen.
+        The record: similarity velocities |x|/t [length / time], increasing, and its values there.
     prediction : callable
         The waveform expected at an array of velocities, in the units of `values`.
     window : Window
-        Part of the record that is looked at, and the predicted speed.
+        Part of the record that is aligned, and the predicted speed.
     misfit : float
         Largest part of the record's roughness that may be left unexplained.
 

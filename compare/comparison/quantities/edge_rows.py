@@ -1,5 +1,5 @@
-"""Where slip zones and openings end in a self-similar scene: predicted, as the mesh would see it,
-simulated."""
+"""Edges of slip zones and openings in a self-similar scene: predicted, as the nodes show the
+prediction, and simulated."""
 
 from __future__ import annotations
 
@@ -25,39 +25,39 @@ Array = NDArray[np.float64]
 Part = SlipInterval | OpenInterval
 """A slip zone or an opening."""
 Seen = Callable[[InterfaceHistory, int], tuple[Part, ...]]
-"""The parts that a history shows at a level, in velocities x/t."""
+"""Function that returns the parts that a history shows at a level, in velocities x/t."""
 
 READ_FROM = 0.01
-"""Part of the largest slip rate from which on slip counts: less runs ahead of the fronts."""
+"""Part of the largest slip rate above which slip counts; slower slip runs ahead of the fronts."""
 OPEN_FROM = 1e-4
-"""The same of the largest gap."""
+"""Part of the largest gap above which an opening counts."""
 SHARED = 1e-6
-"""Relative difference below which two edges are one."""
+"""Relative difference below which two edges are the same."""
 LEVELS = 24
-"""Times in the last third of the run at which edges are read; of self-similar zones the median."""
+"""Number of times in the last third of the run at which edges are read; their median is used."""
 EDGE_FLOOR = 0.25
-"""Elements by which nodes alone leave an edge open, whatever the mesh differences.  Of 220 edges
-measured one was farther beyond its bar than that, by 0.6 in an opening of 19 elements; with half
-of it there would have been four more."""
+"""Uncertainty of an edge due to nodes alone, in elements, whatever the mesh differences.  Of 220
+edges measured, one was farther beyond its bar than that, by 0.6 in an opening of 19 elements; with
+half this value there would have been four more."""
 NEARBY = 0.5
-"""Part of a zone, or of the gap beside it, within which two meshes show the same edge."""
+"""Part of a zone, or of the gap beside it, up to which edges of two meshes count as the same."""
 LEAST_SEEN = 4
-"""Elements from which on slip or an opening that is not predicted is something."""
+"""Least width, in elements, of slip or an opening that counts although it is not predicted."""
 
 
 @dataclass(frozen=True)
 class Obstacle:
-    """Why an edge cannot be seen, and the width that would have to be (`NARROW`) elements wide."""
+    """Reason why an edge cannot be seen, and the width that would have to be `NARROW` elements."""
 
     reason: str
     width: float
 
 
 def zone_rows(case: Case) -> Iterator[Row]:
-    """Velocities in c_t of all zone edges, except 0, infinity, the P front, an arrival, and where
-    an opening begins.
+    """Rows of the velocities in c_t of zone edges, and of simulated zones that are not predicted.
 
-    Then the zones of the simulation that are not predicted.
+    There are none for edges at 0, at infinity, at the P front, which is an arrival, and at either
+    end of an opening.
     """
     zones = case.prediction.zones_at(case.end_time)
     openings = case.prediction.openings_at(case.end_time)
@@ -67,7 +67,7 @@ def zone_rows(case: Case) -> Iterator[Row]:
 
 
 def opening_rows(case: Case) -> Iterator[Row]:
-    """The same of all openings, and how much of the contact is open; nothing if none is."""
+    """Rows of the edges of openings, of openings not predicted and of the length open, if any."""
     if not case.opens:
         return
     openings, seen = case.prediction.openings_at(case.end_time), partial(_openings, case)
@@ -92,7 +92,7 @@ def opening_rows(case: Case) -> Iterator[Row]:
 def _edge_rows(
     case: Case, parts: tuple[Part, ...], seen: Seen, elsewhere: set[float]
 ) -> Iterator[Row]:
-    """Of the ends of parts of one kind that are not ends of another kind as well."""
+    """Rows of the ends of parts of one kind, except those listed in `elsewhere`."""
     scene = case.prediction.scene
     for number, part in enumerate(parts):
         for end, edge in zip(("start", "end"), _ends(part), strict=True):
@@ -106,18 +106,18 @@ def _edge_rows(
 def narrow_obstacle(
     parts: tuple[Part, ...], number: int, end: str, least: float
 ) -> Obstacle | None:
-    """Why nodes cannot show an edge: its zone, or what lies beyond it, is narrower than `least`.
+    """Return why nodes cannot show an edge: its zone or what lies beyond is narrower than `least`.
 
     Parameters
     ----------
     parts : tuple of SlipInterval, or of OpenInterval
-        From the edge outward, at one time.
+        Parts from the edge of the contact outward, at one time.
     number : int
-        Of the zone.
+        Index of the part.
     end : str
         "start" or "end".
     least : float
-        [length].
+        Least width [length].
     """
     part = parts[number]
     name = _name(part)
@@ -138,7 +138,7 @@ def narrow_obstacle(
 
 
 def _room(parts: tuple[Part, ...], number: int, end: str) -> float:
-    """Width of a part, or of what lies between it and the next one at an end, if that is less."""
+    """Width of a part, or of the gap to the next part of its sense at an end if that is less."""
     part, beyond = parts[number], number + (1 if end == "end" else -1)
     room = part.end - part.start
     if not 0 <= beyond < len(parts):
@@ -149,7 +149,7 @@ def _room(parts: tuple[Part, ...], number: int, end: str) -> float:
 
 
 def _sense(part: Part) -> int:
-    """Of a slip zone; 0 of an opening."""
+    """Sense of a slip zone; 0 for an opening."""
     return part.sense if isinstance(part, SlipInterval) else 0
 
 
@@ -190,7 +190,7 @@ def _edge_row(case: Case, parts: tuple[Part, ...], number: int, end: str, seen: 
 
 
 def _weakness(case: Case, zone: SlipInterval) -> str:
-    """That slip in a zone is slower than the error bar of slip rate there; "" if it is not."""
+    """Obstacle that slip in a zone is slower than the error bar of slip rate there; "" if not."""
     inside = (case.seen.x > zone.start) & (case.seen.x < zone.end)
     rate = case.at_nodes.slip_rate[-1, inside]
     if not len(rate) or not case.coarser:
@@ -206,7 +206,7 @@ def _weakness(case: Case, zone: SlipInterval) -> str:
 
 
 def _unpredicted_rows(case: Case, parts: tuple[Part, ...], seen: Seen) -> Iterator[Row]:
-    """Zones or openings of the simulation that overlap none of the prediction of their sense."""
+    """Rows of simulated zones or openings that overlap no predicted one of their sense."""
     least = LEAST_SEEN * case.simulation.element_size
     for part in seen(case.seen, -1):
         start, end = part.start * case.end_time, part.end * case.end_time
@@ -239,7 +239,7 @@ def _unpredicted_rows(case: Case, parts: tuple[Part, ...], seen: Seen) -> Iterat
 
 
 def _shows(seen: tuple[Part, ...], part: Part) -> bool:
-    """Whether there is slip of the same sense, or an opening, where a part is."""
+    """Whether slip of the same sense, or an opening, overlaps a part."""
     return any(
         _sense(other) == _sense(part) and other.start < part.end and part.start < other.end
         for other in seen
@@ -254,7 +254,7 @@ def _late_levels(case: Case, history: InterfaceHistory) -> NDArray[np.intp]:
 def _edge_velocity(
     case: Case, part: Part, end: str, seen: Seen, history: InterfaceHistory
 ) -> float | None:
-    """Velocity in c_t of an edge in a history; None unless most of the times show its part."""
+    """Velocity in c_t of an edge in a history; None unless half of the times show its part."""
     at = getattr(part, end) / case.end_time
     levels = _late_levels(case, history)
     edges = []
@@ -275,7 +275,7 @@ def _edge_velocity(
 
 
 def _length_open(case: Case, history: InterfaceHistory) -> float:
-    """What of the contact is open in a history, over c_t and the time; the median of late times."""
+    """Length of the contact open in a history, over c_t and the time; the median of late times."""
     lengths = []
     for level in _late_levels(case, history):
         reach = history.x[-1] / history.t[level]

@@ -1,4 +1,4 @@
-"""Whole fields in both bodies in the last frame of snapshots, with their error bars."""
+"""Rows of whole fields in both bodies in the last frame of snapshots, with their error bars."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from compare.comparison.rows import Row
 
 
 def field_rows(case: Case, changes: tuple[FieldChange, ...]) -> Iterator[Row]:
-    """Relative L1 errors of all components of the last frame, whole and outside the band.
+    """Rows of relative L1 errors of all components of the last frame, whole and outside the band.
 
-    Whole fields jump at fronts, which every mesh smears over some elements: no faster convergence
-    than that with order 1/2 is believed.
+    Whole fields jump at fronts, which every mesh smears over some elements, so that no order of
+    convergence above 1/2 is believed for them.
     """
     for change in changes:
         value, unit = _scale(case, change.component)
@@ -36,7 +36,7 @@ def field_rows(case: Case, changes: tuple[FieldChange, ...]) -> Iterator[Row]:
 
 
 def _scale(case: Case, component: str) -> tuple[float, str]:
-    """What norms of a component over the area are given in: value and name."""
+    """Return the unit of norms of a component over the area: value and name."""
     area = case.length**2
     if component.startswith("sigma"):
         return case.stress * area, "τ₀ c_t² T²"

@@ -22,43 +22,44 @@ Array = NDArray[np.float64]
 Senses = NDArray[np.int8]
 
 APART = 2
-"""What stands in a map of senses where the contact is open."""
+"""Value in a map of senses where the contact is open."""
 SENSE_THRESHOLD = 0.01
 REVERSAL_THRESHOLD = 0.05
-"""Parts of the largest slip rate from which on slip has a sense, and counts as a reversal."""
+"""Parts of the largest slip rate above which slip has a sense, and above which it counts as a
+reversal."""
 PROBES = (0.04, 0.25, 0.5, 0.75)
 EARLY = 0.2
-"""Part of the end time that is left out, in which little is resolved."""
+"""Initial part of the run, over the end time, that is left out because little is resolved in it."""
 FRONT = 1
-"""Elements of the coarsest mesh behind the first wave that maps of senses leave out.  With none,
-a frictionless scene whose slip grows from nothing behind the P wave was 2 bars off."""
+"""Number of elements of the coarsest mesh behind the first wave that maps of senses leave out.
+With none, a frictionless scene whose slip grows from zero behind the P wave was 2 bars off."""
 NEIGHBOURS = 2
-"""Elements on either side of a probe from which the error bar of slip rate is taken."""
+"""Number of elements on either side of a probe that give the error bar of the slip rate there."""
 ROUNDING = 1e-9
-"""Relative, of positions and times."""
+"""Relative tolerance of positions and times."""
 SENSE_FLOOR = 0.12
-"""Part of the nodes and times beside edges of slip that they leave open in parts of maps."""
+"""Uncertainty of parts of maps, over the part of nodes and times that lie beside edges of slip."""
 ONSET_FLOOR = 0.35
-"""Elements over c_t by which nodes and steps leave a time open.  Of 180 times measured one was
-farther beyond its bar than that, by a fifth of it; with none there would have been three."""
+"""Uncertainty of a time due to nodes and steps, in elements over c_t.  Of 180 times measured, one
+was farther beyond its bar than that, by a fifth of it; without it there would have been three."""
 
 
 def slip_sense(slip_rate: Array, largest: float) -> Senses:
-    """+1, 0 or -1 where slip is faster than 1 % of the largest slip rate, any shape."""
+    """Sense of slip, +1 or -1 where it is faster than 1 % of the largest slip rate, else 0."""
     fast = np.abs(slip_rate) > SENSE_THRESHOLD * largest
     return np.where(fast, np.sign(slip_rate), 0).astype(np.int8)
 
 
 def sense_maps(case: Case) -> tuple[Senses, Senses, NDArray[np.bool_]]:
-    """Predicted and simulated sense of slip, `APART` where the contact is open, and what the waves
-    have reached, (m, n) each."""
+    """Return predicted and simulated maps of the sense of slip, `APART` where the contact is open,
+    and the mask of the nodes and times that the waves have reached, (m, n) each."""
     seen = case.seen
     reached = _behind_front(case, seen.x, seen.t[:, None])
     return _senses(case, case.at_nodes), _senses(case, seen), reached
 
 
 def _senses(case: Case, history: InterfaceHistory) -> Senses:
-    """Of a history, at its nodes and times."""
+    """Map of senses of a history at its nodes and times."""
     return _sense_or_apart(case, history.slip_rate, history.gap)
 
 
@@ -77,10 +78,10 @@ def beside_edges(sense: Senses) -> NDArray[np.bool_]:
 
 
 def rate_row(case: Case) -> Row:
-    """Relative L1 error of the slip rate over space and time, the four elements at the edge left
-    out; the largest value where none is predicted.
+    """Row of the relative L1 error of the slip rate over space and time, without the four elements
+    at the edge; of the largest value where no slip is predicted.
 
-    Slip rates are means as long for all meshes and for the prediction as the coarsest mesh takes.
+    Slip rates of all meshes and of the prediction are means over the window of the coarsest mesh.
     """
     beyond = beyond_edge(case.seen.x, case.simulation)
     unseen = np.where(case.narrow & beyond, case.at_nodes.slip_rate, 0.0)
@@ -88,25 +89,25 @@ def rate_row(case: Case) -> Row:
 
 
 def gap_row(case: Case) -> Row:
-    """The same of the gap."""
+    """Row of the relative L1 error of the gap over space and time, or of its largest value."""
     unseen = np.where(too_narrow(case.at_nodes.gap > 0), case.at_nodes.gap, 0.0)
     return _map_row(case, "gap", case.rate * case.end_time, ("V₀ T", "V₀ c_t T³"), unseen)
 
 
 def _map_row(case: Case, name: str, unit: float, units: tuple[str, str], unseen: Array) -> Row:
-    """Of a field over space and time: relative L1 error, or largest value.
+    """Row of a field over space and time: relative L1 error, or largest value if none is predicted.
 
     Parameters
     ----------
     case : Case
     name : str
-        Of the field and of its kind.
+        Name of the field and of its kind.
     unit : float
-        That values are divided by.
+        Divisor of the values.
     units : (str, str)
-        Its name, and that of the norm.
+        Name of the unit, and that of the unit of the norm.
     unseen : (m, n) array
-        What of the prediction at the nodes is too narrow for them.
+        Part of the prediction at the nodes that is too narrow for them.
     """
 
     def shown(history: InterfaceHistory) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -169,14 +170,15 @@ def _map_row(case: Case, name: str, unit: float, units: tuple[str, str], unseen:
 
 
 def _behind_front(case: Case, x: Array, t: Array) -> NDArray[np.bool_]:
-    """Where the first wave has come by, but for `FRONT` elements of the coarsest mesh behind it,
-    in which all meshes may slip that little early."""
+    """Mask of where the first wave has passed, except for `FRONT` elements of the coarsest mesh
+    behind it, by which slip may begin too early on all meshes."""
     width = FRONT * case.runs[-1].element_size
     return np.asarray(x <= (1 + ROUNDING) * case.scene.fastest_speed * t - width)
 
 
 def sense_rows(case: Case) -> Iterator[Row]:
-    """Parts of the space-time area behind the first wave that slip, each way, and that differ."""
+    """Rows of the parts of the (x, t) area behind the first wave that slip each way or are open,
+    and of the part where the sense differs."""
     predicted, simulated, reached = sense_maps(case)
     area = float(reached.sum())
     edges = max(float((beside_edges(sense) & reached).sum()) for sense in (predicted, simulated))
@@ -218,19 +220,19 @@ def sense_rows(case: Case) -> Iterator[Row]:
 
 
 def _part(case: Case, sense: int, history: InterfaceHistory) -> float:
-    """Part of the area behind the first wave that slips one way, or is open."""
+    """Part of the area behind the first wave that has one sense of slip, or is open."""
     reached = _behind_front(case, history.x, history.t[:, None])
     slips = _senses(case, history) == sense
     return float(slips[reached].sum() / reached.sum())
 
 
 def event_rows(case: Case) -> Iterator[Row]:
-    """Times in T at which slip starts and first reverses at probe points.
+    """Rows of the times in T at which slip starts and first reverses at probe points.
 
     A reversal is slip against the sense in which the simulation starts to slip there.
     """
     cell = case.simulation.element_size / case.length
-    # what is self-similar looks the same everywhere, only coarser near the edge
+    # a self-similar solution is the same at all probes, only coarser near the edge
     for probe in PROBES[-1:] if case.scene.is_self_similar else PROBES:
         place = float(case.seen.x[np.argmin(np.abs(case.seen.x - probe * case.length))])
         fast = REVERSAL_THRESHOLD * case.largest_rate
@@ -261,13 +263,13 @@ def _event(
     end_time: float,
     history: InterfaceHistory,
 ) -> float | None:
-    """When something first happens at a place, in T."""
+    """First time of an event at a place, in T; None if it does not happen."""
     when = first_time(history.t, _record(history, place), least)
     return None if when is None else when / end_time
 
 
 def _weakness(case: Case, row: Row, place: float, least: float) -> str:
-    """Why what only one answer has may escape the mesh: it is over too soon, or too slow; or ""."""
+    """Reason why the mesh may miss an event that differs: too short, or too slow; or ""."""
     if not case.coarser:
         return ""
     near = NEIGHBOURS * case.simulation.element_size
@@ -288,7 +290,7 @@ def _weakness(case: Case, row: Row, place: float, least: float) -> str:
 
 
 def _lasts(history: InterfaceHistory, place: float, start: float, least: float) -> float:
-    """How long slip of one sense goes on at a place that passes a threshold at a time [time]."""
+    """Duration of slip of one sense above a threshold at a place, from a time on [time]."""
     later = history.t >= start
     record, time = _record(history, place)[later], history.t[later]
     if not len(record):
@@ -319,7 +321,7 @@ def _onset_of_sense(sense: int, time: Array, slip_rate: Array, threshold: float)
 
 
 def cycle_rows(case: Case) -> Iterator[Row]:
-    """Frictional work per unit thickness in each whole cycle of a harmonic load."""
+    """Rows of the frictional work per unit thickness in each whole cycle of a harmonic load."""
     if not isinstance(case.scene.shear_history, Harmonic):
         return
     period = 1 / case.scene.shear_history.frequency

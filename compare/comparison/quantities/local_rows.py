@@ -1,4 +1,4 @@
-"""Places and times one by one: the largest difference over its own error bar."""
+"""Rows of single places and times: the largest difference over its own error bar."""
 
 from __future__ import annotations
 
@@ -24,28 +24,28 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 BAND = 2
-"""Elements of the coarsest mesh on either side of fronts and edges that are left out: the same
-length on all meshes."""
+"""Number of elements of the coarsest mesh on either side of fronts and edges that are left out; the
+length is the same on all meshes."""
 EARLY = 0.2
-"""Part of the end time that is left out, in which little is resolved."""
+"""Initial part of the run, over the end time, that is left out because little is resolved in it."""
 LOCAL = 1.0
-"""Of what changes from 4h to 2h within a band of a place, what the mesh of h may be off there.  Of
-all places of 204 scenes none was off by more than 1.5 times this and `LOCAL_FLOOR`; with half of
-it 11 scenes would have had one."""
+"""Error that the mesh of h may have at a place, over the largest change from 4h to 2h within a band
+around it.  Of all places of 204 scenes, none was off by more than 1.5 times this and `LOCAL_FLOOR`;
+with half of it, 11 scenes would have had one."""
 LOCAL_FLOOR = 1e-3
-"""Part of the largest value of a field that is left open everywhere, likewise."""
+"""Least uncertainty everywhere, over the largest value of the field, measured likewise."""
 ASIDE = 0.25
-"""Part of an element by which bands are wider, so that nodes do not lie at their ends, where
-rounding would decide."""
+"""Part of an element by which bands are widened, so that no nodes lie at their ends, where rounding
+would decide."""
 STILL = 1e-3
-"""Part of the largest slip rate, and of the largest gap, from which on a place moves."""
+"""Part of the largest slip rate, and of the largest gap, above which a place counts as moving."""
 
 
 def local_rows(case: Case) -> Iterator[Row]:
-    """For each field, the place and time at which it is off by most error bars.
+    """Row of each field at the place and time at which it is off by the most error bars.
 
-    A bar of a place comes from the two coarser meshes alone, so that a single wrong value of the
-    simulation has none to hide behind; nothing is said where there are no two.
+    The bar of a place comes from the two coarser meshes alone, so that a single wrong value of the
+    simulation does not widen it.  There are no rows without two coarser meshes.
     """
     if len(case.runs) < 3:
         return
@@ -98,8 +98,8 @@ def _local_row(case: Case, name: str, unit: float, symbol: str, shown: Mask) -> 
 
 
 def _driven(case: Case, name: str) -> Array:
-    """What slip rate over V₀ or slip over V₀ T change by because strength does from the mesh of 4h
-    to that of 2h, (m, n) at the nodes of the simulation; 0 of other fields."""
+    """Change of slip rate over V₀, or of slip over V₀ T, due to the change of strength from the
+    mesh at 4h to that at 2h, (m, n) at the nodes of the simulation; 0 for other fields."""
     seen, run, change = case.seen, case.runs[1].interface, case.strength_changes[1]
     if name == "slip":
         change = scipy.integrate.cumulative_trapezoid(change, run.t, axis=0, initial=0)
@@ -116,12 +116,13 @@ def _driven(case: Case, name: str) -> Array:
 
 
 def _beside_fronts(case: Case) -> Mask:
-    """Nodes and times in the band around the edge, the fronts that jumps of the loads send out,
-    and wherever slip or an opening begins or ends, predicted or on a coarser mesh, (m, n)."""
+    """Mask of the nodes and times, (m, n), before `EARLY` or in the bands around the edge, around
+    fronts sent out by the loads, and around ends of slip or openings in the prediction or on a
+    coarser mesh."""
     seen, scene = case.seen, case.scene
     width = BAND * case.runs[2].element_size + ASIDE * case.simulation.element_size
     beside = np.zeros((len(seen.t), len(seen.x)), dtype=bool)
-    for start in {0.0, *jump_times(scene)}:  # where loads begin to rise there are fronts as well
+    for start in {0.0, *jump_times(scene)}:  # t = 0 has fronts even without a jump
         for speed in scene_fronts(scene).values():
             beside |= np.abs(seen.x - speed * (seen.t[:, None] - start)) < width
     motions = [_motion(case, case.at_nodes)]
@@ -140,15 +141,15 @@ def _beside_fronts(case: Case) -> Mask:
 
 
 def _band(case: Case) -> tuple[int, int]:
-    """Levels and nodes in the band on both sides of one of them."""
+    """Numbers of levels and of nodes in the band around a place, on both sides together."""
     width = BAND * case.runs[2].element_size
     step = float(case.seen.t[1] - case.seen.t[0]) * case.scene.material.shear_speed
     return 2 * round(width / step) + 1, 2 * round(width / case.simulation.element_size) + 1
 
 
 def _motion(case: Case, history: InterfaceHistory) -> NDArray[np.int8]:
-    """Sense of slip of a history, and whether it is open, (m, n); thresholds are those of the mesh
-    at 2h, which a wrong value of the simulation does not move."""
+    """Sense of slip of a history, or 2 where it is open, (m, n).  Thresholds come from the mesh at
+    2h, so that a wrong value of the simulation does not change them."""
     usual = case.runs[1].interface
     rate, gap = (float(np.abs(values).max()) for values in (usual.slip_rate, usual.gap))
     slips = np.abs(history.slip_rate) > STILL * max(rate, STILL * case.rate)

@@ -1,4 +1,4 @@
-"""What a simulation has to hold by itself, whatever is predicted: numbers, Coulomb's law, slip."""
+"""Checks of a simulation by itself, whatever is predicted: finite values, friction law, slip."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 FIELDS = ("slip", "slip_rate", "shear_traction", "pressure", "gap")
 WHOLE_STEPS = 1e-6
-"""Part of a step by which times of levels and of the ends of windows may miss, for rounding."""
+"""Tolerance for rounding between times of levels and of the ends of windows, in steps."""
 BEYOND, MISMATCH = "traction beyond friction", "slip rate against slip"
 SPARSE = "only some steps of the simulation are stored, which do not tell {}; store all of them"
 
@@ -37,7 +37,7 @@ def check_finite(simulation: Simulation) -> None:
     Raises
     ------
     DataFileError
-        It says which field, where and when.
+        The message says which field, where and when.
     """
     run: Simulation | None = simulation
     while run is not None:
@@ -65,8 +65,8 @@ def _refusal(run: Simulation, name: str, place: str) -> DataFileError:
 
 
 def own_rows(case: Case) -> Iterator[Row]:
-    """By how much a simulation breaks the law of friction, and its slip is not that of its slip
-    rate: by rounding, if nothing is at fault."""
+    """Rows of the excess of traction over the law of friction and of the mismatch between slip and
+    slip rate, both of the size of rounding errors in a correct simulation."""
     excess = _beyond_friction(case)
     if excess is None:
         yield _own_row(case, BEYOND, None, "τ₀", obstacle=SPARSE.format("a rate of each step"))
@@ -88,12 +88,12 @@ def _own_row(
 
 
 def _beyond_friction(case: Case) -> float | None:
-    """Largest excess of shear traction over strength [stress], 0 at least; None if the levels that
-    are stored do not tell.
+    """Largest excess of shear traction over strength [stress], at least 0; None if the stored
+    levels do not show it.
 
-    Strength is taken before any slip has weakened it.  Where it rises with slip rate, a simulation
-    has the rates of the steps on either side of a level, the larger of which counts: all steps
-    have to be stored.  Slip rates that are no means over a window are those of the level itself.
+    The strength is that before any weakening by slip.  Where it rises with slip rate, the larger
+    rate of the steps before and after a level counts, so that all steps have to be stored.  Slip
+    rates that are not means over a window are taken at the level itself.
     """
     simulation, seen, scene = case.simulation, case.seen, case.scene
     frictional = scene.friction * seen.pressure
@@ -112,12 +112,12 @@ def _beyond_friction(case: Case) -> float | None:
 
 
 def _mismatch(case: Case) -> tuple[float, float]:
-    """Largest difference between a slip rate and the slip it stands for [length / time], and what
-    the times between stored levels leave open of it.
+    """Largest mismatch between slip rate and slip [length / time], and its uncertainty due to the
+    times between stored levels.
 
-    The slip rate of a level is the mean over a window about it.  Where slip is stored at both ends
-    of the windows of most levels, each is held against that; else the slip at the end is held
-    against the sum of all slip rates.
+    The slip rate of a level is the mean over a window around it.  Where slip is stored at both ends
+    of the windows of most levels, each slip rate is compared with the slip gained in its window.
+    Else the slip at the end is compared with the time integral of the slip rates.
     """
     seen = case.seen
     half = np.minimum(case.simulation.rate_window / 2, seen.t)
@@ -135,7 +135,7 @@ def _mismatch(case: Case) -> tuple[float, float]:
 
 
 def _stored_at(case: Case, times: Array) -> NDArray[np.intp]:
-    """Levels at times (m,); -1 where none is stored."""
+    """Indices of the levels stored at times (m,); -1 where none is stored."""
     t = case.seen.t
     level = np.minimum(
         np.searchsorted(t, times - WHOLE_STEPS * case.simulation.time_step), t.size - 1
@@ -145,11 +145,12 @@ def _stored_at(case: Case, times: Array) -> NDArray[np.intp]:
 
 
 def _between_levels(case: Case) -> Array:
-    """By how much slip and the sum of the slip rates at stored levels may be apart [length], (n,).
+    """Largest difference between slip and the integral of the slip rates at stored levels [length],
+    (n,), that the times between levels allow.
 
-    What passes a node between two levels passes, at one of the two, a node that is no farther than
-    the fastest wave comes in the meantime: within the range of the rates there the mean over the
-    step lies, and at both ends half a window is missing or too much.
+    A feature that passes a node between two levels is seen at one of the two at a node no farther
+    away than the fastest wave travels meanwhile.  The mean over the step therefore lies within the
+    range of the rates there.  At both ends of the run half a window is missing or in excess.
     """
     simulation, seen = case.simulation, case.seen
     passed = np.diff(seen.t)

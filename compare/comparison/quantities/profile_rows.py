@@ -1,4 +1,4 @@
-"""Fields along the interface at the end of a run, predicted and simulated."""
+"""Rows of fields along the interface at the end of a run, predicted and simulated."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ Array = NDArray[np.float64]
 Answers = Callable[[ArrayLike, ArrayLike], Array]
 
 NEAREST, FARTHEST = 0.02, 1.9
-"""Positions over c_t T between which slip is compared: not at the edge, nor where P arrives."""
+"""Positions over c_t T between which slip is compared: not at the edge, nor at the P front."""
 POINTS = 2000
-"""At which a prediction is integrated apart from the nodes."""
+"""Number of points at which a prediction is integrated apart from the nodes."""
 
 
 def slip_rate_rows(case: Case) -> Iterator[Row]:
-    """Relative errors of slip rate and slip at the end, what is too narrow for the mesh in their
-    bars.
+    """Rows of the relative errors of slip rate and slip at the end; their bars include zones too
+    narrow for the mesh.
 
-    The slip rate is the mean over the last part of the time, as long for all meshes and for the
-    prediction as the coarsest mesh takes.
+    Slip rates of all meshes and of the prediction are means over the last window of the coarsest
+    mesh.
     """
     reach, end = (NEAREST * case.length, FARTHEST * case.length), np.array([case.end_time])
 
@@ -66,7 +66,7 @@ def slip_rate_rows(case: Case) -> Iterator[Row]:
 
 
 def _exact_rate(case: Case, x: ArrayLike, t: ArrayLike) -> Array:
-    """Mean slip rate of the prediction over the window before a time."""
+    """Return the mean slip rate of the prediction over the window before a time."""
     if not case.window:
         return case.prediction.slip_rate(x, t)
     late, early = (case.prediction.slip(x, at) for at in (t, np.asarray(t) - case.window))
@@ -74,8 +74,8 @@ def _exact_rate(case: Case, x: ArrayLike, t: ArrayLike) -> Array:
 
 
 def _unseen_rate(case: Case) -> Array:
-    """Mean slip rate of the prediction over the window that is at nodes and times that slip in
-    zones too narrow for the mesh, (n,)."""
+    """Mean |slip rate| of the prediction over the last window, counting only slip in zones too
+    narrow for the mesh, (n,)."""
     times = case.seen.t
     inside = times >= case.end_time - max(case.window, float(times[-1] - times[-2]))
     rate = np.where(case.narrow, np.abs(case.at_nodes.slip_rate), 0.0)[inside]
@@ -83,7 +83,7 @@ def _unseen_rate(case: Case) -> Array:
 
 
 def gap_rows(case: Case) -> Iterator[Row]:
-    """Relative error of the gap at the end, and the largest gap; nothing where none opens."""
+    """Rows of the relative error of the gap at the end and of the largest gap, if any opens."""
     if not case.opens:
         return
     scale, reach = case.rate * case.end_time, _disturbed(case)
@@ -104,10 +104,10 @@ def gap_rows(case: Case) -> Iterator[Row]:
 
 
 def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Row:
-    """The largest gap at the end, beyond the first node of the coarsest mesh.
+    """Row of the largest gap at the end, beyond the first node of the coarsest mesh.
 
-    Its bar is of the largest difference of meshes anywhere: that of their largest gaps may be small
-    by chance.
+    Its bar comes from the largest difference between meshes anywhere, because that between their
+    largest gaps may be small by chance.
     """
     start = max(reach[0], case.runs[-1].interface.x[0])
     places = np.append(start, case.seen.x[case.seen.x > start])
@@ -140,7 +140,7 @@ def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Ro
 
 
 def wear_rows(case: Case) -> Iterator[Row]:
-    """Accumulated |slip| and frictional work per area at the end, from the stored levels."""
+    """Rows of accumulated |slip| and frictional work per area at the end."""
     slip = case.rate * case.end_time
     unseen, back = _unseen_wear(case), _unseen_return(case)
     for part, (name, kind, field, scale, symbol) in enumerate(
@@ -153,7 +153,7 @@ def wear_rows(case: Case) -> Iterator[Row]:
             continue
         start = NEAREST * case.length
         if kind == "work" and case.scene.superposition.taken_off.pressure:
-            start = max(start, _beside_edge(case))  # where pressure can be singular
+            start = max(start, _beside_edge(case))  # the pressure can be singular there
         reach = start, FARTHEST * case.length
         yield profile_row(
             case,
@@ -170,10 +170,10 @@ def wear_rows(case: Case) -> Iterator[Row]:
 
 
 def traction_rows(case: Case) -> Iterator[Row]:
-    """Relative L1 errors of shear traction and pressure at the end.
+    """Rows of the relative L1 errors of shear traction and pressure at the end.
 
-    Over the disturbed interface, without the four elements next to the edge, where tractions can
-    be singular.
+    They cover the disturbed interface without the four elements next to the edge, where tractions
+    can be singular.
     """
     reach = _beside_edge(case), _disturbed(case)[1]
     for name in ("shear_traction", "pressure"):
@@ -209,13 +209,13 @@ def _last(case: Case, field: str, number: int) -> Array:
 
 
 def _own(case: Case, field: str, number: int) -> Array:
-    """What a run has summed over all its steps, (n,)."""
+    """Field that a run has itself summed over all its steps, (n,)."""
     return np.asarray(getattr(case.runs[number], field))
 
 
 def _driven_by(case: Case, part: int, number: int) -> Array:
-    """Slip over V₀ T (part 0) or work per area over τ₀ V₀ T (1) that a change of strength from one
-    mesh to the next moves a run by, (n,) at its nodes."""
+    """Change of slip over V₀ T (part 0) or of work per area over τ₀ V₀ T (1) due to the change of
+    strength from one mesh to the next, (n,) at the nodes of a run."""
     run, rate = case.runs[number].interface, case.strength_changes[number]
     if part:
         rate = rate * np.abs(run.shear_traction) / case.stress
@@ -223,8 +223,8 @@ def _driven_by(case: Case, part: int, number: int) -> Array:
 
 
 def _unseen_wear(case: Case) -> tuple[Array, Array]:
-    """|slip| and frictional work per area of the prediction at nodes that only ever slip in zones
-    too narrow for the mesh, (n,) each."""
+    """Predicted accumulated |slip| and frictional work per area at nodes that slip only in zones
+    too narrow for the mesh, (n,) each; 0 at other nodes."""
     ever = np.abs(case.at_nodes.slip_rate) > NOTHING * case.rate
     unseen = (case.narrow == ever).all(axis=0)
     path, work = case.worn_at_nodes
@@ -232,8 +232,8 @@ def _unseen_wear(case: Case) -> tuple[Array, Array]:
 
 
 def _unseen_return(case: Case) -> tuple[Array, Array]:
-    """The same of slip back and forth again, in zones too narrow for the mesh of the sense that the
-    rest of the slip at a node has not, (n,) each: such a mesh shows neither."""
+    """Predicted accumulated |slip| and work per area of slip back and forth that the mesh misses,
+    (n,) each: twice the slip against the final slip of a node in zones too narrow for the mesh."""
     seen = case.at_nodes
     back = case.narrow & (np.sign(seen.slip_rate) == -np.sign(seen.slip[-1]))
     rate = np.where(back, np.abs(seen.slip_rate), 0.0)
@@ -243,8 +243,8 @@ def _unseen_return(case: Case) -> tuple[Array, Array]:
 
 
 def _unseen_stick(case: Case) -> Array:
-    """How far the shear traction of the prediction leaves that of slip on either side at the end,
-    in gaps between zones that too few nodes lie in, (n,)."""
+    """Deviation of the predicted shear traction at the end from interpolation between the nodes on
+    either side, in gaps between zones that hold too few nodes, (n,); 0 elsewhere."""
     gaps, x = case.narrow_gaps[-1], case.seen.x
     traction = case.at_nodes.shear_traction[-1]
     if not gaps.any():
@@ -253,7 +253,7 @@ def _unseen_stick(case: Case) -> Array:
 
 
 def _beside_edge(case: Case) -> float:
-    """Where the elements end that are left out next to the edge [length]."""
+    """Position at which profiles begin beyond the elements left out next to the edge [length]."""
     return (EDGE_CELLS + 0.5) * case.simulation.element_size
 
 
@@ -268,13 +268,14 @@ def _norm(case: Case, answer: Answers, reach: tuple[float, float], scale: float)
 
 
 def _worn_norm(case: Case, part: int, reach: tuple[float, float], scale: float) -> float | None:
-    """The same of accumulated |slip| (part 0) or work per area (1); None if only nodes have it."""
+    """L1 norm of predicted accumulated |slip| (part 0) or work per area (1) between two positions
+    at the end, over its scale and c_t T; None if the prediction has not summed them itself."""
     x = _between(case, reach)
     own = own_wear(case.prediction, x, case.end_time)
     return None if own is None else norm(own[part] / scale, x / case.length, 1)
 
 
 def _between(case: Case, reach: tuple[float, float]) -> Array:
-    """Positions between two, as far as the contact was simulated, apart from its nodes."""
+    """Evenly spaced positions between two, as far as the contact was simulated."""
     end = min(reach[1], float(case.seen.x[-1]))
     return np.linspace(max(reach[0], end / POINTS), end, POINTS)

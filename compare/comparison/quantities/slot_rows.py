@@ -1,4 +1,4 @@
-"""How the upper slot face moves at the end of a run, predicted and simulated."""
+"""Rows of the velocity of the upper slot face at the end of a run, predicted and simulated."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ Array = NDArray[np.float64]
 
 
 def slot_rows(case: Case) -> Iterator[Row]:
-    """Relative L1 errors of the velocity of the upper slot face at the end, along and across it.
+    """Rows of relative L1 errors of the velocity of the upper slot face at the end, by component.
 
-    They hold all fronts on the face, that of the Rayleigh wave above all.  Nothing is said of
-    predictions that do not know the slot, nor of a component that vanishes.
+    They include all fronts on the face, above all that of the Rayleigh wave.  There are no rows for
+    predictions that do not know the slot, nor for a component that vanishes.
     """
     predict = getattr(case.prediction, "slot_velocity", None)
     if predict is None:
@@ -34,7 +34,7 @@ def slot_rows(case: Case) -> Iterator[Row]:
     names = ("v_z" if case.scene.antiplane else "v_x", "v_y")
 
     def moved(run: Simulation) -> tuple[Array, Array]:
-        """Distances from the edge (n,) and the velocities there over V0 (2, n), simulated."""
+        """Distances from the edge (n,) and the simulated velocities there over V0 (2, n)."""
         slot = run.slot
         shown = (-slot.x >= start) & (-slot.x <= reach)
         velocity = np.stack([slot.velocity_x[-1, shown], slot.velocity_y[-1, shown]])
