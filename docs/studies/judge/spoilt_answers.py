@@ -54,7 +54,7 @@ class Retold:
 
     @property
     def companion(self) -> Retold | None:
-        """Companion by which a march judges its errors, retold in the same way; None without one."""
+        """Companion by which a march judges its errors, retold alike; None if there is none."""
         own = getattr(self.original, "companion", None)
         return None if own is None else Retold(own, self.lag, self.sense)
 
