@@ -47,13 +47,14 @@ Array = NDArray[np.float64]
 
 RTOL = 1e-12
 NODES = 4000
-"""Of the march that is written; `SCORING_NODES` of the one that codes are scored by."""
+"""Nodes of the march that is written; runs are scored against one on `SCORING_NODES`."""
 SCORING_NODES = 1000
 DIGITS, DECIMALS = 12, 13
 SAME = 1e-10
-"""Relative difference from the written numbers, or from 1 below that, that is none."""
+"""Largest difference from a written number that is ignored, over the largest of its name."""
 READING_SAFETY, MARCH_TOLERANCE = 4.0, 2e-6
-"""Measured: with them marches on 1000 to 8000 nodes agree."""
+"""Factor and addend of the error estimates of a march.  Measured: with them marches on 1000 to 8000
+nodes agree."""
 COLUMNS = ("t", "x", *QUANTITIES)
 DATA = Path(str(files("compare.benchmarks").joinpath("data")))
 SUMS = "SHA256SUMS"
@@ -82,7 +83,7 @@ def first_crossing(sheet: Sheet, t: Array, values: Mapping[str, Array]) -> float
 
 
 def _excess(sheet: Sheet, values: Mapping[str, Array]) -> Array:
-    """What is positive where a station counts as reached."""
+    """Return a value that is positive wherever a station counts as reached."""
     level = arrival_level(sheet)
     if sheet.arrival == OPENING:
         return np.asarray(level - values["pressure"])
@@ -93,7 +94,7 @@ _READ = {SLIP: "slip_rate", OPENING: "pressure"}
 
 
 def arrival_quantity(sheet: Sheet) -> str:
-    """The quantity that tells of arrivals, "" if none does."""
+    """Return the quantity whose threshold defines arrivals; "" if nothing is timed."""
     return _READ.get(sheet.arrival, "")
 
 
@@ -112,7 +113,7 @@ def arrival_times(sheet: Sheet, answer: Solution | Marched, x: ArrayLike) -> Arr
 
 
 def _arrival_speed(sheet: Sheet, solution: Solution) -> float:
-    """How fast what counts as reached spreads [length / time]."""
+    """Return the speed of the farthest point that counts as reached [length / time]."""
     name = arrival_quantity(sheet)
 
     def excess(velocity: float) -> float:
@@ -205,7 +206,7 @@ def document_of(sheet: Sheet, nodes: int = NODES) -> dict[str, Any]:
 
 
 def _arrival_words(sheet: Sheet) -> str:
-    """What the arrivals are those of."""
+    """Return the condition that defines an arrival, in words; empty if nothing is timed."""
     name = arrival_quantity(sheet)
     side = "below" if sheet.arrival == OPENING else "above"
     return name and f"{name} {side} {arrival_level(sheet):g}"
@@ -283,7 +284,7 @@ def answer_files(sheet: Sheet) -> tuple[str, str]:
 
 
 def written_bytes(name: str, folder: Path = DATA) -> bytes:
-    """What a file of the answers holds.
+    """Return the bytes of a written answer file.
 
     Raises
     ------
@@ -308,10 +309,10 @@ def written_document(sheet: Sheet, folder: Path = DATA) -> dict[str, Any]:
 
 
 def changes(sheet: Sheet, nodes: int = NODES, folder: Path = DATA) -> Iterator[str]:
-    """What of a written answer is not as it is computed now, a sentence each.
+    """Yield a sentence for each difference between a written answer and the one computed now.
 
-    Numbers may differ by `SAME`, relative to the largest of their name, and by the errors of both
-    where they are marched.
+    Numbers may differ by `SAME` relative to the largest number of their name.  Marched numbers may
+    also differ by the error estimates of both answers.
 
     Raises
     ------

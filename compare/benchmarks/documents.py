@@ -37,7 +37,7 @@ SHEET_DIMENSIONS: Dimensions = {
 
 
 def sheets_document() -> dict[str, Any]:
-    """What each sheet asks for."""
+    """List what each sheet asks a code to report."""
     sheets = [
         {**asdict(sheet), "marched": sheet.is_marched, "scene": scene_document(sheet.scene)}
         for sheet in SHEETS.values()
@@ -58,7 +58,7 @@ def sheet_document(sheet: Sheet) -> dict[str, Any]:
 
 
 def run_document(run: Run) -> dict[str, Any]:
-    """What a run is of, and what it cost."""
+    """Describe a run: its sheet, its code and its cost."""
     return {
         "sheet": run.sheet.name,
         "code": run.code,

@@ -28,13 +28,13 @@ from semianalytic.scene.checks import checked_count
 from semianalytic.scene.errors import DataFileError, SceneError
 
 LABELS = ("benchmark", "code", "version", "cells", "seconds")
-"""What the comment lines of a file say; cells are those over c_t T."""
+"""Labels of the comment lines of a file; cells are counted over c_t T."""
 LEAST_CELLS = 8
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What one code made of a sheet on one grid.
+    """The results of one code for a sheet on one grid.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ def _marched(sheet: Sheet, cells: int) -> SampledAnswer:
 
 
 CODES: Mapping[str, Callable[[Sheet, int], SampledAnswer]] = {"fem": _simulated, "march": _marched}
-"""Our own entrants."""
+"""Our own codes that can be run on a sheet."""
 
 
 def enter(code: str, sheet: Sheet, cells: int) -> Run:
@@ -176,7 +176,7 @@ def told_apart(runs: Sequence[Run]) -> list[Run]:
 
 
 def _labels(path: Path) -> dict[str, str]:
-    """What the comment lines say."""
+    """Return the labels that the comment lines of a file give."""
     said = {}
     for line in lines_of(path):
         label, colon, value = line.removeprefix("#").partition(":")

@@ -32,7 +32,7 @@ README = "README.md"
 
 
 def exported(sheets: Sequence[Sheet]) -> dict[str, bytes]:
-    """What an export holds, by path below its folder."""
+    """Return the contents of the exported files by path below the export folder."""
     contents: dict[str, bytes] = {}
     for sheet in sheets:
         for name, data in _sheet_files(sheet).items():

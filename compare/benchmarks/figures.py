@@ -19,7 +19,7 @@ from semianalytic import Marched
 
 MARKERS = "osD^vPX<>*"
 LEAST_SHOWN = 1e-5
-"""Errors below it are drawn there."""
+"""Smaller errors are drawn at this value."""
 
 
 def sheet_figure(sheet: Sheet) -> Figure:

@@ -69,7 +69,7 @@ Block = Text | Heading | Code | Table | Picture
 
 
 def sheet_blocks(sheet: Sheet) -> Iterator[Block]:
-    """All that a sheet says."""
+    """Yield the blocks of the page of a sheet."""
     yield Heading(f"{sheet.name}: {sheet.title}", 1)
     yield Text(f"It tests {sheet.tests}.")
     yield Heading("Problem")
@@ -203,7 +203,7 @@ def _range(inner: float, outer: float) -> str:
 
 
 def _scales_words() -> str:
-    """What plain numbers are multiplied by."""
+    """Return in words the factors that convert dimensionless numbers to SI units."""
     return ", ".join(
         f"{name.replace('_', ' ')} times {SI_SCALES[name]:g} {unit(dimension, 'SI')}"
         for name, dimension in _UNITS.items()

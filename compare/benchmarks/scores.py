@@ -36,7 +36,7 @@ ENOUGH = 0.9
 LONGEST_STEP = 1 / 32
 """Longest step between two samples over T that counts as held: that of the written answers."""
 GAP = 3.0
-"""Times the usual step between two rows, from which on something is left out between them."""
+"""A step longer than this many median steps counts as a gap in the record."""
 LONGEST_MEAN = 2.0
 """Cells over c_t, the longest step over which slip rates may be means: UGUCA and SEM2DPACK write
 means over a quarter and a tenth of one."""
@@ -44,7 +44,7 @@ EXACTLY = 1e-6
 """Relative error below which a run is the answer itself: the nearest run of any code on 200 cells,
 and of our marcher, is 5e-5 from it."""
 GRADED = (ARRIVAL, *QUANTITIES)
-"""What has tolerance classes: the error of arrivals, and the L1 errors of quantities."""
+"""Errors with tolerance classes: the error of arrivals and the L1 error of each quantity."""
 NOTHING = 1e-9
 """An exact norm below this, relative to that of the reference value, is zero."""
 

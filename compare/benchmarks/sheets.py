@@ -23,19 +23,19 @@ from semianalytic.scene.units import SI
 Array = NDArray[np.float64]
 
 STATIONS = (0.1, 0.25, 0.5, 0.75, 0.95)
-"""Over c_t T, from the edge of the contact."""
+"""Distances of the stations from the contact edge, over c_t T."""
 TIMES = (*(step / 64 for step in range(1, 64, 2)), 1.0)
-"""Of exact records, over T: no front of any sheet passes a station at one of them."""
+"""Times of the exact records, over T; no front of any sheet passes a station at one of them."""
 CELLS = (50, 100, 200)
-"""Over c_t T, for which there are tolerance classes."""
+"""Numbers of cells over c_t T that have tolerance classes."""
 
 SLIP, OPENING = "slip", "opening"
 SLIPPING = ("slip_rate", "slip", "shear_traction")
 
 SI_SHEAR_MODULUS, SI_DENSITY = 1e10, 2500.0
-"""[Pa], [kg/m^3]: shear waves at 2000 m/s."""
+"""Shear modulus [Pa] and density [kg/m^3] in SI units; shear waves travel at 2000 m/s."""
 SI_STRESS = 1e7
-"""Traction that stands for 1 [Pa]."""
+"""Traction [Pa] that corresponds to a dimensionless traction of 1."""
 SI_SCALES: Mapping[str, float] = {
     "x": 2000.0,  # c_t T [m]
     "t": 1.0,  # T [s]
@@ -44,7 +44,7 @@ SI_SCALES: Mapping[str, float] = {
     "shear_traction": SI_STRESS,
     "pressure": SI_STRESS,
 }
-"""What a number in units mu = rho = c_t = T = 1 is multiplied by."""
+"""Factors that convert numbers in units mu = rho = c_t = T = 1 to SI units."""
 
 
 @dataclass(frozen=True)
@@ -76,12 +76,12 @@ class Sheet:
 
     @property
     def scene(self) -> Scene:
-        """In units mu = rho = c_t = 1."""
+        """The scene of the problem in units mu = rho = c_t = 1."""
         return find_scene(self.name)
 
     @property
     def si_scene(self) -> Scene:
-        """The same in metres, seconds, kilograms and pascals."""
+        """The scene of the problem in metres, seconds, kilograms and pascals."""
         return in_si(self.scene)
 
     @property

@@ -24,10 +24,10 @@ LENGTH, SLOT = 5.2, 2.2
 reaches a station until T."""
 SCALE = 100.0
 LEFT, RIGHT, DEPTH = 2.0, 1.5, 1.0
-"""Of SEM2DPACK's blocks, over c_t T: no reflection reaches a station until T."""
+"""Extents of SEM2DPACK's blocks, over c_t T; no reflection reaches a station until T."""
 NGLL, DAMPED_LAYERS = 5, 2
 CONTACT, SLOT_FACES = {"low": 5, "up": 6}, {"low": 7, "up": 8}
-"""Tags of the boundaries of its mesh."""
+"""Tags of the boundaries of the SEM2DPACK mesh."""
 
 
 def starter_inputs(sheet: Sheet) -> Mapping[str, str]:

@@ -1,1 +1,1 @@
-"""What other codes wrote about an interface: files in, records at stations out."""
+"""Read interface results of other codes from files into records at stations."""

@@ -126,7 +126,7 @@ def _xdmf_frames(path: Path) -> Iterator[Frame]:
 
 @contextlib.contextmanager
 def _parsing(path: Path) -> Iterator[None]:
-    """What meshio prints is dropped, and its failure is one sentence."""
+    """Suppress what meshio prints and report any failure as a DataFileError of one sentence."""
     try:
         with contextlib.redirect_stdout(io.StringIO()):
             yield

@@ -1,4 +1,4 @@
-"""What two codes write in forms of their own: dumps of UGUCA, faults of SEM2DPACK."""
+"""Read the native output of two codes: dumps of UGUCA and fault data of SEM2DPACK."""
 
 from __future__ import annotations
 

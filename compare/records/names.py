@@ -1,4 +1,4 @@
-"""What columns of other codes are called, and in which units they say they are."""
+"""Recognise the columns of other codes and their units by name."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ SEISSOL: Mapping[str, tuple[str, str]] = {
 the tractions themselves, which are taken where a file has both."""
 
 LONGEST = 200
-"""Characters of a header that is looked at."""
+"""Number of characters of a header that are examined."""
 
 _KINDS = {name: kind for kind, names in ALIASES.items() for name in names.split()}
 _OF_FACES = {face: kind for kind, faces in FACES.items() for face in faces}
@@ -209,7 +209,7 @@ def _words(name: str) -> str:
 
 
 def no_columns(path: Path, names: Sequence[str], line: int = 0) -> DataFileError:
-    """That none of the names stands for anything to compare."""
+    """Return the error for a file in which no name stands for a quantity to compare."""
     shown = ", ".join(repr(name[:LONGEST]) for name in names[:8]) or "nothing"
     return DataFileError(
         f"{path}{_at(line)} names {shown}: none of it is {', '.join(QUANTITIES)} of the interface; "

@@ -1,4 +1,4 @@
-"""What a reader cannot know of a file."""
+"""Information that a reader cannot obtain from a file itself."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class ReadingOptions:
-    """What is told of files of other codes.
+    """Information that the user gives about files of other codes.
 
     Attributes
     ----------

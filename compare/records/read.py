@@ -22,13 +22,13 @@ ARRAYS = (".npz", ".npy")
 HDF5 = (".h5", ".hdf5", ".hdf")
 SIMULATION = "simulation.h5"
 _DAMAGES = (zlib.error, TokenError, SyntaxError, TypeError, NotImplementedError, RecursionError)
-"""What numpy and zipfile raise, beside what readers expect, where a bit of a file is flipped."""
+"""Errors, besides those readers expect, that numpy and zipfile raise where a bit is flipped."""
 
 
 def read_records(
     paths: Sequence[str | Path], options: ReadingOptions | None = None
 ) -> list[Records]:
-    """What files of other codes recorded, a run each.
+    """Read the records in files of other codes, one `Records` for each run.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def _read_file(path: Path, options: ReadingOptions, at: float | None) -> tuple[R
 
 
 def _read_kind(path: Path, options: ReadingOptions, at: float | None) -> tuple[Records, bool]:
-    """The same, by what kind of file it is."""
+    """Read a file with the reader for its kind; return as `_read_file` does."""
     suffix = path.suffix.lower()
     if not path.exists():
         raise DataFileError(f"{path} does not exist; give a file that does.")

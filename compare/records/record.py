@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 QUANTITIES = ("slip_rate", "slip", "shear_traction", "pressure")
-"""What is recorded: relative, upper body less lower; pressure positive in compression."""
+"""Recorded quantities.  Motion is that of the upper body relative to the lower one, and pressure is
+positive in compression."""
 
 BEFORE, AFTER = "before", "after"
 """A slip rate may be the mean over the step before or after its time."""
@@ -19,7 +20,7 @@ BEFORE, AFTER = "before", "after"
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """What was recorded at one point of the interface.
+    """Time series recorded at one point of the interface.
 
     Attributes
     ----------
@@ -79,7 +80,7 @@ class Stated:
 
 @dataclass(frozen=True, eq=False)
 class Records:
-    """What one code recorded on one grid.
+    """All records of one code on one grid.
 
     Attributes
     ----------

@@ -13,7 +13,7 @@ from compare.records.record import QUANTITIES, Array, Record, Stated
 from semianalytic.scene.errors import DataFileError
 
 LEAST_TIMES = 2
-"""At a station, to be a record."""
+"""Least number of times that a station needs to be a record."""
 
 
 def joined_faces(

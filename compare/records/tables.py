@@ -18,9 +18,9 @@ from compare.records.units import EXAMPLES, NO_UNIT, si_size
 from semianalytic.scene.errors import DataFileError
 
 SCEC_UNIT = 100.0
-"""Metres to which the numbers of a SCEC station's name count."""
+"""Metres that one unit of the number in the name of a SCEC station stands for."""
 NEVER = 1e8
-"""Time of rupture from which on there is none: SCEC writes 1e9."""
+"""Rupture times from this value on mean that no rupture occurred; SCEC writes 1e9."""
 
 _SCEC = re.compile(r"faultst(-?\d+)dp(-?\d+)", re.IGNORECASE)
 _NAMED = re.compile(r"(?:^|[_\-\s])x[_=]?(-?\d+(?:\.\d+)?(?:e-?\d+)?)", re.IGNORECASE)
@@ -108,7 +108,7 @@ def joined(parts: list[Records]) -> Records:
 
 
 def _bare_names(table: Table, alone: bool) -> tuple[str, ...]:
-    """What columns without names are, if there are as many as there have to be."""
+    """Return the names of unnamed columns; raise a DataFileError if their number does not fit."""
     wanted = ("t", "slip_rate") if alone else ("t", "x", "slip_rate")
     if table.rows.shape[1] == len(wanted):
         return wanted
@@ -121,7 +121,7 @@ def _bare_names(table: Table, alone: bool) -> tuple[str, ...]:
 def _position(
     table: Table, at: float | None, origin: float
 ) -> tuple[float, Unit | None, list[str]]:
-    """Where a station is from the origin, the unit of that if it is named, and how it is known."""
+    """Return the position of a station relative to the origin, its unit and notes on its source."""
     path = table.path
     if at is not None:
         return at - origin, None, []

@@ -18,7 +18,7 @@ from semianalytic.scene.errors import DataFileError
 
 COMMENTS = ("#", "%", "!", "//")
 MISSING = {"", "nan", "na", "n/a", "none", "null", "-", "--", "?"}
-"""What stands for no number."""
+"""Entries that mark a missing number."""
 LONGEST_SHOWN = 24
 """Characters of a damaged entry that are quoted."""
 MOST_COMMENTS = 10_000

@@ -1,4 +1,4 @@
-"""What another code recorded against the exact answer: units, conventions, norms, verdicts."""
+"""Validate records of other codes against exact answers: units, conventions, norms, verdicts."""
 
 from compare.validation.conventions import Conventions
 from compare.validation.validation import Validation, validate

@@ -13,11 +13,11 @@ from compare.validation.grids import Grids, changes, grid_bar, spacing_bar, unse
 from compare.validation.norms import station_size, weights
 
 TELLING = 0.5
-"""A bar wider than that part of what is compared tells nothing of it."""
+"""A bar wider than this part of the compared value is too wide for a verdict."""
 ALARM = 1.5
-"""Bars beyond which a difference is one."""
+"""Number of bars beyond which a difference counts."""
 MEAN_NOISE = math.sqrt(2 / math.pi)
-"""Mean of the absolute value of what is normally distributed, over its standard deviation."""
+"""Mean absolute value of normally distributed noise over its standard deviation."""
 SCATTER = 3.0
 """Standard deviations by which a mean of noise may be larger: of 750 means one is."""
 

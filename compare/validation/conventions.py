@@ -11,11 +11,11 @@ from semianalytic.scene.checks import checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
 
 SLIPS = ("relative", "half", "face")
-"""What is recorded of slip: both faces, half of it, or how one face moves."""
+"""Possible meanings of recorded slip: relative slip, half of it, or the motion of one face."""
 SIGNS = ("as-given", "reversed")
 PRESSURES = ("compression", "tension")
 TRACTIONS = ("total", "changes")
-"""Recorded tractions are all of them, or their changes since t = 0."""
+"""Possible meanings of recorded tractions: total tractions, or their changes since t = 0."""
 RATES = ("point", "before", "after")
 """A recorded slip rate is that at its time, or the mean over the step before or after it."""
 BASIC = ("length", "time", "stress")

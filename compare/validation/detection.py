@@ -44,14 +44,14 @@ ANY_SCALE = (
     "multiplied by one number fit as well"
 )
 LOOKED_AT = 6
-"""Stations that readings are tried on."""
+"""Number of stations on which readings are tried."""
 SAMPLES = 300
 """Samples of a record that are enough to tell readings apart."""
 SHIFTS = 41
 FEW = 60
 """Samples of a record, enough for the time origin."""
 LARGEST_SHIFT = 0.2
-"""Of the time origin, over T."""
+"""Largest shift of the time origin that is tried, over T."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,7 +252,7 @@ def _with_means(found: Detection, run: Records) -> Detection:
 
 
 def _shift(run: Records, exact: Exact) -> tuple[str, ...]:
-    """What is said, and not mended, of a time origin that is not that of the load."""
+    """Report a time origin that is not that of the load, without correcting it."""
     name = next(
         (name for name in MOTION if any(name in record.values for record in run.stations)), None
     )
@@ -287,7 +287,7 @@ def _shifted_error(run: Records, exact: Exact, name: str, shift: float) -> float
 
 
 def _given_notes(conventions: Conventions) -> Iterator[str]:
-    """What was asked for, to be said first."""
+    """Yield notes on the conventions that the user gave, which come first in the report."""
     if conventions.scale:
         sizes = ", ".join(f"{name} times {size:.6g}" for name, size in conventions.scale.items())
         yield f"units, as given: {sizes}"

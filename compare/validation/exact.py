@@ -90,15 +90,14 @@ class Exact:
         return np.divide(moved, stop - start, out=rate.copy(), where=stop > start)
 
     def smeared(self, name: str, x: float, t: Array, band: float) -> tuple[Array, ...]:
-        """What a grid may leave of a record that it sees by a band [length] too near, too far, too
-        early or too late."""
+        """Return records that a grid may see instead: a band [length] early, late, near and far."""
         late = band / self.scene.material.shear_speed
         near = max(x - band, CLOSEST * x)
         records = [self.record(name, x, t + shift) for shift in (-late, late)]
         return (*records, *(self.record(name, place, t) for place in (near, x + band)))
 
     def unit(self, name: str) -> float:
-        """What counts as one of a quantity: τ₀, V₀ or V₀ T."""
+        """Return the unit of a quantity: τ₀, V₀ or V₀ T."""
         rate = slip_rate_scale(self.scene)
         units = {"slip_rate": rate, "slip": rate * self.end_time}
         return units.get(name, stress_scale(self.scene))

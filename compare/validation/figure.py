@@ -1,4 +1,4 @@
-"""What was recorded at stations, over the exact records, and the difference of both."""
+"""Figure of the records at stations with the exact records, and of their differences."""
 
 from __future__ import annotations
 

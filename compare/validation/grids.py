@@ -1,4 +1,4 @@
-"""Error bars of what another code recorded: from its other grids, or from its spacing alone."""
+"""Error bars of records of another code, from its other grids or from its grid spacing alone."""
 
 from __future__ import annotations
 
@@ -23,34 +23,34 @@ SMEAR: dict[str, float] = {
     "shear_traction": 0.8,
     "pressure": 0.4,
 }
-"""Part of what one cell too near or far, early or late, would make of a record, that a scheme of
-first order at fronts leaves of it.
+"""Error of a scheme that is of first order at fronts, as a part of the error that a shift of the
+record by one cell, in space or in time, would cause.
 
 These four, and what follows, were set on random scenes computed by our finite elements and our
 marcher, and tried on others and on other codes; docs/validate.md says what half and twice of each
 do.
 """
 BRIEF = 2.0
-"""Part of slip that is missing, or too much, where it lasts for one cell only."""
+"""Relative error of slip that lasts for one cell only; it may be too small or too large."""
 LONG = 10.0
-"""Cells for which slip lasts until it is missing in proportion to one over their square, and no
-longer to one over their number: friction rounds off its ends, and no more."""
+"""If slip lasts for more than this many cells, its missing part falls with the square of their
+number and not with the number itself: friction then rounds off only the ends of slip."""
 CARRIED = 0.2
-"""Times spacing over c_t T: part of a quantity at all stations that a quiet station may catch."""
+"""Error at a quiet station over the mean quantity at all stations and over spacing / (c_t T)."""
 LEAST = 1e-3
-"""Relative error of a record below which nothing is believed at all."""
+"""Least relative error bar that any record is given."""
 SLOW = 1e-3
-"""Over V_0, slip rate that is none: what a march leaves of it where the contact sticks is less."""
+"""Slip rate over V_0 below which the contact counts as stuck; what a march leaves there is less."""
 UNSEEN = 2.0
-"""Cells of the finest grid for which slip lasts that no grid shows, and by which none differ."""
+"""All grids may miss alike slip that lasts for at most this many cells of the finest grid."""
 FLOOR = 0.05
-"""Part of the smear below which no difference of grids is believed."""
+"""Least error from differences of grids, as a part of the smear by one cell."""
 GCI, FEW_GRIDS = 1.25, 3.0
 """Factors of safety of the grid convergence index: of three grids or more, and of two."""
 ORDERS = (0.4, 4.0)
-"""Between which an observed order is believed."""
+"""Limits between which an observed order of convergence is accepted."""
 PROFILE = 20
-"""Evenly spaced stations that are the points of a grid, and not chosen ones."""
+"""Evenly spaced stations, if there are this many, are taken for the points of a grid."""
 EVEN = 0.01
 USUAL_RATIO = 2.0
 SAME_PLACE = 1e-6
@@ -149,7 +149,7 @@ def profile_spacing(run: Records) -> float | None:
 
 
 def smear(grids: Grids, record: Record, name: str, exact: Exact) -> float | None:
-    """What one cell may make of a record, as a relative L1 error; None without a spacing."""
+    """Return the relative L1 error that a shift by one cell may cause; None without a spacing."""
     if grids.spacing is None:
         return None
     band = grids.spacing
@@ -270,7 +270,7 @@ def grid_bar(grids: Grids, differences: Sequence[float]) -> tuple[float, float |
 
 
 def _seen(run: Records, record: Record, name: str) -> Array | None:
-    """What a run holds at a station of another, at the times of that one."""
+    """Interpolate a run at the station and times of a record of another run; None without it."""
     size = SAME_PLACE * max(abs(record.x), 1e-300)
     same = [one for one in run.stations if abs(one.x - record.x) <= size]
     if not same or name not in same[0].values:

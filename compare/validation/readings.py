@@ -41,11 +41,11 @@ class Reading:
         return self.offsets.get(name, 0.0)
 
     def place(self, record: Record) -> float:
-        """Where a record of the file lies [length]."""
+        """Return the position of a record of the file in units of the scene [length]."""
         return record.x * self.factor("x")
 
     def times(self, record: Record) -> Array:
-        """Its times [time]."""
+        """Return the times of a record of the file in units of the scene [time]."""
         return self._read("t", record.t)
 
     def apply(self, run: Records) -> Records:

@@ -21,20 +21,20 @@ from compare.validation.norms import Norm, pooled, station_norm, weights
 Array = NDArray[np.float64]
 
 PLACES = (0.1, 0.25, 0.5, 0.75, 0.95)
-"""Over c_t T; of more stations than these, those next to them have rows of their own."""
+"""Positions over c_t T.  If a run has more stations, only those nearest to these have own rows."""
 THRESHOLD = 0.01
-"""Of the largest load over rho c_t, slip rate at which slip counts as begun."""
+"""Slip rate at which slip counts as begun, over the largest load / (rho c_t)."""
 FEW = 4
-"""Samples that a record has at least."""
+"""Least number of samples that a record must have to be judged."""
 COVERED = 0.5
 """Part of the time of a record that has to be free of gaps for a row to tell anything."""
 NOISY = 5.0
-"""Standard deviations of the noise that a threshold of slip rate is at least: one sample in three
-million is beyond them by chance, with half as many one in a hundred is."""
+"""Least threshold of slip rate in standard deviations of the noise.  By chance one sample in three
+million exceeds it; at half of it one in a hundred does."""
 TIMES = 2000
-"""At which an exact onset is looked for."""
+"""Number of times at which an exact onset is sought."""
 SMOOTHED = (2.0, 5.0)
-"""Cells that slip has to last longer than to be seen when it begins."""
+"""Widths, in cells, over which slip rate is averaged to see how far a grid may shift an onset."""
 SLIDING = 0.05
 """Part of the largest slip rate of a station above which it slides for sure."""
 STRENGTH_FLOOR = 0.005
@@ -334,7 +334,7 @@ def strength_rows(grids: Grids, exact: Exact) -> Iterator[JudgedRow]:
 
 
 def _slides(exact: Exact, record: Record, band: float) -> NDArray[np.bool_]:
-    """Where a record slides, and would if a grid smeared it."""
+    """Return where the exact contact slides at a record, even if a grid smeared the slip rate."""
     rate = np.abs(exact.record("slip_rate", record.x, record.t))
     traction = np.abs(exact.record("shear_traction", record.x, record.t))
     least = max(SLIDING * rate.max(initial=0.0), 1e-3 * exact.unit("slip_rate"))

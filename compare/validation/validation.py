@@ -99,12 +99,12 @@ class Validation:
         return tuple(row for row in self.rows if row.verdict == verdict)
 
     def remedy(self, row: Row) -> str:
-        """Nothing: what would resolve a row is said with what stands in its way."""
+        """Return "": the obstacle of a row already says what would resolve it."""
         return ""
 
     @property
     def source(self) -> str:
-        """Where the records that are judged come from."""
+        """The file or files of the records that are judged."""
         return self.grids.finest.source
 
 

@@ -11,7 +11,7 @@ from semianalytic import PairSolution, SceneError, solve_pair
 from semianalytic.halfplane.rayleigh import Array
 
 EXACT = 1e-10
-"""rtol of what others are compared with."""
+"""The rtol of the reference answers that the others are compared with."""
 TOLERANCES = (1e-4, 1e-6, 1e-8)
 BESIDE = 0.03
 """Distance from zone edges, over the slowest wave speed, from which `error_estimate` speaks."""

@@ -51,12 +51,12 @@ class NamedPoint:
 
 
 def contrasts(size: int) -> list[float]:
-    """Of the columns of a map."""
+    """Return the contrasts of the columns of a map."""
     return np.geomspace(*CONTRASTS, size).tolist()
 
 
 def frictions(size: int) -> list[float]:
-    """Of the rows of a map."""
+    """Return the friction coefficients of the rows of a map."""
     return np.geomspace(*FRICTIONS, size).tolist()
 
 

@@ -75,7 +75,7 @@ class CostRow:
 
 
 def named_rows() -> list[NamedRow]:
-    """Pairs that are met."""
+    """Return a row for each named pair of solids."""
     rows = []
     for pair, (upper, lower) in NAMED.items():
         for friction in FRICTIONS:
@@ -140,7 +140,7 @@ def zones_text(answer: PairSolution) -> str:
 
 
 def cost_rows() -> list[CostRow]:
-    """What scenes cost."""
+    """Measure the processor time that each scene takes."""
     rows = []
     for name, pair in SCENES.items():
         seconds = []

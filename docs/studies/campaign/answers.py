@@ -212,7 +212,7 @@ def _totals(rough: Solution, fine: Solution) -> dict[str, float]:
 def _in_the_bodies(
     rough: Solution, fine: Solution, random: np.random.Generator
 ) -> dict[str, float]:
-    """At points of both bodies off the fronts of waves from the edge."""
+    """Compare the fields at points of both bodies away from the fronts of waves from the edge."""
     scene = rough.scene
     material, load = scene.material, _largest_load(scene)
     fastest, speed = material.longitudinal_speed, material.shear_speed
@@ -240,8 +240,8 @@ def _value(scene: Scene, name: str) -> float:
 
 
 def _derivatives(rough: Solution, fine: Solution, random: np.random.Generator) -> dict[str, float]:
-    """Of slip rate and slip: against those of the better answer, and together against the fields,
-    which double with all tractions."""
+    """Compare derivatives of slip rate and slip with those of the better answer, and their weighted
+    sum with the fields themselves, since doubling all tractions doubles the fields."""
     scene, x = rough.scene, _clear(fine, random)
     fronts = (scene.material.shear_speed, scene.material.longitudinal_speed)
     x = x[np.abs(x[:, None] - np.array(fronts)).min(axis=1) > _CLEAR * scene.material.shear_speed]
@@ -269,7 +269,7 @@ def _derivatives(rough: Solution, fine: Solution, random: np.random.Generator) -
 
 
 def summary(rows: Sequence[AnswerRow]) -> list[SummaryRow]:
-    """What was asked, how often, and what was beyond its estimate."""
+    """Count outcomes, and for each quantity the checks and the errors beyond their estimates."""
     outcomes = [row.outcome for row in rows]
     answered = [row for row in rows if row.outcome == "converged"]
     lines = [

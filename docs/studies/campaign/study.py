@@ -296,7 +296,7 @@ def run_campaign(
 
 
 def summary(solved: Sequence[SolvedRow], marched: Sequence[MarchedRow]) -> list[tuple[str, str]]:
-    """What the campaign found, as (what, how much)."""
+    """Summarise the campaign as pairs of a description and a value."""
     answered = [row for row in solved if row.outcome != "refused"]
     whole = [row for row in answered if row.outcome == "converged"]
     runs = [row for row in marched if row.outcome != "refused"]

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from fem import Simulation
 
 PLACE = 0.3
-"""Where on the contact a single node is at fault, over c_t T."""
+"""Position on the contact, over c_t T, of a single node that is at fault."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Fault:
     what : str
         The fault in a line.
     make : callable
-        A simulation to the same at fault; None where that changes nothing.
+        Turns a simulation into one with the fault; gives None if the fault changes nothing.
     """
 
     name: str
@@ -34,7 +34,7 @@ class Fault:
 
 
 def _field(name: str, factor: float) -> Callable[[Simulation], Simulation | None]:
-    """A field of the simulation times a factor, its companions as they are."""
+    """Multiply a field of the simulation by a factor and leave its companions unchanged."""
 
     def make(simulation: Simulation) -> Simulation | None:
         values = factor * getattr(simulation.interface, name)
@@ -44,7 +44,7 @@ def _field(name: str, factor: float) -> Callable[[Simulation], Simulation | None
 
 
 def _node(name: str, factor: float) -> Callable[[Simulation], Simulation | None]:
-    """A field at one node times a factor."""
+    """Multiply a field at one node by a factor."""
 
     def make(simulation: Simulation) -> Simulation | None:
         seen, scene = simulation.interface, simulation.scene
@@ -65,7 +65,7 @@ def _with(simulation: Simulation, name: str, values: np.ndarray) -> Simulation |
 
 
 def _moves_more(factor: float) -> Callable[[Simulation], Simulation | None]:
-    """All that slips on all meshes times a factor, as a wrong modulus would make it."""
+    """Multiply all slip on all meshes by a factor, as a wrong modulus would."""
 
     def make(simulation: Simulation) -> Simulation | None:
         seen = simulation.interface
@@ -84,7 +84,7 @@ def _moves_more(factor: float) -> Callable[[Simulation], Simulation | None]:
 
 
 def _not_a_number(simulation: Simulation) -> Simulation | None:
-    """One value of the pressure that is no number."""
+    """Replace one value of the pressure by NaN."""
     values = simulation.interface.pressure.copy()
     values[-1, len(values[-1]) // 3] = np.nan
     return replace(simulation, interface=replace(simulation.interface, pressure=values))
@@ -102,4 +102,4 @@ FAULTS = (
     Fault("node × 10, pressure", "pressure of one node too large", _node("pressure", 10.0)),
     Fault("not a number", "one value that is not a number", _not_a_number),
 )
-"""In the simulation alone, its companions being right, unless it says otherwise."""
+"""Each fault affects the simulation alone, not its companions, unless its description says so."""

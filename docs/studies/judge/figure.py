@@ -24,11 +24,11 @@ from docs.studies.judge.spoils import SPOILS
 from docs.studies.judge.trials import STEPS, JudgedRow, SpoiltRow
 
 _FARTHEST = 3.0
-"""End of the axis of differences over bars; what is further is drawn there."""
+"""End of the axis of differences over bars; larger ratios are drawn at this value."""
 _LEAST_ROWS = 10
-"""Of a kind that has a curve."""
+"""Least number of rows for which a kind has a curve."""
 _LEAST_EFFECT, _LARGEST_EFFECT = 0.1, 100.0
-"""Limits of the axis of effects over bars; what is beyond is drawn there."""
+"""Limits of the axis of effects over bars; effects beyond a limit are drawn at it."""
 
 
 @styled
@@ -43,7 +43,7 @@ def judge_figure(judged: Sequence[JudgedRow], spoilt: Sequence[SpoiltRow]) -> Fi
 
 
 def _draw_bars(panel: Axes, judged: Sequence[JudgedRow]) -> None:
-    """Part of the rows of a kind whose difference is at most a part of the bar."""
+    """Draw for each kind the cumulative share of rows over their difference divided by the bar."""
     barred = [row for row in judged if row.group == STEPS and row.tells]
     kinds = dict.fromkeys(row.kind for row in barred)
     styles = [(colour, style) for style in ("-", "--") for colour in cycle()]
@@ -101,6 +101,6 @@ def _draw_mistakes(panel: Axes, spoilt: Sequence[SpoiltRow]) -> None:
 
 
 def _mark_bars(panel: Axes) -> None:
-    """Where a difference is a bar, and where it is one that counts."""
+    """Draw lines where a difference equals the bar and where it counts as a difference."""
     panel.axvline(1, color=ink(0.65), linewidth=0.8)
     panel.axvline(ALARM, color=ink(0.65), linewidth=0.8, linestyle="--")

@@ -1,4 +1,4 @@
-"""What a theory predicts that glues the slot shut for slip, the kernels (4.31), (4.37)."""
+"""Prediction of a theory that glues the slot shut for slip, with the kernels (4.31), (4.37)."""
 
 from __future__ import annotations
 

@@ -32,12 +32,12 @@ Array = NDArray[np.float64]
 
 _HELD_NODES = 300
 _NO_SLIP = 1e-9
-"""Part of the largest slip rate that counts as none."""
+"""Slip rates below this part of the largest one count as zero."""
 
 
 @dataclass(frozen=True)
 class Window:
-    """Over what a simulation was recorded, and how finely.
+    """Duration, time step and reach of the record of a simulation.
 
     Attributes
     ----------

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 _EVEN, _GRADED, _CLUSTERED = 4000, 300, 200
 _REACH = 1.1
-"""How far the table of a profile goes, over c_l; what is ahead stays as it is there."""
+"""End of the table of a profile, over c_l; fields farther ahead keep the values at the end."""
 _FIRST, _NEAREST, _BESIDE = 1e-6, 1e-7, 0.05
 """First velocity, and least and largest distance of points from an edge or a front, over c_t."""
 
@@ -54,7 +54,7 @@ class Retold:
 
     @property
     def companion(self) -> Retold | None:
-        """The same of what a march judges its own errors by; None if there is nothing like it."""
+        """Companion by which a march judges its errors, retold alike; None if there is none."""
         own = getattr(self.original, "companion", None)
         return None if own is None else Retold(own, self.lag, self.sense)
 
@@ -232,7 +232,7 @@ class Tabulated(Profiled):
 
 
 def tabulated(solution: Solution) -> Tabulated:
-    """A solution as a table that can be told from it by nothing but its digits."""
+    """Return a solution as a table that differs from it only in its last digits."""
     table = profiled(solution)
     return Tabulated(
         **{part.name: getattr(table, part.name) for part in fields(table)}, original=solution
@@ -241,7 +241,7 @@ def tabulated(solution: Solution) -> Tabulated:
 
 @lru_cache(maxsize=2)
 def profiled(solution: Solution) -> Profiled:
-    """What a solution says of the contact, to be bent."""
+    """Tabulate the fields of a solution on the contact so that they can be distorted."""
     material = solution.scene.material
     speed, reach = material.shear_speed, _REACH * material.longitudinal_speed
     openings = tuple((part.start, part.end) for part in solution.openings_at(1.0))

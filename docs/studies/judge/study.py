@@ -35,7 +35,7 @@ from docs.studies.judge.tables import (
 from docs.studies.judge.trials import JudgedRow, SpoiltRow, run_trials
 
 FOLDER = Path("results", "stability")
-"""Where the command leaves its trials unless told otherwise, and the tables of docs look."""
+"""Default folder of the trials; the tables of the docs are made from it."""
 
 
 def write_judge(

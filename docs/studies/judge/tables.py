@@ -1,4 +1,4 @@
-"""What the trials of the judge come to: false alarms, error bars, power."""
+"""Results of the trials of the judge: false alarms, error bars and power."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from docs.studies.judge.trials import COUNTS, REFUSED, TRUTH, JudgedRow, SpoiltR
 
 ALL = "all"
 CONFIDENCE = 0.95
-"""Of the upper limit of a rate."""
+"""Confidence level of the upper limit of a rate."""
 STRENGTHS = (0.0, 0.5, 1.0, ALARM, 2.0, 2.5, math.inf)
-"""Over the bar; between them mistakes are counted together."""
+"""Limits of the strength classes, over the bar; mistakes between two limits share a class."""
 SURE = ALARM + 1
-"""Bars from which on a mistake shows whatever the simulation errs within its bar."""
+"""Number of bars from which a mistake shows, however the simulation errs within its bar."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class BarRow:
 
 @dataclass(frozen=True)
 class PowerRow:
-    """What becomes of one mistake.
+    """How often one mistake of a prediction is caught.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ def power_rows(rows: Sequence[SpoiltRow]) -> list[PowerRow]:
 
 @dataclass(frozen=True)
 class FaultRow:
-    """What becomes of one fault of a simulation.
+    """How often one fault of a simulation is caught.
 
     Attributes
     ----------

@@ -64,16 +64,16 @@ QUICK_COUNTS = {
 }
 QUICK_RESOLUTION = 40
 WHOLE = 8
-"""Of so many scenes the field snapshots of one are judged too, which take most of the time."""
+"""Field snapshots, which take most of the time, are judged for one scene in this many."""
 SHARES = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 """Sizes of a spoil that are tried, over the usual one."""
 QUICK_POWER = 2
 TRUTH = "none"
-"""What the truth is called among the spoils."""
+"""Name of the right answer among the spoils."""
 LAW = "law"
-"""Kind of the rows of what a simulation has to hold by itself."""
+"""Kind of the rows for laws that a simulation has to satisfy by itself."""
 REFUSED = "refused"
-"""Verdict on a simulation that the judge does not take."""
+"""Verdict on a simulation that the judge refuses."""
 
 
 @dataclass(frozen=True)
@@ -196,7 +196,7 @@ def _unheard(_: str) -> None:
 
 
 def window_of(simulation: Simulation) -> Window:
-    """What of a prediction a simulation is held against."""
+    """Return the times and the reach on the contact over which a simulation is judged."""
     reach = float(simulation.interface.x[-1]) + simulation.element_size
     return Window(simulation.end_time, simulation.time_step, reach)
 
@@ -273,7 +273,7 @@ def spoilt_rows(
 
 
 class _Outcome(NamedTuple):
-    """What became of an answer; as in `SpoiltRow`."""
+    """Effect and verdict of one trial; the fields are those of `SpoiltRow`."""
 
     slip_rate: float
     shear_traction: float
@@ -308,7 +308,7 @@ class _Trial:
         return cls(simulation, right, window_of(simulation), flawless(judgement), bars)
 
     def outcome(self, answer: Answer) -> _Outcome:
-        """What becomes of an answer."""
+        """Judge an answer against the simulation and measure how far it is from the right one."""
         judgement = judge(answer, self.simulation)
         x, t = self.simulation.interface.x, self.window.end_time * np.linspace(0.2, 1.0, 9)
         return _Outcome(
@@ -324,8 +324,9 @@ class _Trial:
         return self._most(judge(answer, self.flawless).rows)
 
     def _most(self, rows: Sequence[Row]) -> float:
-        """The largest difference over the bar of the right answer, or of the place; what a
-        simulation has to hold by itself is left out, for a prediction at its nodes need not."""
+        """Return the largest difference over the bar of the right answer, or over the row's own bar
+        if the row has a place.  Laws that a simulation has to satisfy by itself are left out, since
+        a prediction at its nodes need not satisfy them."""
         shares = (
             abs(row.difference) / bar
             for row in rows
@@ -337,7 +338,7 @@ class _Trial:
         return max(shares, default=0.0)
 
     def at_fault(self, fault: Fault) -> _Outcome | None:
-        """What becomes of the right answer where the simulation is at fault; None if it is not."""
+        """Judge the right answer on the simulation with a fault; None if it changes nothing."""
         spoilt_one = fault.make(self.simulation)
         if spoilt_one is None:
             return None
@@ -436,7 +437,7 @@ def run_trials(
 
 
 def _trial_of(row: JudgedRow | SpoiltRow) -> tuple[str, int]:
-    """What a row is of: group or scene, and index."""
+    """Return the trial that a row belongs to: its group or scene, and its index."""
     return (row.group if isinstance(row, JudgedRow) else row.scene), row.index
 
 
