@@ -1,7 +1,7 @@
-"""Where solved zones break the law of contact: at closely spaced points, a tenth of x apart.
+"""Check solved zones against the law of contact, at points about a tenth of x apart.
 
-On stick |tau| <= f p; where it slips V keeps its sense, and on both p >= 0; where it is open the
-gap is not negative.
+Where the interface sticks, |tau| <= f p.  Where it slips, V keeps its sense.  In both cases p >= 0.
+Where the contact is open, the gap is not negative.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Violation:
     zone : int
         Index of the zone, -1 on stick.
     sense : int
-        Of the traction or the slip rate there.
+        Sign of the shear traction or of the slip rate there.
     left : float
     right : float or None
         None: up to the contact edge.
@@ -43,9 +43,9 @@ class Violation:
 
 
 def largest_breach(profile: Profile, slowest: float) -> float:
-    """How far the law is broken anywhere, over the scale of each quantity; 0 where it is kept.
+    """Return the largest violation of the law, over the scale of each quantity; 0 if there is none.
 
-    Places slower than the slowest wave by more than a factor of `slowest` are left out.
+    Points that are slower than the slowest wave by more than a factor of `slowest` are left out.
     """
     breaches = [np.zeros(1)]
     for part in profile.parts:
@@ -56,7 +56,10 @@ def largest_breach(profile: Profile, slowest: float) -> float:
 
 
 def violations(profile: Profile, tolerance: float, slowest: float) -> list[Violation]:
-    """Where the law fails by more than a tolerance, as `largest_breach` measures it."""
+    """Return the intervals where the law fails by more than a tolerance.
+
+    Violations are measured as in `largest_breach`.
+    """
     found: list[Violation] = []
     for part in profile.parts:
         v, values = _points(profile, part, slowest)
@@ -66,7 +69,7 @@ def violations(profile: Profile, tolerance: float, slowest: float) -> list[Viola
 
 
 def _points(profile: Profile, part: Part, slowest: float) -> tuple[Array, Array]:
-    """Slownesses of the sampled points of a part, and the functions there."""
+    """Return the slownesses of the sampled points of a part, and the functions there."""
     intervals = part.series.intervals
     points = intervals.points
     used = points.v < slowest * profile.density.interface.compliance.last
@@ -76,13 +79,16 @@ def _points(profile: Profile, part: Part, slowest: float) -> tuple[Array, Array]
 def _breaches(
     profile: Profile, part: Part, v: Array, values: Array
 ) -> list[tuple[Kind, Array, Array]]:
-    """What may be broken on a part: kind, by how much over its scale, and in which sense."""
+    """Return each condition on a part: its kind, its violation over its scale, and its sense.
+
+    A condition holds where its violation is not positive.
+    """
     interface, zones = profile.density.interface, profile.density.zones
     shear = interface.base_shear + values[SHEAR]
     pressure = interface.base_pressure - values[NORMAL]
     frictional = interface.friction * pressure
     scale = np.abs(shear) + np.abs(frictional) + interface.friction * interface.base_pressure
-    if part.zone < 0:  # where the contact would pull no friction is left: it slips first
+    if part.zone < 0:  # friction is 0 in tension, so that slip is the first failure
         return [("excess", (np.abs(shear) - np.maximum(frictional, 0.0)) / scale, np.sign(shear))]
     zone = zones[part.zone]
     if zone.open:
@@ -98,7 +104,7 @@ def _breaches(
 def _intervals(
     part: Part, v: Array, wrong: np.ndarray, what: tuple[Kind, Array]
 ) -> list[Violation]:
-    """Runs of wrong points, from the last point that is right to the next one that is."""
+    """Return runs of wrong points, each from the last right point before it to the next one."""
     kind, sense = what
     bounds = np.flatnonzero(np.diff(wrong.astype(int), prepend=0, append=0))
     stretch, result = part.stretch, []
@@ -111,7 +117,7 @@ def _intervals(
 
 
 def _merged(found: list[Violation]) -> list[Violation]:
-    """Violations of one kind and sense that touch across a wave front, as one."""
+    """Join violations of the same kind and sense that meet at a wave front."""
     result: list[Violation] = []
     for one in sorted(found, key=lambda one: (one.kind, one.left)):
         last = result[-1] if result else None

@@ -11,20 +11,23 @@ from semianalytic.dissimilar_slot.placement import Placement
 from semianalytic.dissimilar_slot.zones import Zone, edges_of, joined, moved, neighbours
 
 _AT_FRONT, _BEYOND_FRONT = 1e-4, 0.1
-"""Relative distance in slowness of an edge that ran into a wave front, and where it is started on
-the other side, over the distance of the next front."""
+"""Relative distance in slowness below which an edge has run into a wave front, and the distance
+from that front at which it restarts on the other side, over the distance to the next front."""
 _MET = 1e-3
-"""Relative width of a gap or a zone that Newton's method has all but closed."""
+"""Relative width below which Newton's method is taken to have closed a stick gap or a zone."""
 _PARTED = 1e-3
-"""Half of the relative width of stick put between slip of either sense."""
+"""Half the relative width of the stick zone that is put between slip of opposite senses."""
 _NEAR = 1e-6
-"""Relative distance in slowness of what touches."""
+"""Relative distance in slowness below which two edges are the same."""
 
 
 def corrected(zones: Sequence[Zone], violations: Sequence[Violation]) -> tuple[Zone, ...]:
-    """Zones without what slips or opens the wrong way; if there is none of that, with openings
-    where the contact would pull; and if there is none of that either, with slip where traction
-    exceeds friction."""
+    """Return the zones with one kind of violation corrected.
+
+    Slip against its sense and negative gaps are removed first.  If there are none, the widest
+    interval in tension is opened.  If there is none either, slip is added where the shear traction
+    exceeds friction.
+    """
     wrong = [one for one in violations if one.kind in ("reversed", "overlap")]
     pulled = [one for one in violations if one.kind == "pull"]
     result = list(zones)
@@ -41,7 +44,7 @@ def corrected(zones: Sequence[Zone], violations: Sequence[Violation]) -> tuple[Z
 
 
 def _tidy(zones: Sequence[Zone]) -> tuple[Zone, ...]:
-    """Neighbouring slip of one sense made one zone, and of either sense parted by stick."""
+    """Merge adjoining slip zones of one sense, and put stick between those of opposite senses."""
     result: list[Zone] = []
     for zone in zones:
         last = result[-1] if result else None
@@ -56,19 +59,19 @@ def _tidy(zones: Sequence[Zone]) -> tuple[Zone, ...]:
 
 
 def _extent(one: Violation) -> float:
-    """Ratio of the ends of an interval; those that reach the contact edge are widest."""
+    """Return the ratio of the ends of an interval; it is infinite up to the contact edge."""
     return float("inf") if one.right is None else one.right / max(one.left, 1e-300)
 
 
 def _at(one: float | None, other: float | None) -> bool:
-    """Whether two slownesses are the same edge."""
+    """Tell whether two slownesses are the same edge."""
     if one is None or other is None:
         return one is other
     return abs(one - other) < _NEAR * other
 
 
 def _cut(zones: list[Zone], wrong: Violation) -> None:
-    """Take an interval out of its zone; next to an opening the sense of slip is turned."""
+    """Remove an interval from its zone, or reverse slip that adjoins an opening."""
     index = wrong.zone
     zone = zones[index]
     from_left, to_right = _at(wrong.left, zone.left), _at(wrong.right, zone.right)
@@ -92,7 +95,7 @@ def _cut(zones: list[Zone], wrong: Violation) -> None:
 
 
 def _close(zones: list[Zone], index: int, overlap: Violation) -> None:
-    """Slip in place of a negative gap."""
+    """Replace an interval of negative gap by slip."""
     zone = zones[index]
     slip = Zone(overlap.left, overlap.right, zone.sense)
     parts = [slip]
@@ -118,7 +121,10 @@ def _open(zones: list[Zone], pull: Violation) -> None:
 
 
 def _slip(zones: list[Zone], excess: Violation) -> None:
-    """Slip where traction exceeds friction: a neighbour of that sense widened, or a new zone."""
+    """Add slip where the shear traction exceeds friction.
+
+    An adjoining slip zone of that sense is widened; otherwise a new zone is inserted.
+    """
     for index, zone in enumerate(zones):
         if zone.open or zone.sense != excess.sense:
             continue
@@ -133,10 +139,10 @@ def _slip(zones: list[Zone], excess: Violation) -> None:
 
 
 def rearranged(placement: Placement) -> tuple[Zone, ...] | None:
-    """What to try where Newton's method did not place the edges of zones; None if nothing.
+    """Return zones to try after Newton's method failed to place the edges; None if there are none.
 
-    An edge that ran into a wave front is started on its other side; zones of one sense that have
-    met become one, and those that have shrunk to nothing are left out.
+    An edge that ran into a wave front restarts on the other side of it.  Slip zones of one sense
+    that have met are merged, and zones that have shrunk to nothing are left out.
     """
     zones = placement.zones
     crossed = _across_fronts(placement)
@@ -159,7 +165,7 @@ def rearranged(placement: Placement) -> tuple[Zone, ...] | None:
 
 
 def _across_fronts(placement: Placement) -> tuple[Zone, ...] | None:
-    """The zones with edges that ran into a wave front started behind or ahead of it."""
+    """Move each edge that ran into a wave front to the other side of it; None if no edge did."""
     edges = edges_of(placement.zones)
     ends: list[float | None] = [0.0, *placement.density.interface.compliance.distinct_fronts, None]
     result, crosses = list(edges), False

@@ -1,4 +1,4 @@
-"""Slopes of slip and opening rate on given zones: singular equations, solved by least squares.
+"""Solve the singular equations for the slopes of slip and opening rate on given zones.
 
 With q = (dV/dv, dU/dv) on the zones the transforms of the tractions are
 
@@ -34,12 +34,13 @@ from semianalytic.dissimilar_slot.zones import Zone
 from semianalytic.halfplane.rayleigh import Array
 
 _POWER_STEPS = 12
-"""Of the iteration for the smallest singular value: it is known to a tenth then."""
+"""Steps of the inverse power iteration, after which the smallest singular value is known to a
+tenth."""
 
 
 @dataclass(frozen=True, eq=False)
 class OnPanel:
-    """What the equations need on one panel, at its nodes and half-way between.
+    """Quantities in the equations on one panel, at its nodes and half-way between them.
 
     Attributes
     ----------
@@ -54,7 +55,7 @@ class OnPanel:
     rates : (m, 2, 2) array
         R(-v).
     poles : tuple of Pole
-        At the Rayleigh waves of the free faces, where it is open.
+        Poles at the Rayleigh waves of the free faces, on panels of openings.
     """
 
     panel: Panel
@@ -67,7 +68,7 @@ class OnPanel:
 
     @property
     def unknowns(self) -> int:
-        """How many unknowns the panel has."""
+        """Number of unknowns of the panel."""
         return self.panel.unknowns + 2 * len(self.poles)
 
 
@@ -84,9 +85,9 @@ class Density:
     slopes : tuple of (n, 2) arrays
         dV/dx and dU/dx at the nodes of every panel, times the spacing.
     amplitudes : tuple of (p, 2) arrays
-        Of both kinds of every pole on every panel.
+        Amplitudes of both kinds of every pole on every panel.
     matrix : (m, n) array
-        Of the equations.
+        Matrix of the equations.
     residual : float
         Largest residual over the largest right-hand side.
     """
@@ -108,7 +109,7 @@ class Density:
 
     @cached_property
     def masses(self) -> Array:
-        """(m, 2): Psi^T q dv / n_inf at the nodes of all panels."""
+        """Psi^T q dv / n_inf at the nodes of all panels, (m, 2)."""
         parts = [
             (part.sources @ slope[:, :, None])[..., 0]
             for part, slope in zip(self.parts, self.slopes, strict=True)
@@ -117,7 +118,10 @@ class Density:
 
     @cached_property
     def smallest_singular_value(self) -> float:
-        """That of the equations: well below 0.1 they do not determine the densities."""
+        """Smallest singular value of the matrix.
+
+        Well below 0.1 the equations do not determine the densities.
+        """
         if not self.parts:
             return 1.0
         from scipy.linalg import cho_factor, cho_solve
@@ -133,26 +137,28 @@ class Density:
         return float(np.linalg.norm(vector) ** -0.5)
 
     def _on_zone(self, zone: int) -> Iterator[tuple[OnPanel, Array, Array]]:
-        """The panels of a zone with their slopes and amplitudes."""
+        """Yield the panels of a zone with their slopes and amplitudes."""
         for part, slope, amplitude in zip(self.parts, self.slopes, self.amplitudes, strict=True):
             if part.panel.zone == zone:
                 yield part, slope, amplitude
 
     def change(self, zone: int) -> Array:
-        """How much V and U change across a zone, (2,)."""
+        """Return the changes of V and U across a zone, (2,)."""
         return np.sum([self.panel_change(*on) for on in self._on_zone(zone)], axis=0)
 
     @staticmethod
     def panel_change(part: OnPanel, slope: Array, amplitude: Array) -> Array:
-        """How much V and U change across a panel, (2,)."""
+        """Return the changes of V and U across a panel, (2,)."""
         total = slope.sum(axis=0)
         for pole, size in zip(part.poles, amplitude, strict=True):
             total = total + pole.change(np.array([pole.right]))[0] @ size
         return np.asarray(total)
 
     def gap_left(self, zone: int) -> float:
-        """Integral of the rate of opening over slowness across an opening that closes: the gap at
-        its end is that over time and slowness."""
+        """Return the integral of U over slowness across an opening that closes.
+
+        It equals the slowness at the end of the opening times the gap over time there.
+        """
         moment = 0.0
         for part, slope, amplitude in self._on_zone(zone):
             moment += float(slope[:, 1] @ part.panel.points.v[: part.panel.count])
@@ -162,7 +168,7 @@ class Density:
         return -moment
 
     def _of_poles(self, v: Values) -> Values | float:
-        """What the poles add to int Psi^T q / n_inf dw / (w - v), (m, 2)."""
+        """Return the part of int Psi^T q / n_inf dw / (w - v) due to the poles, (m, 2)."""
         total: Values | float = 0.0
         for part, amplitude in zip(self.parts, self.amplitudes, strict=True):
             for pole, size in zip(part.poles, amplitude, strict=True):
@@ -170,7 +176,10 @@ class Density:
         return total
 
     def normal_slope(self, on: OnPanel) -> Array:
-        """How sigma changes on a panel that slips, per step of x, half-way between its nodes."""
+        """Return the change of sigma per step of x on a slip panel, half-way between its nodes.
+
+        With g = (0, 1) C^(-1), d(sigma)/dv = Im g R(-v) z / (pi v) - Re g . q.
+        """
         panel, count = on.panel, on.panel.count
         z: Values = np.zeros((count - 1, 2))
         for part, slope in zip(self.parts, self.slopes, strict=True):
@@ -190,14 +199,17 @@ class Density:
         )
 
     def z(self, stretch: Stretch, points: Points) -> Values:
-        """z(k), (m, 2), at points k = -v off the zones of a stretch that no zone edge cuts."""
+        """Return z(k), (m, 2), at points k = -v off the zones, on a stretch without zone edges."""
         differences = np.concatenate([self._from(stretch, points, part) for part in self.parts])
         sums = (1 / differences).T @ self.masses
         return np.asarray(self.constant + points.v[:, None] * (sums + self._of_poles(points.v)))
 
     def _from(self, stretch: Stretch, points: Points, part: OnPanel) -> Values:
-        """(n, m): the nodes of a panel less the points, formed at the end of the stretch that is
-        nearer to each point."""
+        """Return the nodes of a panel less the points, (n, m).
+
+        Each difference is formed from the end of the stretch that is nearer to the point, so that
+        it loses no digits there.
+        """
         panel = part.panel
         near_left = np.broadcast_to((points.x.real < 0) | (stretch.right is None), points.v.shape)
         result = np.empty((panel.count, len(points.v)), dtype=points.v.dtype)
@@ -210,7 +222,7 @@ class Density:
         return result
 
     def tractions(self, stretch: Stretch, points: Points) -> Values:
-        """T_tau and T_sigma at k = -v, (m, 2), off the zones."""
+        """Return T_tau and T_sigma at k = -v, (m, 2), off the zones; T = Psi z = C^(-1) R z."""
         fronts = self.interface.compliance.fronts
         entries = self.interface.compliance.on_cut(points.v, stretch.minus(points, fronts))
         z = self.z(stretch, points) if self.parts else np.broadcast_to(self.constant, (1, 2))
@@ -219,7 +231,7 @@ class Density:
 
 
 def _nodes_from(panel: Panel, end: float) -> Array:
-    """The nodes of a panel less a slowness, exact where that is an end of the panel."""
+    """Return the nodes of a panel less a slowness, exactly if that is an end of the panel."""
     stretch, nodes = panel.stretch, slice(0, panel.count)
     inside = stretch.left < end and (stretch.right is None or end < stretch.right)
     if inside:
@@ -261,7 +273,7 @@ def density_of(interface: Interface, glued: Glued, zones: Sequence[Zone], rule: 
 
 
 def _closing(parts: Sequence[OnPanel], zone: int) -> Array:
-    """The row, (1, n), by which the rate of opening is back to 0 where an opening closes."""
+    """Return the row, (1, n), of the condition that U is 0 where an opening closes."""
     cells = []
     for part in parts:
         panel, here = part.panel, part.panel.zone == zone
@@ -293,8 +305,10 @@ def _on_panel(interface: Interface, glued: Glued, panel: Panel) -> OnPanel:
 def _equations(
     interface: Interface, target: OnPanel, parts: Sequence[OnPanel], constant: Array
 ) -> tuple[NDArray[np.float64], Array]:
-    """Rows of the equations at the points of one panel, and their right-hand sides, each over the
-    modulus of g and times omega."""
+    """Return the rows of the equations at the points of one panel, and their right-hand sides.
+
+    Each row is divided by the modulus of g and multiplied by omega.
+    """
     panel, count = target.panel, target.panel.count
     film = 0.0 if panel.open else interface.resistance
     columns: list[list[Array]] = [[] for _ in target.rows]
@@ -325,8 +339,11 @@ def _equations(
 
 
 def _least_squares(matrix: Array, right: Array) -> Array:
-    """The solution of least squares, by normal equations and one correction: no singular value is
-    small where the zones have an answer, so that squaring them costs no digit that is wanted."""
+    """Return the least-squares solution, by normal equations and one step of refinement.
+
+    No singular value is small where the zones have an answer, so that squaring them costs no digit
+    that matters.
+    """
     from scipy.linalg import cho_factor, cho_solve  # here, for a quick import
 
     normal = matrix.T @ matrix

@@ -1,4 +1,4 @@
-"""How far an answer may be off: two rules compared, and the canonical matrix against itself."""
+"""Estimate the error of an answer from two rules and from the identity Psi^T R(-k) = n_inf."""
 
 from __future__ import annotations
 
@@ -11,21 +11,22 @@ from semianalytic.dissimilar_slot.zones import edges_of
 from semianalytic.halfplane.rayleigh import Array
 
 _COARSER = 6.0
-"""Tolerance of the rule an answer is compared with, over its own."""
+"""Tolerance of the rule with which an answer is compared, over the tolerance of its own rule."""
 _SAFETY = 2.0
-"""Error estimate over the difference of two rules, which is that of the coarser one."""
+"""Error estimate over the difference of two rules, which is the error of the coarser one."""
 _BETWEEN = 4.0
-"""Error of rates and pressure between the points that are compared, over the tolerance of the rule:
-up to 3 was seen (docs/dissimilar.md, "What it is worth")."""
+"""Error of rates and pressure between the compared points, over the tolerance of the rule: values
+up to 3 were seen (docs/dissimilar.md, "What it is worth")."""
 _LEAST = 3e-13
-"""Rounding, part of every estimate."""
+"""Rounding error, which is part of every estimate."""
 
 
 def numerical_error(placement: Placement, tolerance: float) -> float:
-    """Error estimate of placed zones on the rule of a tolerance.
+    """Return the error estimate of placed zones on the rule of a tolerance.
 
-    From fields of the same zones on a coarser rule: where that wants the edges, over the lesser of
-    themselves and the speed of the slowest wave, and how its rates and tractions differ.
+    The same zones are solved on a coarser rule.  The estimate comes from the shifts of the edges
+    that this rule asks for, over the lesser of the edge speed and the slowest wave speed, and from
+    the differences of rates and tractions.
     """
     fine = placement.density
     coarse = density_of(fine.interface, fine.glued, fine.zones, rule_for(_COARSER * tolerance))
@@ -33,6 +34,7 @@ def numerical_error(placement: Placement, tolerance: float) -> float:
     if not fine.zones:
         return error
     error += _BETWEEN * tolerance
+    # One Newton step from the coarse mismatch tells where the coarse rule would put the edges.
     move = -placement.inverse @ (mismatch(coarse) - mismatch(fine))
     edges = np.array(edges_of(fine.zones))
     shifted = np.array(placement.coordinates.edges(placement.unknowns + move))
@@ -44,14 +46,14 @@ def numerical_error(placement: Placement, tolerance: float) -> float:
 
 
 def _rate_change(fine: Density, coarse: Density) -> Array:
-    """Differences of V and U at the ends of all panels and within them, over the largest."""
+    """Return the differences of V and U at ends and middles of panels, over the largest value."""
     values = [_rates(density) for density in (fine, coarse)]
     scale = np.abs(values[0]).max(axis=0)
     return np.asarray(np.abs(values[0] - values[1]) / np.where(scale > 0, scale, 1.0))
 
 
 def _rates(density: Density) -> Array:
-    """V and U, (n, 2): at the end of every panel, and in the middle of it, x = 0."""
+    """Return V and U, (n, 2), in the middle (x = 0) and at the end of every panel."""
     from scipy.special import sici  # here, for a quick import
 
     rate, result = np.zeros(2), []
@@ -62,6 +64,7 @@ def _rates(density: Density) -> Array:
         if panel.zone != zone and density.zones[panel.zone].left != stop_of(density, zone):
             rate = np.zeros(2)
         zone = panel.zone
+        # The integral of sinc up to x = 0 is 1/2 + Si(pi n) / pi for the node n steps before it.
         steps = -(panel.first + np.arange(panel.count))
         result.append(rate + (0.5 + sici(np.pi * steps)[0] / np.pi) @ slope)
         rate = rate + density.panel_change(part, slope, amplitude)
@@ -70,12 +73,15 @@ def _rates(density: Density) -> Array:
 
 
 def stop_of(density: Density, zone: int) -> float | None:
-    """Where a zone ends; None for none."""
+    """Return the right edge of a zone in slowness; None for zone -1, which stands for no zone."""
     return density.zones[zone].right if zone >= 0 else None
 
 
 def _traction_change(fine: Density, coarse: Density) -> Array:
-    """Differences of tau and sigma at all edges, over themselves and the base."""
+    """Return the differences of tau and sigma at all edges.
+
+    They are relative to the tractions themselves plus f P_b for tau and P_b for sigma.
+    """
     one, other = edge_tractions(fine).values, edge_tractions(coarse).values
     interface = fine.interface
     held = np.array([interface.friction * interface.base_pressure, interface.base_pressure])

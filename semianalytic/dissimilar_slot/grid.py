@@ -1,4 +1,4 @@
-"""Zones seen on a grid: slip and opening piecewise linear in x/t, contact as complementarity.
+"""Find zones on a grid in x/t, from piecewise linear slip and opening and complementarity.
 
 With V and U linear between nodes of xi = x/t and n(xi) = xi Psi^T(1/xi) / n_inf,
 
@@ -30,25 +30,26 @@ from semianalytic.scene.errors import ComputationError
 from semianalytic.selfsimilar.collocation import lemke
 
 _GAUSS = 6
-"""Points per element; the grid of identical bodies has as many."""
+"""Gauss points per element; the grid for identical bodies has as many."""
 _NEAREST_ENDS = 0.02
-"""Distance over the largest velocity below which two wave fronts count as one on the grid."""
+"""Distance over the largest wave speed below which two wave fronts count as one on the grid."""
 _FEWEST = 5
-"""Elements between two fronts."""
+"""Least number of elements between two fronts."""
 _TOLERANCE = 1e-8
-"""Of the canonical matrix on the grid, where the error of piecewise linear rates is a percent."""
+"""Tolerance of the canonical matrix on the grid, where piecewise linear rates are in error by one
+percent."""
 _EDGE_SHARE, _EDGE_SLOPE, _RATIO_UNKNOWN, _MOST_SHARE = 0.25, 0.75, 0.5, 0.95
-"""Place of an edge between two nodes, from the ratio of the two outermost rates, as on the grid of
+"""Place of an edge between two nodes, from the ratio of the two outermost rates, as on the grid for
 identical bodies (`semianalytic.selfsimilar.tuning`)."""
 _HALF_GAP, _HALF_SLIP = 0.1, 0.3
-"""Halves of the stick between slip of either sense, and of slip put beside an opening, over the
-distance of the nodes.  Newton's method finds their widths."""
+"""Half widths of the stick between slip of opposite senses, and of the slip put beside an opening,
+over the distance of the nodes.  Newton's method finds the true widths."""
 _NO_SLIP = 1e-6
-"""Of slip rate over the largest gap over time."""
+"""Slip rate, over the largest gap over time, below which no shear is taken to act on an opening."""
 _ROW_POWERS = (0.0, 1.0, 0.5, -1.0, 2.0)
-"""Of the weights that rows are divided by."""
+"""Powers of the weights by which the rows are divided, tried one after the other."""
 _NEGLIGIBLE = 1e-9
-"""Of a rate or gap, over the largest: what pivoting leaves by rounding."""
+"""Rate or gap, over the largest one, below which it is rounding left by pivoting."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +82,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Seen:
-    """What the grid shows at its nodes.
+    """Slip rate and gap at the nodes of a grid.
 
     Attributes
     ----------
@@ -96,7 +97,7 @@ class Seen:
 
     @property
     def states(self) -> list[int]:
-        """At the nodes: 0 stuck, +1 or -1 slipping, 2 open."""
+        """State of each node: 0 stuck, +1 or -1 slipping, 2 open."""
         least_rate, least_gap = (_NEGLIGIBLE * np.abs(one).max() for one in (self.rate, self.gap))
         slipping = np.where(np.abs(self.rate) > least_rate, np.sign(self.rate), 0)
         return [int(s) for s in np.where(self.gap > least_gap, 2, slipping)]
@@ -104,7 +105,7 @@ class Seen:
 
 @lru_cache(maxsize=16)
 def grid_of(compliance: Compliance, size: int) -> Grid:
-    """A grid of about `size` nodes, clustered at all wave fronts and at the contact edge."""
+    """Return a grid of about `size` nodes, clustered at all wave fronts and at the contact edge."""
     slownesses = [*compliance.distinct_fronts, *map(rayleigh_slowness, compliance.bodies)]
     ends = [0.0]
     for end in sorted(1 / v for v in slownesses):
@@ -139,8 +140,10 @@ def grid_of(compliance: Compliance, size: int) -> Grid:
 
 
 def _slopes(compliance: Compliance, xi: Array, at: Array) -> tuple[Array, Array]:
-    """dT/dxi at points (m,) due to unit rates at the nodes, (m, n, 2, 2), and due to z(0),
-    (m, 2, 2)."""
+    """Return dT/dxi at points (m,) due to unit rates at the nodes, (m, n, 2, 2), and to z(0).
+
+    The second array is (m, 2, 2).  Both follow from the equation in the module docstring.
+    """
     canonical = glued(compliance, _TOLERANCE)
     inverse, rates = compliance.on_cut(1 / at).inverse, canonical.rates(1 / at)
     n, width = len(xi) - 1, np.diff(xi)
@@ -163,8 +166,11 @@ def _slopes(compliance: Compliance, xi: Array, at: Array) -> tuple[Array, Array]
 
 
 def _integrated_tests(xi: Array, at: Array, dxi: Array) -> Array:
-    """(m, n): weights that take slopes at the points to tests with the hat functions of the
-    function they belong to, which vanishes at the last node."""
+    """Return weights (m, n) from the slopes of a function at the points to its tests.
+
+    A test is the integral of the function times a hat function.  The function vanishes at the last
+    node.
+    """
     n, width = len(xi) - 1, np.diff(xi)
     local = (at - xi[:-1, None]) / width[:, None]
     area = np.convolve(width, [0.5, 0.5])
@@ -177,7 +183,10 @@ def _integrated_tests(xi: Array, at: Array, dxi: Array) -> Array:
 
 
 def _gap_from_rate(xi: Array) -> Array:
-    """(n, n): the gap over time at the nodes, xi int U / xi'^2 dxi' from there outward."""
+    """Return the matrix (n, n) from U to the gap over time at the nodes.
+
+    The gap over time is xi int U / xi'^2 dxi', taken from the node outward.
+    """
     n = len(xi) - 1
     left, right = xi[1:-1], xi[2:]
     log, inverse = np.log(right / left), 1 / left - 1 / right
@@ -193,7 +202,7 @@ def _gap_from_rate(xi: Array) -> Array:
 
 
 def seen_on_grid(interface: Interface, size: int) -> Seen:
-    """Slip and opening on a grid of about `size` nodes.
+    """Return slip and opening on a grid of about `size` nodes.
 
     Raises
     ------
@@ -224,7 +233,7 @@ def seen_on_grid(interface: Interface, size: int) -> Seen:
         z = _pivoted(matrix[closed, closed], given[closed], np.tile(grid.weight, 2))
         opens = bool(np.any(given[closed.stop :] + matrix[closed.stop :, closed] @ z < 0))
     except ComputationError:
-        opens = True  # closed the contact may have no answer
+        opens = True  # a contact kept closed may have no answer
     if opens:
         z = _pivoted(matrix, given, np.tile(grid.weight, 3))
     else:
@@ -234,8 +243,10 @@ def seen_on_grid(interface: Interface, size: int) -> Seen:
 
 
 def _pivoted(matrix: Array, given: Array, weight: Array) -> Array:
-    """Lemke's method, with rows over some power of their weights: where its path ends on a ray for
-    one of them, it does not for another."""
+    """Solve by Lemke's method with rows divided by a power of their weights.
+
+    Where the path ends on a ray for one power, it may not for another.
+    """
     for power in _ROW_POWERS:
         scale = weight**-power
         try:
@@ -255,10 +266,10 @@ class _Run:
 
 
 def zones_seen(seen: Seen) -> tuple[Zone, ...]:
-    """Zones from the fastest wave inward, with edges between the nodes that show them.
+    """Return the zones from the fastest wave inward, with edges between nodes of different state.
 
     An opening has slip ahead of it, of the sense in which the sides move where it begins, and slip
-    behind where it closes: narrow slip where the grid shows none.
+    behind it where it closes.  Where the grid shows no such slip, a narrow slip zone is added.
     """
     states = seen.states
     runs = [_Run(0, len(states), len(states))]  # nothing slips at the fastest wave
@@ -283,12 +294,12 @@ def zones_seen(seen: Seen) -> tuple[Zone, ...]:
 
 
 def _boundary(seen: Seen, outer: _Run, inner: _Run) -> tuple[float, list[Zone], float]:
-    """Slownesses at which one run ends and the next begins, and slip that is put between."""
+    """Return where one run ends, slip zones to put between, and where the next run begins."""
     near, far = seen.xi[inner.last], seen.xi[outer.first]
     senses = np.sign(seen.rate).astype(int)
 
     def at(share: float) -> float:
-        """Slowness at a share of the way out from the last node of the inner run."""
+        """Return the slowness at a share of the way out from the last node of the inner run."""
         return float(1 / (near + share * (far - near)))
 
     states = {outer.state, inner.state}

@@ -36,7 +36,7 @@ class Interface:
     friction : float
         f.
     resistance : float
-        eta, what a viscous film takes per relative slip rate [mu b].
+        eta, traction of a viscous film per relative slip rate [mu b].
     base_pressure, base_shear, load_pressure, load_shear : float
         P_b, Q_b, P_0, Q_0 [stress unit].
     """
@@ -51,35 +51,44 @@ class Interface:
 
     @property
     def rayleigh_slownesses(self) -> tuple[float, float]:
-        """Those of the Rayleigh waves of the free faces, upper and lower."""
+        """Slownesses of the Rayleigh waves of the free faces, upper and lower."""
         upper, lower = self.compliance.bodies
         return rayleigh_slowness(upper), rayleigh_slowness(lower)
 
     def level(self, sense: int) -> float:
-        """s f P_b - Q_b: what tau + s f sigma amounts to where the interface slips in a sense."""
+        """Return s f P_b - Q_b, the value of tau + s f sigma where the interface slips in sense s.
+
+        A viscous film adds eta V to that value.
+        """
         return sense * self.friction * self.base_pressure - self.base_shear
 
     def slip_phase(self, sense: int) -> SlipPhase:
-        """theta_K of slip of a sense."""
+        """Return the phase theta_K for slip of a sense."""
         return _slip_phase(self.compliance, sense * self.friction, self.resistance)
 
     def slip_turn(self, sense: int, u: float) -> float:
-        """theta_K / pi at slowness u."""
+        """Return theta_K / pi at slowness u."""
         return self.slip_phase(sense).at(u) / np.pi
 
     def open_turn(self, sense: int, u: float) -> float:
-        """theta_N / pi at slowness u, N = 1 / (A + s f k D), beside slip of a sense."""
+        """Return theta_N / pi at slowness u, N = 1 / (A + s f k D), beside slip of a sense."""
+        # N = R_1 R_2 / (Phi R_1 R_2): both phases are of functions that are regular on the cut.
         free = sum(phase.at(u) for phase in _rayleigh_phases(self.compliance))
         return (free - _contact_phase(self.compliance, sense * self.friction).at(u)) / np.pi
 
     def edge_decay(self, sense: int) -> float:
-        """lambda = 1/2 - arctan(s f beta) / pi: slip that reaches the contact edge has V' ~
-        v^(lambda - 2) there, or v^(-2) if that is more."""
+        """Return lambda = 1/2 - arctan(s f beta) / pi.
+
+        Slip that reaches the contact edge has V' ~ v^(lambda - 2) there, or v^(-2) if that is
+        larger.
+        """
         return 0.5 - float(np.arctan(sense * self.friction * self.compliance.dundurs)) / np.pi
 
     def sharp_turns(self, sense: int, opened: bool) -> tuple[float, ...]:
-        """Slownesses next to which the equations of a zone change fast: hidden zeros of
-        A + s f k D or of A B + k^2 D^2 lie near the cut there."""
+        """Return the slownesses near which the equations of a zone change fast.
+
+        Hidden zeros of A + s f k D or of A B + k^2 D^2 lie near the cut there.
+        """
         phase = self.slip_phase(sense)
         turns = phase.denominator.sharp_turns
         return turns if opened else tuple(sorted({*turns, *phase.numerator.sharp_turns}))
@@ -87,14 +96,14 @@ class Interface:
 
 @lru_cache(maxsize=_KEPT)
 def rayleigh_slowness(body: Body) -> float:
-    """Slowness of the Rayleigh wave of a free body."""
+    """Return the slowness of the Rayleigh wave of a free body."""
     ratio = (body.a / body.b) ** 2
     poisson_ratio = (1 - 2 * ratio) / (2 * (1 - ratio))
     return body.b / Material(1.0, 1.0, poisson_ratio).rayleigh_speed
 
 
 def interface_of(pair: Pair) -> tuple[Interface, float]:
-    """A pair in its own units, and the unit of stress."""
+    """Return a pair in its own units, and the unit of stress."""
     base, load = pair.base, pair.load
     unit = max(abs(load.pressure), abs(load.shear)) or pair.base.pressure
     law = pair.friction_law

@@ -33,9 +33,11 @@ _SHARED, _SHARED_POWER = 0.03, 0.3
 """Relative distance of shear fronts that count as one, and the power of omega there: below 1/2, of
 which 0.2 and 0.4 give the same smallest singular value within a tenth."""
 _BEHIND_POLE = 2.0
-"""Slowness of a cut over that of a Rayleigh wave in an opening without end."""
+"""Slowness at which an opening that reaches the contact edge is cut, over that of a Rayleigh
+wave."""
 _SLOWEST_DECAY = 0.05
-"""Of phi at the end of a panel: an exponent nearer to -1 would need thousands of points."""
+"""Least decay of phi at the end of a panel; an exponent nearer to -1 would need thousands of
+points."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +49,10 @@ class End:
 
 
 def edge_end(exponent: float, bounded: bool = False) -> End:
-    """An end at which the density behaves like d^exponent, -1 < exponent < 1; `bounded`: and like a
-    bounded function besides, as V' does where slip turns to opening."""
+    """Return an end at which the density behaves like d^exponent, -1 < exponent < 1.
+
+    With `bounded` it also has a bounded part, as V' has where slip turns to opening.
+    """
     low, high = max(0.0, -exponent), min(1.0, 1 - exponent)
     power = low + _PLACE * (high - low)
     slowest = min(exponent, 0.0) if bounded else exponent
@@ -56,16 +60,21 @@ def edge_end(exponent: float, bounded: bool = False) -> End:
 
 
 def front_end(interface: Interface, v: float) -> End:
-    """A cut inside a zone, where densities are bounded; at a shear front of both bodies they vanish
-    like d^(1/2), and d^(-1/2) is to be kept out."""
+    """Return a cut inside a zone, where densities are bounded.
+
+    At a shear front that both bodies share they vanish like d^(1/2), and the power keeps out
+    d^(-1/2).
+    """
     one, two = (body.b for body in interface.compliance.bodies)
     shared = abs(one - two) < _SHARED * one and min(abs(v - one), abs(v - two)) < _SHARED * v
     return End(_SHARED_POWER, _SHARED_POWER) if shared else edge_end(0.0)
 
 
 def contact_end(interface: Interface, zone: Zone) -> End:
-    """The contact edge, v -> infinity, where the density of a zone falls at least like v^(-3/2) or,
-    where that is less, v^(lambda - 2): omega ~ v^power."""
+    """Return the end of a zone at the contact edge, v -> infinity, where omega ~ v^power.
+
+    The density falls at least like v^(-3/2) or v^(lambda - 2), whichever falls more slowly.
+    """
     slowest = -1.5 if zone.open else max(-1.5, interface.edge_decay(zone.sense) - 2)
     power = 1 - _PLACE_FAR * (slowest + 1)
     return End(power, -(power + slowest))
@@ -139,8 +148,11 @@ class Panel:
         return interface.compliance.on_cut(self.points.v, self.stretch.minus(self.points, fronts))
 
     def own_kernel(self) -> Array:
-        """(2 n - 1, n): weights of J(w) / (w - v) for densities phi of the panel itself, in the
-        principal value at the nodes v and half-way between, rows times omega."""
+        """Return the weights of J(w) / (w - v) for densities phi of the panel itself, (2 n - 1, n).
+
+        The integral is a principal value at the nodes v and half-way between them; rows are
+        multiplied by omega.
+        """
         kernel = _kernel(self.count, self.spacing, self.stretch.right is not None)
         rows, columns = self.weight, 1 / self.weight[: self.count]
         if self.stretch.right is not None:
@@ -149,7 +161,7 @@ class Panel:
         return np.asarray(kernel * rows[:, None] * columns)
 
     def other_kernel(self, source: Panel) -> Array:
-        """(2 n - 1, m): the same for densities phi of another panel."""
+        """Return the weights of `own_kernel` for densities phi of another panel, (2 n - 1, m)."""
         common = max(self.stretch.left, source.stretch.left)  # an end between the two, or of both
         ends = np.array([common])
         target = self.stretch.minus(self.points, ends)[0]
@@ -161,9 +173,13 @@ class Panel:
 
 @lru_cache(maxsize=64)
 def _kernel(count: int, spacing: float, bounded: bool) -> Array:
-    """(2 n - 1, n): spacing over 2 sinh((x_j - x_i) / 2), or over 1 - exp(x_i - x_j) on a panel
-    without right end.  At a node only the nodes at odd distance count, twice: the trapezoidal rule
-    of twice the spacing around a pole is exact as that with the pole half-way between is."""
+    """Return the Cauchy kernel in the coordinate x times the spacing, (2 n - 1, n).
+
+    The kernel is 1 / (2 sinh((x_j - x_i) / 2)), or 1 / (1 - exp(x_i - x_j)) on a panel without
+    right end.  At a node only the nodes at odd distance count, with twice the weight: the
+    trapezoidal rule of twice the spacing then has the pole half-way between its points, and is as
+    exact as the rule for points half-way between the nodes.
+    """
     nodes = np.arange(count)
     steps = nodes - np.concatenate([nodes, nodes[:-1] + 0.5])[:, None]
     apart = np.clip(spacing * np.where(steps, steps, 1.0), -1200.0, 1200.0)
@@ -175,7 +191,7 @@ def _kernel(count: int, spacing: float, bounded: bool) -> Array:
 
 @lru_cache(maxsize=64)
 def between_nodes(count: int) -> Array:
-    """(n - 1, n): values half-way between nodes from those at the nodes, by sinc interpolation."""
+    """Return the matrix of sinc interpolation from nodes to points half-way between, (n - 1, n)."""
     return np.sinc(np.arange(count - 1)[:, None] + 0.5 - np.arange(count))
 
 
@@ -189,7 +205,7 @@ class Rule:
 
 @lru_cache(maxsize=32)
 def rule_for(tolerance: float) -> Rule:
-    """A rule on which slip rates are right to about a tolerance at every point.
+    """Return a rule on which slip rates are right to about a tolerance at every point.
 
     The sinc series of slip rate is in error by 0.06 to 0.4 exp(-pi^2 / h), a cut-off c by c^1.5:
     measured on the zones of docs/dissimilar.md, h = 0.4 ... 0.8 and c = 1e-4 ... 1e-10.
@@ -198,7 +214,7 @@ def rule_for(tolerance: float) -> Rule:
 
 
 def panels_of(interface: Interface, zones: Sequence[Zone], rule: Rule) -> tuple[Panel, ...]:
-    """The panels of all zones, in order of slowness."""
+    """Return the panels of all zones, in order of slowness."""
     panels = []
     for index, (before, zone, after) in enumerate(neighbours(zones)):
         first, last = edge_exponents(interface, before, zone, after)
@@ -240,11 +256,11 @@ def _panel(
 def edge_exponents(
     interface: Interface, before: Zone | None, zone: Zone, after: Zone | None
 ) -> tuple[float, float | None]:
-    """Exponents of V' (and U') at the two edges of a zone; the second is None at the contact edge.
+    """Return the exponents of V' and U' at both edges of a zone; None at the contact edge.
 
-    Slip starts with -theta_K / pi and heals with theta_K / pi; it opens with -theta_N / pi, and
-    closes with theta_N / pi - 1, sharper by one power, for the gap has to vanish there besides its
-    rate (docs/dissimilar.md, "Exponents").
+    The exponent is -theta_K / pi where slip starts and theta_K / pi where it heals.  It is
+    -theta_N / pi where slip turns to opening and theta_N / pi - 1 where an opening closes, lower by
+    one since the gap has to vanish there as well as its rate (docs/dissimilar.md, "Exponents").
     """
     slip, opening = interface.slip_turn, interface.open_turn
     if zone.open:

@@ -1,9 +1,9 @@
-"""Where zone edges lie: one condition for each, and Newton's method.
+"""Place zone edges by Newton's method, with one condition for each edge.
 
-- Where slip starts, tau + s f sigma has reached its level s f P_b - Q_b;
-- where slip heals, slip rate is back to 0;
-- where slip turns to opening, sigma has reached P_b: no pressure is left;
-- where an opening closes, no gap is left.
+- Where slip starts, tau + s f sigma equals its level s f P_b - Q_b.
+- Where slip heals, the slip rate is 0.
+- Where slip turns to opening, sigma equals P_b, so that the contact pressure is 0.
+- Where an opening closes, the gap is 0.
 
 Im T / (pi v) is the slope of tractions on the cut k = -v + i0.  T is analytic above it, so that
 
@@ -37,27 +37,28 @@ from semianalytic.halfplane.rayleigh import Array
 from semianalytic.selfsimilar.edges import broyden
 
 _SPACING = 0.36
-"""Of x along a half circle, from whose singularities it stays pi / 2: exp(-pi^2 / 0.36) = 1e-12."""
+"""Spacing of x along a half circle, which keeps pi / 2 from singularities: exp(-pi^2 / 0.36)
+= 1e-12."""
 _DIGITS = 30.0
-"""Logarithm of what is cut off at the ends."""
+"""Logarithm of the factor by which the integrand has fallen where it is cut off."""
 _WEAKEST = 0.05
-"""Least decay of T dv/dx at an end; an exponent nearer to -1 is met by no admissible edge."""
+"""Least decay of T dv/dx at an end; no admissible edge has an exponent nearer to -1."""
 _NUDGE = 1e-6
-"""Of an unknown, for its column of the Jacobian: half and twice that give the same steps."""
+"""Change of an unknown for its column of the Jacobian; half and twice that give the same steps."""
 _MOST_STEPS, _LONGEST_MOVE, _MOST_HALVINGS = 14, 1.2, 5
-"""Newton steps, the largest change of an unknown in one of them, and halvings of a step that makes
-the mismatch larger.  Two to five steps are the rule from zones of the complementarity grid."""
+"""Most Newton steps, the largest change of an unknown in one of them, and most halvings of a step
+that makes the mismatch larger.  From zones of the complementarity grid, two to five are usual."""
 _HARMLESS, _SLOW = 0.05, 0.3
-"""Steps below are left as they are, and one Jacobian serves those after them, updated, until a step
-is not shorter than 0.3 of the one before."""
+"""A step is not halved if the next one would be shorter than the first value.  After a step shorter
+than that the Jacobian is only updated, until a step exceeds 0.3 of the one before."""
 _FARTHEST = 40.0
-"""Unknowns beyond put an edge on a wave front, on another edge, or at the contact edge."""
+"""Size of an unknown beyond which its edge is at a front, another edge or the contact edge."""
 
 
 def traction_change(
     density: Density, start: float, stop: float, exponents: tuple[float, float]
 ) -> Array:
-    """How much tau and sigma change from one slowness to another, (2,).
+    """Return the changes of tau and sigma from one slowness to another, (2,).
 
     Parameters
     ----------
@@ -66,6 +67,7 @@ def traction_change(
     """
     stretch = Stretch(start, stop)
     before, after = (_DIGITS / max(1 + min(e, 0.0), _WEAKEST) for e in exponents)
+    # Im x = -pi / 2 is the half circle from start to stop in Im v < 0.
     x = np.arange(-before - stretch.lead, after + _SPACING, _SPACING) - 0.5j * np.pi
     points = stretch.at(x)
     values = density.tractions(stretch, points) / points.v[:, None]
@@ -87,13 +89,13 @@ class Tractions:
     values: Array
 
     def at(self, edge: float) -> Array:
-        """tau and sigma at an edge, (2,)."""
+        """Return tau and sigma at an edge, (2,)."""
         return np.asarray(self.values[int(np.argmin(np.abs(self.edges - edge)))])
 
 
 def edge_tractions(density: Density) -> Tractions:
-    """Tractions at all edges, from the last one ahead of all waves, where they are those of the
-    base."""
+    """Return the tractions at all edges, integrated from ahead of all waves, where they are those
+    of the base."""
     interface, zones = density.interface, density.zones
     exponents: dict[float, float] = {}
     for before, zone, after in neighbours(zones):
@@ -111,7 +113,7 @@ def edge_tractions(density: Density) -> Tractions:
 
 
 def mismatch(density: Density) -> Array:
-    """What the edges of zones leave unfulfilled, (e,), in the order of `edges_of`."""
+    """Return the residual of the condition at each edge, (e,), in the order of `edges_of`."""
     interface, reached = density.interface, edge_tractions(density)
     left_by: dict[float, float] = {}
     slip = 0.0
@@ -145,7 +147,7 @@ class Placement:
     converged : bool
     steps : int
     move : float
-        What the next step would change of an unknown.
+        Largest change of an unknown in the next step.
     """
 
     coordinates: Coordinates
@@ -165,7 +167,7 @@ class Placement:
 def place(
     interface: Interface, glued: Glued, zones: Sequence[Zone], rule: Rule, tolerance: float
 ) -> Placement:
-    """Newton's method for the edges of zones, until a step is below a tolerance."""
+    """Place the edges of zones by Newton's method, until a step is below a tolerance."""
     coordinates = coordinates_of(interface.compliance.distinct_fronts, edges_of(zones))
 
     def at(unknowns: Array) -> Density:
@@ -190,7 +192,7 @@ def place(
             break
         if largest < tolerance:
             return Placement(coordinates, unknowns, inverse, density, True, step, largest)
-        # A Jacobian that was updated is formed anew where it does not bring much.
+        # An updated Jacobian is formed anew when its steps shorten too little.
         if not renew and largest > _SLOW * before:
             renew = True
             continue
@@ -212,7 +214,7 @@ def place(
 def polished(
     start: Placement, glued: Glued, rule: Rule, tolerance: float, most_steps: int = 8
 ) -> Placement:
-    """The edges moved to where a finer rule wants them, with the Jacobian of a coarser one."""
+    """Move the edges to their places on a finer rule, with the Jacobian of a coarser one."""
     unknowns, inverse, coordinates = start.unknowns, start.inverse, start.coordinates
     interface, zones = start.density.interface, start.density.zones
     move, before, largest, steps = np.zeros(len(unknowns)), None, 0.0, 0

@@ -1,4 +1,4 @@
-"""What an opening does at the Rayleigh waves of its free faces.
+"""Poles of the rates in an opening at the Rayleigh waves of its free faces.
 
 At the slowness c of a Rayleigh wave of body j the inverse compliance takes n = (s_j k D_j, A_j) R_j
 to 0, s = +1 for the upper and -1 for the lower body: rates of slip and opening may have a pole
@@ -25,7 +25,7 @@ from semianalytic.dissimilar.stretch import Values
 from semianalytic.halfplane.rayleigh import Array, gauss
 
 _GAUSS = 48
-"""Points of integrals over a panel: Psi is smooth on it."""
+"""Gauss points of integrals over a panel, on which Psi is smooth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,35 +50,35 @@ class Pole:
 
     @property
     def jumps(self) -> Array:
-        """(2, 2): d of both kinds, in columns."""
+        """Coefficients d of the delta functions of both kinds, in columns, (2, 2)."""
         x, y = self.direction
         return np.array([[-np.pi * x, 0.0], [0.0, np.pi * y]])
 
     @property
     def residues(self) -> Array:
-        """(2, 2): p of both kinds, in columns."""
+        """Coefficients p of the simple poles of both kinds, in columns, (2, 2)."""
         x, y = self.direction
         return np.array([[0.0, -x], [-y, 0.0]])
 
     def parabola(self, v: Values) -> Values:
-        """G."""
+        """Return G(v), the parabola with G(c) = 1 that vanishes at both ends of the panel."""
         scale = (self.slowness - self.left) * (self.right - self.slowness)
         return np.asarray((v - self.left) * (self.right - v) / scale)
 
     def _carried(self, v: Values) -> Values:
-        """Psi^T p G / n_inf, (m, 2, 2), at slownesses v."""
+        """Return Psi^T p G / n_inf at slownesses v, (m, 2, 2)."""
         psi = np.swapaxes(self.glued.psi(v), -1, -2) / self.glued.limit
         return np.asarray(psi @ self.residues * self.parabola(v)[:, None, None])
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array, Values]:
-        """Gauss points on the panel, weights, and what is carried there."""
+        """Gauss points on the panel, their weights, and `_carried` there."""
         t, weight = gauss(_GAUSS)
         w = self.left + (self.right - self.left) * t
         return w, (self.right - self.left) * weight, self._carried(w)
 
     def _over(self, v: Values) -> Values:
-        """int Psi^T p G / n_inf dw / (w - v), (m, 2, 2): a principal value on the panel."""
+        """Return int Psi^T p G / n_inf dw / (w - v), (m, 2, 2), a principal value on the panel."""
         w, weight, carried = self._nodes
         width = self.right - self.left
         far = np.abs(v - (self.left + self.right) / 2) > width
@@ -86,6 +86,7 @@ class Pole:
         result[far] = np.einsum("w,wab,mw->mab", weight, carried, 1 / (w - v[far, None]))
         near = v[~far]
         here = self._carried(near)
+        # Near the panel the value at v is subtracted, whose integral is a logarithm.
         share = (carried - here[:, None]) / (w - near[:, None])[..., None, None]
         if np.isrealobj(v):
             inside = (near != self.left) & (near != self.right)  # G vanishes at the ends
@@ -99,45 +100,46 @@ class Pole:
 
     @cached_property
     def _at_pole(self) -> tuple[Values, Values]:
-        """That integral at c, and Psi^T(c) d / n_inf."""
+        """The integral `_over` at v = c, and Psi^T(c) d / n_inf."""
         c = np.array([self.slowness])
         psi = np.swapaxes(self.glued.psi(c), -1, -2)[0] / self.glued.limit
         return self._over(c)[0], psi @ self.jumps
 
     def transform(self, v: Values) -> Values:
-        """int Psi^T q / n_inf dw / (w - v), (m, 2, 2), of both kinds in columns."""
+        """Return int Psi^T q / n_inf dw / (w - v), (m, 2, 2), of both kinds in columns."""
+        # 1 / ((w - c) (w - v)) = (1 / (w - c) - 1 / (w - v)) / (c - v) in partial fractions.
         over, jump = self._at_pole
         distance = (self.slowness - v)[:, None, None]
         return np.asarray((over + jump - self._over(v)) / distance)
 
     def values(self, v: Array) -> Array:
-        """q off the pole, (m, 2, 2), at slownesses on the panel."""
+        """Return q off the pole at slownesses on the panel, (m, 2, 2)."""
         return np.asarray(self.residues * (self.parabola(v) / (v - self.slowness))[:, None, None])
 
     def change(self, v: Array) -> Array:
-        """Integrals of q from the left end to slownesses v on the panel, (m, 2, 2)."""
+        """Return the integrals of q from the left end to slownesses v on the panel, (m, 2, 2)."""
         passed = (v > self.slowness)[:, None, None] * self.jumps
         return np.asarray(passed + self._first(v)[:, None, None] * self.residues)
 
     def area(self, v: Array) -> Array:
-        """Integrals of `change` from there, (m, 2, 2)."""
+        """Return the integrals of `change` from the left end to slownesses v, (m, 2, 2)."""
         passed = np.maximum(v - self.slowness, 0.0)[:, None, None] * self.jumps
         return np.asarray(passed + self._second(v)[:, None, None] * self.residues)
 
     @property
     def _bends(self) -> tuple[float, float]:
-        """s and q of G = 1 + s (v - c) - q (v - c)^2."""
+        """Coefficients s and q of G = 1 + s (v - c) - q (v - c)^2."""
         before, after = self.slowness - self.left, self.right - self.slowness
         return 1 / before - 1 / after, 1 / (before * after)
 
     def _first(self, v: Array) -> Array:
-        """Integral of G / (w - c) from the left end."""
+        """Return the integral of G / (w - c) from the left end."""
         (s, q), (y, start) = self._bends, (v - self.slowness, self.left - self.slowness)
         log = np.log(np.abs(y / start))
         return np.asarray(log + s * (y - start) - q * (y * y - start * start) / 2)
 
     def _second(self, v: Array) -> Array:
-        """Integral of that."""
+        """Return the integral of `_first` from the left end."""
         (s, q), (y, start) = self._bends, (v - self.slowness, self.left - self.slowness)
         width = y - start
         cubic = (y**3 - start**3) / 3 - start * start * width
@@ -146,7 +148,7 @@ class Pole:
 
 
 def free_direction(compliance: Compliance, body: int, slowness: float) -> tuple[float, float]:
-    """n at the Rayleigh wave of one body, 0 the upper and 1 the lower, over b^2 / mu."""
+    """Return n over b^2 / mu at the Rayleigh wave of the upper body, 0, or the lower one, 1."""
     one = compliance.bodies[body]
     root = np.sqrt((slowness - one.a) * (slowness + one.a))
     other = np.sqrt((slowness - one.b) * (slowness + one.b))
@@ -156,7 +158,7 @@ def free_direction(compliance: Compliance, body: int, slowness: float) -> tuple[
 
 
 def poles_on(glued: Glued, slownesses: Sequence[float], left: float, right: float) -> list[Pole]:
-    """The poles of both bodies, of Rayleigh slownesses given, on a panel of an opening."""
+    """Return the poles on a panel of an opening, from the Rayleigh slownesses of both bodies."""
     return [
         Pole(glued, c, left, right, free_direction(glued.compliance, body, c))
         for body, c in enumerate(slownesses)

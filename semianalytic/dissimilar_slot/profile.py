@@ -1,4 +1,4 @@
-"""All fields on the interface as functions of slowness, from densities on zones.
+"""Evaluate all fields on the interface as functions of slowness, from the densities on zones.
 
 Rates V and U are sinc series between the nodes of the densities, and so is the normal traction
 where the interface slips; elsewhere the slopes of tractions are evaluated as they are.  Everything
@@ -31,17 +31,17 @@ RATE, OPENING, SLIP, GAP, SHEAR, NORMAL = range(6)
 """Functions of a profile: V, U, their integrals over slowness, tau and sigma beyond the base."""
 
 _LENGTH = 2.0
-"""Of an interval in x where tractions are evaluated as they are."""
+"""Length in x of an interval on which the slopes of tractions are evaluated directly."""
 _DIGITS = 28.0
-"""Logarithm of what is left out beyond the intervals on stick."""
+"""Logarithm of the factor by which the integrand has fallen at the ends of intervals on stick."""
 _AT_FRONT = -0.5
-"""Exponent of the slopes of tractions at a front that both bodies share: none is sharper."""
+"""Exponent of traction slopes at a front that both bodies share, the lowest at any front."""
 _TO_CONTACT_EDGE = 46.0
-"""Of x on stick that reaches the contact edge: x/t down to 1e-20 of the wave speeds."""
+"""Largest x on stick that reaches the contact edge: x/t down to 1e-20 of the wave speeds."""
 _NEAR_MOST = 101
 """Points around the largest slip, among which it is known to 1e-4 of their distance squared."""
 _STEPS = 3
-"""Nodes of a density per interval of its series."""
+"""Steps between the nodes of a density per interval of its series."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +51,11 @@ class Part:
     Attributes
     ----------
     series : Series
-        Of the six functions.
+        Series of the six functions.
     zone : int
         Index of the zone; -1 where the interface sticks.
     poles : tuple of (Pole, (2,) array)
-        With their amplitudes: what they add to the first four functions.
+        Poles that add to the first four functions, with their amplitudes.
     """
 
     series: Series
@@ -64,11 +64,11 @@ class Part:
 
     @property
     def stretch(self) -> Stretch:
-        """The stretch."""
+        """Stretch of the intervals of the series."""
         return self.series.intervals.stretch
 
     def at(self, x: Array, v: Array) -> Array:
-        """The functions at coordinates x (n,), which are slownesses v, (6, n)."""
+        """Return the functions at coordinates x (n,) of slownesses v, (6, n)."""
         values = self.series.at(x)
         for pole, size in self.poles:
             values[[RATE, OPENING]] += (pole.change(v) @ size).T
@@ -118,7 +118,7 @@ class Profile:
             slowness = stop
 
     def _stuck(self, left: float, edges: list[float], state: Array) -> Part:
-        """Stick from one slowness to the next front or edge."""
+        """Return the part that sticks from one slowness to the next front or edge."""
         density = self.density
         compliance = density.interface.compliance
         turns = density.interface.slip_phase(1).denominator.sharp_turns
@@ -127,7 +127,7 @@ class Profile:
         exponents = self._exponents
 
         def reach(end: float) -> float:
-            """At a front of both bodies tractions may be singular like d^(-1/2)."""
+            """Return the reach in x to an end; traction slopes may be like d^(-1/2) at a front."""
             return _DIGITS / (1 + min(_AT_FRONT, exponents.get(end, 0.0)))
 
         before, after = stretch.lead + reach(left), _TO_CONTACT_EDGE
@@ -143,7 +143,7 @@ class Profile:
         return Part(Series(intervals, padded([*constant, *moving])), -1)
 
     def _moving(self, on: OnPanel, state: Array) -> Part:
-        """A panel of a zone."""
+        """Return the part on a panel of a zone."""
         panel = on.panel
         density, interface = self.density, self.density.interface
         length = _STEPS * panel.spacing
@@ -171,10 +171,11 @@ class Profile:
         return Part(Series(intervals, padded(series)), panel.zone, poles)
 
     def _normal(self, on: OnPanel, intervals: Intervals, start: float) -> Array:
-        """Coefficients of sigma on a panel that slips.
+        """Return the coefficients of sigma on a panel that slips.
 
-        Its slope is known half-way between the nodes.  Towards the contact edge it grows like
-        v^lambda: there it is interpolated over a power of v that grows a little faster.
+        The slope of sigma is known half-way between the nodes.  Towards the contact edge it grows
+        like v^lambda, so that it is interpolated there after division by a power of v that grows a
+        little faster.
         """
         panel, density = on.panel, self.density
         slope = density.normal_slope(on)
@@ -199,7 +200,7 @@ class Profile:
         return self._largest(GAP)
 
     def _largest(self, function: int) -> float:
-        """Of |V|, or of the integral of U over slowness, at the points of all intervals."""
+        """Return the largest |V|, or the largest gap over time, at the points of all intervals."""
         largest = 0.0
         for part in self.parts:
             if part.zone >= 0:
@@ -224,7 +225,7 @@ class Profile:
 
     @staticmethod
     def _slip_over_time(part: Part, x: Array) -> Array:
-        """|slip| over time at coordinates on a part."""
+        """Return |slip| over time at coordinates on a part."""
         v = part.stretch.at(x).v
         return np.abs(part.at(x, v)[SLIP] / v)
 
@@ -250,8 +251,7 @@ class Profile:
 
     @cached_property
     def _moving_points(self) -> list[tuple[Array, Array, Array]]:
-        """On every part that moves: slownesses, the functions there, and weights of integrals over
-        x/t."""
+        """Slownesses, functions there and weights of integrals over x/t, for every moving part."""
         result = []
         for part in self.parts:
             if part.zone >= 0:
@@ -274,7 +274,7 @@ class Profile:
         return result
 
     def at(self, u: Array) -> Array:
-        """The six functions at slownesses u >= 0, (6, n); 0 ahead of all waves."""
+        """Return the six functions at slownesses u >= 0, (6, n); they are 0 ahead of all waves."""
         result = np.zeros((6, len(u)))
         parts = self.parts
         ends = np.array([part.stretch.left for part in parts])
@@ -288,16 +288,20 @@ class Profile:
 
 @lru_cache(maxsize=64)
 def _offsets(between: bool) -> Array:
-    """(POINTS _STEPS-fold): places of the Chebyshev points of an interval in steps of the nodes,
-    from the node or half-step the interval begins at."""
+    """Return the places of the Chebyshev points of an interval, in steps of the nodes, (POINTS,).
+
+    They are counted from the node, or from the half step after it, where the interval begins.
+    """
     unit = Intervals(Stretch(1.0, None), 0.0, float(_STEPS), 1).x.ravel()
     return unit - (0.5 if between else 0.0)
 
 
 @lru_cache(maxsize=64)
 def _running(nodes: int, intervals: int, between: bool = False) -> Array:
-    """(intervals POINTS, n): integrals up to the points of all intervals of the sinc functions of
-    the nodes, or of the n - 1 half steps, over the spacing."""
+    """Return integrals of sinc functions up to the points of all intervals, over the spacing.
+
+    They are (intervals POINTS, n) for the nodes, or (intervals POINTS, n - 1) for the half steps.
+    """
     from scipy.special import sici  # here, for a quick import
 
     steps = _apart(nodes - between, intervals, between)
@@ -306,12 +310,14 @@ def _running(nodes: int, intervals: int, between: bool = False) -> Array:
 
 @lru_cache(maxsize=64)
 def _interpolating(nodes: int, intervals: int) -> Array:
-    """(intervals POINTS, n - 1): the sinc functions of the half steps at those points."""
+    """Return sinc functions of half steps at points of intervals, (intervals POINTS, n - 1)."""
     return np.sinc(_apart(nodes - 1, intervals, True))
 
 
 def _apart(count: int, intervals: int, between: bool) -> Array:
-    """Points of all intervals less nodes or half steps, in steps; the first interval begins _STEPS
-    before the first node."""
+    """Return the points of all intervals less the nodes or half steps, in steps.
+
+    The first interval begins _STEPS before the first node.
+    """
     places = _STEPS * (np.arange(intervals) - 1)[:, None] + _offsets(between)
     return np.asarray(places.reshape(-1, 1) - np.arange(count))

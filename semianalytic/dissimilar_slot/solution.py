@@ -1,4 +1,4 @@
-"""A solved pair: everything on the interface as functions of position and time."""
+"""Fields of a solved pair on the interface as functions of position and time."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from semianalytic.selfsimilar.motion import OpenZone, SlipZone, over_slowness
 
 @dataclass(frozen=True)
 class PairStatistics:
-    """What a solution took.
+    """Effort that a solution took.
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ class PairSolution:
         return f"<PairSolution: {slips}{open_}; {self.status}, {estimate}>"
 
     def _evaluate(self, x: ArrayLike, t: ArrayLike) -> Array:
-        """The functions of the profile, (6, ...), at positions and times; 0 before t = 0."""
+        """Return the functions of the profile at positions and times, (6, ...); 0 before t = 0."""
         return over_slowness(self.pair.upper.shear_speed, x, t, self.profile.at)
 
     @property
@@ -150,7 +150,7 @@ class PairSolution:
         return np.where(self._is_open(x, t), np.maximum(gap, 0.0), 0.0)
 
     def _integrated(self, x: ArrayLike, t: ArrayLike, function: int) -> Array:
-        """x times the integral of a rate over slowness, its integral over time."""
+        """Return the integral of a rate over time, x times its integral over slowness."""
         length = self._rate_unit * np.asarray(x, dtype=float) / self.pair.upper.shear_speed
         return np.asarray(length * self._evaluate(x, t)[function])
 
@@ -181,7 +181,7 @@ class PairSolution:
         return InterfaceHistory(x, t, *(field(x, t[:, None]) for field in fields))
 
     def _is_open(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
-        """Where and when the contact is open."""
+        """Tell where and when the contact is open."""
         x, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         velocity = np.divide(x, t, out=np.full(x.shape, np.inf), where=t > 0)
         parts = [(velocity > part.inner) & (velocity < part.outer) for part in self.openings]
@@ -231,13 +231,13 @@ class PairSolution:
         return self.frictional_power(t) * np.maximum(np.asarray(t, dtype=float), 0.0) / 2
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
-        """What slips at a time [time], from the contact edge outward; nothing until t = 0."""
+        """Intervals that slip at a time [time], from the contact edge outward; none until t = 0."""
         t = checked_number("zones_at: t", t)
         parts = self.zones if t > 0 else ()
         return tuple(SlipInterval(t * zone.inner, t * zone.outer, zone.sense) for zone in parts)
 
     def openings_at(self, t: float) -> tuple[OpenInterval, ...]:
-        """What is open at a time [time], from the contact edge outward; nothing until t = 0."""
+        """Open intervals at a time [time], from the contact edge outward; none until t = 0."""
         t = checked_number("openings_at: t", t)
         parts = self.openings if t > 0 else ()
         return tuple(OpenInterval(t * part.inner, t * part.outer) for part in parts)
@@ -246,7 +246,7 @@ class PairSolution:
 def in_velocity(
     zones: tuple[Zone, ...], speed: float
 ) -> tuple[tuple[SlipZone, ...], tuple[OpenZone, ...]]:
-    """Slip and openings of zones in slowness, from the contact edge outward."""
+    """Convert zones in slowness to slip zones and openings, from the contact edge outward."""
     slips, opens = [], []
     for zone in reversed(zones):
         inner = 0.0 if zone.right is None else speed / zone.right

@@ -1,4 +1,4 @@
-"""Solve a pair: zones from a grid, edges by Newton's method, the law of contact, corrections."""
+"""Solve a pair: find zones on a grid, place their edges, check the law of contact and correct."""
 
 from __future__ import annotations
 
@@ -29,27 +29,30 @@ from semianalytic.scene.errors import ComputationError, SceneError
 GRIDS = (48, 96, 192)
 """Nodes of the complementarity grids, one after the other until zones hold."""
 _WEAKER = ((48, 0.7), (48, 0.4))
-"""Nodes and share of friction of the grids after them: of 60 random pairs one needed them."""
+"""Nodes and share of friction of the grids tried after those; one of 60 random pairs
+needed them."""
 _LOCATING = 1e-5
 """Tolerance of the rule on which zones are looked for."""
 _LAW = 1e-3
-"""By how much the law of contact may be broken there: a hundred times the rule's tolerance."""
+"""Largest violation of the law of contact in the search, a hundred times the rule's tolerance."""
 _MOST_ZONE_SETS = 8
 """Sets of zones tried from one grid."""
 _LEAST_ZONE = 1e-2
-"""Over rtol: zones at the contact edge that are slower than that share of the slowest wave are left
-out.  What they change elsewhere falls like their speed over that of the place."""
+"""Speed over rtol and the slowest wave speed below which zones at the contact edge are left out.
+Their effect elsewhere falls like the ratio of their speed to x/t."""
 _LOCATED = 1e-4
 """Change of an unknown that ends Newton's method in the search."""
 _CANONICAL = 0.1
 """Tolerance of the canonical matrix over that of the rule."""
 _RULE_SHARE, _MOST_REFINEMENTS = 10.0, 4
-"""rtol over the tolerance of the first rule, and rules tried until the estimate is below rtol."""
+"""rtol over the tolerance of the first rule, and most rules tried until the estimate is below
+rtol."""
 _FINAL_LAW = 30.0
-"""By how much the law of contact may be broken in the end, over rtol: fields are known to rtol, and
-beside zone edges what the law compares with is the root of a distance."""
+"""Largest violation of the law of contact in the answer, over rtol: fields are known to rtol, and
+beside zone edges the law compares them with the root of a distance."""
 _LEAST_SINGULAR_VALUE = 1e-4
-"""0.26 to 0.37 is the rule; an edge next to a wave front has been seen to bring 0.05."""
+"""Least singular value of equations that are trusted; 0.26 to 0.37 is usual, and 0.05 was seen with
+an edge next to a wave front."""
 
 
 def solve_pair(pair: Pair, *, rtol: float = 1e-8) -> PairSolution:
@@ -131,7 +134,7 @@ def solve_pair(pair: Pair, *, rtol: float = 1e-8) -> PairSolution:
 
 @dataclass(frozen=True)
 class _Trial:
-    """Zones that were tried, with how many steps and sets it took."""
+    """Zones that were tried, with the numbers of Newton steps and of zone sets."""
 
     placement: Placement
     lawful: bool
@@ -140,12 +143,12 @@ class _Trial:
 
 
 def _slowest(rtol: float) -> float:
-    """Slowness, over that of the slowest wave, beyond which zones are left out."""
+    """Return the slowness, over that of the slowest wave, beyond which zones are left out."""
     return 1 / (_LEAST_ZONE * rtol)
 
 
 def _search(interface: Interface, rtol: float) -> _Trial:
-    """Zones that obey the law of contact on a loose rule, from one grid after the other."""
+    """Find zones that obey the law of contact on a loose rule, from one grid after the other."""
     canonical = glued(interface.compliance, _CANONICAL * _LOCATING)
     rule = rule_for(_LOCATING)
     steps = sets = 0
@@ -171,7 +174,7 @@ def _search(interface: Interface, rtol: float) -> _Trial:
 
 
 def _refined(trial: _Trial, rtol: float) -> tuple[_Trial, float]:
-    """Edges and densities on finer rules until the error estimate is below rtol, and that."""
+    """Refine edges and densities until the error estimate is below rtol; return both."""
     if not trial.lawful:
         return trial, np.inf
     placement, steps, tolerance = trial.placement, trial.steps, rtol / _RULE_SHARE
@@ -198,8 +201,10 @@ def _check_zones(interface: Interface, zones: Sequence[Zone]) -> None:
 
 
 def _guesses(interface: Interface) -> Iterator[Sequence[Zone]]:
-    """Zones seen on one grid after the other, and under weaker friction, for which pivoting ends on
-    a ray less often."""
+    """Yield zones seen on one grid after the other, and then under weaker friction.
+
+    Pivoting ends on a ray less often under weaker friction.
+    """
     tried: list[Sequence[Zone]] = []
     for size, share in (*((size, 1.0) for size in GRIDS), *_WEAKER):
         weaker = replace(interface, friction=share * interface.friction)
@@ -240,7 +245,7 @@ def check_well_posed(interface: Interface, zones: Sequence[Zone]) -> None:
 
 
 def _status(lawful: bool, estimate: float, statistics: PairStatistics, rtol: float) -> str:
-    """ "converged", or a sentence saying what to distrust."""
+    """Return "converged", or a sentence that says what to distrust."""
     if not lawful:
         return "no set of zones was found that obeys the law of contact everywhere"
     if statistics.smallest_singular_value < _LEAST_SINGULAR_VALUE:

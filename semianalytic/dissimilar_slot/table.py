@@ -13,14 +13,17 @@ from semianalytic.dissimilar.stretch import Points, Stretch
 from semianalytic.halfplane.rayleigh import Array
 
 POINTS = 16
-"""Per interval.  On intervals of 2 in x, next to which nothing is singular within pi / 2, a series
-is in error by 3e-9 of what varies on one of them; 1e-10 is seen in the fields."""
+"""Chebyshev points per interval.  On intervals of 2 in x, without singularities within pi / 2, a
+series is in error by 3e-9 of the variation on one of them; 1e-10 is seen in the fields."""
 
 
 @lru_cache(maxsize=1)
 def _rules() -> tuple[Array, Array, Array]:
-    """Chebyshev points in [-1, 1], the matrix of the coefficients of a function from its values
-    there, and that of the coefficients of its integral from -1."""
+    """Return Chebyshev points in [-1, 1] and two matrices.
+
+    They map the values of a function at the points to its coefficients, and to the coefficients of
+    its integral from -1.
+    """
     t = -np.cos(np.pi * (np.arange(POINTS) + 0.5) / POINTS)
     coefficients = np.linalg.inv(chebyshev.chebvander(t, POINTS - 1))
     integral = np.array([chebyshev.chebint(row, lbnd=-1) for row in np.eye(POINTS)]).T
@@ -46,13 +49,13 @@ class Intervals:
 
     @property
     def x(self) -> Array:
-        """(count, POINTS): Chebyshev points of all intervals."""
+        """Chebyshev points of all intervals, (count, POINTS)."""
         centres = self.start + self.length * (np.arange(self.count) + 0.5)
         return np.asarray(centres[:, None] + self.length / 2 * _rules()[0])
 
     @property
     def points(self) -> Points:
-        """They all in a row."""
+        """Points on the stretch of all Chebyshev points, in a row."""
         return self.stretch.at(self.x.ravel())
 
 
@@ -71,7 +74,7 @@ class Series:
     coefficients: Array
 
     def at(self, x: Array) -> Array:
-        """The functions at coordinates x (n,), (f, n)."""
+        """Return the functions at coordinates x (n,), (f, n)."""
         where = self.intervals
         share = (
             np.clip(x, where.start, where.start + where.count * where.length) - where.start
@@ -88,17 +91,20 @@ class Series:
 
 
 def interval_weights() -> Array:
-    """(POINTS,): weights of the values in the integral over [-1, 1]."""
+    """Return the weights of the values in the integral over [-1, 1], (POINTS,)."""
     return np.asarray(_rules()[2].sum(axis=0))
 
 
 def from_values(values: Array) -> Array:
-    """Coefficients (count, m) of a function from its values (count, POINTS)."""
+    """Return the coefficients (count, m) of a function from its values (count, POINTS)."""
     return np.asarray(values @ _rules()[1].T)
 
 
 def integrated(slopes: Array, length: float, start: float) -> Array:
-    """Coefficients (count, m) of the integral over x of slopes (count, POINTS), from a value."""
+    """Return coefficients (count, m) of the integral over x of slopes (count, POINTS).
+
+    The integral begins with the value `start` at the first end.
+    """
     parts = slopes @ _rules()[2].T * (length / 2)
     totals = parts.sum(axis=-1)
     parts[:, 0] += start + np.concatenate([[0.0], np.cumsum(totals)[:-1]])
@@ -106,6 +112,6 @@ def integrated(slopes: Array, length: float, start: float) -> Array:
 
 
 def padded(parts: Sequence[Array]) -> Array:
-    """Coefficients (f, count, m) of functions of different degree."""
+    """Stack coefficients of functions of different degree, (f, count, m)."""
     most = max(part.shape[1] for part in parts)
     return np.stack([np.pad(part, ((0, 0), (0, most - part.shape[1]))) for part in parts])

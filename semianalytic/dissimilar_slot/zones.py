@@ -20,9 +20,9 @@ class Zone:
     ----------
     left : float
     right : float or None
-        None: up to the contact edge.
+        None if the zone reaches the contact edge.
     sense : int
-        +1 where the upper body slips towards +x; of an opening that of the slip ahead of it.
+        +1 where the upper body slips towards +x; for an opening, the sense of the slip ahead of it.
     open : bool
     """
 
@@ -33,12 +33,12 @@ class Zone:
 
 
 def joined(one: Zone, other: Zone) -> bool:
-    """Whether a zone begins where the one before it ends."""
+    """Tell whether a zone begins where the one before it ends."""
     return one.right is not None and one.right == other.left
 
 
 def neighbours(zones: Sequence[Zone]) -> Iterator[tuple[Zone | None, Zone, Zone | None]]:
-    """Every zone between those it is joined to, None for stick."""
+    """Yield every zone between the zones it is joined to; None stands for stick."""
     for before, zone, after in zip([None, *zones], zones, [*zones[1:], None], strict=False):
         yield (
             before if before is not None and joined(before, zone) else None,
@@ -48,13 +48,13 @@ def neighbours(zones: Sequence[Zone]) -> Iterator[tuple[Zone | None, Zone, Zone 
 
 
 def edges_of(zones: Sequence[Zone]) -> list[float]:
-    """Slownesses of all edges, those between joined zones once, in increasing order."""
+    """Return the slownesses of all edges in increasing order, those of joined zones once."""
     ends = [end for zone in zones for end in (zone.left, zone.right) if end is not None]
     return sorted(set(ends))
 
 
 def moved(zones: Sequence[Zone], edges: Sequence[float]) -> tuple[Zone, ...]:
-    """The zones with other edges, in the order of `edges_of`."""
+    """Return the zones with other edges, in the order of `edges_of`."""
     to = dict(zip(edges_of(zones), edges, strict=True))
     return tuple(
         replace(zone, left=to[zone.left], right=None if zone.right is None else to[zone.right])
@@ -64,8 +64,10 @@ def moved(zones: Sequence[Zone], edges: Sequence[float]) -> tuple[Zone, ...]:
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Edges as unknowns: coordinates on the stretch from the edge or wave front before each to the
-    wave front behind it, so that every choice of unknowns keeps their order.
+    """Coordinates of edges that serve as unknowns.
+
+    The coordinate of an edge is that on the stretch from the edge or wave front before it to the
+    wave front behind it, so that every choice of unknowns keeps the order of the edges.
 
     Attributes
     ----------
@@ -75,7 +77,7 @@ class Coordinates:
     segments: tuple[tuple[float, float | None], ...]
 
     def edges(self, unknowns: Array) -> list[float]:
-        """Slownesses of the edges, (e,)."""
+        """Return the slownesses of the edges, (e,)."""
         edges: list[float] = []
         for (left, right), x in zip(self.segments, unknowns, strict=True):
             start = max([left, *edges[-1:]])
@@ -83,7 +85,7 @@ class Coordinates:
         return edges
 
     def unknowns(self, edges: Sequence[float]) -> Array:
-        """(e,) from the slownesses of the edges."""
+        """Return the unknowns from the slownesses of the edges, (e,)."""
         starts = [0.0, *edges][: len(edges)]
         return np.array(
             [
@@ -94,7 +96,7 @@ class Coordinates:
 
 
 def coordinates_of(fronts: Sequence[float], edges: Sequence[float]) -> Coordinates:
-    """The unknowns of edges that stay between the wave fronts they lie between."""
+    """Return coordinates by which edges stay between the wave fronts they lie between now."""
     ends: list[float | None] = [0.0, *fronts, None]
     segments = []
     for edge in edges:
