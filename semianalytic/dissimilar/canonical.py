@@ -64,17 +64,17 @@ class Glued:
         return _limit(self.compliance)
 
     def psi(self, k: Values) -> Values:
-        """Psi(k), (m, 2, 2), at (m,) slownesses with Re k >= 0; real on the axis."""
+        """Return Psi(k), (m, 2, 2), at (m,) slownesses with Re k >= 0; it is real on the axis."""
         root = np.sqrt(self.compliance.first + k)[:, None, None]
         return np.asarray(root * (_rotation(self.compliance, k) @ self._sum(self.right, k)))
 
     def rates(self, v: Values) -> Values:
-        """R(-v), (m, 2, 2), at (m,) slownesses with Re v >= 0; real on the axis."""
+        """Return R(-v), (m, 2, 2), at (m,) slownesses with Re v >= 0; it is real on the axis."""
         scale = (self.limit / np.sqrt(self.compliance.first + v))[:, None, None]
         return np.asarray(scale * (_rotation(self.compliance, v) @ self._sum(self.left, v)))
 
     def _sum(self, residues: Complex, z: Values) -> Values:
-        """1 + sum_j residues_j / (z_j + z), conjugates included, (m, 2, 2)."""
+        """Return 1 + sum_j residues_j / (z_j + z), conjugates included, (m, 2, 2)."""
         flat = residues.reshape(-1, 4)
         total: Values = (1 / (self.nodes + z[:, None])) @ flat
         if np.isrealobj(z):
@@ -89,11 +89,11 @@ class Glued:
         return np.asarray(self.psi(np.zeros(1))[0].real)
 
     def constant(self, shear: float, pressure: float) -> Array:
-        """Psi(0)^(-1) L, (2,), of a step (Q_0, P_0) on the slot faces, L = (Q_0, -P_0)."""
+        """Return Psi(0)^(-1) L, (2,), of a step (Q_0, P_0) on the slot faces, L = (Q_0, -P_0)."""
         return np.asarray(np.linalg.solve(self.at_zero, np.array([shear, -pressure])))
 
     def error(self, v: Array) -> float:
-        """How far Psi(v)^T R(-v) = n_inf 1 fails at slownesses v (m,): it bounds the error."""
+        """Return the residual of Psi(v)^T R(-v) = n_inf 1 at slownesses v (m,), an error bound."""
         product = np.swapaxes(self.psi(v), -1, -2) @ self.rates(v)
         return float(np.abs(product / self.limit - np.eye(2)).max())
 
@@ -103,7 +103,7 @@ def _limit(compliance: Compliance) -> float:
 
 
 def _rotation(compliance: Compliance, k: Values) -> Values:
-    """G(k), (m, 2, 2)."""
+    """Return the rotation G(k), (m, 2, 2)."""
     share = k / compliance.first
     angle = compliance.oscillation * (2 * np.log1p(share) - np.log1p(share / 2))
     cosine, sine = np.cos(angle), np.sin(angle)
@@ -112,7 +112,7 @@ def _rotation(compliance: Compliance, k: Values) -> Values:
 
 @lru_cache(maxsize=16)
 def glued(compliance: Compliance, tolerance: float) -> Glued:
-    """The canonical matrix of two bodies to a tolerance, kept for recent ones."""
+    """Return the canonical matrix of two bodies to a tolerance; recent ones are kept."""
     digits = np.log(_LOST / max(tolerance, _FINEST))
     count = int(np.ceil(digits / _DECAY / (_FACTOR / digits)))
     spacing, m = digits / _DECAY / count, compliance.first
@@ -139,8 +139,10 @@ def glued(compliance: Compliance, tolerance: float) -> Glued:
 
 
 def _operator(nodes: Complex, factors: Complex) -> Array:
-    """(4 n, 4 n): x_j -> sum_j factors_j x_j / (z_j + z_i), conjugates included, of real parts
-    above imaginary ones."""
+    """Return the matrix (4 n, 4 n) of x_j -> sum_j factors_j x_j / (z_j + z_i).
+
+    Conjugates are included, and real parts stand above imaginary ones.
+    """
     size = 2 * len(nodes)
     own = np.einsum("ij,jab->iajb", 1 / (nodes + nodes[:, None]), factors).reshape(size, size)
     mirrored = np.einsum("ij,jab->iajb", 1 / (nodes.conj() + nodes[:, None]), factors.conj())
@@ -150,6 +152,6 @@ def _operator(nodes: Complex, factors: Complex) -> Array:
 
 
 def _complex(parts: Array) -> Complex:
-    """(n, 2, 2) from real parts above imaginary ones, (4 n, 2)."""
+    """Return (n, 2, 2) complex values from real parts above imaginary ones, (4 n, 2)."""
     real, imag = np.split(parts, 2)
     return np.asarray((real + 1j * imag).reshape(-1, 2, 2))

@@ -41,7 +41,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Roots:
-    """alpha, beta and k^2 of one body at slownesses k, and what is formed of them.
+    """Roots alpha, beta and k^2 of one body at slownesses k, and functions formed from them.
 
     Attributes
     ----------
@@ -154,12 +154,12 @@ class Compliance:
 
     @property
     def bodies(self) -> tuple[Body, Body]:
-        """The upper and the lower one."""
+        """Upper and lower body."""
         return self.upper, self.lower
 
     @cached_property
     def fronts(self) -> Array:
-        """(4,): slownesses a, b of the upper body and a, b of the lower one."""
+        """Slownesses a, b of the upper body and a, b of the lower one, (4,)."""
         return np.array([self.upper.a, self.upper.b, self.lower.a, self.lower.b])
 
     @cached_property
@@ -179,7 +179,7 @@ class Compliance:
 
     @cached_property
     def static(self) -> float:
-        """a_inf = sum of b^2 / (2 mu (b^2 - a^2)): compliance for |k| -> infinity times |k|."""
+        """Limit a_inf of |k| times the compliance, the sum of b^2 / (2 mu (b^2 - a^2))."""
         return sum(body.b**2 * _softness(body) for body in self.bodies)
 
     @cached_property
@@ -197,16 +197,16 @@ class Compliance:
 
     @property
     def mirrored(self) -> Compliance:
-        """The bodies exchanged: waves that run the other way, k for -k."""
+        """Compliance with the bodies exchanged, for waves that run the other way: k becomes -k."""
         return Compliance(self.lower, self.upper)
 
     def at(self, k: ArrayLike) -> Entries:
-        """The matrix at complex slownesses k off the cuts |Re k| > `first`."""
+        """Return the matrix at complex slownesses k off the cuts |Re k| > `first`."""
         k = np.asarray(k, dtype=complex)
         return self._entries(k, [s + k for s in self.fronts.tolist()])
 
     def on_cut(self, v: ArrayLike, from_fronts: Array | Complex | None = None) -> Entries:
-        """The matrix at k = -v + i0, v > 0, or at k = -v with Im v < 0.
+        """Return the matrix at k = -v + i0, v > 0, or at k = -v with Im v < 0.
 
         Parameters
         ----------
@@ -221,7 +221,7 @@ class Compliance:
         return self._entries(-v.astype(complex), list((-from_fronts).astype(complex)))
 
     def _entries(self, k: Complex, plus: list[Complex]) -> Entries:
-        """The sums over both bodies, times R_1 R_2; `plus` are the four sums of front and k."""
+        """Return the sums over both bodies, times R_1 R_2, given the four sums of front and k."""
         square, fronts = k * k, self.fronts.tolist()
         alpha, beta, alpha_two, beta_two = (
             np.sqrt(s - k) * np.sqrt(near) for s, near in zip(fronts, plus, strict=True)
@@ -241,13 +241,15 @@ class Compliance:
 
 
 def _softness(body: Body) -> float:
-    """1 / (2 mu (b^2 - a^2))."""
+    """Return 1 / (2 mu (b^2 - a^2))."""
     return 1 / (2 * body.modulus * (body.b**2 - body.a**2))
 
 
 def compliance_of(upper: Material, lower: Material) -> Compliance:
-    """The bodies of two materials, slowness over that of shear waves in the upper one, and moduli
-    over its shear modulus."""
+    """Return the compliance of two materials.
+
+    Slownesses are over that of shear waves in the upper one, and moduli over its shear modulus.
+    """
     unit = upper.shear_speed
     bodies = (
         Body(

@@ -1,13 +1,13 @@
-"""How a delay of friction behind pressure bounds the growth of waves along a sliding interface.
+"""Bound on the growth of waves along a sliding interface when friction lags behind pressure.
 
 With friction f / (1 + lambda t*) (Prakash and Clifton, simplified) the growth of waves is largest
 near q c t* = 1 and falls for shorter ones, so that
 
     max over q of Re lambda = G / t*,
 
-with a number G that friction and the bodies determine.  The problem is well posed then; it is not
-stable: whatever is to last much longer than t* / G is taken over by waves of some 2 pi c t*.  A
-delay turns the phase of friction: it also lets waves grow that decay without one.
+with a number G that depends on friction and the bodies.  The problem is then well posed but not
+stable: waves of length about 2 pi c t* dominate after much longer than t* / G.  A delay also turns
+the phase of friction, so that waves may grow that decay without it.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from semianalytic.dissimilar.compliance import Compliance
 from semianalytic.dissimilar.growth import GrowingWave, growing_waves, symbol
 
 _FROM, _TO = 0.2, 6.0
-"""Times the slowness of the fastest and of the slowest body wave, between which q c_t t* is looked
-for.  Of 30 random pairs with growing waves the largest growth was at 0.4 to 1 times the slowness of
-its own wave, but for growth below 1e-5; from 0.05 to 10 no other maximum was found."""
+"""Bounds of the search for q c_t t*, over the slowness of the fastest and of the slowest body wave.
+Of 30 random pairs with growing waves the largest growth was at 0.4 to 1 times the slowness of its
+own wave, except for growth below 1e-5; from 0.05 to 10 no other maximum was found."""
 _RATIO = 1.7
-"""Of one q c_t t* to the next: 1.35 found no other maximum for those pairs."""
+"""Ratio of each trial q c_t t* to the one before; 1.35 found no other maximum for those pairs."""
 _MOST_NEWTON, _SETTLED = 40, 1e-12
 _DIFFERENCE = 1e-4
-"""Of a slowness over its distance from the nearest wave front."""
+"""Step of the difference quotient, over the distance of a slowness from the nearest wave front."""
 
 
 @dataclass(frozen=True)
 class DelayedGrowth:
-    """The fastest growth that a delay t* leaves.
+    """The fastest growth under a delay t*.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class DelayedGrowth:
     wave_number : float
         q c_t t* of that wave, c_t of the upper body.
     velocity : float
-        Of its crests, over c_t of the upper body.
+        Velocity of its crests, over c_t of the upper body.
     """
 
     rate: float
@@ -50,10 +50,10 @@ class DelayedGrowth:
 
 
 def fastest_delayed_growth(compliance: Compliance, friction: float) -> DelayedGrowth | None:
-    """The fastest growth over all wave numbers under a delay; None where no wave grows.
+    """Return the fastest growth over all wave numbers under a delay; None if no wave grows.
 
-    All waves that grow are looked for at every q c_t t* of a scale, for following those of no delay
-    misses the fastest one of aluminium on steel at f = 0.5, and all of gouge on rock.
+    All growing waves are sought at every q c_t t* of a scale.  Following those without delay would
+    miss the fastest one of aluminium on steel at f = 0.5, and all of gouge on rock.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def fastest_delayed_growth(compliance: Compliance, friction: float) -> DelayedGr
 def _followed(
     compliance: Compliance, friction: float, delay: float, start: complex
 ) -> complex | None:
-    """The zero of Phi with a delay that Newton's method leads to; None where none grows."""
+    """Follow a zero of Phi with a delay by Newton's method; None if it does not converge."""
     k = start
     for _ in range(_MOST_NEWTON):
         near = min(abs(k + side * front) for front in compliance.fronts for side in (1, -1))

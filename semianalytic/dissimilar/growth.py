@@ -1,13 +1,13 @@
-"""Waves that grow while two half-planes slide on one another (Adams 1995).
+"""Find waves that grow while two half-planes slide on one another (Adams 1995).
 
 Uniform sliding of sense s under friction s f p lets waves exp(lambda t + i q x) run along the
 interface, lambda = i q / k, with
 
     Phi(k) = A(k) + s f k D(k) = 0,    Im k > 0,
 
-so that their growth rate is proportional to wave number: no wave is short enough to be safe, and
-refining a grid makes the growth faster.  How many there are follows from the phase of Phi along the
-cut; Newton's method is repeated until that many are found (docs/dissimilar.md, "Growing waves").
+so that their growth rate is proportional to wave number: waves grow however short they are, and
+faster on a finer grid.  The number of such waves follows from the phase of Phi along the cut;
+Newton's method is repeated until that many are found (docs/dissimilar.md, "Growing waves").
 
 Where friction follows pressure with a delay t*, d(sigma')/dt = (sigma - sigma') / t*, f is divided
 by 1 + lambda t* (Prakash and Clifton, simplified).  Growth is then bounded.
@@ -26,18 +26,19 @@ from semianalytic.dissimilar.stretch import Stretch, stretches
 from semianalytic.scene.errors import ComputationError
 
 _REACH, _STEP = 36.0, 0.75
-"""Of Re x among the starts of Newton's method on every stretch: exp(-36) is below rounding."""
+"""Largest |Re x| of the starts of Newton's method on every stretch, and their spacing; exp(-36) is
+below rounding."""
 _HEIGHTS = (0.02, 0.3, 1.2)
-"""-Im x of the starts; waves close to the cut are reached from 0.02, all others from 0.3 or 1.2."""
+"""-Im x of the starts; waves close to the cut are found from 0.02, all others from 0.3 or 1.2."""
 _STARTS = np.ravel(np.arange(-_REACH, _REACH + _STEP / 2, _STEP)[:, None] - 1j * np.array(_HEIGHTS))
 _MOST_STEPS, _DIFFERENCE, _ROUNDING = 40, 1e-6, 1e-10
-"""Newton steps, the difference in x that a derivative is formed from, and the last step over |x|
-plus one."""
+"""Most Newton steps, the difference in x for a derivative, and the step over |x| + 1 that ends the
+iteration."""
 _LEAST_HEIGHT = 1e-8
-"""Of Im x of a root above -pi and below 0; what comes nearer runs into the real axis of k, where
-waves neither grow nor decay."""
+"""Least distance of Im x of a root from -pi and from 0; nearer ones run into the real axis of k,
+where waves neither grow nor decay."""
 _SAME = 1e-6
-"""Distance in x over its size below which two roots are one."""
+"""Relative distance in k below which two roots are the same."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class GrowingWave:
 def growing_waves(
     compliance: Compliance, friction: float, delay: float = 0.0
 ) -> tuple[GrowingWave, ...]:
-    """All waves that grow while the interface slides, the fastest growing first.
+    """Return all waves that grow while the interface slides, the fastest growing first.
 
     Parameters
     ----------
@@ -95,13 +96,14 @@ def growing_waves(
 
 
 def count_growing(compliance: Compliance, friction: float, delay: float = 0.0) -> int:
-    """Number of growing waves that run towards +x; with -s f for s f, of those towards -x.
+    """Count the growing waves that run towards +x; with -s f for s f, those towards -x.
 
-    From the principle of the argument for Phi R_1 R_2 on the quarter Re k < 0 < Im k, where that
-    behaves like k^3 at infinity: (phase on the positive imaginary axis + 3 pi / 2 - phase on the
-    cut) / (2 pi).
+    The principle of the argument is applied to Phi R_1 R_2 on the quarter Re k < 0 < Im k, where
+    this function behaves like k^3 at infinity.  The number is (phase on the positive imaginary
+    axis + 3 pi / 2 - phase on the cut) / (2 pi).
     """
     phase = CutPhase(compliance, lambda entries: symbol(entries, friction, delay))
+    # k D / A tends to i beta, so that Phi / A tends to 1 + i s f beta.
     ahead = np.arctan(friction * compliance.dundurs)
     turns = (ahead + 1.5 * np.pi - phase.limit) / (2 * np.pi)
     count = round(turns)
@@ -114,15 +116,16 @@ def count_growing(compliance: Compliance, friction: float, delay: float = 0.0) -
 
 
 def symbol(entries: Entries, friction: float, delay: float) -> Complex:
-    """Phi R_1 R_2 with f / (1 + lambda t*) for f."""
+    """Return Phi R_1 R_2 with f / (1 + lambda t*) in place of f."""
     if not delay:
         return entries.frictional(friction)
+    # lambda t* = i q t* / k, so that 1 / (1 + lambda t*) = k / (k + i q t*).
     k = entries.slowness
     return entries.frictional(friction * k / (k + 1j * delay))
 
 
 def _right_going(compliance: Compliance, friction: float, delay: float) -> list[complex]:
-    """Slownesses of the growing waves that run towards +x."""
+    """Return the slownesses of the growing waves that run towards +x."""
     if compliance.upper == compliance.lower or not friction:
         return []
     count = count_growing(compliance, friction, delay)
@@ -141,10 +144,10 @@ def _right_going(compliance: Compliance, friction: float, delay: float) -> list[
 
 
 def _newton(compliance: Compliance, friction: float, delay: float) -> Iterator[complex]:
-    """Zeros of Phi in the quarter Re k < 0 < Im k, some of them more than once.
+    """Yield zeros of Phi in the quarter Re k < 0 < Im k, some of them more than once.
 
-    Newton's method in the coordinate x of a stretch of the cut, where the wave fronts that zeros
-    come near to are far away; steps are limited to half of the way out of the half-plane.
+    Newton's method works in the coordinate x of a stretch of the cut, in which the wave fronts near
+    the zeros are far away.  A step covers at most half of the way out of the half-plane.
     """
     for stretch in stretches(compliance.distinct_fronts):
         x, settled = _STARTS, np.zeros(_STARTS.shape, dtype=bool)

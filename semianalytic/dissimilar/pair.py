@@ -1,4 +1,4 @@
-"""What is loaded: two half-planes of different solids with a slot, friction, and tractions."""
+"""Two half-planes of different solids with a slot, friction and loads."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFri
 from semianalytic.scene.scene import Material, Tractions
 
 _LARGEST_CONTRAST = 1e5
-"""Of moduli or densities: at 1e4 the canonical matrix keeps nine digits, and one more is lost for
-every factor of ten beyond (rigid bodies need no second half-plane).  Rubber on steel is 2.4e4."""
+"""Largest ratio of moduli or densities.  At 1e4 the canonical matrix keeps nine digits, and it
+loses one more for every further factor of ten (rigid bodies need no second half-plane).  Rubber on
+steel is 2.4e4."""
 
 
 @dataclass(frozen=True)
@@ -92,18 +93,18 @@ class Pair:
 
     @property
     def compliance(self) -> Compliance:
-        """Both bodies, in units of slowness and modulus of the upper one."""
+        """Compliance of both bodies, in units of slowness and modulus of the upper one."""
         return compliance_of(self.upper, self.lower)
 
     @property
     def exchanged(self) -> Pair:
-        """The same pair seen from below, y for -y: the bodies change places and shear its sign."""
+        """This pair seen from below: the bodies change places, and y and shear change sign."""
         base, load = (Tractions(one.pressure, -one.shear) for one in (self.base, self.load))
         return Pair(self.lower, self.upper, self.friction, base, load, self.friction_law)
 
 
 def check_contrast(upper: Material, lower: Material, largest: float) -> None:
-    """Raise SceneError where one body is rigid beside the other."""
+    """Raise SceneError if moduli or densities differ by more than a factor of `largest`."""
     for name in ("shear_modulus", "density"):
         ratio = getattr(upper, name) / getattr(lower, name)
         if not 1 / largest <= ratio <= largest:

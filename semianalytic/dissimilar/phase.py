@@ -1,4 +1,4 @@
-"""Continuous phase of a function on the cut k = -v + i0, 0 ahead of all waves.
+"""Continuous phase of a function on the cut k = -v + i0, which is 0 ahead of all waves.
 
 The phases of the two symbols of frictional contact, K = (A + s f k D) / (A B + k^2 D^2) and
 N = 1 / (A + s f k D), give every exponent at a zone edge, and their limits for v -> infinity tell
@@ -18,29 +18,29 @@ from semianalytic.dissimilar.stretch import Stretch, stretches
 from semianalytic.halfplane.rayleigh import Array
 
 _STEP, _REACH = 0.5, 38.0
-"""Of x on a stretch: at first, and how far.  exp(-38) is below rounding of a distance from the
-front that has the size of the front."""
+"""First spacing of x on a stretch, and its largest value.  exp(-38) of the slowness of a front is
+below its rounding."""
 _LARGEST_TURN = 0.5
-"""Between two neighbouring points [rad]: where the function turns by more, points are added between
-them.  Half of it gives the same phases of 200 random pairs; at twice it none was wrong either."""
+"""Largest turn of the function between neighbouring points [rad]; points are added where it turns
+more.  Half of it gives the same phases of 200 random pairs, and at twice it none was wrong."""
 _NARROWEST = 1e-12
 """Distance of points in x below which a turn of nearly half a circle is a zero on the cut."""
 
 
 _SHARP = 0.6
-"""Turn per unit of x [rad]: of a zero at a distance of 1.7 in x.  Densities on a stretch that is
-not cut there converge at half the rate of others; at 0.8 some took four rules to reach 1e-8, at
-0.45 there is a fifth more cuts."""
+"""Turn per unit of x [rad] beyond which a stretch is cut, as of a zero at a distance of 1.7 in x.
+Densities on a stretch without such a cut converge at half the rate of others.  At 0.8 some took
+four rules to reach 1e-8; at 0.45 there are a fifth more cuts."""
 
 
 _BESIDE = 1e-10
-"""Of x, from a point where a function vanishes exactly."""
+"""Shift of x from a point where a function vanishes exactly."""
 _CLOSER = 121
-"""Points among which the fastest turn is looked for, in three intervals of the table."""
+"""Points in three intervals of the table among which the fastest turn is sought."""
 
 
 _TURN_ERROR = 0.6
-"""Of the limit of theta_K [rad]; the next possible value is 2 pi away."""
+"""Tolerance of the limit of theta_K [rad]; the next possible value is 2 pi away."""
 
 
 @dataclass(frozen=True)
@@ -82,11 +82,12 @@ class CutPhase:
 
     @cached_property
     def table(self) -> tuple[StretchPhase, ...]:
-        """The phase on every stretch between wave fronts, as finely as it turns."""
+        """Phase on every stretch between wave fronts, on points as fine as it turns."""
         start, before, result = 0.0, 1 + 0j, []
         for stretch in stretches([0.0, *self.compliance.distinct_fronts]):
             x, values = self._resolved(stretch)
             turns = np.angle(values / np.concatenate([[before], values[:-1]]))
+            # At a zero on the cut the phase grows by pi: a turn of the other sign is 2 pi short.
             vanishes = np.abs(turns) > _LARGEST_TURN
             turns[vanishes & (turns < 0)] += 2 * np.pi
             phase = start + np.cumsum(turns)
@@ -102,11 +103,11 @@ class CutPhase:
 
     @property
     def limit(self) -> float:
-        """The phase for v -> infinity."""
+        """Phase for v -> infinity."""
         return float(self.table[-1].phase[-1])
 
     def at(self, v: float) -> float:
-        """The phase at a slowness v > 0."""
+        """Return the phase at a slowness v > 0."""
         for part in self.table:
             right = part.stretch.right
             if part.stretch.left < v and (right is None or v < right):
@@ -116,15 +117,18 @@ class CutPhase:
         return next(float(part.phase[0]) for part in self.table if part.stretch.left == v)
 
     def on(self, stretch: Stretch, x: Array) -> Array:
-        """The phase at coordinates x (n,) of a stretch between two wave fronts."""
+        """Return the phase at coordinates x (n,) of a stretch between two wave fronts."""
+        # The table tells the multiple of 2 pi that the angle of the function leaves open.
         part = next(one for one in self.table if one.stretch == stretch)
         near, angle = np.interp(x, part.x, part.phase), np.angle(self._on(stretch, x))
         return np.asarray(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))
 
     @cached_property
     def sharp_turns(self) -> tuple[float, ...]:
-        """Slownesses at which the phase turns fastest, by more than `_SHARP` per unit of x: real
-        parts of zeros on other sheets that hide next to the cut."""
+        """Slownesses at which the phase turns fastest, by more than `_SHARP` per unit of x.
+
+        They are the real parts of zeros on other sheets that lie next to the cut.
+        """
         found = []
         for part in self.table:
             rate = np.abs(np.diff(part.phase) / np.diff(part.x))
@@ -138,8 +142,10 @@ class CutPhase:
         return tuple(found)
 
     def _resolved(self, stretch: Stretch) -> tuple[Array, Complex]:
-        """Points on a stretch between which the function turns little, and its direction there;
-        about a zero on the cut they come as near as `_NARROWEST`."""
+        """Return points on a stretch between which the function turns little, and its direction.
+
+        About a zero on the cut they are as close as `_NARROWEST`.
+        """
         x = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
         values = self._on(stretch, x)
         while True:
@@ -152,7 +158,7 @@ class CutPhase:
             values = np.insert(values, wide + 1, self._on(stretch, between))
 
     def _on(self, stretch: Stretch, x: Array) -> Complex:
-        """Direction of the function at points; beside a point where it vanishes exactly."""
+        """Return the direction of the function at points, or beside a point where it vanishes."""
         points = stretch.at(x)
         from_fronts = stretch.minus(points, self.compliance.fronts)
         values = self.function(self.compliance.on_cut(points.v, from_fronts))
@@ -163,18 +169,20 @@ class CutPhase:
 
 
 def _is_peak(rate: Array) -> np.ndarray:
-    """Which of the inner values (n,) are larger than both neighbours, (n - 2,)."""
+    """Tell which of the inner values of (n,) exceed both neighbours, (n - 2,)."""
     return np.asarray((rate[1:-1] > rate[:-2]) & (rate[1:-1] >= rate[2:]))
 
 
 @dataclass(frozen=True)
 class SlipPhase:
-    """Phase of K + eta, K = (A + s f k D) / (A B + k^2 D^2): of traction less friction over slip.
+    """Phase of K + eta, K = (A + s f k D) / (A B + k^2 D^2).
+
+    K relates slip to shear traction less friction: tau + s f sigma = -K W.
 
     Attributes
     ----------
     numerator, denominator : CutPhase
-        Of (A + s f k D + eta (A B + k^2 D^2)) R_1 R_2 and (A B + k^2 D^2) R_1 R_2.
+        Phases of (A + s f k D + eta (A B + k^2 D^2)) R_1 R_2 and (A B + k^2 D^2) R_1 R_2.
     """
 
     numerator: CutPhase
@@ -182,34 +190,36 @@ class SlipPhase:
 
     @property
     def limit(self) -> float:
-        """The phase for v -> infinity."""
+        """Phase for v -> infinity."""
         return self.numerator.limit - self.denominator.limit
 
     def at(self, v: float) -> float:
-        """The phase at a slowness v > 0."""
+        """Return the phase at a slowness v > 0."""
         return self.numerator.at(v) - self.denominator.at(v)
 
     def on(self, stretch: Stretch, x: Array) -> Array:
-        """The phase at coordinates x (n,) of a stretch between two wave fronts."""
+        """Return the phase at coordinates x (n,) of a stretch between two wave fronts."""
         return self.numerator.on(stretch, x) - self.denominator.on(stretch, x)
 
     def is_regular(self, friction: float) -> bool:
-        """Whether no wave that runs ahead of slip grows: theta_K / pi tends to 1/2 +
-        arctan(s f beta) / pi then, and to 2 less for each such wave."""
+        """Tell whether no wave that runs ahead of slip grows.
+
+        Then theta_K / pi tends to 1/2 + arctan(s f beta) / pi, and to 2 less for each such wave.
+        """
         compliance = self.numerator.compliance
         expected = np.pi / 2 + np.arctan(friction * compliance.dundurs)
         return bool(abs(self.limit - expected) < _TURN_ERROR)
 
 
 def slip_phase(compliance: Compliance, friction: float, resistance: float = 0.0) -> SlipPhase:
-    """Phase of K + eta.
+    """Return the phase of K + eta.
 
     Parameters
     ----------
     friction : float
         s f, the friction coefficient with the sense of slip.
     resistance : float
-        eta, traction that a viscous film takes per relative slip rate.
+        eta, traction of a viscous film per relative slip rate.
     """
 
     def numerator(entries: Entries) -> Complex:
@@ -220,12 +230,12 @@ def slip_phase(compliance: Compliance, friction: float, resistance: float = 0.0)
 
 
 def bonded_phase(compliance: Compliance) -> CutPhase:
-    """Phase of (A B + k^2 D^2) R_1 R_2, which vanishes for waves of a bonded interface."""
+    """Return the phase of (A B + k^2 D^2) R_1 R_2, which is 0 for waves of a bonded interface."""
     return CutPhase(compliance, lambda entries: entries.determinant)
 
 
 def rayleigh_phases(compliance: Compliance) -> tuple[CutPhase, CutPhase]:
-    """Phases of R_1 and R_2, which vanish for the Rayleigh waves of the free bodies."""
+    """Return the phases of R_1 and R_2, which vanish for the Rayleigh waves of the free bodies."""
     return (
         CutPhase(compliance, lambda entries: entries.rayleighs[0]),
         CutPhase(compliance, lambda entries: entries.rayleighs[1]),
@@ -233,5 +243,5 @@ def rayleigh_phases(compliance: Compliance) -> tuple[CutPhase, CutPhase]:
 
 
 def contact_phase(compliance: Compliance, friction: float) -> CutPhase:
-    """Phase of Phi R_1 R_2, Phi = A + s f k D, which vanishes for waves of a sliding interface."""
+    """Return the phase of Phi R_1 R_2, Phi = A + s f k D, for waves of a sliding interface."""
     return CutPhase(compliance, lambda entries: entries.frictional(friction))

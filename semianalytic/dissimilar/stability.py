@@ -1,7 +1,7 @@
-"""Whether friction between two given bodies has an answer, in the units of the bodies.
+"""Tell whether friction between two given bodies has an answer, in the units of the bodies.
 
 Uniform sliding under Coulomb friction is unstable between many pairs of bodies: waves along the
-interface grow, the shorter the faster, and no grid and no computation has a limit then (Adams
+interface grow, the shorter the faster, and no computation converges as its grid is refined (Adams
 1995; Ranjith and Rice 2001).  `sliding_stability` tells this before anything is solved.
 """
 
@@ -26,7 +26,8 @@ from semianalytic.scene.errors import SceneError
 from semianalytic.scene.scene import Material
 
 _LARGEST_CONTRAST = 1e10
-"""Of moduli or densities: there the threshold of a rigid body, 1, still has eight digits."""
+"""Largest ratio of moduli or densities; there the threshold of a rigid body, 1, still has
+eight digits."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ class SlidingWave:
 
 @dataclass(frozen=True)
 class SlidingStability:
-    """What is known about sliding of two bodies on one another before a scene is solved.
+    """Stability of two bodies that slide on one another, known before a scene is solved.
 
     Attributes
     ----------
@@ -78,7 +79,7 @@ class SlidingStability:
         body slides, and in the other one; 0 where every coefficient lets them grow, inf where none
         does.
     waves : tuple of SlidingWave
-        All that grow at this friction, the fastest growing first.
+        All waves that grow at this friction, the fastest growing first.
     delayed_growth : float or None
         G: if friction follows pressure with a delay t*, d(sigma')/dt = (sigma - sigma') / t*, no
         wave grows faster than exp(G t / t*), and one does so; None where nothing grows.  A delay
@@ -117,7 +118,7 @@ class SlidingStability:
 
     @property
     def verdict(self) -> str:
-        """One sentence: whether waves grow, how fast, and what would end that."""
+        """Sentence that says whether waves grow, how fast, and what would prevent it."""
         if self.well_posed:
             bounded = self.threshold < np.inf
             under = f"friction below {self.threshold:.4g}" if bounded else "any friction"

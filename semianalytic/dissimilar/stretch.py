@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from semianalytic.halfplane.rayleigh import Array
 
 Values = NDArray[Any]
-"""Real, or complex off the cut."""
+"""Values that are real, or complex off the cut."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,13 @@ class Points:
 
 @dataclass(frozen=True)
 class Stretch:
-    """The slownesses left < v < right; right None: without end."""
+    """The slownesses left < v < right; without end if right is None."""
 
     left: float
     right: float | None
 
     def at(self, x: Values) -> Points:
-        """The points of coordinates x (n,)."""
+        """Return the points of coordinates x (n,)."""
         if self.right is None:
             from_left = self.left * np.exp(x)
             return Points(x, self.left + from_left, from_left, np.full(x.shape, np.inf))
@@ -63,18 +63,20 @@ class Stretch:
 
     @property
     def lead(self) -> float:
-        """How much further in x the neighbourhood of the left end begins where the right end is
-        many times its slowness: at v = 2 left, not in the middle."""
+        """Approximate distance in x from v = 2 left to the middle, if the right end is far.
+
+        The neighbourhood of the left end begins further out by that distance.
+        """
         return 0.0 if self.right is None else max(0.0, float(np.log(self.right / self.left - 1)))
 
     def slope(self, points: Points) -> Values:
-        """dv/dx at points, (n,)."""
+        """Return dv/dx at points, (n,)."""
         if self.right is None:
             return points.from_left
         return np.asarray(points.from_left * points.to_right / (self.right - self.left))
 
     def minus(self, points: Points, ends: Array) -> Values:
-        """(e, n): the points less each of `ends` (e,), none of which lies inside the stretch."""
+        """Return the points less each of `ends`, (e, n); no end is inside the stretch."""
         column = np.asarray(ends, dtype=float)[:, None]
         if self.right is None:
             return np.asarray((self.left - column) + points.from_left)
@@ -88,17 +90,17 @@ class Stretch:
         )
 
     def coordinates(self, v: Array) -> Array:
-        """The x of slownesses (n,) from left on; -inf at left."""
+        """Return the x of slownesses (n,) from left on; it is -inf at left."""
         beyond = self.left if self.right is None else self.right - v
         with np.errstate(divide="ignore"):
             return np.asarray(np.log((v - self.left) / beyond))
 
     def coordinate(self, v: float) -> float:
-        """The x of a slowness inside the stretch."""
+        """Return the x of a slowness inside the stretch."""
         beyond = self.left if self.right is None else self.right - v
         return float(np.log((v - self.left) / beyond))
 
 
 def stretches(ends: Sequence[float]) -> list[Stretch]:
-    """The stretches between slownesses in increasing order, and the last one without end."""
+    """Return the stretches between slownesses in increasing order; the last one has no end."""
     return [Stretch(left, right) for left, right in zip(ends, [*ends[1:], None], strict=True)]

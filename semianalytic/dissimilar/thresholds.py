@@ -14,28 +14,28 @@ from semianalytic.dissimilar.stretch import Stretch, stretches
 from semianalytic.halfplane.rayleigh import Array
 
 LEAST_FRICTION = 1e-6
-"""Thresholds below are none: no interface is that smooth."""
+"""Threshold below which it counts as 0, since no interface is that smooth."""
 _REACH, _STEP = 38.0, 0.02
-"""Of x on a stretch, on which crossings are looked for: at half the step 200 random pairs had the
-same thresholds, at five times the step one of them differed."""
+"""Largest |x| on a stretch and the step between points at which crossings are sought: at half the
+step 200 random pairs had the same thresholds, at five times the step one of them differed."""
 _DECOUPLED = 1e-12
-"""k D over A below which no friction lets waves grow: beside zeros of k D rounding decides."""
+"""Ratio |k D / A| below which a crossing is ignored: beside zeros of k D it is rounding."""
 _BESIDE = 1e-4
 """Relative distance in friction from a crossing at which growing waves are counted: between two
 crossings nearer than that none is resolved."""
 
 
 def generalised_rayleigh_speed(compliance: Compliance) -> float | None:
-    """Speed of the wave along a closed interface without friction, A(k) = 0; None without one.
+    """Return the speed of the wave along a closed interface without friction, A(k) = 0, or None.
 
-    It is slower than all body waves.  Where it exists every friction coefficient lets waves grow
+    It is slower than all body waves.  Where it exists, every friction coefficient lets waves grow
     (Ranjith and Rice 2001).
     """
     return _slow_zero(compliance, contact_phase(compliance, 0.0).zeros)
 
 
 def stoneley_speed(compliance: Compliance) -> float | None:
-    """Speed of the wave along a bonded interface, A B + k^2 D^2 = 0; None without one."""
+    """Return the speed of the wave along a bonded interface, A B + k^2 D^2 = 0, or None."""
     return _slow_zero(compliance, bonded_phase(compliance).zeros)
 
 
@@ -45,7 +45,7 @@ def _slow_zero(compliance: Compliance, zeros: tuple[float, ...]) -> float | None
 
 
 def growth_threshold(compliance: Compliance, direction: int) -> float:
-    """Friction coefficient above which waves grow that run in a direction.
+    """Return the friction coefficient above which waves grow that run in a direction.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def growth_threshold(compliance: Compliance, direction: int) -> float:
 
 
 def friction_crossings(compliance: Compliance) -> Array:
-    """All s f at which A + s f k D vanishes on the cut k = -v + i0, in increasing order.
+    """Return all s f at which A + s f k D vanishes on the cut k = -v + i0, in increasing order.
 
     There a wave that runs towards +x turns from decaying to growing or back.
     """
@@ -83,7 +83,10 @@ def friction_crossings(compliance: Compliance) -> Array:
 
 
 def _crossings_on(compliance: Compliance, stretch: Stretch) -> list[float]:
-    """The same on one stretch of the cut, by Im(A / (k D)) = 0."""
+    """Return the s f of all crossings on one stretch of the cut.
+
+    They are -Re(A / (k D)) at the zeros of Im(A / (k D)).
+    """
     from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
     def ratio(x: Array) -> Complex:
@@ -108,6 +111,6 @@ def _crossings_on(compliance: Compliance, stretch: Stretch) -> list[float]:
 
 
 def _without_poles(entries: Entries) -> Complex:
-    """A / (k D) times |k D|^2 > 0, over |A|^2 + |k D|^2."""
+    """Return A / (k D) times |k D|^2 / (|A|^2 + |k D|^2), which has no pole at zeros of k D."""
     scale = np.abs(entries.normal) ** 2 + np.abs(entries.coupling) ** 2
     return np.asarray(entries.normal * entries.coupling.conj() / scale)

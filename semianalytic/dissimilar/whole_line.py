@@ -32,18 +32,18 @@ from semianalytic.halfplane.rayleigh import Array, gauss
 from semianalytic.scene.errors import SceneError
 
 _REACH, _PIECE, _POINTS = 36.0, 1.5, 12
-"""Of x on a stretch, the length of a piece of it, and Gauss points on that: theta is analytic but
-for hidden zeros, and half the length changes no digit of the speeds in docs/dissimilar.md."""
+"""Largest |x| on a stretch, the length of its pieces, and Gauss points on each: theta is analytic
+except for hidden zeros, and half the length changes no digit of speeds in docs/dissimilar.md."""
 _SHARPER = 8
-"""Times shorter are pieces within 3 of a hidden zero."""
+"""Factor by which pieces within 3 in x of a hidden zero are shorter."""
 _TOO_FAST = (
     "no edge of slip is slower than all waves: slip runs ahead of them, or does not spread; make "
     "what is missing to friction larger, or less than what drives slip."
 )
 _TO_PATCH = 16.0
-"""Of x towards the end of a patch, where nothing of the edge conditions is left to find."""
+"""Largest x towards the end of a patch, beyond which the edge conditions do not change."""
 _SPACING, _ETA_STEP = 0.25, 0.15
-"""Of x in the integral of slip rate, and of ln eta."""
+"""Spacing of x in the integral of slip rate, and of ln eta in the edge conditions."""
 _SLOWEST = 1e8
 """Slowness over that of the slowest wave beyond which no edge is looked for."""
 
@@ -63,7 +63,7 @@ class PhaseIntegrals:
     phase: SlipPhase
 
     def nodes(self, stop: float) -> tuple[Array, Array, Array]:
-        """Slownesses up to `stop`, theta dw with weights of quadrature, and `stop` less them."""
+        """Return slownesses w up to `stop`, theta dw with quadrature weights, and `stop` - w."""
         compliance = self.phase.numerator.compliance
         sharp = {*self.phase.numerator.sharp_turns, *self.phase.denominator.sharp_turns}
         points, weights, distances = [], [], []
@@ -87,13 +87,13 @@ class PhaseIntegrals:
         return np.concatenate(points), np.concatenate(weights), np.concatenate(distances)
 
     def over(self, stop: float, kernel: Callable[[Array], Array]) -> float:
-        """(1/pi) int theta(w) kernel(w) dw up to `stop`."""
+        """Return (1/pi) int theta(w) kernel(w) dw up to `stop`."""
         w, weight, _ = self.nodes(stop)
         return float(weight @ kernel(w) / np.pi)
 
     @cached_property
     def fastest(self) -> float:
-        """The slowness behind which theta is positive: faster edges of slip do not lead it."""
+        """Slowness beyond which theta is positive; no leading edge of slip is faster."""
         part = self.phase.numerator.table[-1]
         phase = self.phase.on(part.stretch, part.x)
         behind = np.flatnonzero(phase <= 0)
@@ -101,9 +101,9 @@ class PhaseIntegrals:
         return float(part.stretch.at(np.array([first])).v[0])
 
     def root(self, function: RealFunction, limit: float = np.inf) -> tuple[float, bool]:
-        """The slowness from `fastest` to a limit at which a function vanishes, and True.
+        """Return the slowness from `fastest` to a limit at which a function vanishes, and True.
 
-        Without one that end at which it is less, and False.
+        Without a zero, return the end at which its modulus is smaller, and False.
         """
         from scipy.optimize import brentq  # here, for `import semianalytic` is to be quick
 
@@ -120,8 +120,8 @@ class PhaseIntegrals:
 
 
 def _pieces(stretch: Stretch, sharp: list[float]) -> Array:
-    """Ends of pieces of a stretch in x, shorter about hidden zeros."""
-    # Twice as far towards an edge: what is left out there is a root of the distance.
+    """Return the ends of pieces of a stretch in x, which are shorter about hidden zeros."""
+    # Pieces reach twice as far towards an edge, where the rest is a root of the distance.
     ends = np.arange(-_REACH, 2 * _REACH + _PIECE, _PIECE)
     for v in sharp:
         if stretch.left < v and (stretch.right is None or v < stretch.right):
@@ -132,17 +132,17 @@ def _pieces(stretch: Stretch, sharp: list[float]) -> Array:
 
 
 def half_line_speed(compliance: Compliance, friction: float, ratio: float) -> float:
-    """Speed of the edge of slip ahead of a half-line that is stressed beyond friction.
+    """Return the speed of the edge of slip ahead of a half-line that is stressed beyond friction.
 
-    On x < 0 the interface slips at once, and slip runs out along x > 0:
-    (1/pi) int theta(w) dw / w up to 1 / speed is ln(1 + chi).
+    On x < 0 the interface slips at once, and slip spreads along x > 0.  The integral
+    (1/pi) int theta(w) dw / w up to 1 / speed equals ln(1 + chi).
 
     Parameters
     ----------
     friction : float
         s f, the friction coefficient with the sense of slip.
     ratio : float
-        chi >= 0, what is missing to friction on x > 0 over what is too much on x < 0.
+        chi >= 0, the stress below friction on x > 0 over the excess above friction on x < 0.
 
     Raises
     ------
@@ -158,17 +158,17 @@ def half_line_speed(compliance: Compliance, friction: float, ratio: float) -> fl
 
 
 def half_line_exponent(compliance: Compliance, friction: float, speed: float) -> float:
-    """Exponent 1 - theta / pi of slip rate at an edge of slip of a speed."""
+    """Return the exponent 1 - theta / pi of slip rate at an edge of slip of a given speed."""
     return 1 - slip_phase(compliance, friction).at(1 / speed) / np.pi
 
 
 def half_line_slip_rate(
     compliance: Compliance, friction: float, ratio: float, velocity: ArrayLike
 ) -> Array:
-    """Relative slip rate ahead of such a half-line at x/t = velocity > 0, over what is too much and
-    missing together and over the impedance mu / c_t of the upper body.
+    """Return the relative slip rate ahead of an over-stressed half-line at x/t = velocity > 0.
 
-    dV/dv = -X(-v) Im(1/K) / (pi v).
+    It is in units of the excess on x < 0 plus the stress below friction on x > 0, over the
+    impedance mu / c_t of the upper body, and follows from dV/dv = -X(-v) Im(1/K) / (pi v).
     """
     speed = half_line_speed(compliance, friction, ratio)
     integrals = PhaseIntegrals(_well_posed(compliance, friction))
@@ -186,7 +186,7 @@ def half_line_slip_rate(
 def _slip_rate_behind(
     compliance: Compliance, friction: float, known: tuple[Array, Array], start: float, stop: float
 ) -> float:
-    """The integral of dV/dv from the edge to a slowness behind it."""
+    """Return the integral of dV/dv from the edge to a slowness behind it."""
     (weight, distance), total = known, 0.0
     ends = [start, *(v for v in compliance.distinct_fronts if start < v < stop), stop]
     x = np.arange(-2 * _REACH, _REACH, _SPACING)  # both ends of a stretch are algebraic
@@ -203,9 +203,9 @@ def _slip_rate_behind(
 
 
 def point_speeds(compliance: Compliance, friction: float, drop: float) -> tuple[float, float]:
-    """Speeds of the edges to the right and left of slip that a growing point force sustains.
+    """Return the speeds of both edges, right and left, of slip sustained by a growing point force.
 
-    F_0 t delta(x) on an interface at rest: int theta = int theta' up to the edges, and
+    The force is F_0 t delta(x) on an interface at rest: int theta = int theta' up to the edges, and
     d / F_0 = (1/pi) int_0^inf (1 - Re X(i eta)) d eta, with X tending to 1.
 
     Parameters
@@ -213,7 +213,7 @@ def point_speeds(compliance: Compliance, friction: float, drop: float) -> tuple[
     friction : float
         s f, the friction coefficient with the sense of slip.
     drop : float
-        d c_t / F_0, d being what is missing to friction.
+        d c_t / F_0, d being the stress below friction.
     """
     return _two_edges(compliance, friction, drop, None)
 
@@ -221,7 +221,7 @@ def point_speeds(compliance: Compliance, friction: float, drop: float) -> tuple[
 def patch_speeds(
     compliance: Compliance, friction: float, drop: float, speed: float
 ) -> tuple[float, float]:
-    """Speeds of the edges to the right and left of slip around a growing over-stressed patch.
+    """Return the speeds of both edges, right and left, of slip around a growing patch.
 
     Tractions on |x| < w t exceed those around by S: with e = 1/w, X(e) = X(-e) and
     1 - d / S = (2 e / (pi X(e))) int_0^inf Re X(i eta) / (e^2 + eta^2) d eta.
@@ -229,7 +229,7 @@ def patch_speeds(
     Parameters
     ----------
     drop : float
-        d / S, what is missing to friction outside over the excess, between 0 and 1.
+        d / S, the stress below friction outside over the excess S, between 0 and 1.
     speed : float
         w, over c_t of the upper body.
     """
@@ -239,7 +239,10 @@ def patch_speeds(
 def _two_edges(
     compliance: Compliance, friction: float, drop: float, end: float | None
 ) -> tuple[float, float]:
-    """Speeds to the right and left; `end` is the slowness of a patch's end, None for a point."""
+    """Return the speeds to the right and left.
+
+    The slowness of the end of a patch is `end`; None for a point.
+    """
     if not drop > 0 or (end is not None and not drop < 1):
         raise SceneError(f"drop: must be positive, and less than 1 for a patch, got {drop}.")
     right = PhaseIntegrals(_well_posed(compliance, friction))
@@ -255,7 +258,7 @@ def _two_edges(
         return left.root(lambda u: left.over(u, balance) - wanted, limit)
 
     def missing(edge: float) -> float:
-        """How far the traction at the middle is from what slips."""
+        """Return the residual of the equation for d with the left edge balanced."""
         w, weight, _ = right.nodes(edge)
         v, other, _ = left.nodes(other_edge(edge)[0])
         sums = (weight / (w + 1j * eta[:, None])).sum(axis=1)
@@ -279,7 +282,7 @@ def _two_edges(
 
 
 def _well_posed(compliance: Compliance, friction: float) -> SlipPhase:
-    """The phase of K, or a SceneError where a wave that runs ahead grows."""
+    """Return the phase of K; raise SceneError if a wave that runs ahead grows."""
     phase = slip_phase(compliance, friction)
     if not phase.is_regular(friction):
         raise SceneError(
