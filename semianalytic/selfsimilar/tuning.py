@@ -14,10 +14,12 @@ MOST_ZONE_SETS = 12
 LOOSEST_RULE = 1e-4
 """Tolerance of the rule on which zones are looked for, at most.  Not recorded."""
 STRONG_RESISTANCE = 1e8
-"""Of slip to its rate, eta [mu b]: beyond it zones are looked for on strict rules at once, as what
-loose ones leave in the traction is more than drives slip; from 1e10 on that search was in vain."""
+"""Resistance of slip to its rate, eta [mu b], beyond which zones are sought on strict rules at
+once: loose ones leave errors in the traction that exceed what drives slip.  From 1e10 on the
+search on loose rules was in vain."""
 STRONGEST_RESISTANCE = 1e15
-"""Of slip to its rate, eta [mu b]: beyond it slip is rounding of the traction; zones fail."""
+"""Resistance of slip to its rate, eta [mu b], beyond which slip is rounding of the traction and
+zones fail."""
 RULE_SHARE, RULE_SHARE_AT_POLE = 10.0, 20.0
 """rtol over the tolerance of a rule that is to reach it, which is not recorded, and where slip
 covers c: `BETWEEN_NODES_AT_POLE` then leaves room for the rest of an estimate."""
@@ -63,7 +65,8 @@ SAFETY = 5.0
 """Error estimate over the difference of two rules: slip rates near edges and fronts change more
 than the quantities compared."""
 LEFT_SAFETY = 4.0
-"""The same for shifts that are left, over `SAFETY`: slip rates change fastest beside edges."""
+"""Safety factor for edge shifts that are left, over `SAFETY`: slip rates change fastest beside
+edges."""
 LEAST_ERROR = 1e-14
 """Rounding, part of every estimate.  Not recorded."""
 BETWEEN_NODES, BETWEEN_NODES_AT_POLE = 0.3, 7.0
@@ -71,7 +74,7 @@ BETWEEN_NODES, BETWEEN_NODES_AT_POLE = 0.3, 7.0
 their largest, elsewhere and where slip covers c: 0.1 was seen elsewhere, and there 1.0 of slip
 rate, 5.7 of path in 300 scenes that open."""
 TRACTION_ROUNDING = 5e-15
-"""Of tractions at nodes, relative to strength plus load.  Not recorded."""
+"""Rounding of tractions at nodes, relative to strength plus load.  Not recorded."""
 SLIP_PER_EXCESS = 0.3
 """Slip rate over the traction that exceeds friction where slip is missed: 0.1 was seen."""
 LEAST_IMPEDANCE = 1e-3
@@ -84,28 +87,29 @@ INTENSITY_SAFETY = 1.0
 """Error estimate over the difference of two rules, of the stress intensity at a stuck contact edge:
 the finer of them is much better than that."""
 LEAST_INTENSITY = 1e-6
-"""Of what friction holds at a stuck contact edge, that stress intensity is at least known relative
-to: it may be much less than that, and then most of its digits are lost."""
+"""Share of what friction holds at a stuck contact edge that is added to the stress intensity as the
+scale of its error: the intensity may be much less, and then most of its digits are lost."""
 WORK_AHEAD = 3.0
 """Power of its width that friction takes on the slip ahead of an opening, about."""
 GAP_LOGARITHM_SHARE = 0.1
-"""What a change of the logarithm of an edge's distance from c counts as a shift: the slip rate
-beside a narrow stick gap follows that of its width."""
+"""Share of a change of the logarithm of an edge's distance from c that counts as a shift: the slip
+rate beside a narrow stick gap follows the logarithm of its width."""
 
 # Newton's method for the edges (edges)
 
 MOST_NEWTON_STEPS = 40
 """Not recorded; one or two are the rule (docs/solver.md)."""
 MOST_HALVINGS = 8
-"""Of a step that does not reduce the mismatch.  Not recorded."""
+"""Most halvings of a step that does not reduce the mismatch.  Not recorded."""
 LONGEST_MOVE = 1.5
-"""Of a logit or logarithm in one step.  Not recorded."""
+"""Largest change of a logit or logarithm in one step.  Not recorded."""
 CAUTIOUS_MOVE = 1.0
 """Longer moves are checked for natural monotonicity.  Not recorded."""
 FARTHEST = 300.0
 """Unknowns beyond put an edge on a wave front or at the contact edge: exp(300) is 1e130."""
 NUDGE = 1e-6
-"""Of an unknown, for its column of the Jacobian.  Not recorded; about the root of 1e-12."""
+"""Change of an unknown for its column of the Jacobian.  Not recorded; about the root
+of 1e-12."""
 GAP_ROUNDING, LONGEST_NUDGE = 1e-13, 0.3
 """A nudge of a narrow gap changes it by this share of its distance from a front, which rounding
 does not hide, but by no more than that share of itself."""
@@ -114,10 +118,10 @@ NEAR_ROOT, SHORTEST_ROOT = 1e-3, 1e-3
 distance, and the least share of that root that is left: a strip of 1e-18 that a base just below
 friction keeps stuck is found in three steps, where steps of its logarithm by two took twenty."""
 UNSEEN_CHANGE, LONGER_NUDGE = 1e-13, 1e3
-"""Of the mismatch by a nudge: below it rounding counts, and a nudge is made longer by that factor.
+"""Change of the mismatch by a nudge below which rounding counts, and the factor that lengthens it.
 With 1e-6 of a distance of 1e-18 from the longitudinal front Jacobians were thirty times off."""
 LEAST_WIDTH = 1e-10
-"""Of a zone, over its distance from a front; of a narrower one rounding leaves little."""
+"""Least width of a zone, over its distance from a front; rounding spoils narrower ones."""
 
 # Strength that depends on slip rate (rated)
 
@@ -125,7 +129,7 @@ MOST_RATE_STEPS, MOST_RATE_ITERATIONS = 12, 60
 """Newton steps for the slip rate, of which four are the rule, and iterations of the term that holds
 the new one, which shrink it ten times or more unless strength nearly falls as radiation rises."""
 MIXED_ITERATES = 6
-"""That the next iterate is made of, besides the last.  Not recorded."""
+"""Earlier iterates from which, besides the last, the next is made.  Not recorded."""
 RATE_ROUNDING, RATE_SETTLED = 1e-13, 1e-11
 """Change of the slip rate, over the largest, that ends these iterations, and the steps: the next
 step would be the square."""
@@ -142,10 +146,10 @@ RATE_RULE_SHARES = (0.1, 0.01)
 """Tolerances of the rules after it, over rtol, one after the other until the error is below rtol:
 what the length of a rule leaves out no finer one brings back."""
 LEAST_RATE_SHARE = 1 / 32
-"""Of what a law makes of constant friction: shorter steps on the way to it, where it is not reached
-at once, are not tried.  Not recorded."""
+"""Shortest step from constant friction to a law of friction, over the whole difference, that is
+tried where the law is not reached at once.  Not recorded."""
 STEEP_EXPONENT = 0.06
-"""Of slip rate beside an edge that a rule of `FARTHEST_RATE_REACH` cuts off at 1e-3 of it."""
+"""Exponent of slip rate beside an edge that a rule of `FARTHEST_RATE_REACH` cuts off at 1e-3."""
 
 # Coulomb's law at nodes and between them (coulomb)
 
@@ -160,7 +164,7 @@ such a zone ends at 1e12."""
 HIDING_REACH = 8.0
 """In y: nodes further out lie closer together than anything hides."""
 PARABOLA_ERROR = 3e-3
-"""What a parabola through three nodes may be wrong by.  Not recorded."""
+"""Error that a parabola through three nodes may have.  Not recorded."""
 CLOSER_POINTS = 8
 """Per node distance, and again, where a parabola comes near to what is allowed.  Not recorded."""
 
@@ -173,7 +177,7 @@ BESIDE_OPENING = 0.3
 """Place of an edge that a grid puts within an opening, from there to the next node.  Not
 recorded."""
 EDGE_SHARE_UNKNOWN = 0.5
-"""That ratio where there is but one node.  Not recorded."""
+"""Ratio of slip rates assumed where there is only one node.  Not recorded."""
 FARTHEST_SHARE, SHARE_BEFORE_NODE, SHARE_TO_OTHER_SENSE = 1.25, 0.95, 0.4
 """Most of that share: towards stick, towards a front or a narrow gap, and towards slip of the
 other sense.  Not recorded."""
@@ -181,23 +185,23 @@ WEAK_FRICTION = 0.03
 """Friction over the step of shear below which slip is nearly that without friction.  Not
 recorded."""
 WIDEST_GAP = 1.2
-"""Of a gap over its distance from c; beside a narrow strip it is below 4 / pi."""
+"""Largest width of a gap over its distance from c; beside a narrow strip it is below 4 / pi."""
 FRICTIONLESS_RULE = 1e-6
 """Tolerance of the rule of the frictionless slip rate.  Not recorded."""
 FRICTIONLESS_NOISE = 1e-2
-"""Of a slip rate, over the tolerance of its rule: V is no less just behind the front."""
+"""Noise of a slip rate over the tolerance of its rule; V is no less just behind the front."""
 NEAREST_TO_C, FARTHEST_FROM_C = 1e-16, 1e6
 """Distances in slowness between which changes of sense are looked for: rounding, and the contact
 edge."""
 POINTS_PER_E = 3
 """Points per factor e of the distance from c at which they are looked for.  Not recorded."""
 GAP_SLOPE_STEP = 1e-4
-"""Of the distance from c, for the slope of V where a gap opens.  Not recorded."""
+"""Relative step of the distance from c for the slope of V where a gap opens.  Not recorded."""
 NEAREST_TO_FRONT, NARROWEST_FRONT_ZONE = 1e-16, 1e-11
 """Distance in slowness behind the longitudinal front from which slip is looked for, and the
 narrowest zone there; of less rounding shows nothing."""
 FRONT_STEP = 0.1
-"""Of the logarithm of that distance.  Not recorded."""
+"""Step of the logarithm of the distance behind the longitudinal front.  Not recorded."""
 GAUSS_PER_ELEMENT = 6
 """Gauss points per element of the complementarity grid.  Not recorded."""
 
@@ -213,19 +217,20 @@ NARROW_GAP = 0.1
 NEAR_OPENING = 0.05
 """Distance in slowness, relative, of an edge that ran into an opening.  Not recorded."""
 AT_OPENING, NEAR_CLOSING = 1e-6, 0.05
-"""The same of slip that begins where the opening closes, which is not recorded, and over its own
-width: at nodes of loose rules it was seen to begin 0.003 of that behind."""
+"""Relative distance of slip that begins where an opening closes, which is not recorded, and its
+distance over its own width: at nodes of loose rules it was seen to begin 0.003 of that behind."""
 VANISHED_ZONE = 1e-4
 """Width over slowness of a zone that Newton's method has all but closed.  Not recorded."""
 AT_SHEAR_FRONT = 1e-4
 """Distance in slowness of an edge that ran into the shear front.  Not recorded."""
 BEHIND_SHEAR_FRONT, AHEAD_OF_SHEAR_FRONT = 0.1, 0.02
-"""Where such an edge starts on the other side, over the segment there.  Not recorded."""
+"""Place where an edge that ran into the shear front restarts on the other side, over the segment
+there.  Not recorded."""
 
 # Derivatives with respect to a parameter (variation, derivative)
 
 VARIED_STEP = 3e-3
-"""Of logits and logarithms between neighbours: truncation is some 1e-11, rounding as much."""
+"""Step of logits and logarithms between neighbours; truncation and rounding are each some 1e-11."""
 MOST_NARROWINGS, FASTEST_NARROWING = 8, 1e-2
 """Times such a step is made shorter where it changes the width of a panel by more than that share,
 and by how much at most each time: a strip of 1e-14 is reached."""
@@ -235,7 +240,8 @@ DIRECTION_RULE = 1e-6
 """Tolerance of the rule on which the direction of a derivative is found: as good as a Jacobian from
 one-sided differences."""
 MOST_IMPROVEMENTS, NEGLIGIBLE_CHANGE = 4, 1e-11
-"""Of directions; one is the rule.  What changes less than that share is left."""
+"""Most improvements of a direction, of which one is usual, and the relative change below which it
+is left."""
 LEAST_DERIVATIVE_ERROR = 1e-10
 """Rounding of differences, part of every estimate of a derivative."""
 CLEAR_OF_EDGES, COMPARED_POINTS = 0.03, 100
@@ -245,13 +251,13 @@ COMPANION_STEP = 0.7
 """Step of the differences of a companion, over that of what it is compared with: truncation, of
 fourth order, shows by three quarters."""
 UNSEEN_LACK, UNSEEN_STRIP = 1e-6, 1e-9
-"""What a base may lack of friction, over it, and how wide in slowness the strip may be that sticks
-behind the longitudinal front, for derivatives to be those of a base at friction: these differ by
-1e-6 of themselves at most in four kinds of scene, where differences were off by up to 1e-5 below
-1e-6 and by their own size below 1e-11."""
+"""Largest shortfall of a base from friction, over friction, and how wide in slowness the strip may
+be that sticks behind the longitudinal front, for derivatives to be those of a base at friction:
+these differ by 1e-6 of themselves at most in four kinds of scene, where differences were off by
+up to 1e-5 below 1e-6 and by their own size below 1e-11."""
 AT_BORDER = 1e-7
-"""Of what Coulomb's law leaves to spare, of widths and of slip rates over the largest: zones are
-about to change below it."""
+"""Margin of Coulomb's law, width or slip rate over the largest, below which zones are about to
+change."""
 
 # Fields in the bodies (solution)
 

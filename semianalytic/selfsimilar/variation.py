@@ -28,8 +28,8 @@ from semianalytic.selfsimilar.edges import Edges, edges_of, linearised
 from semianalytic.separation.normal import with_opening
 
 _OF_POISSON = 0.25
-"""Of the distance from its bounds, what the Poisson ratio is stepped by: the longitudinal front
-moves, and fields on nodes right behind it bend faster than the ratio itself."""
+"""Step of the Poisson ratio over its distance from its bounds: the longitudinal front moves, and
+fields on nodes right behind it bend faster than the ratio itself."""
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ _CLOSE = 12.0
 continued by its power, for there slope times dv/dy is too small to tell it.  The left of a panel is
 as close to other fronts as they are to each other, however wide it is: that is added."""
 _HALF_POWER = 1e-2
-"""What a power read off there may differ from a multiple of one half that it is."""
+"""Largest difference of a fitted power from the multiple of one half that it is."""
 
 
 @dataclass(frozen=True)
