@@ -217,11 +217,11 @@ def _quick_compression() -> Iterator[None]:
     quick = SimpleNamespace(
         compress=partial(zlib.compress, level=COMPRESSION_LEVEL), decompress=zlib.decompress
     )
-    before, _vtu.zlib = _vtu.zlib, quick
+    _vtu.zlib = quick
     try:
         yield
     finally:
-        _vtu.zlib = before
+        _vtu.zlib = zlib  # not what was found: that may be the stand-in of another thread
 
 
 def write_index(directory: Path, frames: Iterable[tuple[float, str]], run: str) -> None:

@@ -131,12 +131,19 @@ def _sinc_step_at_nodes(most: int) -> Array:
     Si(pi k) = pi / 2 - (-1)^k f(pi k) with f(z) = int_0^inf exp(-s) z / (z^2 + s^2) ds. Importing
     `scipy.special` for it would take half of the time of the first solution in a process.
     """
-    points, weights = np.polynomial.laguerre.laggauss(_LAGUERRE_POINTS)
+    points, weights = _laguerre()
     k = np.arange(1.0, most + 1)
     z = np.pi * k
     f = (weights / (1 + (points / z[:, None]) ** 2)).sum(axis=1) / z
     beyond = 0.5 - np.where(k % 2, -f, f) / np.pi
     return np.concatenate([0.5 - beyond[::-1], [0.5], 0.5 + beyond])
+
+
+@lru_cache(maxsize=1)
+def _laguerre() -> tuple[Array, Array]:
+    """Return points and weights of the quadrature, whose eigenvalues are not to be solved for each
+    rule."""
+    return np.polynomial.laguerre.laggauss(_LAGUERRE_POINTS)
 
 
 @lru_cache(maxsize=_TABLES)

@@ -77,6 +77,12 @@ def random_steps(random: np.random.Generator) -> Scene:
     return Scene(solid, friction, base, Tractions(pressure, shear))
 
 
+def _random_shear(random: np.random.Generator) -> float:
+    """Draw the shear of a step of either sign; it is zero in three scenes of ten."""
+    shear = float(random.choice([-1, 1]) * random.lognormal(0.0, 0.5))
+    return 0.0 if random.random() < 0.3 else shear
+
+
 def random_opening(random: np.random.Generator) -> Scene:
     """A self-similar scene whose contact opens; raises SceneError where the draw is not admissible.
 
@@ -84,9 +90,7 @@ def random_opening(random: np.random.Generator) -> Scene:
     friction as in `random_steps`, three in ten without shear.
     """
     solid, friction = _random_solid(random)
-    shear = float(random.choice([-1, 1]) * random.lognormal(0.0, 0.5))
-    if random.random() < 0.3:
-        shear = 0.0
+    shear = _random_shear(random)
     base, step = 1.0, -float(random.lognormal(-0.5, 0.7))
     if random.random() < 0.5:
         base, step = opening_threshold(solid.poisson_ratio) * float(random.uniform(0.05, 0.95)), 1.0
@@ -101,9 +105,7 @@ def random_near_opening(random: np.random.Generator) -> Scene:
     of it, half of them from the edge, whose step takes off a tenth of the base or so.
     """
     solid, friction = _random_solid(random)
-    shear = float(random.choice([-1, 1]) * random.lognormal(0.0, 0.5))
-    if random.random() < 0.3:
-        shear = 0.0
+    shear = _random_shear(random)
     base, step = 1.0, -float(random.lognormal(-2.5, 0.7))
     if random.random() < 0.5:
         beside = float(random.choice([-1, 1]) * np.exp(random.uniform(np.log(1e-3), np.log(0.2))))
