@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from compare.comparison.measures import NOTHING, is_nothing, norm, worn
+from compare.comparison.measures import NOTHING, is_nothing, norm, within, worn
 from compare.comparison.scales import slip_rate_scale, stress_scale
 from semianalytic import InterfaceHistory, Marched, Scene, Solution
 from semianalytic.results.answer import Answer
@@ -93,7 +93,9 @@ class Case:
         """Prediction at the nodes and times of each run, as far as the finest mesh reaches."""
         reach = float(self.seen.x[-1])
         coarser = (
-            self.prediction.history(run.interface.x[run.interface.x <= reach], run.interface.t)
+            self.prediction.history(
+                run.interface.x[within(run.interface.x, 0.0, reach)], run.interface.t
+            )
             for run in self.coarser
         )
         return (self.at_nodes, *coarser)
@@ -222,7 +224,7 @@ class Case:
 
     def norm_of(self, field: Array, reach: tuple[float, float]) -> float:
         """L1 norm of a field at the nodes of the simulation between two positions, over c_t T."""
-        shown = (self.seen.x >= reach[0]) & (self.seen.x <= reach[1])
+        shown = within(self.seen.x, *reach)
         return norm(field[shown], self.seen.x[shown] / self.length, 1)
 
     @property

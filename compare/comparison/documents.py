@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from compare.comparison.measures import nearest
 from compare.comparison.quantities.history_rows import PROBES, SENSE_THRESHOLD
 from compare.comparison.scales import reference_values, scene_fronts, speed_regime
 from semianalytic import Marched, Scene, Solution
@@ -208,7 +209,7 @@ def march_document(marched: Marched) -> dict[str, Any]:
                 "x": float(x[node]),
                 "time": float(seen.onset[node]) if math.isfinite(seen.onset[node]) else None,
             }
-            for node in (int(np.argmin(np.abs(x - probe * length))) for probe in PROBES)
+            for node in (nearest(x, probe * length) for probe in PROBES)
         ],
         "accumulated_slip": float(marched.accumulated_slip(marched.end_time)),
         "frictional_work": float(marched.frictional_work(marched.end_time)),

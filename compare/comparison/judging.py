@@ -19,7 +19,7 @@ from compare.comparison.bars import (
     slowest_bar,
 )
 from compare.comparison.case import Case
-from compare.comparison.measures import NOTHING, norm
+from compare.comparison.measures import NOTHING, norm, within
 from compare.comparison.rows import AGREES, ALARM, DIFFERS, TELLING, UNRESOLVED, Row
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer
@@ -176,7 +176,7 @@ def profile_row(
     low, high = reach
     value, unit = scale
     runs = case.runs
-    places = [(run.interface.x >= low) & (run.interface.x <= high) for run in runs]
+    places = [within(run.interface.x, low, high) for run in runs]
     fields = [read(number) / value for number in range(len(runs))]
     x, shown = case.seen.x, places[0]
     expected = expect(case.prediction, case.at_nodes) / value
@@ -207,7 +207,7 @@ def profile_row(
     def before() -> float:
         there = expect(case.prediction, case.expected[1]) / value
         at = case.expected[1].x
-        inside = (at >= low) & (at <= high)
+        inside = within(at, low, high)
         return size((fields[1][: len(at)] - there)[inside], at[inside]) / per
 
     row = Row(

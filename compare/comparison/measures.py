@@ -14,11 +14,30 @@ Array = NDArray[np.float64]
 
 NOTHING = 1e-6
 """Part of its unit up to which a value counts as nothing."""
+ROUNDING = 1e-9
+"""Relative amount by which a position or time may miss a limit on which it lies.  Rounding is
+about 1e-16, and the distance of nodes and levels is at least 1e-5 of the largest."""
 
 
 def in_profile(velocity: Array) -> NDArray[np.bool_]:
     """Mask of the x/(c_t T) at which profiles are compared: not at the edge, nor at the P front."""
     return (velocity > 0.02) & (velocity < 1.9)
+
+
+def within(values: Array, low: float, high: float) -> NDArray[np.bool_]:
+    """Mask of the values between two limits that are not negative, both included.
+
+    A value that differs from a limit by rounding alone is included, so that the choice does not
+    depend on the units of length and time.
+    """
+    return np.asarray((values >= (1 - ROUNDING) * low) & (values <= (1 + ROUNDING) * high))
+
+
+def nearest(values: Array, place: float) -> int:
+    """Index of the value nearest to a place; of two that are equally near but for rounding, the
+    first, whatever the unit."""
+    distances = np.abs(values - place)
+    return int(np.flatnonzero(distances <= distances.min() + ROUNDING * abs(place))[0])
 
 
 def norm(values: Array, position: Array, order: int, time: Array | None = None) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from compare.comparison.measures import NOTHING, onset_time
+from compare.comparison.measures import NOTHING, nearest, onset_time
 from compare.comparison.scales import stress_scale
 from compare.records.record import QUANTITIES, Record, Records
 from compare.validation.bars import SCATTER, TELLING, Bar, JudgedRow, pooled_bar, station_bar
@@ -170,7 +170,7 @@ def chosen_stations(places: Sequence[float], exact: Exact) -> list[int]:
     if len(places) <= len(PLACES):
         return list(range(len(places)))
     over = np.array([_over(place, exact) for place in places])
-    return sorted({int(np.argmin(np.abs(over - place))) for place in PLACES})
+    return sorted({nearest(over, place) for place in PLACES})
 
 
 def _over(x: float, exact: Exact) -> float:

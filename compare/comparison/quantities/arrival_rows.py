@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from compare.comparison.bars import error_bar
 from compare.comparison.case import Case
 from compare.comparison.judging import Comparison, judged, mesh_changes
+from compare.comparison.measures import ROUNDING
 from compare.comparison.quantities.arrivals import (
     LARGEST_MISFIT,
-    ROUNDING,
     Table,
     Waveform,
     Window,

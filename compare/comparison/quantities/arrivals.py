@@ -9,6 +9,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from compare.comparison.measures import within
+
 Array = NDArray[np.float64]
 Waveform = Callable[[Array], Array]
 Table = tuple[Array, Array]
@@ -18,8 +20,6 @@ TRIALS = 61
 TABLE = 801
 LARGEST_MISFIT = 0.5
 LEAST_SAMPLES = TREND_DEGREE + 4
-ROUNDING = 1e-9
-"""Tolerance for samples beyond the ends of a window, relative to the speed of the front."""
 
 
 @dataclass(frozen=True)
@@ -118,8 +118,7 @@ def aligned_speed(
         in the window, no stretch within it fits better than its neighbours, or the best one
         leaves too much unexplained.
     """
-    room = ROUNDING * window.front
-    inside = (velocity >= window.lower - room) & (velocity <= window.upper + room)
+    inside = within(velocity, window.lower, window.upper)
     if np.count_nonzero(inside) < LEAST_SAMPLES:
         return None
     seen_at, seen = velocity[inside], values[inside]

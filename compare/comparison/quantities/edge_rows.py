@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from compare.comparison.bars import ErrorBar
 from compare.comparison.case import NARROW, UNSEEN, Case
 from compare.comparison.judging import Comparison, judged, rate_bar, value_row
-from compare.comparison.measures import NOTHING
+from compare.comparison.measures import NOTHING, ROUNDING
 from compare.comparison.rows import Row
 from compare.comparison.scales import speed_regime
 from semianalytic import InterfaceHistory
@@ -247,7 +247,7 @@ def _shows(seen: tuple[Part, ...], part: Part) -> bool:
 
 
 def _late_levels(case: Case, history: InterfaceHistory) -> NDArray[np.intp]:
-    late = np.flatnonzero(history.t > 2 / 3 * case.end_time)
+    late = np.flatnonzero(history.t > (1 + ROUNDING) * 2 / 3 * case.end_time)
     return late[np.unique(np.linspace(0, len(late) - 1, LEVELS).round().astype(int))]
 
 

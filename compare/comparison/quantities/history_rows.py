@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from compare.comparison.bars import error_bar
 from compare.comparison.case import NARROW, Case, beyond_edge, too_narrow
 from compare.comparison.judging import Comparison, field_bar, judged, rate_bar, value_row
-from compare.comparison.measures import NOTHING, norm, onset_time
+from compare.comparison.measures import NOTHING, ROUNDING, nearest, norm, onset_time
 from compare.comparison.rows import Row
 from semianalytic import Harmonic, InterfaceHistory
 from semianalytic.results.sampled import interpolated
@@ -35,8 +35,6 @@ FRONT = 1
 With none, a frictionless scene whose slip grows from zero behind the P wave was 2 bars off."""
 NEIGHBOURS = 2
 """Number of elements on either side of a probe that give the error bar of the slip rate there."""
-ROUNDING = 1e-9
-"""Relative tolerance of positions and times."""
 SENSE_FLOOR = 0.12
 """Uncertainty of parts of maps, over the part of nodes and times that lie beside edges of slip."""
 ONSET_FLOOR = 0.35
@@ -234,7 +232,7 @@ def event_rows(case: Case) -> Iterator[Row]:
     cell = case.simulation.element_size / case.length
     # a self-similar solution is the same at all probes, only coarser near the edge
     for probe in PROBES[-1:] if case.scene.is_self_similar else PROBES:
-        place = float(case.seen.x[np.argmin(np.abs(case.seen.x - probe * case.length))])
+        place = float(case.seen.x[nearest(case.seen.x, probe * case.length)])
         fast = REVERSAL_THRESHOLD * case.largest_rate
         against = partial(_onset_of_sense, -_first_sense(case, place, fast))
         for name, first_time, least in (
@@ -278,7 +276,7 @@ def _weakness(case: Case, row: Row, place: float, least: float) -> str:
         case.end_time if at is None else at * case.end_time for at in (row.at_nodes, row.simulated)
     ]
     early = case.at_nodes if events[0] < events[1] else case.seen
-    between = (early.t >= min(events)) & (early.t < max(events))
+    between = (early.t >= (1 - ROUNDING) * min(events)) & (early.t < (1 - ROUNDING) * max(events))
     elements = _lasts(early, place, min(events), least) / case.simulation.element_size
     elements *= case.scene.material.shear_speed
     if elements < NARROW:
@@ -291,7 +289,7 @@ def _weakness(case: Case, row: Row, place: float, least: float) -> str:
 
 def _lasts(history: InterfaceHistory, place: float, start: float, least: float) -> float:
     """Duration of slip of one sense above a threshold at a place, from a time on [time]."""
-    later = history.t >= start
+    later = history.t >= (1 - ROUNDING) * start
     record, time = _record(history, place)[later], history.t[later]
     if not len(record):
         return 0.0

@@ -13,8 +13,7 @@ from compare.comparison.bars import ErrorBar
 from compare.comparison.case import Case
 from compare.comparison.fields.fronts import jump_times
 from compare.comparison.judging import Comparison, judged
-from compare.comparison.measures import NOTHING
-from compare.comparison.quantities.arrivals import ROUNDING
+from compare.comparison.measures import NOTHING, ROUNDING
 from compare.comparison.rows import Row
 from compare.comparison.scales import scene_fronts
 from semianalytic import InterfaceHistory

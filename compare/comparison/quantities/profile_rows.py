@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from compare.comparison.bars import error_bar
 from compare.comparison.case import EDGE_CELLS, Case, own_wear, too_narrow, worn_by
 from compare.comparison.judging import Comparison, judged, profile_row
-from compare.comparison.measures import NOTHING, norm
+from compare.comparison.measures import NOTHING, ROUNDING, norm, within
 from compare.comparison.rows import Row
 from semianalytic import InterfaceHistory
 from semianalytic.results.answer import Answer
@@ -77,7 +77,8 @@ def _unseen_rate(case: Case) -> Array:
     """Mean |slip rate| of the prediction over the last window, counting only slip in zones too
     narrow for the mesh, (n,)."""
     times = case.seen.t
-    inside = times >= case.end_time - max(case.window, float(times[-1] - times[-2]))
+    start = case.end_time - max(case.window, float(times[-1] - times[-2]))
+    inside = within(times, start, case.end_time)
     rate = np.where(case.narrow, np.abs(case.at_nodes.slip_rate), 0.0)[inside]
     return np.asarray(np.trapezoid(rate, times[inside], axis=0) / np.ptp(times[inside]))
 
@@ -110,7 +111,7 @@ def _largest_gap_row(case: Case, scale: float, reach: tuple[float, float]) -> Ro
     largest gaps may be small by chance.
     """
     start = max(reach[0], case.runs[-1].interface.x[0])
-    places = np.append(start, case.seen.x[case.seen.x > start])
+    places = np.append(start, case.seen.x[case.seen.x > (1 + ROUNDING) * start])
 
     def gap(history: InterfaceHistory) -> Array:
         return np.interp(places, history.x, history.gap[-1]) / scale

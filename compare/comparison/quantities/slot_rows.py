@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from compare.comparison.case import EDGE_CELLS, Case
 from compare.comparison.judging import Comparison, field_bar, judged
-from compare.comparison.measures import NOTHING, norm
+from compare.comparison.measures import NOTHING, norm, within
 from compare.comparison.rows import Row
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def slot_rows(case: Case) -> Iterator[Row]:
     def moved(run: Simulation) -> tuple[Array, Array]:
         """Distances from the edge (n,) and the simulated velocities there over V0 (2, n)."""
         slot = run.slot
-        shown = (-slot.x >= start) & (-slot.x <= reach)
+        shown = within(-slot.x, start, reach)
         velocity = np.stack([slot.velocity_x[-1, shown], slot.velocity_y[-1, shown]])
         return -slot.x[shown][::-1], velocity[:, ::-1] / case.rate
 

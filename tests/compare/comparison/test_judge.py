@@ -242,6 +242,7 @@ def test_bars_come_from_the_simulation():
 @pytest.mark.slow
 @given(
     friction=st.sampled_from([0.15, 0.3, 1.0]),
+    resolution=st.sampled_from([32, 48, 50]),
     modulus=st.floats(1e-3, 1e12),
     density=st.floats(1e-3, 1e5),
     stress=st.floats(1e-3, 1e9),
@@ -249,15 +250,30 @@ def test_bars_come_from_the_simulation():
 )
 @example(  # rounding took four nodes from right at the first front
     friction=0.15,
+    resolution=32,
     modulus=345189.93357197515,
     density=2618.909489753386,
     stress=0.005718496539732717,
     time=1e5,
 )
+@example(  # rounding took the first level from the window over which slip rates are averaged
+    friction=0.3,
+    resolution=32,
+    modulus=258084848461.2538,
+    density=22417.95000839834,
+    stress=335966205.17093617,
+    time=0.99999,
+)
+@example(  # a stored level lies at two thirds of the run, where the record of edges begins
+    friction=0.15, resolution=48, modulus=24.99, density=73.16, stress=496.1, time=54.767
+)
+@example(  # two nodes are equally near to 0.75 c_t T
+    friction=0.3, resolution=50, modulus=0.7234, density=0.013, stress=22.96, time=1e4
+)
 @settings(max_examples=3, deadline=None, phases=(Phase.explicit, Phase.generate))
-def test_units_do_not_matter(friction, modulus, density, stress, time):
+def test_units_do_not_matter(friction, resolution, modulus, density, stress, time):
     """The same run in other units is judged alike, to the digits that rounding leaves."""
-    run = simulated(override_scene(PRELOADED, friction=friction), 32)
+    run = simulated(override_scene(PRELOADED, friction=friction), resolution)
     plain = judge(solve(run.scene), run)
     scene = Scene(
         Material(modulus, density, run.scene.material.poisson_ratio),
