@@ -116,7 +116,7 @@ class Settings:
     mesh: str = "squares"
     lower_material: Material | None = None
     every: int = 1
-    frames: int = 20
+    frames: int = 10
 
     def __post_init__(self) -> None:
         for name in ("damping", "step_ratio"):

@@ -136,7 +136,7 @@ MESH_OPTIONS: Mapping[str, Any] = {
         "model": (str, "Blocks to mesh; auto by default."),
         "element": (str, "P1, Q1 or Q2; Q1 by default."),
         "mesh": (str, "squares, graded, or triangles for P1; squares by default."),
-        "frames": (int, "Number of field snapshots; 20 by default."),
+        "frames": (int, "Number of field snapshots; 10 by default."),
         "every": (int, "Store every n-th step of the histories; 1 by default."),
         "memory": (float, "Largest memory to use [GB]; 70 % of the free memory by default."),
     }.items()

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 
 from compare.comparison.fields.frames import Frame, Places
 from compare.comparison.fields.fronts import Fronts
@@ -156,10 +156,10 @@ def _linear(x: Array, y: Array, values: Array) -> Callable[[Array], Array]:
     """Linear interpolation of values (n, k) at points (n,), NaN outside them."""
     columns, rows = _steps(x), _steps(y)
     if len(columns) * len(rows) != len(x):
-        return LinearNDInterpolator(np.stack([x, y], axis=1), values)
+        return scipy.interpolate.LinearNDInterpolator(np.stack([x, y], axis=1), values)
     order = np.lexsort((y, np.searchsorted(columns, x - _slack(columns))))
     grid = values[order].reshape(len(columns), len(rows), -1)
-    return RegularGridInterpolator((columns, rows), grid, bounds_error=False)
+    return scipy.interpolate.RegularGridInterpolator((columns, rows), grid, bounds_error=False)
 
 
 def _steps(values: Array) -> Array:

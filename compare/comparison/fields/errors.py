@@ -117,8 +117,10 @@ def field_errors(
     fronts = fronts_in(prediction, scene)
     listed = listed_frames(folder, simulation.run)
     frames: list[tuple[FieldError, ...]] = []
+    mesh = None
     for number, entry in enumerate(listed, start=1):
-        frame = read_frame(*entry)
+        frame = read_frame(*entry, mesh)
+        mesh = frame.mesh
         most = SEEN_LAST if number == len(listed) else SEEN_BEFORE
         pairs = frame_pairs(prediction, frame, most)
         frames.append(tuple(pair_errors(pairs, fronts, frame.time, BAND * size)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,38 @@ class Places:
 
 
 @dataclass(frozen=True, eq=False)
+class Mesh:
+    """Mesh of both bodies, with the areas that its nodes and elements stand for.
+
+    Attributes
+    ----------
+    points : (n, 2) array
+        Nodes [length].
+    cells : (m, k) array
+        Nodes of each element, its corners first.
+    y : (n,) array
+        Second coordinate of the nodes, with the sign of their body: -0.0 on the lower face.
+    held : (n,) array
+        Area that each node stands for [length^2].
+    centre : (m, 2) array
+        Centres of the elements [length].
+    area : (m,) array
+        Areas of the elements [length^2].
+    """
+
+    points: Array
+    cells: NDArray[np.integer[Any]]
+    y: Array
+    held: Array
+    centre: Array
+    area: Array
+
+    def is_of(self, points: Array, cells: NDArray[np.integer[Any]]) -> bool:
+        """Whether the mesh has these nodes and elements."""
+        return np.array_equal(self.points, points) and np.array_equal(self.cells, cells)
+
+
+@dataclass(frozen=True, eq=False)
 class Frame:
     """One frame of both bodies.
 
@@ -67,15 +100,26 @@ class Frame:
         v_x, v_y, u_x, u_y; in antiplane shear v_z, u_z too.
     elements : Places
         Stresses at the centre of each element.
+    mesh : Mesh
     """
 
     time: float
     nodes: Places
     elements: Places
+    mesh: Mesh
 
 
-def read_frame(time: float, path: Path) -> Frame:
-    """Read the frame of a time [time] from a file.
+def read_frame(time: float, path: Path, known: Mesh | None = None) -> Frame:
+    """Read the frame of a time from a file.
+
+    Parameters
+    ----------
+    time : float
+        [time].
+    path : Path
+    known : Mesh, optional
+        Mesh of an earlier frame, which is used again if this frame has the same.  Areas and
+        centres take almost as long as reading.
 
     Raises
     ------
@@ -94,18 +138,26 @@ def read_frame(time: float, path: Path) -> Frame:
         }
         names = IN_PLANE + (OUT_OF_PLANE if antiplane else ())
         stress = {name: mesh.cell_data[name][0] for name in names}
-        corners = points[cells[:, : CORNERS[block.type]]]
+        if known is None or not known.is_of(points, cells):
+            known = _mesh(points, cells, CORNERS[block.type])
     if not all(np.isfinite(values).all() for values in (moved | stress).values()):
         raise DataFileError(f"{path} holds values that are not finite; simulate again.")
+    nodes = Places(points[:, 0], known.y, known.held, moved)
+    return Frame(
+        time, nodes, Places(known.centre[:, 0], known.centre[:, 1], known.area, stress), known
+    )
+
+
+def _mesh(points: Array, cells: NDArray[np.integer[Any]], sides: int) -> Mesh:
+    """Return a mesh whose elements have a number of sides."""
+    corners = points[cells[:, :sides]]
     centre, area = corners.mean(axis=1), _areas(corners)
     above = np.zeros(len(points), dtype=bool)
     above[cells[centre[:, 1] > 0]] = True
     share = np.broadcast_to(area[:, None] / cells.shape[1], cells.shape)
     held = np.bincount(cells.ravel(), share.ravel(), len(points)).astype(float)
     y = np.copysign(points[:, 1], np.where(above, 1.0, -1.0))
-    return Frame(
-        time, Places(points[:, 0], y, held, moved), Places(centre[:, 0], centre[:, 1], area, stress)
-    )
+    return Mesh(points, cells, y, held, centre, area)
 
 
 def last_frame(folder: Path, run: str | None = None) -> Frame:

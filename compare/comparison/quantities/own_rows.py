@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from compare.comparison.bars import ErrorBar
 from compare.comparison.case import Case
@@ -157,7 +157,7 @@ def _between_levels(case: Case) -> Array:
     nodes = math.ceil(case.scene.fastest_speed * float(passed.max()) / simulation.element_size)
     most, least = (
         find(seen.slip_rate, 2 * nodes + 1, axis=1, mode="nearest")
-        for find in (maximum_filter1d, minimum_filter1d)
+        for find in (scipy.ndimage.maximum_filter1d, scipy.ndimage.minimum_filter1d)
     )
     ranges = np.maximum(most[1:], most[:-1]) - np.minimum(least[1:], least[:-1])
     ends = simulation.rate_window / 2 * (ranges[0] + ranges[-1])
