@@ -87,6 +87,7 @@ __all__ = [
     "ViscousFriction",
     "WholeLine",
     "ZoneDerivative",
+    "find_line",
     "find_scene",
     "fit",
     "fringe_order",
@@ -124,6 +125,7 @@ _LATER = {
     "semianalytic.sweeps.sweep": ("Sweep", "sweep"),
     "semianalytic.whole_line.growing": ("GrowingSlot", "GrowingSolution", "solve_growing"),
     "semianalytic.whole_line.line": ("HalfLine", "Patch", "PointForce", "WholeLine"),
+    "semianalytic.whole_line.named": ("find_line",),
     "semianalytic.whole_line.solution": ("LineSolution",),
     "semianalytic.whole_line.solver": ("solve_line",),
 }
@@ -150,6 +152,7 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.sweeps.sweep import Sweep, sweep
     from semianalytic.whole_line.growing import GrowingSlot, GrowingSolution, solve_growing
     from semianalytic.whole_line.line import HalfLine, Patch, PointForce, WholeLine
+    from semianalytic.whole_line.named import find_line
     from semianalytic.whole_line.solution import LineSolution
     from semianalytic.whole_line.solver import solve_line
 else:

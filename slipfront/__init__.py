@@ -68,6 +68,7 @@ _NAMES = {
         "ViscousFriction",
         "WholeLine",
         "ZoneDerivative",
+        "find_line",
         "find_scene",
         "fit",
         "fringe_order",

@@ -39,10 +39,7 @@ def panels_to(factors: RayleighFactors, stop: float, least: float) -> Array:
     a, ends = factors.a, [factors.c]
     if factors.has_rayleigh_wave:  # -a and a are the singular points about the first panels
         ends = [*_growing(a, 2 * a, min(1.0, stop)), 1.0]
-    if stop <= 1.0:
-        ends = ends[:-1]
-    else:
-        ends = [*ends[:-1], *_growing(1.0, 1.0 - a, stop)]
+    ends = ends[:-1] if stop <= 1.0 else [*ends[:-1], *_growing(1.0, 1.0 - a, stop)]
     length = stop - ends[-1]
     while length > max(least, _SHORTEST * stop):
         length /= 2
@@ -114,9 +111,9 @@ class RunningIntegral:
 
     def at(self, u: ArrayLike) -> Array:
         """Return the integrals up to slownesses u (m,), (..., m); 0 ahead of the first panel."""
-        u = np.clip(np.asarray(u, dtype=float), self.ends[0], self.ends[-1])
-        panel = np.clip(np.searchsorted(self.ends, u, "right") - 1, 0, len(self.ends) - 2)
+        place: Array = np.clip(np.asarray(u, dtype=float), self.ends[0], self.ends[-1])
+        panel = np.clip(np.searchsorted(self.ends, place, "right") - 1, 0, len(self.ends) - 2)
         left, right = self.ends[panel], self.ends[panel + 1]
-        share = np.clip((u - left) / (right - left), 0.0, 1.0)
+        share = np.clip((place - left) / (right - left), 0.0, 1.0)
         part = self._over(left, right, np.arcsin(np.sqrt(share)))
         return np.asarray(self._before[..., panel] + part)

@@ -30,11 +30,12 @@ _PIECES = 40
 
 @dataclass(frozen=True)
 class GrowingSlot:
-    """A slot on x < 0 under a shear load Q_0 t^n, and a contact whose pressure grows as P_0 t^n.
+    """A slot whose faces are sheared by Q_0 t^n, beside a contact under a pressure P_0 t^n.
 
-    The pressure acts evenly on contact and slot faces, so that the slot does not disturb it;
-    strength is friction times it.  The slot faces carry no shear, which the interface would carry
-    without a slot: Q_0 t^n.  Strength and load keep their ratio, and edges their speeds.
+    The slot is x < 0, its faces receive the change of shear traction -Q_0 t^n, as those of a
+    `Scene` do in a step.  The pressure acts evenly on contact and slot faces, so that the slot does
+    not disturb it; strength is friction times it.  Strength and load keep their ratio, and edges
+    their speeds.
 
     Parameters
     ----------
@@ -143,9 +144,9 @@ class GrowingSolution:
     status : str
         "converged", or a sentence saying what to distrust.
     error_estimate : float
-        Estimate, meant as a bound, of the relative errors of edge speed, slip rate, slip and totals,
-        and of the shear traction over strength plus load: how far the traction behind the edge is
-        from strength.
+        Estimate, meant as a bound, of the relative errors of edge speed, slip rate, slip and
+        totals, and of the shear traction over strength plus load: how far the traction behind the
+        edge is from strength.
     zone : GrowingZone
         The fields over x/t, dimensionless.
 

@@ -113,9 +113,7 @@ class GrowingZone:
     def _density(self, v: Array) -> Array:
         """Return dV/dv (v - u_s)^(n + 1/2) (-1)^n, smooth."""
         scale = (1 + self.ratio) / (np.pi * self.factors.kappa)
-        return np.asarray(
-            scale * np.polyval(self.polynomial, -v) / (v * self.factors.m_plus(v))
-        )
+        return np.asarray(scale * np.polyval(self.polynomial, -v) / (v * self.factors.m_plus(v)))
 
     @property
     def _short(self) -> float:
@@ -136,7 +134,7 @@ class GrowingZone:
         v = edge + short * y
         near = self._sign * short ** (0.5 - n) * (v**j * self._density(v)) @ weight
         count = int(np.ceil(np.log2(_FARTHEST)))
-        ends = edge + short * 2.0 ** np.arange(count)
+        ends = edge + short * np.exp2(np.arange(count, dtype=float))
         return near, RunningIntegral(self.factors, slope, ends)
 
     @property
@@ -210,10 +208,7 @@ class GrowingZone:
 
     def _traction_density(self, at: CutPoints) -> Array:
         """Return dtau/dv (u_s - v)^(n + 1/2)."""
-        ahead = at.from_b < 0
-        imaginary = np.empty(at.v.shape)
-        imaginary[ahead] = self.factors.impedance_ahead(at[ahead])[1]
-        imaginary[~ahead] = self.factors.impedance_behind(at[~ahead])
+        imaginary = self.factors.impedance_on_cut(at).imag
         scale = (1 + self.ratio) / (np.pi * self.factors.kappa)
         share = np.polyval(self.polynomial, -at.v) / (at.v * self.factors.m_plus(at.v))
         return np.asarray(scale * share * imaginary)
@@ -232,7 +227,7 @@ class GrowingZone:
 
         They say that the traction over t^n, a polynomial in x/t behind the edge, is the strength.
         """
-        order = np.arange(self.power + 1)
+        order = np.arange(self.power + 1, dtype=float)
         close = self._before_edge(np.array([self._close]), order)[:, 0]
         found = self._traction_moments.total + close
         return np.asarray(found - np.where(order == 0, self.ratio, 0.0))
@@ -246,13 +241,11 @@ class GrowingZone:
         near = self.edge - u < self._close
         if near.any():
             y, weight = finite_part(n, n)
-            length = np.maximum(self.edge - u[near], 0.0)[:, None]
+            length = np.maximum(self.edge - u[near], _NEAREST * self.edge)[:, None]
             at = self.factors.cut((self.edge - length * y).ravel())
             values = self._traction_density(at).reshape(length.shape[0], -1)
-            lag = (-length / u[near, None]) ** n * np.sqrt(length) * length ** (-float(n))
-            result[near] = self.ratio - np.where(
-                length[:, 0] > 0, (values * np.where(length > 0, lag, 0.0)) @ weight, 0.0
-            )
+            short = (-1 / u[near]) ** n * np.sqrt(length[:, 0])
+            result[near] = self.ratio - short * (values @ weight)
         powers = np.arange(n + 1)[:, None]
         moments = self._traction_moments.at(u[~near])
         with np.errstate(divide="ignore", invalid="ignore"):

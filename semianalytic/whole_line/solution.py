@@ -32,8 +32,9 @@ class LineSolution:
     status : str
         "converged", or a sentence saying what to distrust.
     error_estimate : float
-        Estimate, meant as a bound, of the relative errors of edge speed, slip rate, slip and totals,
-        and of tractions over base and load, from two evaluations of the condition at the edge.
+        Estimate, meant as a bound, of the relative errors of edge speed, slip rate, slip and
+        totals, and of tractions over base and load, from two evaluations of the condition at the
+        edge.
     spreading : Spreading
         The fields over x/t, dimensionless.
 

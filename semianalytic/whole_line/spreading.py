@@ -4,9 +4,10 @@ Units: slowness b, impedance mu b; stress over the excess S of the patch, or ove
 force F_0 t, whose patch has vanished (w = 0).  Rates are those of one side.  With e_s the slowness
 of the edge of motion, e_p = 1/w that of the patch and m(v) = Im M(-v + i0), transforms over x/t are
 
-    W = C k / ((e_p^2 - k^2) sqrt(e_s^2 - k^2)),  T = -M W,  C = 2 S e_p sqrt(e_p^2 - e_s^2) / m(e_p)
+    W = C k / ((e_p^2 - k^2) sqrt(e_s^2 - k^2)),  T = -M W,
 
-and the edge is where the traction ahead of it meets strength (docs/whole_line.md).
+with C = 2 S e_p sqrt(e_p^2 - e_s^2) / m(e_p), and the edge is where the traction ahead of it meets
+strength (docs/whole_line.md).
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.special import xlogy
 
 from semianalytic.halfplane.imaginary_axis import (
@@ -144,10 +144,7 @@ class Spreading:
         w, lead = self.patch, self.lead
 
         def slope(at: CutPoints, to_edge: Array) -> Array:
-            ahead = at.from_b < 0
-            imaginary = np.empty(at.v.shape)
-            imaginary[ahead] = self.factors.impedance_ahead(at[ahead])[1]
-            imaginary[~ahead] = self.factors.impedance_behind(at[~ahead])
+            imaginary = self.factors.impedance_on_cut(at).imag
             root = np.sqrt(to_edge * (self.edge + at.v))
             if not w:
                 return np.asarray(2 * self.scale * imaginary / root)
