@@ -8,6 +8,7 @@ corrections.  It shares nothing with `semianalytic`.  Units: mu = rho = c_t = 1.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from functools import cache
 
@@ -28,12 +29,12 @@ class LineMarch:
 
     @property
     def edge(self):
-        """Where slip ends on x > 0: the square of its rate falls to zero linearly there."""
-        ahead = self.x > 0
-        x, rate = self.x[ahead], self.slip_rate[ahead]
-        last = int(np.flatnonzero(rate > 1e-3 * np.median(rate[rate > 0]))[-1])
-        fit = slice(last - 9, last - 1)
-        return float(-np.divide(*np.polyfit(x[fit], rate[fit] ** 2, 1)[::-1]))
+        """Where slip ends on 0 < x < L/4, where it falls to zero as a distance to the 3/2."""
+        some = (self.x > 0) & (self.x < self.x[-1] / 2)
+        share = self.slip[some] / self.slip[some].max()
+        near = (share > 2e-3) & (share < 0.08)
+        slope, height = np.polyfit(self.x[some][near], share[near] ** (2 / 3), 1)
+        return float(-height / slope)
 
 
 def impedance(mode, a2, s):
@@ -57,7 +58,9 @@ def exponentials(mode, nu, horizon):
     w = np.unique(np.concatenate([w, *near, np.geomspace(60, 300, 40)]))
     s = np.concatenate([low + 1j * w, low - 1j * w])
     rest = impedance(mode, a2, s) - instant - STATIC[mode](a2) / s
-    fit = AAA(s, rest, rtol=1e-7, max_terms=40)
+    with warnings.catch_warnings():  # what forty poles leave is far below the error of the grid
+        warnings.simplefilter("ignore", RuntimeWarning)
+        fit = AAA(s, rest, rtol=1e-7, max_terms=40)
     poles, residues = fit.poles(), fit.residues()
     keep = poles.real < 0.5 * low
     poles, residues = poles[keep], residues[keep]

@@ -88,7 +88,8 @@ def _words(answer: LineSolution | GrowingSolution) -> str:
         kind = "patch" if isinstance(line.load, Patch) else "point force"
         missing = "pressure" if line.opens else "missing to friction"
         what = f"{kind}, excess {line.excess:.3g}, {missing} {line.missing:.3g}"
-    return f"{what}: edge at {answer.edge_speed:.6g}"
+    problem = answer.slot if isinstance(answer, GrowingSolution) else answer.line
+    return f"{what}: edge at {answer.edge_speed / problem.material.shear_speed:.6g} c_t"
 
 
 def _velocities(answer: LineSolution | GrowingSolution) -> tuple[Array, Array]:

@@ -1,7 +1,7 @@
 """One zone of slip from a contact edge under a load and a strength that grow as t^n.
 
 Units: slowness b, impedance mu b, stress and time such that Q_0 = 1.  The n-th time derivatives of
-all fields, over n!, depend on x/t alone and have the transforms (docs/theory.md, "Loads that grow")
+all fields, over n!, depend on x/t alone and have the transforms (docs/whole_line.md, "Loads that grow")
 
     T(k) = M_+(k) (u_s + k)^(-n - 1/2) Pi_n(k),  W = -T / M,  T(0) = Q_0,
 
@@ -14,12 +14,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import factorial
+from math import factorial, prod
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
-from scipy.special import binom
 
 from semianalytic.halfplane.rayleigh import Array, CutPoints, RayleighFactors
 from semianalytic.halfplane.running import RunningIntegral, panels_to
@@ -35,6 +34,8 @@ _FARTHEST = 1e16
 """Slowness over that of the edge beyond which the slip rate no longer changes."""
 _SLOWEST = 1e12
 """Slowness of an edge over that of the slowest wave beyond which none is looked for."""
+_TIP = 1e-15
+"""Least distance ahead of the edge, over its slowness, at which tractions are evaluated."""
 _NEAREST = 1e-12
 """Least distance of an edge from the slowest wave, over its slowness, that is looked for."""
 
@@ -69,6 +70,16 @@ def finite_part(power: int, lag: int) -> tuple[Array, Array]:
     return both
 
 
+def binomial(n: float, i: int) -> float:
+    """Return the binomial coefficient of any n over a whole number i."""
+    return prod(n - j for j in range(i)) / factorial(i)
+
+
+def _row(n: int) -> Array:
+    """Return the binomial coefficients of a whole number, (n + 1, 1)."""
+    return np.array([[binomial(n, i)] for i in range(n + 1)])
+
+
 @dataclass(frozen=True, eq=False)
 class GrowingZone:
     """Slip at 0 < x < xi_s t under a load Q_0 t^n on the slot and a strength s_0 t^n.
@@ -98,7 +109,7 @@ class GrowingZone:
         n = self.power
         return np.array(
             [
-                sum(binom(n + 0.5, i) * self.edge**i * inverse[j - i] for i in range(j + 1))
+                sum(binomial(n + 0.5, i) * self.edge**i * inverse[j - i] for i in range(j + 1))
                 for j in range(n + 1)
             ]
         )
@@ -155,7 +166,7 @@ class GrowingZone:
             before, running = self._slip_moments
             moments = before[:, None] + running.at(u[far])
             powers = np.arange(order + 1)[:, None]
-            terms = binom(order, powers) * (-1 / u[far]) ** powers * moments[: order + 1]
+            terms = _row(order) * (-1 / u[far]) ** powers * moments[: order + 1]
             result[far] = terms.sum(axis=0)
         return result
 
@@ -241,7 +252,7 @@ class GrowingZone:
         near = self.edge - u < self._close
         if near.any():
             y, weight = finite_part(n, n)
-            length = np.maximum(self.edge - u[near], _NEAREST * self.edge)[:, None]
+            length = np.maximum(self.edge - u[near], _TIP * self.edge)[:, None]
             at = self.factors.cut((self.edge - length * y).ravel())
             values = self._traction_density(at).reshape(length.shape[0], -1)
             short = (-1 / u[near]) ** n * np.sqrt(length[:, 0])
@@ -249,7 +260,7 @@ class GrowingZone:
         powers = np.arange(n + 1)[:, None]
         moments = self._traction_moments.at(u[~near])
         with np.errstate(divide="ignore", invalid="ignore"):
-            terms = binom(n, powers) * (-1 / u[~near]) ** powers * moments
+            terms = _row(n) * (-1 / u[~near]) ** powers * moments
         result[~near] = np.where(u[~near] > 0, terms.sum(axis=0), 0.0)
         return result.reshape(xi.shape)
 

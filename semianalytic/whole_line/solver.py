@@ -91,9 +91,9 @@ def _check_one_zone(line: WholeLine, found: Spreading, unit: float) -> None:
         least = least_missing(found.factors, found.patch)
         raise SceneError(
             "whole line: a second zone of slip starts at the shear wave, where shear comes to "
-            f"{at_shear / missing:.3g} of what is missing to friction, and the pair has no closed "
-            f"form; that must be more than {least:.4g} of what the load adds, got {missing:.4g}: "
-            "raise friction, or lower the load or the speed of its patch."
+            f"{at_shear / missing:.3g} of what is missing to friction, and two zones have no "
+            f"closed form here; that must be more than {least:.4g} of what the load adds, got "
+            f"{missing:.4g}: raise friction, or lower the load or the speed of its patch."
         )
     if at_rayleigh < missing - 2 * line.strength / unit:
         raise SceneError(

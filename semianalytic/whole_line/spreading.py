@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from scipy.special import xlogy
 
 from semianalytic.halfplane.imaginary_axis import (
     impedance_on_axis,
@@ -111,6 +110,8 @@ class Spreading:
         y = self._share(xi)
         if not self.patch:
             return np.where(self._moves(xi), self.scale * (self._logarithm(xi) - 2 * y), 0.0)
+        from scipy.special import xlogy  # here, for commands are to start quickly
+
         w, y_p = self.patch, self.beyond
         # the logarithms of the slip rate and of its moment are both infinite at the end of the
         # patch, where their difference is not
