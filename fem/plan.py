@@ -396,7 +396,7 @@ def make_plan(
     SceneError
         If a setting is out of range, or for the reasons given at `Plan`.
     """
-    checked_scene("simulate", scene)
+    checked_scene("simulate", scene).check_at_once("simulate")
     if settings is None:
         settings = Settings()
     if not isinstance(settings, Settings):

@@ -26,6 +26,7 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
@@ -43,12 +44,14 @@ __all__ = [
     "FrictionLaw",
     "Gauge",
     "Harmonic",
+    "IncidentWave",
     "InterfaceHistory",
     "LoadHistory",
     "LogNormal",
     "Marched",
     "Material",
     "MissingLibraryError",
+    "MovingLoad",
     "Normal",
     "OpenDerivative",
     "OpenInterval",

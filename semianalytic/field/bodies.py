@@ -58,8 +58,8 @@ class Bodies:
         """Return the stress; see `Solution.stress`."""
         rows = self._rows(x, y, t)[[2, 3, 4, 8, 9] if self.scene.antiplane else [2, 3, 4]]
         rows *= self.stress_unit
-        rows[1] -= traction_ahead(self.scene, "pressure", t)
-        rows[-1] += traction_ahead(self.scene, "shear", t)
+        rows[1] -= traction_ahead(self.scene, "pressure", x, t)
+        rows[-1] += traction_ahead(self.scene, "shear", x, t)
         return rows
 
     def displacement(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> Array:

@@ -131,7 +131,7 @@ class Unknowns:
     @property
     def _stress(self) -> float:
         """The largest traction of the scene [stress]."""
-        parts = (self.scene.base, self.scene.load)
+        parts = (self.scene.base, self.scene.superposition.taken_off)
         return max(abs(one) for part in parts for one in (part.pressure, part.shear)) or 1.0
 
     def bounds(self, name: str) -> tuple[float, float]:

@@ -197,7 +197,7 @@ class Solution:
         """Return the total shear traction sigma_xy [stress], base included; raises like
         `slip_rate`."""
         change = self._evaluate(x, t, self.profile.shear_change)
-        return traction_ahead(self.scene, "shear", t) + self.stress_unit * change
+        return traction_ahead(self.scene, "shear", x, t) + self.stress_unit * change
 
     def pressure(self, x: ArrayLike, t: ArrayLike) -> Array:
         """Return the contact pressure [stress], base included, 0 where open; slip does not change
@@ -206,7 +206,7 @@ class Solution:
         Raises what `slip_rate` raises.
         """
         change = self._evaluate(x, t, self.profile.pressure_change)
-        pressure = traction_ahead(self.scene, "pressure", t) + self.stress_unit * change
+        pressure = traction_ahead(self.scene, "pressure", x, t) + self.stress_unit * change
         return np.where(self._is_open(x, t), 0.0, pressure)
 
     def gap(self, x: ArrayLike, t: ArrayLike) -> Array:

@@ -239,6 +239,7 @@ def sweep(
     """
     given = np.asarray(friction, dtype=object)
     ratio = np.asarray(checked_scene("sweep", scene).material.poisson_ratio)
+    scene.check_at_once("sweep")
     if poisson_ratio is not None:
         ratio = np.asarray(poisson_ratio, dtype=object)
         given, ratio = _broadcast(given, ratio)

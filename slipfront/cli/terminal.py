@@ -115,7 +115,10 @@ def facts_table(solution: Solution) -> Table:
 def _tractions(scene: Scene) -> Iterator[tuple[str, str, str]]:
     """Yield name, value and dimension of the base tractions and of the load, with its place."""
     where = "from far away" if scene.load_on == REMOTE else "on the slot"
-    for name, part in (("pressure, shear before", scene.base), (f"load {where}", scene.load)):
+    for name, part in (
+        ("pressure, shear before", scene.base),
+        (f"load {where}", scene.superposition.taken_off),
+    ):
         yield name, f"{part.pressure:.6g}, {part.shear:.6g}", "stress"
 
 

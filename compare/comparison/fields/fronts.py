@@ -86,7 +86,7 @@ class Fronts:
 
 def jump_times(scene: Scene) -> tuple[float, ...]:
     """Times at which a load of a scene jumps, in order [time]."""
-    load = scene.load
+    load = scene.superposition.taken_off
     histories = ((scene.pressure_history, load.pressure), (scene.shear_history, load.shear))
     starts = {time for one, step in histories if step for time, _ in one.pieces.jumps}
     return tuple(sorted(starts))
@@ -101,7 +101,7 @@ def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
     edges : sequence of float
         Velocities of the ends of its slip zones and openings [length / time].
     """
-    material, load = scene.material, scene.load
+    material, load = scene.material, scene.superposition.taken_off
     shear, pressure = 1 / material.shear_speed, 1 / material.longitudinal_speed
     moving = [edge for edge in edges if 0 < edge < math.inf]
     in_plane = not scene.antiplane or load.pressure != 0
