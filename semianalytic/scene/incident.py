@@ -157,9 +157,9 @@ class IncidentWave:
         """
         now, slowness = self.tractions(material), self.slowness(material)
         if by not in ("angle", "poisson_ratio"):
-            size = self.stress if self.velocity is None else self.velocity
-            unit = replace(self, **{"stress" if self.velocity is None else "velocity": 1.0})
-            return (unit.tractions(material) if size == 0 else _scaled(now, 1 / size)), 0.0
+            of_stress = self.velocity is None
+            unit = replace(self, stress=1.0) if of_stress else replace(self, velocity=1.0)
+            return unit.tractions(material), 0.0
         angle = math.radians(self.angle)
         sign, both = (1 if self.from_ == "below" else -1), 2 * angle
         stress = material.density * self.speed(material) * self.particle_velocity(material)
@@ -170,9 +170,7 @@ class IncidentWave:
             # of (c_t / c_l)^2 = (1 - 2 nu) / (2 (1 - nu)), over itself; p is as its root
             share = -1 / (2 * (1 - material.poisson_ratio) ** 2) / ratio2
             change = -share * ratio2 * stress
-            slope = Tractions(
-                change * 2 * math.sin(angle) ** 2, sign * change * math.sin(both)
-            )
+            slope = Tractions(change * 2 * math.sin(angle) ** 2, sign * change * math.sin(both))
             if self.velocity is not None:  # rho c_l v_0 changes too
                 slope = slope.plus(_scaled(now, -share / 2))
             return slope, slowness * share / 2
