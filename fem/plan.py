@@ -229,6 +229,7 @@ class Plan:
         object.__setattr__(self, "end_time", checked_size("simulate: end_time", self.end_time))
         if self.follows:
             check_resolved(self.scene, self.lower_material, self.end_time, self.settings.resolution)
+        _check_front(self.scene)
         if self.name == TWO_MATERIALS and self.scene.far_slip_rate:
             raise SceneError(
                 "simulate: blocks of different materials cannot slide ahead of all waves; "
@@ -370,6 +371,22 @@ class Plan:
         return math.ceil(self.end_time / step)
 
 
+def _check_front(scene: Scene) -> None:
+    """Raise SceneError if the front of a load was on the slot or made the contact slip before."""
+    slowness = scene.front_slowness
+    if slowness > 0:
+        raise SceneError(
+            "simulate: the front of the load comes along the slot, whose faces move before t = 0, "
+            "while a simulation begins at rest; let the front meet the contact first (a negative "
+            "angle), or solve the scene."
+        )
+    if slowness and scene.far_slip_rate:
+        raise SceneError(
+            "simulate: the contact slips behind the front of the load before t = 0, while a "
+            "simulation begins at rest; raise friction or lower the load."
+        )
+
+
 def make_plan(
     scene: Scene,
     end_time: float | None,
@@ -396,7 +413,7 @@ def make_plan(
     SceneError
         If a setting is out of range, or for the reasons given at `Plan`.
     """
-    checked_scene("simulate", scene).check_at_once("simulate")
+    checked_scene("simulate", scene)
     if settings is None:
         settings = Settings()
     if not isinstance(settings, Settings):
