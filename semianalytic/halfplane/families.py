@@ -145,7 +145,9 @@ class _StuckFamily(StuckTraction):
 
 
 @traction_of.register
-def _(factors: RayleighFamily, mode: Mode) -> StuckTraction:
+def _(factors: RayleighFamily, mode: Mode, slowness: float = 0.0) -> StuckTraction:
+    if slowness:
+        raise ValueError("families hold tables of loads that come at once")
     return _StuckFamily(factors, mode, factors.tables.stuck[mode])
 
 

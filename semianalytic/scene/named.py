@@ -230,8 +230,9 @@ def read_scene(path: str | Path) -> Scene:
     and from ("below" or "above"), or ``kind = "moving"`` with speed, pressure and shear.
     It may hold ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time =
     0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance =
-    1e-5``).  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on = "remote"``
-    lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s and Pa.
+    1e-5``).  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on =
+    "remote"`` lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s
+    and Pa.
 
     Raises
     ------

@@ -48,10 +48,14 @@ HISTORY_KINDS: Mapping[str, type[LoadHistory]] = {
     "harmonic": Harmonic,
     "tabulated": Tabulated,
 }
-NEAREST_FRONT = 1e-4
+NEAREST_FRONT = 1e-2
 """Least distance of the front of a load that comes along the slot from the first wave, over the
-latter's slowness: tables of stuck tractions have all digits at this distance, and at half of it
-two digits less (docs/theory.md, "Loads whose front moves")."""
+latter's slowness.  Tables of stuck tractions have all digits at this distance and at half of it;
+at a hundredth of it, 5 in mode I."""
+SLOWEST_FRONT = 1e-4
+"""Least speed of the front of a load over c_t.  Tables of stuck tractions have all digits at it,
+and at a tenth of it ten; the digits of the edge of a zone are those of p + (J / S)^2 M_+(-p)^2, a
+difference of numbers of the size of p."""
 IN_PLANE, ANTIPLANE = "in-plane", "antiplane"
 MODES = (IN_PLANE, ANTIPLANE)
 """Directions of shear: along x, across the edge of the contact, or along z, along that edge."""
@@ -384,6 +388,12 @@ class Scene:
 
     def check_self_similar(self) -> None:
         """Raise SceneError unless all fields depend on x/t alone."""
+        if abs(self.front_slowness) * self.material.shear_speed > 1 / SLOWEST_FRONT:
+            raise SceneError(
+                f"solve: the load moves at {abs(1 / self.front_slowness):.4g}, slower than "
+                f"{SLOWEST_FRONT:g} of the shear wave, so that digits are lost; make it faster "
+                "(docs/limits.md)."
+            )
         if self._front_too_slow:
             raise SceneError(
                 "solve: the front of the load comes along the slot at "
@@ -391,6 +401,12 @@ class Scene:
                 f"{self.fastest_speed:.4g}, so that the edge was loaded for all time before and "
                 "nothing depends on x/t alone; let it meet the contact first (a negative angle), "
                 "or march it from a time at which it enters the slot (docs/limits.md)."
+            )
+        if self.front_slowness and self.far_slip_rate:
+            raise SceneError(
+                "solve: the wave alone exceeds friction, so that the contact slips from its front "
+                "on, before anything comes from the slot; lower the wave, or raise friction or the "
+                "base pressure (docs/limits.md)."
             )
         if not self.is_self_similar:
             raise SceneError(

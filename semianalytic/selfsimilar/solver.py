@@ -93,7 +93,6 @@ def solve(scene: Scene, *, rtol: float = 1e-8) -> Solution:
     0.375
     """
     checked_scene("solve", scene).check_self_similar()
-    scene.check_at_once("solve", "wait for it")
     rtol = checked_number(
         "rtol", rtol, "lie between 1e-12 and 1e-2", lambda given: 1e-12 <= given <= 1e-2
     )
