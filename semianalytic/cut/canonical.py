@@ -310,7 +310,7 @@ class CanonicalFunction:
         value = np.exp(-self._phase_integral_off_cut(self.layout.stick_ahead, at))
         if self.resistance is not None:
             value = value * np.exp(self._resistance_integral_off_cut(at))
-        if not self.layout.slips_at_c:
+        if self.factors.has_rayleigh_wave and not self.layout.slips_at_c:
             value = value * (self.factors.c + k)
         if not self.layout.slips_at_root:
             value = value * (self.factors.root_slowness + k) ** self.factors.root_exponent

@@ -145,25 +145,49 @@ class IncidentWave:
         sigma = self.stresses(material)
         return Tractions(-sigma["yy"] + 0.0, sigma["yz" if self.kind == "SH" else "xy"])
 
-    def derivatives(self, material: Material) -> tuple[Tractions, float]:
-        """Return the derivatives of `tractions` and `slowness` by the angle, per degree."""
-        per_degree, angle = math.radians(1.0), math.radians(self.angle)
-        stress = material.density * self.speed(material) * self.particle_velocity(material)
+    def derivatives(self, material: Material, by: str) -> tuple[Tractions, float]:
+        """Return the derivatives of `tractions` and `slowness` by one parameter.
+
+        Parameters
+        ----------
+        material : Material
+        by : str
+            "angle", per degree, "poisson_ratio" at constant shear modulus and density, or another
+            name for the amplitude that was given.
+        """
+        now, slowness = self.tractions(material), self.slowness(material)
+        if by not in ("angle", "poisson_ratio"):
+            of_stress = self.velocity is None
+            unit = replace(self, stress=1.0) if of_stress else replace(self, velocity=1.0)
+            return unit.tractions(material), 0.0
+        angle = math.radians(self.angle)
         sign, both = (1 if self.from_ == "below" else -1), 2 * angle
+        stress = material.density * self.speed(material) * self.particle_velocity(material)
+        ratio2 = (material.shear_speed / material.longitudinal_speed) ** 2
+        if by == "poisson_ratio":
+            if self.kind != "P":
+                return Tractions(0.0, 0.0), 0.0
+            # of (c_t / c_l)^2 = (1 - 2 nu) / (2 (1 - nu)), over itself; p is as its root
+            share = -1 / (2 * (1 - material.poisson_ratio) ** 2) / ratio2
+            change = -share * ratio2 * stress
+            slope = Tractions(change * 2 * math.sin(angle) ** 2, sign * change * math.sin(both))
+            if self.velocity is not None:  # rho c_l v_0 changes too
+                slope = slope.plus(_scaled(now, -share / 2))
+            return slope, slowness * share / 2
         if self.kind == "SH":
-            slope = Tractions(0.0, sign * stress * math.sin(angle) * per_degree)
+            slope = Tractions(0.0, sign * stress * math.sin(angle))
         elif self.kind == "SV":
-            slope = Tractions(
-                -2 * stress * math.cos(both) * per_degree,
-                2 * sign * stress * math.sin(both) * per_degree,
-            )
+            slope = Tractions(-2 * stress * math.cos(both), 2 * sign * stress * math.sin(both))
         else:
-            ratio2 = (material.shear_speed / material.longitudinal_speed) ** 2
             slope = Tractions(
-                -2 * stress * ratio2 * math.sin(both) * per_degree,
-                -2 * sign * stress * ratio2 * math.cos(both) * per_degree,
+                -2 * stress * ratio2 * math.sin(both), -2 * sign * stress * ratio2 * math.cos(both)
             )
-        return slope, math.cos(angle) / self.speed(material) * per_degree
+        per_degree = math.radians(1.0)
+        return _scaled(slope, per_degree), math.cos(angle) / self.speed(material) * per_degree
+
+
+def _scaled(tractions: Tractions, factor: float) -> Tractions:
+    return Tractions(factor * tractions.pressure, factor * tractions.shear)
 
 
 @dataclass(frozen=True)
@@ -221,6 +245,8 @@ class MovingLoad:
 
 
 Load = Tractions | IncidentWave | MovingLoad
+OF_FRONT = ("angle", "wave_velocity", "wave_stress", "load_speed")
+"""Numbers of incident waves and moving loads, as `override_scene` and derivatives name them."""
 LOAD_KINDS: dict[str, type[IncidentWave] | type[MovingLoad]] = {
     "incident-wave": IncidentWave,
     "moving": MovingLoad,
