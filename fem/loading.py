@@ -13,11 +13,13 @@ front.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.stepping import Body
+from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.loads import LoadHistory, Step
 from semianalytic.scene.scene import Scene
 
@@ -152,3 +154,52 @@ def slot_loads(
         return []
     means = np.array([kick_means(history, step, steps) for history in histories])
     return [SlotLoad(body, body.load, means) for body in bodies]
+
+
+class Arrived(NamedTuple):
+    """The fields of an incident wave in the uncut body, where there is none 0.
+
+    Attributes
+    ----------
+    displacement, velocity : (3, n) arrays
+        In x, y and z [length] and [length / time].
+    stress : dict of (n,) arrays
+        Stress by component: xx, yy, xy, xz and yz [stress], tension positive.
+    """
+
+    displacement: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    stress: dict[str, NDArray[np.float64]]
+
+
+def arrived_wave(
+    scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64], t: float
+) -> Arrived | None:
+    """Return what an incident wave does at points of the uncut body at a time; None without one.
+
+    The simulation computes what the slot scatters of it, so that this is to be added.
+
+    Parameters
+    ----------
+    scene : Scene
+    x, y : (n,) arrays
+        Positions [length].
+    t : float
+        Time [time].
+    """
+    wave, solid = scene.load, scene.material
+    if not isinstance(wave, IncidentWave):
+        return None
+    n_x, n_y = wave.direction()
+    lag = t - (n_x * x + n_y * y) / wave.speed(solid)
+    # both histories of a wave are the same
+    history = next(iter(scene.acting_histories.values()), Step())
+    # a front that sits on a node has passed it, as in `Solution.velocity`
+    value = np.where(lag == 0, history.pieces.value(np.nextafter(lag, np.inf)), 0.0)
+    value = np.where(lag == 0, value, history.pieces.value(lag))
+    along = wave.particle_velocity(solid) * np.array(wave.polarisation())[:, None]
+    return Arrived(
+        along * history.pieces.integral(lag),
+        along * value,
+        {name: one * value for name, one in wave.stresses(solid).items()},
+    )

@@ -31,6 +31,7 @@ from meshes import Blocks, causal_blocks
 from meshes.blocks import causal_margin, observed_slot
 from semianalytic.scene.checks import checked_count, checked_number, checked_size, shown
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.incident import IncidentWave
 from semianalytic.scene.scene import Material, Scene, checked_scene
 
 LEAST_RESOLUTION = 8
@@ -230,6 +231,11 @@ class Plan:
         if self.follows:
             check_resolved(self.scene, self.lower_material, self.end_time, self.settings.resolution)
         _check_front(self.scene)
+        if self.name == TWO_MATERIALS and isinstance(self.scene.load, IncidentWave):
+            raise SceneError(
+                "simulate: blocks of different materials reflect an incident wave before it comes "
+                "to the slot; leave out lower_material, or load the slot."
+            )
         if self.name == TWO_MATERIALS and self.scene.far_slip_rate:
             raise SceneError(
                 "simulate: blocks of different materials cannot slide ahead of all waves; "
