@@ -258,7 +258,7 @@ def _check(
     priors: Mapping[str, Prior],
 ) -> None:
     """Raise SceneError if the records cannot be fitted with these parameters."""
-    checked_scene("fit", scene).check_at_once("fit")
+    checked_scene("fit", scene)
     if not gauges or not all(isinstance(one, Gauge) for one in gauges):
         raise SceneError("fit: gauges must be a sequence of at least one Gauge.")
     for gauge in gauges:

@@ -90,12 +90,12 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
         "constant pressure, sudden antiplane shear: one slip zone, all of it in closed form",
     ),
     "incident-p": NamedScene(
-        Scene(_UNIT_SOLID, 0.5, _PRELOAD, IncidentWave("P", angle=-30.0, stress=1.2)),
-        "a pressure wave at 30 degrees that meets the contact first: slip from the edge",
+        Scene(_UNIT_SOLID, 0.4, _PRELOAD, IncidentWave("P", angle=-30.0, stress=-0.6)),
+        "a wave of tension at 30 degrees: the contact opens from its edge, slip runs ahead",
     ),
     "incident-sv": NamedScene(
-        Scene(_UNIT_SOLID, 0.3, _PRELOAD, IncidentWave("SV", angle=-14.0, stress=0.25)),
-        "a shear wave at 14 degrees that meets the contact first: slip from the edge",
+        Scene(_UNIT_SOLID, 0.3, _PRELOAD, IncidentWave("SV", angle=-20.0, stress=0.3)),
+        "a shear wave at 20 degrees that meets the contact first: slip from the edge",
     ),
     "moving-load": NamedScene(
         Scene(_UNIT_SOLID, 0.3, _PRELOAD, MovingLoad(speed=0.5, pressure=0.0, shear=1.0)),

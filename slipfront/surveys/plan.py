@@ -260,7 +260,7 @@ def planned(
         If there is no such parameter, no parameter has several values, lists that go together
         differ in length, or an option is out of range.
     """
-    checked_scene("survey", scene).check_at_once("survey")
+    checked_scene("survey", scene)
     values: dict[str, Array] = {}
     fixed: dict[str, float] = {}
     for given, row in parameters.items():
