@@ -334,7 +334,8 @@ class Plan:
             damping_time=self.damping_time,
             full=self.full,
             lower=not self.halves,
-            free_walls=self.name == TWO_MATERIALS,
+            # the walls let plane waves pass that come at once, and disturb those of a moving front
+            free_walls=self.name == TWO_MATERIALS or self.scene.front_slowness != 0,
             pattern=self.settings.mesh,
         )
 

@@ -141,7 +141,7 @@ class Snapshots:
         displacement = spread(self.model, [body.displacement for body in bodies])
         velocity = spread(self.model, [(b.before + b.increment) / (2 * step) for b in bodies])
         stress = self._stress(displacement, time)
-        wave = arrived_wave(self.model.plan.scene, *self._points[:, :2].T, time)
+        wave = arrived_wave(self.model.plan.scene, self._points[:, 0], self._points[:, 1], time)
         if wave is not None:
             displacement = displacement + wave.displacement.T
             velocity = velocity + wave.velocity.T
@@ -162,7 +162,7 @@ class Snapshots:
         and an incident wave."""
         materials, scene = self.model.plan.materials, self.model.plan.scene
         antiplane, centres = scene.antiplane, self._points[self._cells[0][1], :2].mean(axis=1)
-        wave = arrived_wave(scene, *centres.T, time)
+        wave = arrived_wave(scene, centres[:, 0], centres[:, 1], time)
         held = scene.superposition.in_place if wave is None else scene.base
         (uxx, uxy), (uyx, uyy), (uzx, uzy) = self._gradient(displacement)
         lower = centres[:, 1] < 0

@@ -107,18 +107,16 @@ def fronts_of(scene: Scene, edges: Sequence[float] = ()) -> Fronts:
     moving = [edge for edge in edges if 0 < edge < math.inf]
     in_plane = not scene.antiplane or load.pressure != 0
     waves = (pressure, shear) if in_plane else (shear,)
+    rayleigh = material.rayleigh_speed
+    points = [*moving, *((rayleigh, -rayleigh) if in_plane else ())]
     front = -scene.front_slowness
-    if front > 0:  # the load runs over the slot and is reflected as both waves if it is fast enough
-        reflected = [wave for wave in waves if front < wave]
-        moving_load = (-1 / front,)
+    if front > 0:  # the load runs over the slot and is reflected as waves that it is faster than
+        lines = [StraightFront(wave, front, -1) for wave in waves if front < wave]
+        points.append(-1 / front)
     else:
-        reflected = [shear] if load.shear else []
-        reflected += [pressure] if load.pressure else []
-        moving_load = ()
-    lines = [StraightFront(wave, max(front, 0.0), -1) for wave in reflected]
+        lines = [StraightFront(shear, 0.0, -1)] if load.shear else []
+        lines += [StraightFront(pressure, 0.0, -1)] if load.pressure else []
     lines += [StraightFront(shear, 0.0, 1)] if scene.far_slip_rate else []
     lines += [StraightFront(shear, pressure, side) for side in (1, -1) if in_plane]
     lines += [StraightFront(s, 1 / edge, 1) for edge in moving for s in waves if s * edge > 1]
-    rayleigh = material.rayleigh_speed
-    points = (*moving, *moving_load, *((rayleigh, -rayleigh) if in_plane else ()))
-    return Fronts(jump_times(scene), waves, tuple(lines), points)
+    return Fronts(jump_times(scene), waves, tuple(lines), tuple(points))

@@ -73,9 +73,9 @@ def arrival_rows(case: Case) -> Iterator[Row]:
     reference stress or slip rate and smeared as by damping.  It is read at the last time at which
     the window around the front is still on the recorded part of the face.  There are no rows for
     predictions that do not reach beyond all fronts, such as marches, and none for the slot face
-    where the prediction does not know it or the load moves over it.  An S front behind a P front, or a Rayleigh front on the
-    interface, is too close to others for the mesh at 2h in half of the scenes; on the slot,
-    `slot_rows` cover them.
+    where the prediction does not know it or the load moves over it.  An S front behind a P front,
+    or a Rayleigh front on the interface, is too close to others for the mesh at 2h in half of the
+    scenes; on the slot, `slot_rows` cover them.
     """
     if not _reaches(case):
         return
