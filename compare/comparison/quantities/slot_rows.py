@@ -23,9 +23,9 @@ Array = NDArray[np.float64]
 def slot_rows(case: Case) -> Iterator[Row]:
     """Rows of relative L1 errors of the velocity of the upper slot face at the end, by component.
 
-    They include all fronts on the face, above all that of the Rayleigh wave, and that of a load that
-    moves over it.  There are no rows for predictions that do not know the slot, nor for a component
-    that vanishes.
+    They include all fronts on the face, above all that of the Rayleigh wave, and the front of a
+    load that moves over it.  There are no rows for predictions that do not know the slot, nor for a
+    component that vanishes.
     """
     predict = getattr(case.prediction, "slot_velocity", None)
     if predict is None:
