@@ -43,9 +43,13 @@ __all__ = [
     "Fit",
     "FrictionLaw",
     "Gauge",
+    "GrowingSlot",
+    "GrowingSolution",
+    "HalfLine",
     "Harmonic",
     "IncidentWave",
     "InterfaceHistory",
+    "LineSolution",
     "LoadHistory",
     "LogNormal",
     "Marched",
@@ -59,7 +63,9 @@ __all__ = [
     "Pair",
     "PairSolution",
     "PairStatistics",
+    "Patch",
     "PluginError",
+    "PointForce",
     "Pulse",
     "Ramp",
     "RateFriction",
@@ -82,7 +88,9 @@ __all__ = [
     "Tractions",
     "Uniform",
     "ViscousFriction",
+    "WholeLine",
     "ZoneDerivative",
+    "find_line",
     "find_scene",
     "fit",
     "fringe_order",
@@ -92,6 +100,8 @@ __all__ = [
     "predict",
     "sliding_stability",
     "solve",
+    "solve_growing",
+    "solve_line",
     "solve_pair",
     "strain",
     "sweep",
@@ -116,6 +126,11 @@ _LATER = {
     "semianalytic.spacetime.march": ("march", "march_on"),
     "semianalytic.spacetime.marched": ("Marched",),
     "semianalytic.sweeps.sweep": ("Sweep", "sweep"),
+    "semianalytic.whole_line.growing": ("GrowingSlot", "GrowingSolution", "solve_growing"),
+    "semianalytic.whole_line.line": ("HalfLine", "Patch", "PointForce", "WholeLine"),
+    "semianalytic.whole_line.named": ("find_line",),
+    "semianalytic.whole_line.solution": ("LineSolution",),
+    "semianalytic.whole_line.solver": ("solve_line",),
 }
 """Modules that a plain solution does not need, with the public names they define."""
 
@@ -138,6 +153,11 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.spacetime.march import march, march_on
     from semianalytic.spacetime.marched import Marched
     from semianalytic.sweeps.sweep import Sweep, sweep
+    from semianalytic.whole_line.growing import GrowingSlot, GrowingSolution, solve_growing
+    from semianalytic.whole_line.line import HalfLine, Patch, PointForce, WholeLine
+    from semianalytic.whole_line.named import find_line
+    from semianalytic.whole_line.solution import LineSolution
+    from semianalytic.whole_line.solver import solve_line
 else:
 
     def __getattr__(name: str) -> Any:

@@ -26,6 +26,14 @@ TABLES = {
 }
 LOWER_MATERIAL = "lower_material"
 OPTIONAL_TABLES = ("pressure_history", "shear_history", "friction_law", LOWER_MATERIAL)
+LINES = ("whole-line-patch", "point-load", "growing-load")
+"""Names of problems without a slot, or with a load that grows, that are no scenes."""
+LINE_KEYS = ("contact", "growth")
+"""Keys by which files of such problems are known."""
+_LINE_HINT = (
+    "has no slot, or a load that grows as a power of time, and only the exact solver knows it: "
+    "slipfront solve, or find_line in Python (docs/whole_line.md)."
+)
 WORDS = ("mode", "load_on", "units")
 """Optional keys whose values are words; the scene checks them."""
 
@@ -156,8 +164,10 @@ def find_blocks(source: str) -> tuple[Scene, Material | None]:
     """Find a scene like `find_scene`, with the lower material of its file; None without one."""
     if source in NAMED_SCENES:
         return NAMED_SCENES[source].scene, None
-    if _is_file(source):
+    if is_file(source):
         return read_blocks(source)
+    if source in LINES:
+        raise SceneError(f"{source} {_LINE_HINT}")
     plugin = find_plugin(SCENES, source)
     if plugin is not None:
         return brought_scene(plugin), None
@@ -167,10 +177,23 @@ def find_blocks(source: str) -> tuple[Scene, Material | None]:
     raise SceneError(f"There is no scene called {source!r}; {hint} (or give a .toml file).")
 
 
-def _is_file(source: str) -> bool:
+def is_file(source: str) -> bool:
     """Return whether a source is meant as a file, not as a name."""
     path = Path(source)
     return path.suffix == ".toml" or path.is_file()
+
+
+def describes_line(source: str) -> bool:
+    """Return whether a source names a whole line or a growing load, or is a file of one.
+
+    Raises
+    ------
+    SceneError
+        If it is a file that cannot be read.
+    """
+    if source in LINES:
+        return True
+    return is_file(source) and any(key in read_document(source) for key in LINE_KEYS)
 
 
 def brought_scene(plugin: Plugin) -> Scene:
@@ -200,7 +223,7 @@ def brought_summary(plugin: Plugin) -> str:
 
 def scene_label(source: str) -> str:
     """Return a short name of a scene for titles: its name, or the stem of its file."""
-    named = source in NAMED_SCENES or not _is_file(source)
+    named = source in NAMED_SCENES or not is_file(source)
     return source if named else Path(source).stem
 
 
@@ -259,15 +282,9 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
 
     That table has the keys of ``[material]``, for the lower block.
     """
-    try:
-        document = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
-    except ValueError as error:  # TOML syntax and UTF-8 errors alike
-        raise SceneError(f"{path} is not a valid TOML file: {error}.") from error
-    except RecursionError as error:
-        raise SceneError(f"{path} nests brackets too deeply; give a scene file.") from error
+    document = read_document(path)
+    if any(key in document for key in LINE_KEYS):
+        raise SceneError(f"{path} {_LINE_HINT}")
     _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
     for table, keys in TABLES.items():
         if table != "load" or "kind" not in document[table]:  # else `load_from_document` checks it
@@ -280,6 +297,19 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
         return scene, None if lower is None else Material(**lower)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
+
+
+def read_document(path: str | Path) -> dict[str, Any]:
+    """Read a TOML file; raise SceneError if it cannot be read, or is none."""
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise SceneError(f"Cannot read the scene file {path}: {reason}.") from error
+    except ValueError as error:  # TOML syntax and UTF-8 errors alike
+        raise SceneError(f"{path} is not a valid TOML file: {error}.") from error
+    except RecursionError as error:
+        raise SceneError(f"{path} nests brackets too deeply; give a scene file.") from error
 
 
 def override_scene(
