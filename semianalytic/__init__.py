@@ -26,6 +26,7 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
@@ -46,6 +47,7 @@ __all__ = [
     "GrowingSolution",
     "HalfLine",
     "Harmonic",
+    "IncidentWave",
     "InterfaceHistory",
     "LineSolution",
     "LoadHistory",
@@ -53,6 +55,7 @@ __all__ = [
     "Marched",
     "Material",
     "MissingLibraryError",
+    "MovingLoad",
     "Normal",
     "OpenDerivative",
     "OpenInterval",

@@ -13,6 +13,7 @@ from typing import Any
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
+from semianalytic.scene.incident import IncidentWave, MovingLoad, overridden_load
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
@@ -95,6 +96,18 @@ NAMED_SCENES: Mapping[str, NamedScene] = {
     "antiplane": NamedScene(
         Scene(_UNIT_SOLID, 0.5, _PRELOAD, _SHEAR, mode="antiplane"),
         "constant pressure, sudden antiplane shear: one slip zone, all of it in closed form",
+    ),
+    "incident-p": NamedScene(
+        Scene(_UNIT_SOLID, 0.4, _PRELOAD, IncidentWave("P", angle=-30.0, stress=-0.6)),
+        "a wave of tension at 30 degrees: the contact opens from its edge, slip runs ahead",
+    ),
+    "incident-sv": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, _PRELOAD, IncidentWave("SV", angle=-20.0, stress=0.3)),
+        "a shear wave at 20 degrees that meets the contact first: slip from the edge",
+    ),
+    "moving-load": NamedScene(
+        Scene(_UNIT_SOLID, 0.3, _PRELOAD, MovingLoad(speed=0.5, pressure=0.0, shear=1.0)),
+        "shear that advances over the slot at half the shear wave's speed",
     ),
     "lift-off": NamedScene(
         Scene(_UNIT_SOLID, 0.3, base=_PRELOAD, load=Tractions(-1.0, 0.0)),
@@ -235,11 +248,14 @@ def read_scene(path: str | Path) -> Scene:
     """Read the scene that a TOML file describes.
 
     The file holds ``friction``, ``[material]`` with shear_modulus, density and poisson_ratio, and
-    ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units.  It may hold
-    ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
-    ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).
-    Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on = "remote"``
-    lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s and Pa.
+    ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units.  ``[load]``
+    may hold ``kind = "incident-wave"`` with wave ("P", "SV" or "SH"), angle, velocity or stress,
+    and from ("below" or "above"), or ``kind = "moving"`` with speed, pressure and shear.
+    It may hold ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time =
+    0.5``) and ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance =
+    1e-5``).  Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on =
+    "remote"`` lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s
+    and Pa.
 
     Raises
     ------
@@ -271,7 +287,8 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
         raise SceneError(f"{path} {_LINE_HINT}")
     _check_keys(path, "", document, ("friction", *TABLES), (*OPTIONAL_TABLES, *WORDS))
     for table, keys in TABLES.items():
-        _check_keys(path, f"{table}.", document[table], keys)
+        if table != "load" or "kind" not in document[table]:  # else `load_from_document` checks it
+            _check_keys(path, f"{table}.", document[table], keys)
     lower = document.get(LOWER_MATERIAL)
     if lower is not None:
         _check_keys(path, f"{LOWER_MATERIAL}.", lower, TABLES["material"])
@@ -309,11 +326,19 @@ def override_scene(
     viscosity: float | None = None,
     mode: str | None = None,
     load_on: str | None = None,
+    wave: str | None = None,
+    angle: float | None = None,
+    wave_velocity: float | None = None,
+    wave_stress: float | None = None,
+    wave_from: str | None = None,
+    load_speed: float | None = None,
 ) -> Scene:
     """Return a scene with every parameter replaced that is not None.
 
     Dimensions are those of `Scene`, `Material` and `Tractions`.  A viscosity turns constant
-    friction into viscous friction, and 0 turns it back.
+    friction into viscous friction, and 0 turns it back.  `wave`, `angle`, `wave_velocity` or
+    `wave_stress` and `wave_from` are those of an `IncidentWave`, in place of whatever the scene's
+    load is; `load_speed` is that of a `MovingLoad`, which takes the scene's tractions.
 
     Raises
     ------
@@ -329,7 +354,17 @@ def override_scene(
             poisson_ratio=poisson_ratio,
         ),
         base=_replace_given(scene.base, pressure=base_pressure, shear=base_shear),
-        load=_replace_given(scene.load, pressure=load_pressure, shear=load_shear),
+        load=overridden_load(
+            scene.load,
+            {"pressure": load_pressure, "shear": load_shear, "speed": load_speed},
+            {
+                "kind": wave,
+                "angle": angle,
+                "velocity": wave_velocity,
+                "stress": wave_stress,
+                "from_": wave_from,
+            },
+        ),
         friction=scene.friction if friction is None else friction,
         friction_law=_with_viscosity(scene.friction_law, viscosity),
         mode=scene.mode if mode is None else mode,

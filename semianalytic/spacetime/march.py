@@ -186,6 +186,7 @@ def march(
     '3.0e-06 m'
     """
     material = checked_scene("march", scene).material
+    scene.check_at_once("march")
     end_time = 1 / material.shear_speed if end_time is None else end_time
     end_time = checked_size("march: end_time", end_time, "be above 0")
     length = scene.fastest_speed * end_time if length is None else length

@@ -26,8 +26,8 @@ from semianalytic import (
     march,
     solve,
 )
+from semianalytic.scene.friction import process_zone
 from semianalytic.scene.named import NAMED_SCENES
-from semianalytic.scene.process_zone import process_zone
 
 Array = NDArray[np.float64]
 

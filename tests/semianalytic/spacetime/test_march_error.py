@@ -32,8 +32,8 @@ from semianalytic import (
     solve,
 )
 from semianalytic.halfplane.rayleigh import rayleigh_factors
+from semianalytic.scene.friction import process_zone
 from semianalytic.scene.named import find_scene
-from semianalytic.scene.process_zone import process_zone
 from semianalytic.spacetime import march as march_module
 from semianalytic.spacetime.exponentials import InPlane
 from semianalytic.spacetime.tuning import ERROR_SAFETY, MEMORY_SAFETY, MOST_NODES, READING_SAFETY
