@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.reading import Measured, Reading
 from semianalytic.scene.errors import (
     ComputationError,
     DataFileError,
@@ -48,6 +49,7 @@ __all__ = [
     "LogNormal",
     "Marched",
     "Material",
+    "Measured",
     "MissingLibraryError",
     "Normal",
     "OpenDerivative",
@@ -61,6 +63,7 @@ __all__ = [
     "Ramp",
     "RateFriction",
     "RateWeakening",
+    "Reading",
     "Scene",
     "SceneError",
     "Setup",
