@@ -25,6 +25,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.reading import Reading, sampled_reading
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.quantities import asked_in_units
 from semianalytic.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -74,6 +75,7 @@ class Totals:
         return np.asarray(np.interp(t, self.t, getattr(self, name), left=0.0))
 
 
+@asked_in_units
 class SampledAnswer:
     """An `Answer` that interpolates between samples, linearly in position and time.
 
@@ -206,7 +208,8 @@ class SampledAnswer:
         rate = {"forward": 1.0, "reverse": -1.0}.get(of, 0.0) * seen.slip_rate
         rate = np.maximum(rate, 0.0) if of != "slip" else np.abs(seen.slip_rate)
         largest = np.maximum.accumulate(np.abs(seen.slip_rate).max(axis=1, initial=0.0))
-        threshold = share * largest[:, None]
+        # rounding moves nodes of elements before any slip, when nothing larger was there
+        threshold = np.maximum(share * largest, _NO_SLIP * largest[-1])[:, None]
         begun = rate > threshold
         level = begun.argmax(axis=0)
         before, node = np.maximum(level - 1, 0), np.arange(len(seen.x))

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.scene.checks import checked_number, checked_size
+from semianalytic.scene.given.quantities import with_quantities
 
 Array = NDArray[np.float64]
 
@@ -153,6 +154,7 @@ class CoulombFriction(FrictionLaw):
     fall_with_slip = 0.0
 
 
+@with_quantities
 @dataclass(frozen=True)
 class ViscousFriction(RateFriction):
     """Friction with a viscous film: strength f p + viscosity |V| (docs/rate.md).
@@ -208,6 +210,7 @@ class ViscousFriction(RateFriction):
     fall_with_rate = 0.0
 
 
+@with_quantities
 @dataclass(frozen=True)
 class RateWeakening(RateFriction):
     """Friction that falls with slip rate: strength f p (1 - reduction |V| / (|V| + rate)).
@@ -274,6 +277,7 @@ class RateWeakening(RateFriction):
         return self.reduction / self.rate
 
 
+@with_quantities
 @dataclass(frozen=True)
 class SlipWeakening(FrictionLaw):
     """Friction that falls linearly with slip: strength f p (1 - reduction min(path/distance, 1)).

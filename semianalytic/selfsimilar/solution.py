@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -24,9 +24,16 @@ from semianalytic.results.answer import (
     sampled_history,
 )
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.reading import Reading, first_times, self_similar_reading
+from semianalytic.results.reading import (
+    Measured,
+    Reading,
+    first_times,
+    self_similar_reading,
+    slip_of_rates,
+)
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.quantities import asked_in_units
 from semianalytic.scene.loading import Tractions, traction_ahead
 from semianalytic.scene.scene import Scene
 from semianalytic.selfsimilar import tuning
@@ -77,6 +84,7 @@ class Statistics:
     seconds: dict[str, float]
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class Solution:
     """Self-similar slip on the interface of a scene, as returned by `solve`.
@@ -447,7 +455,24 @@ class Solution:
             "pressure": base.pressure + abs(load.pressure),
             "gap": gaps * time,
         }
-        return self_similar_reading(self, x, t, self.scene.material.shear_speed, scales)
+        reading = self_similar_reading(self, x, t, self.scene.material.shear_speed, scales)
+        return reading if self.profile.fields.load.resistance is None else self._checked(reading)
+
+    def _checked(self, reading: Reading) -> Reading:
+        """Return the reading of a film, whose slip away from the edge is less exact than its rate.
+
+        Slip rate towers at the edge under a strong film, and what is a billionth of it there is
+        large elsewhere, so the bar of slip holds its difference from the integral of the rate.
+        """
+        material = self.scene.material
+        fronts = (material.longitudinal_speed, material.shear_speed, material.rayleigh_speed)
+        edges = [*np.ravel(self.edge_speeds), *(part.outer for part in self.openings)]
+        edges += [part.inner for part in self.openings]
+        slip = slip_of_rates(self.slip_rate, reading.x, reading.t, (*fronts, *edges))
+        value, error = reading.slip
+        with np.errstate(invalid="ignore"):
+            apart = np.nan_to_num(np.abs(slip - value), nan=np.inf)
+        return replace(reading, slip=Measured(value, error + 2 * apart))
 
     def zones_at(self, t: float) -> tuple[SlipInterval, ...]:
         """Return the intervals that slip at a time [time], from the contact edge outward.

@@ -17,6 +17,7 @@ from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.given.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, scene_document, scene_from_document
 from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.marched_bodies import MarchedBodies
@@ -219,6 +220,7 @@ class MarchStatistics:
     seconds: dict[str, float]
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class Marched(SampledAnswer):
     """The slip history of an interface by the space-time solver; see `SampledAnswer`.
