@@ -209,7 +209,9 @@ def self_similar_reading(
                 change = np.fmax(change, np.abs(beside - value))
             error = share * (np.abs(value) + scales[name]) + change
         at_rest = t < 0
-        fields[name] = Measured(value, np.where(at_rest, 0.0, np.where(np.isnan(error), np.inf, error)))
+        fields[name] = Measured(
+            value, np.where(at_rest, 0.0, np.where(np.isnan(error), np.inf, error))
+        )
     return Reading(x, t, arrivals, status=answer.status, **fields)
 
 

@@ -13,10 +13,12 @@ from typing import Any
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
+from semianalytic.scene.given.quantities import in_units_of
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
 from semianalytic.scene.plugins import SCENES, Plugin, find_plugin, plugin_names
 from semianalytic.scene.scene import Material, Scene, Tractions, scene_from_document
+from semianalytic.scene.units import PARAMETERS
 
 TABLES = {
     "material": ("shear_modulus", "density", "poisson_ratio"),
@@ -279,17 +281,34 @@ def override_scene(
     viscosity: float | None = None,
     mode: str | None = None,
     load_on: str | None = None,
+    units: str | None = None,
 ) -> Scene:
     """Return a scene with every parameter replaced that is not None.
 
     Dimensions are those of `Scene`, `Material` and `Tractions`.  A viscosity turns constant
-    friction into viscous friction, and 0 turns it back.
+    friction into viscous friction, and 0 turns it back.  Numbers with units, as quantities of pint,
+    need a scene in SI units.
 
     Raises
     ------
     SceneError
         If the resulting scene is not admissible, or a viscosity is given for friction that weakens.
     """
+    scene = scene if units is None else replace(scene, units=units)
+    given = {
+        "shear_modulus": shear_modulus,
+        "density": density,
+        "poisson_ratio": poisson_ratio,
+        "friction": friction,
+        "base_pressure": base_pressure,
+        "base_shear": base_shear,
+        "load_pressure": load_pressure,
+        "load_shear": load_shear,
+        "viscosity": viscosity,
+    }
+    for name, value in given.items():
+        parameter = name.removeprefix("base_").removeprefix("load_")
+        in_units_of(scene.units, name.replace("_", " "), value, PARAMETERS[parameter])
     return replace(
         scene,
         material=_replace_given(

@@ -74,7 +74,7 @@ PARAMETERS: Mapping[str, str] = {
 ARGUMENTS: Mapping[str, str] = {
     **{"x": "length", "y": "length", "t": "time"},
     **{"inner": "length", "outer": "length"},
-    **{"end_time": "time", "length": "length"},
+    **{"end_time": "time", "latest": "time", "length": "length"},
 }
 """Dimensions of what an answer is asked for, by the name of the argument."""
 
@@ -82,12 +82,30 @@ ARGUMENTS: Mapping[str, str] = {
 class InSI(float):
     """A number that was given with a unit, in that of the SI.
 
+    Attributes
+    ----------
+    name : str
+        Name of the unit that it was given in.
+    size : float
+        That unit in the one of the SI.
+
     Examples
     --------
     >>> from semianalytic.scene.units import measure
-    >>> measure("5cm", "length")
-    0.05
+    >>> length = measure("5cm", "length")
+    >>> length, length.name, length.size
+    (0.05, 'cm', 0.01)
     """
+
+    name: str
+    size: float
+
+    def __new__(cls, number: float, name: str, size: float) -> InSI:
+        """Make the number of so many units of a size and name."""
+        # 15 digits: 30 us are 3e-05 s and no digit more
+        value = super().__new__(cls, f"{number * size:.15g}")
+        value.name, value.size = name, size
+        return value
 
 
 def unit(dimension: str, units: str = "") -> str:
@@ -116,9 +134,7 @@ def units_shown(dimension: str) -> str:
     return _SHOWN.get(dimension, unit(dimension, SI))
 
 
-def measure(
-    text: str, dimension: str, size: Callable[[str, str], float | None] = size_of
-) -> float:
+def measure(text: str, dimension: str, size: Callable[[str, str], float | None] = size_of) -> float:
     """Return the number that a text such as "5cm", "30 us", "80GPa" or "0.3" stands for.
 
     Parameters
@@ -152,4 +168,4 @@ def measure(
         raise SceneError(
             f"must be a number alone or in {units_shown(dimension)}, got {shown(text)}."
         )
-    return InSI(number * factor)
+    return InSI(number, match[2], factor)

@@ -45,10 +45,12 @@ def in_si(what: str, value: Any, dimension: str) -> Any:
         return value
     wanted = "dimensionless" if dimension == "1" else unit(dimension, SI)
     try:
-        return value.to(wanted).magnitude
+        number = value.to(wanted).magnitude
     except Exception as error:  # a library of units has errors of its own
         said = "no unit" if dimension == "1" else f"a unit of {dimension}, such as {wanted}"
         raise SceneError(f"{what} must have {said}, got {shown(str(value))}.") from error
+    # what conversion leaves in the last digits would be shown with the scene
+    return float(f"{number:.15g}") if isinstance(number, float) else number
 
 
 def in_units_of(units: str, what: str, value: Any, dimension: str) -> Any:
@@ -116,9 +118,9 @@ def taking_quantities(function: Function) -> Function:
 def asked_in_units(answer: Class) -> Class:
     """Let all public methods of the class of an answer take quantities: `taking_quantities`."""
     for name, method in list(vars(answer).items()):
-        if not name.startswith("_") and inspect.isfunction(method):
-            if ARGUMENTS.keys() & inspect.signature(method).parameters.keys():
-                setattr(answer, name, taking_quantities(method))
+        public = not name.startswith("_") and inspect.isfunction(method)
+        if public and ARGUMENTS.keys() & inspect.signature(method).parameters.keys():
+            setattr(answer, name, taking_quantities(method))
     return answer
 
 
