@@ -27,6 +27,7 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.solids import find_material
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
 from semianalytic.scene.scene import Material, Scene, Tractions
@@ -83,6 +84,7 @@ __all__ = [
     "Uniform",
     "ViscousFriction",
     "ZoneDerivative",
+    "find_material",
     "find_scene",
     "fit",
     "fringe_order",

@@ -63,6 +63,7 @@ _NAMES = {
         "Uniform",
         "ViscousFriction",
         "ZoneDerivative",
+        "find_material",
         "find_scene",
         "fit",
         "fringe_order",

@@ -13,6 +13,7 @@ from typing import Any
 from semianalytic.scene.checks import finite, shown
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.friction import CoulombFriction, FrictionLaw, ViscousFriction
+from semianalytic.scene.given.load_tables import with_tables
 from semianalytic.scene.given.quantities import in_units_of
 from semianalytic.scene.loading import REMOTE
 from semianalytic.scene.loads import Harmonic, Pulse, Ramp
@@ -216,7 +217,8 @@ def read_scene(path: str | Path) -> Scene:
     The file holds ``friction``, ``[material]`` with shear_modulus, density and poisson_ratio, and
     ``[base]`` and ``[load]`` with pressure and shear, in any consistent set of units.  It may hold
     ``[pressure_history]``, ``[shear_history]`` (``kind = "ramp"``, ``rise_time = 0.5``) and
-    ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).
+    ``[friction_law]`` (``kind = "slip-weakening"``, ``reduction = 0.5``, ``distance = 1e-5``).  A
+    history of kind "tabulated" may name a table, ``file = "pulse.csv"``, whose header has units.
     Before the tables, ``mode = "antiplane"`` turns shear and slip along z, ``load_on = "remote"``
     lets the load arrive from far away, and ``units = "SI"`` makes all output say m, s and Pa.
 
@@ -261,7 +263,7 @@ def read_blocks(path: str | Path) -> tuple[Scene, Material | None]:
     if lower is not None:
         _check_keys(path, f"{LOWER_MATERIAL}.", lower, TABLES["material"])
     try:
-        scene = scene_from_document(document)
+        scene = scene_from_document(with_tables(path, document))
         return scene, None if lower is None else Material(**lower)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error

@@ -61,10 +61,18 @@ _SAYINGS: Mapping[type, str] = {
 }
 
 
-def in_si_units(scene: Scene) -> Scene:
+def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
     """Return a scene of unit modulus and density in SI units, by `SI_SOLID` and `SI_STRESS`.
 
-    The contact slips at the same x / (c_t t); a length of 1 becomes a metre.
+    The contact slips at the same x / (c_t t), as far as the Poisson ratio is the same; a length of
+    1 becomes a metre.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene to convert.
+    solid : Material, optional
+        Solid in SI units to take in place of `SI_SOLID` and the Poisson ratio of the scene.
 
     Raises
     ------
@@ -72,14 +80,14 @@ def in_si_units(scene: Scene) -> Scene:
         If the scene is in other units, or a parameter has a dimension that is not known.
     """
     if scene.units == SI:
-        return scene
+        return scene if solid is None else replace(scene, material=solid)
     material = scene.material
     if (material.shear_modulus, material.density) != (1.0, 1.0):
         raise SceneError(
             "only scenes of unit shear modulus and density can be turned into SI units; take "
             "another scene, or leave the units out."
         )
-    solid = Material(*SI_SOLID, material.poisson_ratio)
+    solid = Material(*SI_SOLID, material.poisson_ratio) if solid is None else solid
     scales = _scales(solid, SI_STRESS)
     base, load = (
         Tractions(SI_STRESS * one.pressure, SI_STRESS * one.shear)
@@ -99,7 +107,7 @@ def in_si_units(scene: Scene) -> Scene:
     )
 
 
-def scene_text(scene: Scene, origin: str = "") -> str:
+def scene_text(scene: Scene, origin: str = "", of_material: str = "of both bodies") -> str:
     """Write a scene as a TOML file with comments, which also show the other laws and histories.
 
     `find_scene` reads the same scene from the file.
@@ -110,11 +118,13 @@ def scene_text(scene: Scene, origin: str = "") -> str:
         The scene to write.
     origin : str
         Origin of the scene, for the first line.
+    of_material : str
+        What to say of the material.
     """
-    return "\n".join(_lines(scene, origin)) + "\n"
+    return "\n".join(_lines(scene, origin, of_material)) + "\n"
 
 
-def _lines(scene: Scene, origin: str) -> Iterator[str]:
+def _lines(scene: Scene, origin: str, of_material: str) -> Iterator[str]:
     document = scene_document(scene)
     yield f"# A scene of slipfront{origin and f', made from {origin}'}: slipfront solve FILE."
     yield "# Contact on y = 0, x > 0, an open slot on x < 0; the load comes at t = 0."
@@ -125,7 +135,7 @@ def _lines(scene: Scene, origin: str) -> Iterator[str]:
     yield f'load_on = "{scene.load_on}"  # slot: taken off its faces; remote: arrives from far away'
     yield f"friction = {_value(scene.friction)}  # Coulomb friction coefficient f, 0 or more"
     for table, said, parameters in (
-        ("material", "of both bodies", MATERIAL),
+        ("material", of_material, MATERIAL),
         ("base", "in place before the load, on the whole line y = 0", TRACTIONS),
         ("load", "what comes at t = 0, where load_on says", TRACTIONS),
     ):
