@@ -77,9 +77,9 @@ class Reading:
     >>> reading = solve(find_scene("preloaded")).reading(x=0.5, t=1.0)
     >>> when, error = reading.arrivals["slip"]
     >>> when.round(4), bool(0 < error < 1e-7)
-    (np.float64(0.5105), True)
+    (np.float64(0.4711), True)
     >>> reading.slip.value.round(4), bool(0 < reading.slip.error < 1e-7)
-    (np.float64(0.2258), True)
+    (np.float64(0.1673), True)
     """
 
     x: Array

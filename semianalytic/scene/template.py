@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from decimal import Decimal
+from textwrap import wrap
 from typing import Any, TypeVar
 
 import numpy as np
@@ -87,6 +88,8 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
             "only scenes of unit shear modulus and density can be turned into SI units; take "
             "another scene, or leave the units out."
         )
+    # numbers to begin with need no more digits than a reader does
+    digits = 15 if solid is None else 3
     solid = Material(*SI_SOLID, material.poisson_ratio) if solid is None else solid
     scales = _scales(solid, SI_STRESS)
     base, load = (
@@ -98,16 +101,16 @@ def in_si_units(scene: Scene, solid: Material | None = None) -> Scene:
         scene.friction,
         base,
         load,
-        pressure_history=_scaled(scene.pressure_history, scales),
-        shear_history=_scaled(scene.shear_history, scales),
-        friction_law=_scaled(scene.friction_law, scales),
+        pressure_history=_scaled(scene.pressure_history, scales, digits),
+        shear_history=_scaled(scene.shear_history, scales, digits),
+        friction_law=_scaled(scene.friction_law, scales, digits),
         mode=scene.mode,
         load_on=scene.load_on,
         units=SI,
     )
 
 
-def scene_text(scene: Scene, origin: str = "", of_material: str = "of both bodies") -> str:
+def scene_text(scene: Scene, origin: str = "", remark: str = "") -> str:
     """Write a scene as a TOML file with comments, which also show the other laws and histories.
 
     `find_scene` reads the same scene from the file.
@@ -118,13 +121,13 @@ def scene_text(scene: Scene, origin: str = "", of_material: str = "of both bodie
         The scene to write.
     origin : str
         Origin of the scene, for the first line.
-    of_material : str
-        What to say of the material.
+    remark : str
+        A sentence about the material.
     """
-    return "\n".join(_lines(scene, origin, of_material)) + "\n"
+    return "\n".join(_lines(scene, origin, remark)) + "\n"
 
 
-def _lines(scene: Scene, origin: str, of_material: str) -> Iterator[str]:
+def _lines(scene: Scene, origin: str, remark: str) -> Iterator[str]:
     document = scene_document(scene)
     yield f"# A scene of slipfront{origin and f', made from {origin}'}: slipfront solve FILE."
     yield "# Contact on y = 0, x > 0, an open slot on x < 0; the load comes at t = 0."
@@ -135,11 +138,13 @@ def _lines(scene: Scene, origin: str, of_material: str) -> Iterator[str]:
     yield f'load_on = "{scene.load_on}"  # slot: taken off its faces; remote: arrives from far away'
     yield f"friction = {_value(scene.friction)}  # Coulomb friction coefficient f, 0 or more"
     for table, said, parameters in (
-        ("material", of_material, MATERIAL),
+        ("material", "of both bodies", MATERIAL),
         ("base", "in place before the load, on the whole line y = 0", TRACTIONS),
         ("load", "what comes at t = 0, where load_on says", TRACTIONS),
     ):
         yield f"\n[{table}]  # {said}"
+        if table == "material" and remark:
+            yield from (f"# {line}" for line in wrap(remark, 96))
         yield from _values(document[table], parameters, scene.units)
     yield "\n[pressure_history]  # how the pressure of the load comes, over time"
     yield from _part(scene, scene.pressure_history, _HISTORIES)

@@ -108,7 +108,7 @@ def _size(table: Path, heading: tuple[str, str], dimension: str, units: str) -> 
     if units != SI and dimension != "1":
         raise SceneError(
             f"{table}: {name} has a unit, but the scene does not say which units its own numbers "
-            f'have; write units = "{SI}" at the top of its file, or take the unit out of the header.'
+            f'have; write units = "{SI}" into its file, or take the unit out of the header.'
         )
     return size
 

@@ -39,8 +39,8 @@ SOLIDS: Mapping[str, Solid] = {
         "80 GPa",
         "7860 kg/m^3",
         0.29,
-        "structural steel: upper end of 75 to 80 GPa, 0.27 to 0.30 in Gere, Mechanics of Materials; "
-        "density from Halliday, Resnick and Walker, Fundamentals of Physics",
+        "structural steel: upper end of 75 to 80 GPa, 0.27 to 0.30 in Gere, Mechanics of "
+        "Materials; density from Halliday, Resnick and Walker, Fundamentals of Physics",
     ),
     "aluminium": _solid(
         "26 GPa",
@@ -60,15 +60,15 @@ SOLIDS: Mapping[str, Solid] = {
         "1.9 GPa",
         "1230 kg/m^3",
         0.34,
-        "Homalite 100 under fast loading, by ultrasound: Samudrala and Rosakis (2003), as tabulated "
-        "at authors.library.caltech.edu/50847",
+        "Homalite 100 under fast loading, by ultrasound: Samudrala and Rosakis (2003), in the "
+        "table at authors.library.caltech.edu/50847",
     ),
     "granite": _solid(
         "16.3 GPa",
         "2650 kg/m^3",
         0.333,
-        "Quincy granite in place, at a few atmospheres, from wave speeds of 2480 and 4960 m/s: Leet "
-        "and Ewing, Physics 2, 160 (1932); dry cracks close under pressure, which raises the modulus",
+        "Quincy granite in place, at a few atmospheres, from wave speeds of 2480 and 4960 m/s: "
+        "Leet and Ewing, Physics 2, 160 (1932); pressure closes cracks and raises the modulus",
     ),
 }
 

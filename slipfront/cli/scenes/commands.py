@@ -160,8 +160,7 @@ def init(
     solid = None if material is None else find_solid(material)
     if units or solid:
         scene = in_si_units(scene, solid and solid.material)
-    said = "of both bodies" + (f": {material}, {solid.source}" if solid else "")
-    text = scene_text(scene, from_, said)
+    text = scene_text(scene, from_, f"{material}: {solid.source}." if solid else "")
     if file != STDOUT:
         check_file(file)
         if file.exists() and not force:
