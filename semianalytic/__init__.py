@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from semianalytic.results.answer import Answer, OpenInterval, SlipInterval
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.reading import Measured, Reading
 from semianalytic.scene.errors import (
     ComputationError,
     DataFileError,
@@ -26,6 +27,7 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.solids import find_material
 from semianalytic.scene.incident import IncidentWave, MovingLoad
 from semianalytic.scene.loads import Harmonic, LoadHistory, Pulse, Ramp, Step, Tabulated
 from semianalytic.scene.named import find_scene
@@ -54,6 +56,7 @@ __all__ = [
     "LogNormal",
     "Marched",
     "Material",
+    "Measured",
     "MissingLibraryError",
     "MovingLoad",
     "Normal",
@@ -70,6 +73,7 @@ __all__ = [
     "Ramp",
     "RateFriction",
     "RateWeakening",
+    "Reading",
     "Scene",
     "SceneError",
     "Setup",
@@ -91,6 +95,7 @@ __all__ = [
     "WholeLine",
     "ZoneDerivative",
     "find_line",
+    "find_material",
     "find_scene",
     "fit",
     "fringe_order",

@@ -28,6 +28,7 @@ from semianalytic.scene.friction import (
     SlipWeakening,
     ViscousFriction,
 )
+from semianalytic.scene.given.quantities import made_in_si, with_quantities
 from semianalytic.scene.incident import (
     IncidentWave,
     Load,
@@ -90,6 +91,7 @@ _PARTS: Mapping[str, _Part] = {
 """The parts by name of the field of a scene."""
 
 
+@with_quantities
 @dataclass(frozen=True)
 class Scene:
     """Two identical half-planes in frictional contact, with base tractions and a load.
@@ -118,7 +120,9 @@ class Scene:
         ahead of the slot the contact then carries (P_b + P_0, Q_b + Q_0).
     units : str
         "SI" if all numbers are in metres, seconds, kilograms and pascals, which tables then state;
-        "" for any consistent set.  Scenes that differ only in their units compare as equal.
+        "" for any consistent set.  Scenes that differ only in their units compare as equal.  Where
+        numbers are given with units, as quantities of pint, all numbers are taken as those of the
+        SI and the scene says so.
 
     Raises
     ------
@@ -194,6 +198,8 @@ class Scene:
             raise SceneError(
                 f"scene: load_on must be {' or '.join(LOADED)}, got {shown(self.load_on)}."
             )
+        if made_in_si(self) and not self.units:
+            object.__setattr__(self, "units", SI)
         if self.units not in ("", SI):
             raise SceneError(f'scene: units must be "SI" or left out, got {shown(self.units)}.')
         if self.friction < 0:

@@ -31,6 +31,7 @@ from semianalytic.results.interface_history import InterfaceHistory
 from semianalytic.results.sampled import Totals
 from semianalytic.scene.checks import LARGEST, checked_count, checked_number, checked_size
 from semianalytic.scene.errors import SceneError
+from semianalytic.scene.given.quantities import taking_quantities
 from semianalytic.scene.scene import Scene, checked_scene
 from semianalytic.spacetime.advancing import advance
 from semianalytic.spacetime.exponentials import Memory, fit_memory, impedance_of
@@ -88,6 +89,7 @@ def causal_grid(scene: Scene, latest: float, length: float, nodes: int) -> Grid:
     return Grid(spacing, size - contact, nodes, size)
 
 
+@taking_quantities
 def march(
     scene: Scene,
     end_time: float | None = None,
@@ -358,6 +360,7 @@ class _Plan:
         )
 
 
+@taking_quantities
 def march_on(
     marched: Marched,
     end_time: float,

@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
-from semianalytic.results.sampled import SampledAnswer, Totals
+from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
+from semianalytic.scene.given.quantities import asked_in_units
 from semianalytic.scene.scene import Scene, scene_document, scene_from_document
 from semianalytic.spacetime.exponentials import Memory
 from semianalytic.spacetime.marched_bodies import MarchedBodies
@@ -32,7 +33,6 @@ from semianalytic.spacetime.tuning import (
     FIELD_SMOOTHING,
     LARGEST_ERROR,
     MEMORY_SAFETY,
-    ONSET_SHARE,
     READING_SAFETY,
 )
 
@@ -220,6 +220,7 @@ class MarchStatistics:
     seconds: dict[str, float]
 
 
+@asked_in_units
 @dataclass(frozen=True, eq=False)
 class Marched(SampledAnswer):
     """The slip history of an interface by the space-time solver; see `SampledAnswer`.
@@ -331,6 +332,11 @@ class Marched(SampledAnswer):
         if self.companion is None:
             return np.full(np.shape(reading(self)), np.nan)
         return READING_SAFETY * np.abs(np.subtract(reading(self), reading(self.companion)))
+
+    def _onset(self, of: str, share: float = ONSET_SHARE) -> Array:
+        """Return the times at which something begins at the nodes; slip is known at every step."""
+        at_every_step = of == "slip" and share == ONSET_SHARE
+        return self.seen.onset if at_every_step else super()._onset(of, share)
 
     @cached_property
     def _missed_zone(self) -> Shortfall | None:

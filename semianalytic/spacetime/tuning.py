@@ -35,8 +35,6 @@ its rate by 29 %."""
 TOLERANCES = (1e-11, 1e-2)
 """Range of the tolerance of the memory's transform: 1e-11 takes 45 poles; 1e-2 is coarser than the
 grid."""
-ONSET_SHARE = 0.01
-"""Fraction of the largest slip rate so far that counts as the beginning of slip."""
 
 # --- the error of a march ----------------------------------------------------------------------
 
