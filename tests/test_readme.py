@@ -16,7 +16,9 @@ ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 COMMANDS_PAGE = (ROOT / "docs" / "commands.md").read_text()
 LAYOUT = (ROOT / "docs" / "contributing.md").read_text()
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+CHANGES = (ROOT / "CHANGELOG.md").read_text()
+SETTINGS = tomllib.loads((ROOT / "pyproject.toml").read_text())
+FALLBACK = SETTINGS["tool"]["hatch"]["version"]["fallback-version"]
 COMMANDS = {command.name or command.callback.__name__ for command in app.registered_commands} | {
     group.name for group in app.registered_groups
 }
@@ -72,7 +74,7 @@ def test_a_fit_is_ten_lines():
 def test_every_command_and_extra_has_its_line():
     assert set(re.findall(r"^\| `slipfront ([a-z]+)", COMMANDS_PAGE, re.MULTILINE)) == COMMANDS
     extras = set(re.findall(r"^\| `'\.\[(\w+)\]'`", COMMANDS_PAGE, re.MULTILINE))
-    assert extras | {"test"} == set(PROJECT["optional-dependencies"])
+    assert extras | {"test"} == set(SETTINGS["project"]["optional-dependencies"])
 
 
 @pytest.mark.parametrize("line", re.findall(r"^    slipfront (.+)$", COMMANDS_PAGE, re.MULTILINE))
@@ -98,9 +100,22 @@ def test_title_of_the_article_stands_where_it_is_cited_only():
 
 
 def test_versions_agree():
-    version = PROJECT["version"]
-    assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text()
-    assert re.search(rf"^## {re.escape(version)}\b", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    """That of a clone without tags, of the citation, and the newest of the changelog."""
+    number = FALLBACK.removesuffix(".dev0")
+    assert number != FALLBACK  # never that of a release, which only a tag gives
+    assert f"\nversion: {number}\n" in (ROOT / "CITATION.cff").read_text()
+    assert re.search(rf"^## \[{re.escape(number)}\] - \d{{4}}-\d\d-\d\d$", CHANGES, re.M)
+
+
+def test_changelog_has_the_form_of_keep_a_changelog():
+    assert CHANGES.startswith("# Changelog\n")
+    versions = re.findall(r"^## (.+)$", CHANGES, re.M)
+    assert versions[0] == "[Unreleased]"
+    assert all(re.fullmatch(r"\[\d+\.\d+\.\d+\] - \d{4}-\d\d-\d\d", one) for one in versions[1:])
+    for part in re.split(r"^## ", CHANGES, flags=re.M)[1:]:
+        kinds = re.findall(r"^### (.+)$", part, re.M)
+        known = ["Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"]
+        assert kinds == [kind for kind in known if kind in kinds]
 
 
 def test_reference_holds_every_public_name():
