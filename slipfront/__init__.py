@@ -127,7 +127,8 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from compare.validation import *
     from fem import *
     from semianalytic import *
-    from semianalytic import reference as reference, regimes as regimes
+    from semianalytic import reference as reference
+    from semianalytic import regimes as regimes
     from slipfront.fits import *
     from slipfront.surveys import *
 
