@@ -1,4 +1,4 @@
-"""Read the built site in Chromium: nothing is loaded from elsewhere, formulas are set, search finds.
+"""Read the built site in Chromium: nothing comes from elsewhere, formulas are set, search finds.
 
 ``python -m docs.studies.site results/site`` serves the folder to this machine, opens some pages and
 searches for what slipfront does not do.  It ends with exit code 1 and a list if anything is wrong.
