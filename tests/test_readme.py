@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import os
 import re
 import tomllib
 from pathlib import Path
@@ -144,3 +145,34 @@ def test_every_page_is_in_the_site():
     site = (ROOT / "mkdocs.yml").read_text()
     pages = {str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.md")}
     assert set(re.findall(r": ([\w/]+\.md)$", site, re.MULTILINE)) == pages
+
+
+def test_every_recipe_installs_the_libraries_of_the_one_list():
+    """Dockerfile and workflows read it; Binder wants one name a line."""
+    libraries = (ROOT / "meshes" / "apt-packages.txt").read_text().split()
+    assert (ROOT / "binder" / "apt.txt").read_text().split() == libraries
+    for place in ("Dockerfile", ".github/workflows/tests.yml", ".github/workflows/nightly.yml"):
+        assert "$(cat meshes/apt-packages.txt)" in (ROOT / place).read_text()
+
+
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / ".github").rglob("*.yml")), ids=lambda one: one.name
+)
+def test_what_the_forge_reads_is_valid(path):
+    """YAML, and no command or file that is not there."""
+    yaml = pytest.importorskip("yaml")
+    text = path.read_text()
+    read = yaml.safe_load(text)
+    jobs = read.get("jobs", {}) if path.parent.name == "workflows" else {}
+    assert jobs or path.parent.name == "ISSUE_TEMPLATE"
+    for job in jobs.values():
+        assert job["timeout-minutes"] <= 180
+        assert all(("run" in step) != ("uses" in step) for step in job["steps"])
+    for name in re.findall(r"(?<![\w/])\.ci/\w+", text):
+        assert os.access(ROOT / name, os.X_OK)
+
+
+def test_community_files_lead_somewhere():
+    for name in ("CONTRIBUTING.md", "SECURITY.md", "CODE_OF_CONDUCT.md"):
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[\w-]+)?\)", (ROOT / name).read_text()):
+            assert (ROOT / target).exists(), target
