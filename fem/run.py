@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import sys
 import warnings
@@ -21,6 +22,8 @@ from fem.snapshots import Snapshots
 from semianalytic.results.interruption import deferred_interrupt
 from semianalytic.scene.errors import ComputationError, SceneError
 from semianalytic.scene.scene import Scene
+
+_log = logging.getLogger(__name__)
 
 RUNAWAY = 2.0
 FIRST_JUDGED = 4
@@ -162,6 +165,7 @@ def run_plan(
     remarks: list[str] = []
     model = build(plan, remarks.append)
     seconds = dict(model.seconds)
+    _log.info("simulate: %s, %d unknowns, %d steps", model.plan.name, model.unknowns, model.steps)
     with timed(seconds, "steps"), np.errstate(over="ignore", invalid="ignore"):
         record, identity = Record(model), run_identity(model)
         run = run_name(identity)
@@ -183,6 +187,7 @@ def run_plan(
                 if progress is not None and 0 < step <= model.steps:
                     progress(step, model.steps)
     unwritten = pictures.missing if pictures else ""
+    _log.info("simulate: %d steps in %.3g s", model.steps, seconds["steps"])
     return _result(model, record, seconds, run, unwritten, " ".join(remarks))
 
 

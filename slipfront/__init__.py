@@ -8,11 +8,14 @@ are in `sf.reference`, thresholds between regimes in `sf.regimes`.  A module is 
 its names is first used, so that the command line starts at once.
 """
 
+import logging
 import sys
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked
 
 _NAMES = {
     "semianalytic": (
