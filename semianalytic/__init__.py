@@ -4,6 +4,7 @@ The modules that `solve` needs are imported at once, the others when one of thei
 used.
 """
 
+import logging
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,8 @@ from semianalytic.scene.scene import Material, Scene, Tractions
 from semianalytic.selfsimilar.motion import OpenZone, SlipZone
 from semianalytic.selfsimilar.solution import Solution, Statistics
 from semianalytic.selfsimilar.solver import solve
+
+logging.getLogger(__name__).addHandler(logging.NullHandler())  # silent unless asked
 
 __all__ = [
     "Answer",

@@ -430,7 +430,8 @@ def _check_keys(
     for key, value in table.items():
         if key not in known:
             close = difflib.get_close_matches(key, known, n=1)
-            hint = f"did you mean {close[0]}?" if close else f"known are {', '.join(known)}."
+            others = f"known are {', '.join(known)} (docs/not_here.md)."
+            hint = f"did you mean {close[0]}?" if close else others
             hint = _NAMED_OTHERWISE.get(prefix + key, hint)
             raise SceneError(f"{path}: unknown key {prefix}{key}; {hint}")
         if key in (*TABLES, *OPTIONAL_TABLES):

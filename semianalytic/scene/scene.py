@@ -168,7 +168,8 @@ class Scene:
                 )
             known = [one.name for one in fields(cls)]
             close = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {close[0]}?" if close else f"it has {', '.join(known)}."
+            others = f"it has {', '.join(known)} (docs/not_here.md)."
+            hint = f"did you mean {close[0]}?" if close else others
             raise SceneError(f"scene: there is no parameter {shown(name)}; {hint}")
         return super().__new__(cls)
 
@@ -190,10 +191,13 @@ class Scene:
                 known = ", ".join(kind.__name__ for kind in own.values())
                 raise SceneError(
                     f"scene: {name} must be one of {known}, or of a package that brings it "
-                    f"(docs/extending.md), got {shown(part)}."
+                    f"(docs/extending.md), got {shown(part)} (docs/not_here.md)."
                 )
         if self.mode not in MODES:
-            raise SceneError(f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)}.")
+            raise SceneError(
+                f"scene: mode must be {' or '.join(MODES)}, got {shown(self.mode)} "
+                "(docs/not_here.md)."
+            )
         if self.load_on not in LOADED:
             raise SceneError(
                 f"scene: load_on must be {' or '.join(LOADED)}, got {shown(self.load_on)}."
@@ -519,14 +523,16 @@ def _named(name: str, part: _Part, table: Any) -> Any:
         description = known_class(part.group, part.base, part.own, kind)
     if description is None:
         kinds = ", ".join((*part.own, *plugin_names(part.group, part.own)))
-        raise SceneError(f"{name}: kind must be one of {kinds}, got {shown(kind)}.")
+        raise SceneError(
+            f"{name}: kind must be one of {kinds}, got {shown(kind)} (docs/not_here.md)."
+        )
     given = {key: value for key, value in table.items() if key != "kind"}
     known = [part.name for part in fields(description)]
     unknown = [key for key in given if key not in known]
     if unknown:
         raise SceneError(
             f"{name}: kind {kind} has no {shown(unknown[0])}; "
-            f"it takes {', '.join(known) or 'nothing'}."
+            f"it takes {', '.join(known) or 'nothing'} (docs/not_here.md)."
         )
     try:
         return description(**given)

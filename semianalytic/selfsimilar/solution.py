@@ -31,6 +31,7 @@ from semianalytic.results.reading import (
     self_similar_reading,
     slip_of_rates,
 )
+from semianalytic.results.renamed import renamed
 from semianalytic.scene.checks import checked_number
 from semianalytic.scene.errors import SceneError
 from semianalytic.scene.given.quantities import asked_in_units
@@ -527,6 +528,11 @@ class Solution:
         From the contact edge outward; 0 is the contact edge itself, inf slip ahead of all waves.
         """
         return np.array([(zone.inner, zone.outer) for zone in self.zones]).reshape(-1, 2)
+
+    front_speeds = renamed("front_speeds", "edge_speeds", "0.3")
+    heat = renamed("heat", "frictional_work", "0.3")
+    friction_work = renamed("friction_work", "work_density", "0.3")
+    energy_flux = renamed("energy_flux", "frictional_power", "0.3")
 
     @cached_property
     def _surroundings(self) -> Surroundings:

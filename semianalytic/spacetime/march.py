@@ -20,6 +20,7 @@ grid can follow are refused (`resolution`).  See docs/spacetime.md, "Method".
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from collections.abc import Callable
@@ -60,6 +61,8 @@ from semianalytic.spacetime.tuning import (
     STEP_RATIO,
     TOLERANCES,
 )
+
+_log = logging.getLogger(__name__)
 
 
 def causal_grid(scene: Scene, latest: float, length: float, nodes: int) -> Grid:
@@ -216,8 +219,11 @@ def march(
         scene, end_time, latest, length, step_ratio, damping, every, tolerance, rtol, companion
     )
     if rtol is None:
-        return plan.run(plan.enough_nodes(nodes, NODES, memory), memory, progress)
-    return plan.run_within(rtol, memory, progress)
+        marched = plan.run(plan.enough_nodes(nodes, NODES, memory), memory, progress)
+    else:
+        marched = plan.run_within(rtol, memory, progress)
+    _log.debug("march: %r", marched)
+    return marched
 
 
 def check_march(scene: Scene, end_time: float, nodes: int, length: float) -> None:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from semianalytic.results.files import sealed_hdf5, whole_hdf5
 from semianalytic.results.interface_history import InterfaceHistory
+from semianalytic.results.renamed import renamed
 from semianalytic.results.sampled import ONSET_SHARE, SampledAnswer, Totals
 from semianalytic.scene.errors import DataFileError, SceneError
 from semianalytic.scene.given.quantities import asked_in_units
@@ -465,6 +466,9 @@ class Marched(SampledAnswer):
     def final_work_density(self) -> Array:
         """Energy turned to heat at the observed nodes until the end, per area [stress length]."""
         return self.state.work[: self.grid.observed]
+
+    path = renamed("path", "final_path", "0.3")
+    friction_work = renamed("friction_work", "final_work_density", "0.3")
 
     def __repr__(self) -> str:
         grid, estimate = self.grid, self.error_estimate
