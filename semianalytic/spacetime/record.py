@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 
 import numpy as np
@@ -69,55 +69,79 @@ class MarchRecord:
         """Store the level at t = 0, with the pressure of the contact, unless it is stored."""
         if self._stored:
             return
-        self._store(state, pressure)
-        self._sum(state)
-
-    def jump(self, state: MarchState) -> None:
-        """Include in `seen` the slip rate right after a jump of the loads."""
         rate = self._marched.grid.observe(state.rate)
-        self.seen = self.seen.with_level(
-            state.time, state.time, rate, rate, state.slip[: self._observed]
+        self._store(state.time, state.slip, rate, state.traction, pressure)
+        self._sum([state.time], state.slip[None], state.path[None], state.work[None])
+
+    def jump(self, time: float, rate: Array, slip: Array) -> None:
+        """Include in `seen` the slip rate (size,) right after a jump of the loads."""
+        rate = self._marched.grid.observe(rate)
+        self.seen = self.seen.with_levels(
+            [time, time], np.stack([rate, rate]), slip[: self._observed][None]
         )
 
-    def add(self, before: MarchState, state: MarchState, pressure: Array) -> None:
-        """Add the level `state` that follows `before`, with the pressure of the contact."""
-        observe = self._marched.grid.observe
-        self.seen = self.seen.with_level(
-            before.time,
-            state.time,
-            observe(before.rate),
-            observe(state.rate),
-            state.slip[: self._observed],
-        )
-        self._sum(state)
+    def count(self) -> None:
+        """Count a step, which belongs to the next levels that are added, and tell of it."""
         self.done += 1
         self.stopped = self._progress is not None and (
             self._progress(self.done, self._steps) is True
         )
-        reached = self._marched.statistics.steps + self.done
-        if reached % self._every == 0 or self.done == self._steps or self.stopped:
-            self._store(state, pressure)
 
-    def _store(self, state: MarchState, pressure: Array) -> None:
-        """Store a level."""
-        self._times[self._stored] = state.time
-        rate = state.rate[self._marched.grid.contact]
-        for kept, field in zip(
-            self._fields, (state.slip, rate, state.traction, pressure), strict=True
-        ):
+    def add(
+        self,
+        times: Sequence[float],
+        pressures: Sequence[Array],
+        rates: Array,
+        tractions: Array,
+        slips: Array,
+        paths: Array,
+        works: Array,
+    ) -> None:
+        """Add the levels of the last k steps.
+
+        Parameters
+        ----------
+        times : (k + 1,) sequence
+            Times of the levels and of the one before them [time].
+        pressures : k arrays of (contact,)
+            Pressure of the contact at the levels [stress].
+        rates : (k + 1, size) array
+            Slip rates at `times`.
+        tractions, slips, paths, works : (k + 1, contact) arrays
+            Fields of `MarchState` at `times`.
+        """
+        grid, n = self._marched.grid, self._observed
+        rates = rates[:, grid.slot : grid.slot + n]
+        self.seen = self.seen.with_levels(times, rates, slips[1:, :n])
+        self._sum(times[1:], slips[1:], paths[1:], works[1:])
+        taken = len(times) - 1
+        for row in range(1, taken + 1):
+            done = self.done - taken + row
+            reached = self._marched.statistics.steps + done
+            last = done == self._steps or (self.stopped and row == taken)
+            if reached % self._every == 0 or last:
+                fields = slips[row], rates[row], tractions[row], pressures[row - 1]
+                self._store(times[row], *fields)
+
+    def _store(self, time: float, *fields: Array) -> None:
+        """Store a level, the fields in the order of `_FIELDS`."""
+        self._times[self._stored] = time
+        for kept, field in zip(self._fields, fields, strict=True):
             kept[self._stored] = field[: self._observed]
         self._stored += 1
 
-    def _sum(self, state: MarchState) -> None:
-        """Add the totals of a level: sums over nodes times h are integrals over the contact."""
-        slip, path, work = (
-            field[: self._observed] for field in (state.slip, state.path, state.work)
+    def _sum(self, times: Sequence[float], slips: Array, paths: Array, works: Array) -> None:
+        """Add the totals of levels: sums over nodes times h are integrals over the contact."""
+        n, part = self._observed, slice(self._summed, self._summed + len(times))
+        totals = (
+            times,
+            np.abs(slips[:, :n]).max(axis=1),
+            paths[:, :n].sum(axis=1) * self._spacing,
+            works[:, :n].sum(axis=1) * self._spacing,
         )
-        largest = np.abs(slip).max()
-        totals = (state.time, largest, path.sum() * self._spacing, work.sum() * self._spacing)
         for kept, total in zip(self._totals, totals, strict=True):
-            kept[self._summed] = total
-        self._summed += 1
+            kept[part] = total
+        self._summed += len(times)
 
     def interface(self) -> InterfaceHistory:
         """Return the stored levels."""
