@@ -53,6 +53,7 @@ from semianalytic.spacetime.tuning import (
     LEAST_GROWTH,
     LEAST_NODES,
     MARGIN_NODES,
+    MEMORY_SHARE,
     MOST_NODES,
     NODES,
     ORDERS,
@@ -296,20 +297,22 @@ class _Plan:
 
         See docs/spacetime.md, "Its own error".
         """
-        nodes, order, coarser = self.enough_nodes(None, FIRST_NODES, memory), 1.0, None
+        nodes = self.enough_nodes(None, FIRST_NODES, memory)
+        # march and companions share the error of the memory: it has to stay well below
+        plan = replace(self, tolerance=min(self.tolerance, max(rtol * MEMORY_SHARE, TOLERANCES[0])))
         while True:
-            marched = self.run(nodes, memory, progress)
+            marched = plan.run(nodes, memory, progress)
             estimate = marched.error_estimate
             stopped = marched.end_time < self.end_time
             if stopped or nodes >= MOST_NODES or estimate <= rtol:
                 return marched
-            if coarser is not None and math.isfinite(coarser.error_estimate):
-                ratio = math.log(nodes / coarser.grid.observed)
-                order = math.log(coarser.error_estimate / estimate) / ratio
             # error ~ nodes^-order: the nodes that bring the estimate to rtol / GROWTH_MARGIN
-            growth = (GROWTH_MARGIN * estimate / rtol) ** (1 / np.clip(order, *ORDERS))
-            growth = float(np.clip(growth, LEAST_GROWTH, LARGEST_GROWTH))
-            nodes, coarser = min(MOST_NODES, math.ceil(growth * nodes)), marched
+            order = float(np.clip(np.nan_to_num(marched.order, nan=1.0), *ORDERS))
+            growth = max(LEAST_GROWTH, (GROWTH_MARGIN * estimate / rtol) ** (1 / order))
+            if growth > LARGEST_GROWTH:
+                # A march on a quarter of the nodes costs a sixteenth, and tells the order better.
+                growth = max(growth / 4, LARGEST_GROWTH)
+            nodes = min(MOST_NODES, math.ceil(growth * nodes))
 
     def run(
         self,

@@ -33,6 +33,8 @@ from semianalytic.spacetime.tuning import (
     LARGEST_ERROR,
     MEMORY_SAFETY,
     ONSET_SHARE,
+    ORDER_SAFETY,
+    ORDERS,
     READING_SAFETY,
 )
 
@@ -203,6 +205,30 @@ class Departure:
     difference: float = 0.0
     slip_rate: float = 0.0
 
+    @property
+    def share(self) -> float:
+        """Difference over slip rate; 0 where nothing slips."""
+        return self.difference / self.slip_rate if self.slip_rate else 0.0
+
+
+def error_bound(difference: float, order: float, memory_error: float) -> float:
+    """Return the estimate of the relative L1 error of the slip rate, meant as a bound.
+
+    Parameters
+    ----------
+    difference : float
+        Relative difference from the companion.
+    order : float
+        Observed order of that difference in the node distance; nan where it is not known.
+    memory_error : float
+        Relative error of the memory's transform, which march and companion share.
+    """
+    factor = ERROR_SAFETY
+    if not math.isnan(order):
+        # an error of order p is the difference over 2^p - 1
+        factor = min(factor, ORDER_SAFETY / (2 ** min(max(order, ORDERS[0]), ORDERS[1]) - 1))
+    return factor * difference + MEMORY_SAFETY * memory_error
+
 
 @dataclass(frozen=True)
 class MarchStatistics:
@@ -321,8 +347,19 @@ class Marched(SampledAnswer):
             return math.inf if self.departure.difference or self._missed_zone else 0.0
         # Both marches share the error of the memory's transform, which their difference does not
         # show.
-        share = self.departure.difference / self.departure.slip_rate
-        return ERROR_SAFETY * share + MEMORY_SAFETY * self.memory.error
+        return error_bound(self.departure.share, self.order, self.memory.error)
+
+    @property
+    def order(self) -> float:
+        """Observed order of the error of the slip rate in the node distance.
+
+        It compares the differences between the march, its companion, and the companion of that,
+        which marches for an `rtol` have; it is nan without.
+        """
+        if len(self.chain) < 3 or self.companion is None:
+            return math.nan
+        fine, coarse = self.departure.share, self.companion.departure.share
+        return math.log2(coarse / fine) if fine > 0 and coarse > 0 else math.nan
 
     def error_of(self, reading: Callable[[Marched], ArrayLike]) -> Array:
         """Estimate the error of any quantity read off the march, in its unit; meant as a bound.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from dataclasses import fields as fields_of
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from semianalytic.results.sampled import Totals
 from semianalytic.spacetime.marched import Marched, MarchState
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 _FIELDS = ("slip", "slip_rate", "shear_traction", "pressure")
 """Fields that are stored of each level; a march ends where the contact would open."""
@@ -62,7 +63,7 @@ class MarchRecord:
         self._summed = len(marched.totals.t)
         self._totals = [
             _extended(getattr(marched.totals, field.name), self._summed + (not before) + steps)
-            for field in fields(Totals)
+            for field in fields_of(Totals)
         ]
 
     def begin(self, state: MarchState, pressure: Array) -> None:
@@ -70,7 +71,8 @@ class MarchRecord:
         if self._stored:
             return
         rate = self._marched.grid.observe(state.rate)
-        self._store(state.time, state.slip, rate, state.traction, pressure)
+        fields = state.slip, rate, state.traction, pressure
+        self._store(np.array([state.time]), *(field[None] for field in fields))
         self._sum([state.time], state.slip[None], state.path[None], state.work[None])
 
     def jump(self, time: float, rate: Array, slip: Array) -> None:
@@ -115,20 +117,30 @@ class MarchRecord:
         self.seen = self.seen.with_levels(times, rates, slips[1:, :n])
         self._sum(times[1:], slips[1:], paths[1:], works[1:])
         taken = len(times) - 1
-        for row in range(1, taken + 1):
-            done = self.done - taken + row
-            reached = self._marched.statistics.steps + done
-            last = done == self._steps or (self.stopped and row == taken)
-            if reached % self._every == 0 or last:
-                fields = slips[row], rates[row], tractions[row], pressures[row - 1]
-                self._store(times[row], *fields)
+        reached = self._marched.statistics.steps + self.done - taken + np.arange(1, taken + 1)
+        kept = reached % self._every == 0
+        kept[taken - 1 :] |= self.stopped or self.done == self._steps
+        rows = np.flatnonzero(kept)
+        # all of them without a copy, which takes as long as the storing
+        part: slice | Indices = slice(1, None) if len(rows) == taken else rows + 1
+        stored = slips[part], rates[part], tractions[part], self._pressed(pressures, rows)
+        self._store(np.asarray(times)[part], *stored)
 
-    def _store(self, time: float, *fields: Array) -> None:
-        """Store a level, the fields in the order of `_FIELDS`."""
-        self._times[self._stored] = time
+    def _pressed(self, pressures: Sequence[Array], rows: Indices) -> Array:
+        """Return the pressure (k, observed) of some of the levels."""
+        if not len(rows):
+            return np.zeros((0, self._observed))
+        if all(one is pressures[0] for one in pressures):
+            return np.broadcast_to(pressures[0], (len(rows), len(pressures[0])))
+        return np.array([pressures[row][: self._observed] for row in rows])
+
+    def _store(self, times: Array, *fields: Array) -> None:
+        """Store levels, the fields in the order of `_FIELDS`."""
+        part = slice(self._stored, self._stored + len(times))
+        self._times[part] = times
         for kept, field in zip(self._fields, fields, strict=True):
-            kept[self._stored] = field[: self._observed]
-        self._stored += 1
+            kept[part] = field[:, : self._observed]
+        self._stored += len(times)
 
     def _sum(self, times: Sequence[float], slips: Array, paths: Array, works: Array) -> None:
         """Add the totals of levels: sums over nodes times h are integrals over the contact."""

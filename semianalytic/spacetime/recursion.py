@@ -86,6 +86,7 @@ class Recursion:
         self._parts = parts
         # the static part of h remembers slip itself: the trapezoidal rule, exact for linear V
         self._half = memory.static * phase / 2
+        self._whole = 2 * self._half
         feedback += self._half
         # The iteration of a step contracts by the feedback, which must be below 1; the shortest
         # wave has the largest.  h(0) = 0, so the feedback grows like the square of the step.
@@ -119,7 +120,7 @@ class Recursion:
             np.multiply(gain, twice, out=scratch)
         np.add(self._parts, self._scratch, out=self._parts)
         # half as the start of this step, half as the end value left out of the one before
-        self._lasting += 2 * self._half * rate
+        self._lasting += self._whole * rate
         return self.exerted()
 
     def leave(self, rate: Array) -> None:

@@ -67,14 +67,17 @@ COMPANION_LAG = 64
 """Steps of a march after which its companion catches up: stepping in turn is a tenth slower."""
 FIRST_NODES = 250
 """Nodes of the first march for an `rtol`: 0.6 % in 0.05 s (`preloaded`)."""
-LARGEST_GROWTH = 4.0
-"""Largest growth of the nodes from one march for an `rtol` to the next: the order is not known
-before the second, and a march at a quarter of the nodes costs a sixteenth."""
-LEAST_GROWTH = 1.3
+LARGEST_GROWTH = 6.0
+"""Growth of the nodes up to which a march for an `rtol` is the next; before a larger one, a march on
+a quarter of the nodes aimed at costs a sixteenth and tells the order better."""
+LEAST_GROWTH = 1.15
 GROWTH_MARGIN = 1.15
 """Factor by which the error aimed at lies below `rtol`."""
-ORDERS = (0.5, 2.0)
-"""Range within which the order seen in two marches is believed; 0.7 to 1.4 are measured."""
+ORDERS = (0.5, 1.5)
+"""Range within which an observed order is believed."""
+ORDER_SAFETY = 1.3
+MEMORY_SHARE = 0.02
+"""Tolerance of the memory over `rtol`: the estimate then grows by 4 to 8 % of `rtol`."""
 
 # --- the memory as a sum of exponentials ------------------------------------------------------
 
