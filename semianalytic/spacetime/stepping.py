@@ -20,7 +20,11 @@ from numpy.typing import NDArray
 from semianalytic.scene.errors import ComputationError, TensionError
 from semianalytic.scene.friction import CoulombFriction, RateFriction
 from semianalytic.scene.scene import Scene
-from semianalytic.spacetime.grid_pressure import GridPressure
+from semianalytic.spacetime.grid_pressure import (
+    GridPressure,
+    knows_slipping_edge,
+    spilled_pressure,
+)
 from semianalytic.spacetime.marched import Grid, Marched, MarchState
 from semianalytic.spacetime.record import MarchRecord
 from semianalytic.spacetime.recursion import Recursion
@@ -99,23 +103,35 @@ class Level:
         Shear traction Q_0 f that is taken off the slot [stress].
     pressure : (contact,) array
         Contact pressure at the nodes [stress].
+    spilled : (m,) array or None
+        Pressure whose friction an edge that slips leaves on the last nodes of the slot, with the
+        sign of slip there [stress].
     """
 
     time: float
     step: float
     shear_load: float
     pressure: Array
+    spilled: Array | None = None
 
 
-def _levels(scene: Scene, segment: Segment, pressure: GridPressure) -> Iterator[Level]:
+def _levels(
+    scene: Scene, segment: Segment, pressure: GridPressure, sense: Callable[[], float]
+) -> Iterator[Level]:
     """Yield the levels of a segment.
 
     At a jump, the first level takes the shear load just after it and the last one that before it.
+    `sense` is asked before each level for the sign of the slip rate at the edge: the pressure of an
+    edge that sticks is used until it slips, so that it decides whether the edge slips.
     """
     times, step = segment.levels, segment.time_step
     loads = _shear_loads(scene, times)
-    for now, load, on_contact in zip(times.tolist(), loads, pressure.over(times), strict=True):
-        yield Level(now, step, load, on_contact)
+    rows, own = pressure.over(times), knows_slipping_edge(scene)
+    left = spilled_pressure(scene, pressure.spacing, times) if own else times
+    for row, (now, load) in enumerate(zip(times.tolist(), loads, strict=True)):
+        sign = sense() if own else 0.0
+        spilled = sign * left[row] if sign else None
+        yield Level(now, step, load, rows(row, sign != 0), spilled)
 
 
 def check_levels(scene: Scene, segments: Sequence[Segment], pressure: GridPressure) -> None:
@@ -134,7 +150,7 @@ def check_levels(scene: Scene, segments: Sequence[Segment], pressure: GridPressu
     if not scene.superposition.taken_off.pressure:
         return
     for segment in segments:
-        for level in islice(_levels(scene, segment, pressure), 1, None):
+        for level in islice(_levels(scene, segment, pressure, lambda: 0.0), 1, None):
             _check_pressure(scene, level, pressure.spacing)
 
 
@@ -223,6 +239,8 @@ class Line:
             np.add(np.copysign(speed, on_contact), 0.0, out=moving)
         # the slot carries Q_b - Q_0 f: tau_stop - (rho c_t/2) V equals it
         np.subtract(stopping[:slot], self._held - level.shear_load, out=rate[:slot])
+        if level.spilled is not None:
+            rate[slot - len(level.spilled) : slot] -= self._friction * level.spilled
         rate[:slot] *= 1 / self.impedance
 
 
@@ -319,7 +337,7 @@ class Walk:
         )
         self._recursion = recursion
         self._feedback = -self._line.impedance * self._recursion.feedback
-        self._levels = _levels(scene, segment, self._pressure)
+        self._levels = _levels(scene, segment, self._pressure, self._edge_sense)
         first = next(self._levels)
         # A segment that begins neither at t = 0 nor at a jump continues an earlier march, whose
         # rate is the right one already.
@@ -331,6 +349,10 @@ class Walk:
         self.done = 0
         cosines(self._rates[0], self._transform)
         self._recursion.enter(self._transform)
+
+    def _edge_sense(self) -> float:
+        """Return the sign of the slip rate at the first node, 0 where it sticks."""
+        return float(np.sign(self._rates[self._last, self.grid.slot]))
 
     def _jump(self, level: Level) -> None:
         """Change slip rate and traction as a jump of the loads does.
