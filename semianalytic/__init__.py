@@ -36,6 +36,8 @@ from semianalytic.selfsimilar.solver import solve
 __all__ = [
     "Answer",
     "ComputationError",
+    "Contact",
+    "Coulomb",
     "CoulombFriction",
     "DataFileError",
     "Derivative",
@@ -43,7 +45,9 @@ __all__ = [
     "FrictionLaw",
     "Gauge",
     "Harmonic",
+    "Interface",
     "InterfaceHistory",
+    "InterfaceLaw",
     "LoadHistory",
     "LogNormal",
     "Marched",
@@ -59,13 +63,18 @@ __all__ = [
     "PluginError",
     "Pulse",
     "Ramp",
+    "RateAndState",
+    "RateDependent",
     "RateFriction",
     "RateWeakening",
+    "Run",
     "Scene",
     "SceneError",
     "Setup",
+    "ShearLoad",
     "SlidingStability",
     "SlidingWave",
+    "SlipDependent",
     "SlipInterval",
     "SlipWeakening",
     "SlipZone",
@@ -74,6 +83,7 @@ __all__ = [
     "Statistics",
     "Step",
     "Sweep",
+    "Table",
     "Tabulated",
     "TensionError",
     "Tractions",
@@ -87,6 +97,7 @@ __all__ = [
     "march",
     "march_on",
     "predict",
+    "run",
     "sliding_stability",
     "solve",
     "solve_pair",
@@ -103,6 +114,13 @@ _LATER = {
     ),
     "semianalytic.dissimilar_slot.solution": ("PairSolution", "PairStatistics"),
     "semianalytic.dissimilar_slot.solver": ("solve_pair",),
+    "semianalytic.engine.contact": ("Contact",),
+    "semianalytic.engine.fields": ("Table",),
+    "semianalytic.engine.interface": ("Interface", "ShearLoad"),
+    "semianalytic.engine.law": ("InterfaceLaw",),
+    "semianalytic.engine.laws": ("Coulomb", "RateAndState", "RateDependent", "SlipDependent"),
+    "semianalytic.engine.result": ("Run",),
+    "semianalytic.engine.run": ("run",),
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
     "semianalytic.inversion.fitting": ("Fit", "fit"),
     "semianalytic.inversion.gauges": ("Gauge",),
@@ -125,6 +143,13 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     )
     from semianalytic.dissimilar_slot.solution import PairSolution, PairStatistics
     from semianalytic.dissimilar_slot.solver import solve_pair
+    from semianalytic.engine.contact import Contact
+    from semianalytic.engine.fields import Table
+    from semianalytic.engine.interface import Interface, ShearLoad
+    from semianalytic.engine.law import InterfaceLaw
+    from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
+    from semianalytic.engine.result import Run
+    from semianalytic.engine.run import run
     from semianalytic.field.derived import fringe_order, fringes, strain
     from semianalytic.inversion.fitting import Fit, fit
     from semianalytic.inversion.gauges import Gauge
