@@ -46,6 +46,7 @@ __all__ = [
     "Gauge",
     "Harmonic",
     "Interface",
+    "InterfaceFile",
     "InterfaceHistory",
     "InterfaceLaw",
     "LoadHistory",
@@ -90,6 +91,7 @@ __all__ = [
     "Uniform",
     "ViscousFriction",
     "ZoneDerivative",
+    "find_interface",
     "find_scene",
     "fit",
     "fringe_order",
@@ -119,6 +121,8 @@ _LATER = {
     "semianalytic.engine.interface": ("Interface", "ShearLoad"),
     "semianalytic.engine.law": ("InterfaceLaw",),
     "semianalytic.engine.laws": ("Coulomb", "RateAndState", "RateDependent", "SlipDependent"),
+    "semianalytic.engine.files": ("InterfaceFile",),
+    "semianalytic.engine.named": ("find_interface",),
     "semianalytic.engine.result": ("Run",),
     "semianalytic.engine.run": ("run",),
     "semianalytic.field.derived": ("fringe_order", "fringes", "strain"),
@@ -145,9 +149,11 @@ if TYPE_CHECKING:  # which would let a misspelt name pass behind __getattr__
     from semianalytic.dissimilar_slot.solver import solve_pair
     from semianalytic.engine.contact import Contact
     from semianalytic.engine.fields import Table
+    from semianalytic.engine.files import InterfaceFile
     from semianalytic.engine.interface import Interface, ShearLoad
     from semianalytic.engine.law import InterfaceLaw
     from semianalytic.engine.laws import Coulomb, RateAndState, RateDependent, SlipDependent
+    from semianalytic.engine.named import find_interface
     from semianalytic.engine.result import Run
     from semianalytic.engine.run import run
     from semianalytic.field.derived import fringe_order, fringes, strain

@@ -67,18 +67,21 @@ class ShearLoad:
         if history is None and not callable(self.shear):
             raise SceneError("load: without a history `shear` must be a function of x and t.")
 
-    def traction(self, x: Any, t: float) -> Array:
-        """Return the traction at positions x (n,) at a time, (n,) [stress]."""
+    def traction(self, x: Any, t: float, after: bool = False) -> Array:
+        """Return the traction at positions x (n,) at a time, (n,) [stress].
+
+        At a jump of the history it is that before it, or `after` it.
+        """
         x = np.asarray(x, dtype=float)
         if self.history is None:
             return np.asarray(self.shear(x, t), dtype=float)
         shape = self.shear(x) if callable(self.shear) else self.shear
-        return np.broadcast_to(np.asarray(shape, dtype=float) * self.factor(t), x.shape)
+        return np.broadcast_to(np.asarray(shape, dtype=float) * self.factor(t, after), x.shape)
 
-    def factor(self, t: float) -> float:
-        """Return the factor at a time; at a jump it is that after it."""
+    def factor(self, t: float, after: bool = False) -> float:
+        """Return the factor at a time; at a jump it is that before it, or `after` it."""
         if isinstance(self.history, LoadHistory):
-            return float(self.history.value(math.nextafter(t, math.inf)))
+            return float(self.history.value(math.nextafter(t, math.inf) if after else t))
         return float(self.history(t)) if self.history is not None else 1.0
 
     @property

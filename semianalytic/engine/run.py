@@ -167,12 +167,11 @@ def _one(
             left = stops[0] - now.time
             # a step that almost reaches the stop does reach it: no sliver is left
             last = left <= length * (1 + 1e-9)
-            before, now = now, stepper.step(now, left if last else length, rung)
-            if last:
-                now = replace(now, time=stops.pop(0))
-                if stops:
-                    now = stepper.jump(now)
+            stop = stops.pop(0) if last else None
+            before, now = now, stepper.step(now, left if last else length, rung, stop)
             record.add(before, now)
+            if last and stops:
+                now = stepper.jump(now)
             asked = progress is not None and progress(now.time, end_time)
             stopped = bool(interruption.pressed or asked) and bool(stops)
     record.end(now)

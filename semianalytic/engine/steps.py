@@ -134,11 +134,17 @@ class Stepper:
             fixed.append((field, load))
         return fixed
 
-    def loads(self, time: float) -> tuple[Array, Array]:
-        """Return the shear of an uncut line, and that which faces of slots carry, (n,) each."""
+    def loads(self, time: float, after: bool = False) -> tuple[Array, Array]:
+        """Return the shear of an uncut line, and that which faces of slots carry, (n,) each.
+
+        At a jump they are those before it, or `after` it.
+        """
         line, slot = self.shear.copy(), self.shear.copy()
         for field, load in self._fixed:
-            value = load.traction(self.grid.x, time) if field is None else field * load.factor(time)
+            if field is None:
+                value = load.traction(self.grid.x, time)
+            else:
+                value = field * load.factor(time, after)
             if load.on == "line":
                 line += value
             else:
@@ -164,7 +170,7 @@ class Stepper:
         held = self.memory.modes.real.sum(axis=0) + self.memory.lasting
         if table is not None:
             held = held + table.feedback * self._amplitudes(now.rate)
-        line, slot = self.loads(now.time)
+        line, slot = self.loads(now.time, after=True)
         stopping = self._stopping(line, held)
         rate, traction = self._balance(stopping, slot, now.state)
         # the newest rate's share in the memory is left out, and taken from `rate` in the next step
@@ -187,9 +193,19 @@ class Stepper:
             rung = min(int(math.log(limit / self.shortest) / math.log(LADDER)), now.rung + 1)
         return self.shortest * LADDER**rung, rung
 
-    def step(self, now: State, length: float, rung: int) -> State:
-        """Return the state one step later; the memory goes along."""
-        time = now.time + length
+    def step(self, now: State, length: float, rung: int, time: float | None = None) -> State:
+        """Return the state one step later; the memory goes along.
+
+        Parameters
+        ----------
+        now : State
+            Where the step begins.
+        length, rung
+            As `length` gives them.
+        time : float, optional
+            Exact time of the end where a load jumps there [time].
+        """
+        time = now.time + length if time is None else time
         amplitudes = self._amplitudes(now.rate)
         past, feedback = self.memory.advance(amplitudes, self._speed * length)
         line, slot = self.loads(time)
