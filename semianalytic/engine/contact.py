@@ -94,7 +94,7 @@ def area_mean(excess: Array, inner: NDArray[np.bool_]) -> Array:
         Whether a node has neighbours of the same contact on both sides.
     """
     left, right = np.roll(excess, 1), np.roll(excess, -1)
-    # where strength or load jumps, one of the two differences is large and says nothing of the other
+    # where strength or load jumps, one of the two differences says nothing of the other
     even = np.minimum(np.abs(right - excess), np.abs(excess - left))
     reach = AREA * np.minimum(np.abs(right - left) / 4, even)
     # beside a stuck singular edge the excess differs much but has one sign: nothing is to slip

@@ -45,7 +45,7 @@ summary = "a punch of finite width, under pressure, and shear that arrives from 
 length = 16.0
 even = true
 contact = {intervals = [[-1.0, 1.0]]}
-load = {shear = 0.3}
+load = {shear = 0.05}
 [law]
 kind = "coulomb"
 friction = 0.5
